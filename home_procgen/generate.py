@@ -8,7 +8,10 @@ from home_mjx.errors import ConfigError
 from home_procgen import dataset as homes
 from home_procgen.v1 import dataset as procedural
 
-VERSIONS: Mapping[int, Any] = {procedural.VERSION: procedural.generate_dataset, homes.VERSION: homes.generate_homes}
+VERSIONS: Mapping[int, Any] = {
+    procedural.VERSION: procedural.generate_dataset,
+    homes.GENERATOR_VERSION: homes.generate_homes,
+}
 
 
 def generate_dataset(

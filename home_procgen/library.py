@@ -20,7 +20,7 @@ from home_mjx.datasets.suncg.write.house import (
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Material
 from home_procgen.outside.models import outside_models
-from home_procgen.primitives.family import Furniture
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.structure import structure_models
 from home_procgen.textures.recipes import texture
 from home_procgen.things import library as things
@@ -29,17 +29,17 @@ from home_procgen.things.categories import CATEGORIES
 from home_procgen.v1.categories import Category
 from home_procgen.v1.dataset import library_model
 
-CLASSES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
+MODEL_CATEGORIES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
 
 
 @cache
-def _others() -> Mapping[str, Furniture]:
+def _building_models() -> Mapping[str, FurnitureModel]:
     """Return the models outside `things`, by id: those of the building and of its surroundings."""
     families = (*structure_models().values(), *outside_models().values())
     return {model.id: model for models in families for model in models}
 
 
-def write_shared(root: Path) -> None:
+def write_library_tables(root: Path) -> None:
     """Write the metadata tables. They list every model, so they do not depend on the homes of the dataset.
 
     Intact tables are kept, because building them requires building all models.
@@ -47,12 +47,12 @@ def write_shared(root: Path) -> None:
     folder = root / "metadata"
     if is_folder_complete(folder) and is_folder_complete(folder, JOINTS_DIGEST):
         return
-    models = [library_model(model, CLASSES) for model in (*things().values(), *_others().values())]
+    models = [library_model(model, MODEL_CATEGORIES) for model in (*things().values(), *_building_models().values())]
     write_tables(root, models, digests=True)
     write_joints(root, models)
 
 
-def has_library(root: Path, house_id: str) -> bool:
+def has_intact_library(root: Path, house_id: str) -> bool:
     """Return whether all models and textures of a written home exist and are intact.
 
     Args:
@@ -67,17 +67,19 @@ def has_library(root: Path, house_id: str) -> bool:
     models = [root / "object" / name for name in set(re.findall(r'"modelId":"((?:home|gen)_[^"]+)"', text))]
     textures = set(re.findall(r'"texture":"([^"]+)"', text)).union(*(_textures_of(mtl) for mtl in rooms))
     for folder in models:
-        if not _is_whole(folder, _stamp(folder)):
+        if not _is_intact_folder(folder, _file_stamp(folder)):
             return False
         textures |= _textures_of(read_text(folder / f"{folder.name}.mtl"))
-    return all(_is_image(path, _stamp(path)) for path in (root / "texture" / f"{name}.png" for name in textures))
+    return all(
+        _is_intact_image(path, _file_stamp(path)) for path in (root / "texture" / f"{name}.png" for name in textures)
+    )
 
 
 def _textures_of(mtl: str) -> set[str]:
     return {Path(path).stem for path in re.findall(r"map_Kd (\S+)", mtl)}
 
 
-def _stamp(path: Path) -> tuple[int, ...]:
+def _file_stamp(path: Path) -> tuple[int, ...]:
     """Return sizes and modification times of a file, or of a folder's files; an equal stamp means unchanged files."""
     try:
         with os.scandir(path) as entries:
@@ -90,12 +92,12 @@ def _stamp(path: Path) -> tuple[int, ...]:
 
 
 @lru_cache(maxsize=4096)
-def _is_whole(folder: Path, stamp: tuple[int, ...]) -> bool:
+def _is_intact_folder(folder: Path, stamp: tuple[int, ...]) -> bool:
     return bool(stamp) and is_folder_complete(folder)
 
 
 @lru_cache(maxsize=4096)
-def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
+def _is_intact_image(path: Path, stamp: tuple[int, ...]) -> bool:
     try:
         with Image.open(path) as image:
             image.load()
@@ -104,7 +106,7 @@ def _is_image(path: Path, stamp: tuple[int, ...]) -> bool:
         return False
 
 
-def write_used(root: Path, home: House) -> None:
+def write_used_models(root: Path, home: House) -> None:
     """Write the models and textures of a home that are missing or damaged.
 
     Args:
@@ -116,9 +118,9 @@ def write_used(root: Path, home: House) -> None:
     """
     for name in sorted({item.model_id for level in home.levels for item in level.objects}):
         folder = root / "object" / name
-        if not _is_whole(folder, _stamp(folder)):
-            model = _others().get(name) or thing(name)
-            write_model(root, library_model(model, CLASSES), digests=True)
+        if not _is_intact_folder(folder, _file_stamp(folder)):
+            model = _building_models().get(name) or thing(name)
+            write_model(root, library_model(model, MODEL_CATEGORIES), digests=True)
     every = (material for materials in _materials(home) for material in materials)
     _write_textures(root, {material.texture.stem for material in every if material.texture is not None})
 
@@ -136,5 +138,5 @@ def _materials(home: House) -> Iterator[tuple[Material, ...]]:
 def _write_textures(root: Path, names: Set[str]) -> None:
     for name in sorted(names):
         path = root / "texture" / f"{name}.png"
-        if not _is_image(path, _stamp(path)):
+        if not _is_intact_image(path, _file_stamp(path)):
             write_textures(root, {name: texture(name)})

@@ -8,23 +8,23 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.schema.house import Material
-from home_procgen.primitives.family import Furniture, Shape
+from home_procgen.primitives.family import FurnitureModel, Shape
 from home_procgen.primitives.solids import Vector
 
 Box = Float[np.ndarray, "2 3"]
 Boxes = Float[np.ndarray, "_ 2 3"]
 
-KEPT = 64  # maximum number of cached shapes per model
-FACING = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) direction of the front after 0..3 quarter turns
+MAX_CACHED_SHAPES = 64  # maximum number of cached shapes per model
+FRONT_DIRECTIONS = ((0, 1), (1, 0), (0, -1), (-1, 0))  # (x, z) direction of the front after 0..3 quarter turns
 
 
 @dataclass(frozen=True)
-class PlacedFurniture:
+class PlacedModel:
     """An instance of a library model."""
 
-    model: Furniture
+    model: FurnitureModel
     position: Vector  # [m], of the model's origin
-    quarter: int = 0  # quarter turns about the vertical axis; `FACING` lists the directions of the front
+    quarter: int = 0  # quarter turns about the vertical axis; `FRONT_DIRECTIONS` lists the directions of the front
     scale: Vector = (1.0, 1.0, 1.0)  # along the model's own axes
     mirrored: bool = False  # left and right swapped
     closed: bool = False  # the closed variant of a door
@@ -40,7 +40,7 @@ class PlacedFurniture:
         """Extents along the model's own axes [m]."""
         return self.model.size * np.asarray(self.scale)
 
-    def at(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedFurniture":
+    def moved_to(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedModel":
         """Return the same object at another position [m]."""
         # `dataclasses.replace` takes ten times as long, and rooms try many places.
         moved = object.__new__(type(self))
@@ -51,9 +51,9 @@ class PlacedFurniture:
         own["position"], own["quarter"] = (round(x, 4), round(y, 4), round(z, 4)), quarter % 4
         return moved
 
-    def beside(self, right: float, front: float) -> tuple[float, float]:
+    def local_point(self, right: float, front: float) -> tuple[float, float]:
         """Return the point (x, z) at `right` and `front` metres from the origin, in the object's own directions."""
-        x, z = FACING[self.quarter]
+        x, z = FRONT_DIRECTIONS[self.quarter]
         return self.position[0] + z * right + x * front, self.position[2] - x * right + z * front
 
     @cached_property
@@ -71,14 +71,14 @@ class PlacedFurniture:
         """Linear transform, boxes of the parts, and bounding box, all with the object at the origin."""
         turn = self.quarter, self.scale, self.mirrored
         if turn not in self.model.shapes:
-            if len(self.model.shapes) >= KEPT:
+            if len(self.model.shapes) >= MAX_CACHED_SHAPES:
                 self.model.shapes.clear()
-            self.model.shapes[turn] = _turned(self.model, *turn)
+            self.model.shapes[turn] = _transform_shape(self.model, *turn)
         return self.model.shapes[turn]
 
 
 @dataclass(frozen=True)
-class Slanted(PlacedFurniture):
+class RotatedObject(PlacedModel):
     """An instance turned by an arbitrary angle; boxes are axis-aligned ones around it. Subclasses define `linear`."""
 
     @cached_property
@@ -99,8 +99,8 @@ class Slanted(PlacedFurniture):
         return found
 
 
-def _turned(model: Furniture, quarter: int, scale: Vector, mirrored: bool) -> Shape:
-    x, z = FACING[quarter]
+def _transform_shape(model: FurnitureModel, quarter: int, scale: Vector, mirrored: bool) -> Shape:
+    x, z = FRONT_DIRECTIONS[quarter]
     turn = np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]], float)
     linear = turn * np.asarray(scale) * (-1 if mirrored else 1, 1, 1)
     return linear, np.sort(model.parts @ linear.T, axis=-2), np.sort(model.box @ linear.T, axis=-2)
@@ -113,10 +113,10 @@ def quarter_towards(x: float, z: float) -> int:
         >>> quarter_towards(1.0, 0.0)
         1
     """
-    return FACING.index((round(float(x)), round(float(z))))  # NumPy's own rounding is slow
+    return FRONT_DIRECTIONS.index((round(float(x)), round(float(z))))  # NumPy's own rounding is slow
 
 
-def overlaps(
+def overlap_mask(
     box: Float[np.ndarray, "*b 2 3"], others: Float[np.ndarray, "*n 2 3"], tolerance: float = 0.012
 ) -> Bool[np.ndarray, "*k"]:
     """Return a mask of the boxes that intersect a box by more than `tolerance` [m] on every axis.
@@ -127,6 +127,6 @@ def overlaps(
     return depth.min(-1) > tolerance
 
 
-def stack(boxes: Sequence[Box]) -> Boxes:
+def stack_boxes(boxes: Sequence[Box]) -> Boxes:
     """Stack boxes into one array; an empty sequence becomes shape (0, 2, 3)."""
     return np.array(boxes, float).reshape(-1, 2, 3)

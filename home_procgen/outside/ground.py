@@ -10,11 +10,11 @@ from home_mjx.geometry.slabs import slab
 from home_mjx.schema.house import GroundNode, Material
 from home_procgen.floor_plan.rooms import Rect
 
-UNDER = -0.1  # [m], height of the undersides of all slabs
+UNDERSIDE_HEIGHT = -0.1  # [m], height of the undersides of all slabs
 
 
 @dataclass(frozen=True)
-class Patch:
+class GroundPatch:
     """A rectangle of ground.
 
     Attributes:
@@ -28,7 +28,7 @@ class Patch:
     material: Material
 
 
-def ground_node(patch: Patch, index: int, folder: Path) -> GroundNode:
+def build_ground_node(patch: GroundPatch, index: int, folder: Path) -> GroundNode:
     """Return the node of a patch on the lowest level.
 
     Args:
@@ -39,7 +39,7 @@ def ground_node(patch: Patch, index: int, folder: Path) -> GroundNode:
     x0, z0, x1, z1 = patch.rect
     outline = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
     stem = f"fr_0gd_{index}"
-    piece = MeshPiece(f"Ground#0_{index}", *slab([outline], UNDER, patch.top, 0.0), np.zeros(12, int))
+    piece = MeshPiece(f"Ground#0_{index}", *slab([outline], UNDERSIDE_HEIGHT, patch.top, 0.0), np.zeros(12, int))
     mesh = join_pieces(folder / f"{stem}f.obj", [piece], [patch.material])
     return GroundNode(
         id=f"0_{index}", index=index, path=f"levels[0].nodes[{index}]", bbox=None, model_id=stem, mesh=mesh

@@ -9,7 +9,7 @@ from home_mjx.schema.house import JointKind, Vector
 
 
 @dataclass(frozen=True)
-class Part:
+class MovablePart:
     """A drawer, a door or a lid; solids with equal parts move together.
 
     Args:
@@ -17,16 +17,16 @@ class Part:
         kind: Kind of joint.
         axis: Unit vector: of rotation by the right-hand rule, or of translation.
         point: Point on a hinge's axis, or corner of a slide, which distinguishes equal drawers [m].
-        reach: Range from the drawn position [rad] or [m].
+        travel: Range from the drawn position [rad] or [m].
     """
 
     name: str
     kind: JointKind
     axis: Vector
     point: Vector
-    reach: float
+    travel: float
 
-    def mapped(self, turn: Float[np.ndarray, "3 3"], shift: Float[np.ndarray, " 3"]) -> "Part":
+    def transform(self, turn: Float[np.ndarray, "3 3"], shift: Float[np.ndarray, " 3"]) -> "MovablePart":
         """Return the part of solids that were rotated or mirrored about the origin, and then moved.
 
         Args:

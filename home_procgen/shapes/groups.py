@@ -12,13 +12,13 @@ from home_procgen.primitives.solids import Solid, Vector, move, rotate
 Piece = Solid | Bulb
 
 
-def moved(pieces: Iterable[Piece], x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Iterator[Piece]:
+def translate(pieces: Iterable[Piece], x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Iterator[Piece]:
     """Translate pieces by a vector [m]."""
     for piece in pieces:
         yield move(piece, (x, y, z)) if isinstance(piece, Solid) else _bulb(piece, np.eye(3), (x, y, z))
 
 
-def turned_about(pieces: Iterable[Piece], axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Iterator[Piece]:
+def rotate_pieces(pieces: Iterable[Piece], axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Iterator[Piece]:
     """Rotate pieces about a coordinate axis through `pivot` [rad]."""
     for piece in pieces:
         if isinstance(piece, Solid):
@@ -35,28 +35,28 @@ def _bulb(bulb: Bulb, turn: np.ndarray, by: Vector | np.ndarray) -> Bulb:
     return replace(bulb, position=(x, y, z))
 
 
-def mirrored(pieces: Iterable[Solid]) -> Iterator[Solid]:
+def add_mirror_images(pieces: Iterable[Solid]) -> Iterator[Solid]:
     """Yield the pieces, then their copies with left and right swapped."""
     kept = list(pieces)
     yield from kept
     for piece in kept:
-        part = piece.part and piece.part.mapped(np.diag([-1.0, 1.0, 1.0]), np.zeros(3))
+        part = piece.part and piece.part.transform(np.diag([-1.0, 1.0, 1.0]), np.zeros(3))
         faces, uv = piece.faces[:, ::-1], piece.uv[:, ::-1]
         yield replace(piece, vertices=piece.vertices * (-1, 1, 1), faces=faces, uv=uv, part=part)
 
 
 @overload
-def around(pieces: Iterable[Solid], count: int, start: float = 0.0) -> Iterator[Solid]: ...
+def repeat_around(pieces: Iterable[Solid], count: int, start: float = 0.0) -> Iterator[Solid]: ...
 @overload
-def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]: ...
-def around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]:
+def repeat_around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]: ...
+def repeat_around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]:
     """Yield copies of pieces rotated about the vertical axis in equal steps from a start angle [rad]."""
     kept = list(pieces)
     for i in range(count):
-        yield from turned_about(kept, 1, start + 2 * np.pi * i / count)
+        yield from rotate_pieces(kept, 1, start + 2 * np.pi * i / count)
 
 
-def stretched(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
+def scale_solids(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
     """Scale pieces about the origin by positive factors; drop movable parts, whose joints would no longer fit."""
     for piece in pieces:
         yield replace(piece, vertices=piece.vertices * (x, y, z), part=None)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from home_procgen.primitives.family import Family, slots, variant
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
 from home_procgen.primitives.solids import Solid, box, cushion
 
 
@@ -29,12 +29,12 @@ def garage_door(width: float, height: float, panels: int) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "garage_door",
         "garage_door",
         garage_door,
-        slots("color", "steel", "chrome"),
-        (variant(width=2.5, height=2.15, panels=4), variant(width=3.0, height=2.15, panels=5)),
+        make_slots("color", "steel", "chrome"),
+        (make_variant(width=2.5, height=2.15, panels=4), make_variant(width=3.0, height=2.15, panels=5)),
         centred=False,
     ),
 )

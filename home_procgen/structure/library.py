@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from home_procgen.primitives.family import Furniture
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.structure import garage, railings, stairs
 
 
 @cache
-def structure_models() -> Mapping[str, Sequence[Furniture]]:
+def structure_models() -> Mapping[str, Sequence[FurnitureModel]]:
     """Return the models of every family, by family name.
 
     Example:

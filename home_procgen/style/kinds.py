@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping
 
-from home_procgen.primitives.family import Furniture
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.things import families, get_model
 
 # Kind -> family and model numbers.
-_PARTS: Mapping[str, tuple[str, str]] = {
+_KINDS: Mapping[str, tuple[str, str]] = {
     "bar_stool": ("stool", "1 2 3 4"),
     "low_stool": ("stool", "5"),
     "corner_sofa": ("sofa", "11"),
@@ -112,25 +112,25 @@ _PARTS: Mapping[str, tuple[str, str]] = {
 }
 
 
-def choices(kind: str) -> tuple[str, tuple[int, ...]]:
+def resolve_kind(kind: str) -> tuple[str, tuple[int, ...]]:
     """Return the family of a kind and its model numbers; a family's own name selects all of its models.
 
     Example:
-        >>> choices("low_stool")
+        >>> resolve_kind("low_stool")
         ('stool', (5,))
     """
-    if kind not in _PARTS:
+    if kind not in _KINDS:
         return kind, tuple(families()[kind].numbers)
-    family, numbers = _PARTS[kind]
+    family, numbers = _KINDS[kind]
     return family, tuple(map(int, numbers.split()))
 
 
-def models_of(kind: str) -> list[Furniture]:
+def list_models(kind: str) -> list[FurnitureModel]:
     """Return the models of a kind in ascending order of footprint.
 
     Example:
-        >>> [model.id for model in models_of("low_stool")]
+        >>> [model.id for model in list_models("low_stool")]
         ['home_stool_5']
     """
-    family, numbers = choices(kind)
+    family, numbers = resolve_kind(kind)
     return sorted((get_model(family, n) for n in numbers), key=lambda model: float(model.size[0] * model.size[2]))

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 
-from home_procgen.primitives.family import Furniture, models_by_family
+from home_procgen.primitives.family import FurnitureModel, models_by_family
 from home_procgen.things.appliances import fridges, hot_drinks, mixers, ovens, washing
 from home_procgen.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
 from home_procgen.things.beds import bunks, cots, double, single
@@ -71,7 +71,7 @@ def families() -> Mapping[str, FurnitureFamily]:
 
 
 @cache
-def get_model(family: str, number: int) -> Furniture:
+def get_model(family: str, number: int) -> FurnitureModel:
     """Return one library model, built on first use.
 
     Args:
@@ -79,17 +79,17 @@ def get_model(family: str, number: int) -> Furniture:
         number: Number of the model, from 1.
 
     Example:
-        >>> model_of("sofa", 2).id
+        >>> get_model("sofa", 2).id
         'home_sofa_2'
     """
     return families()[family].model(number)
 
 
-def library_model(model_id: str) -> Furniture:
+def library_model(model_id: str) -> FurnitureModel:
     """Return the library model with an id.
 
     Example:
-        >>> library_model("home_sofa_2") is model_of("sofa", 2)
+        >>> library_model("home_sofa_2") is get_model("sofa", 2)
         True
     """
     family, _, number = model_id.removeprefix("home_").rpartition("_")
@@ -97,7 +97,7 @@ def library_model(model_id: str) -> Furniture:
 
 
 @cache
-def library() -> Mapping[str, Furniture]:
+def library() -> Mapping[str, FurnitureModel]:
     """Return every model by id, in the order of the metadata rows.
 
     Example:
@@ -109,6 +109,6 @@ def library() -> Mapping[str, Furniture]:
 
 
 @cache
-def family_models() -> Mapping[str, Sequence[Furniture]]:
+def family_models() -> Mapping[str, Sequence[FurnitureModel]]:
     """Return the library models of every family."""
     return models_by_family(library().values())

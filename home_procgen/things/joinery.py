@@ -7,8 +7,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, Vector, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, sweep, tube
 from home_procgen.things.parts import OpeningMotion, assign_part, front_part
 
@@ -36,7 +36,7 @@ def legs(
 def _leg(material: str, x: float, z: float, height: float, kind: str, thick: float) -> Iterator[Solid]:
     sx, sz = np.sign(x), np.sign(z)
     if kind in ("square", "block"):
-        yield rounded(material, (thick, height, thick), (x, 0.0, z), 0.15 * thick, 1)
+        yield rounded_box(material, (thick, height, thick), (x, 0.0, z), 0.15 * thick, 1)
     elif kind == "taper":
         yield rod(material, (x, 0.0, z), (x, height, z), 0.28 * thick, 0.5 * thick, 12)
     elif kind == "splay":
@@ -50,7 +50,7 @@ def _leg(material: str, x: float, z: float, height: float, kind: str, thick: flo
         )
     elif kind == "turned":
         shape = [(0.3, 0.0), (0.42, 0.06), (0.24, 0.14), (0.42, 0.45), (0.26, 0.68), (0.48, 0.76), (0.48, 1.0)]
-        yield turned(material, [(r * thick, h * height) for r, h in shape], (x, 0.0, z), 12, 2)
+        yield revolve(material, [(r * thick, h * height) for r, h in shape], (x, 0.0, z), 12, 2)
     elif kind == "hairpin":
         for dx, dz in ((0.08, 0.0), (0.0, 0.08)):
             yield rod(material, (x, 0.0, z), (x - sx * dx, height, z - sz * dz), 0.12 * thick + 0.003, sides=6)
@@ -81,12 +81,12 @@ def handle(material: str, at: Vector, kind: HandleKind, upright: bool, length: f
             yield rod(material, (x + s * dx, y + s * dy, z), (x + s * dx, y + s * dy, z + 0.028), 0.004, sides=6)
         yield rod(material, (x - dx, y - dy, z + 0.028), (x + dx, y + dy, z + 0.028), 0.006)
     elif kind == "knob":
-        knob = turned(material, [(0.006, 0.0), (0.006, 0.012), (0.016, 0.02), (0.013, 0.03)], sides=10, steps=2)
+        knob = revolve(material, [(0.006, 0.0), (0.006, 0.012), (0.016, 0.02), (0.013, 0.03)], sides=10, steps=2)
         yield from lay_towards_front([knob], at)
     elif kind == "cup":
-        yield rounded(material, (0.08, 0.03, 0.026), (x, y - 0.015, z + 0.012), 0.012, 2)
+        yield rounded_box(material, (0.08, 0.03, 0.026), (x, y - 0.015, z + 0.012), 0.012, 2)
     elif kind == "ring":
-        yield rounded(material, (0.03, 0.03, 0.008), (x, y, z + 0.003), 0.004, 1)
+        yield rounded_box(material, (0.03, 0.03, 0.008), (x, y, z + 0.003), 0.004, 1)
         yield ring(material, 0.022, 0.006, (x, y - 0.012, z + 0.009), 2, 12)
     elif kind == "slot":
         yield box(material, (1.6 * dx + 0.01, 1.6 * dy + 0.01, 0.006), (x, y - 0.8 * dy - 0.005, z + 0.002))
@@ -135,11 +135,11 @@ def _front(
 ) -> Iterator[Solid]:
     (w, h), (x, y, z) = (size[0] - 0.005, size[1] - 0.005), (at[0] + size[0] / 2, at[1] + 0.0025, at[2])
     if style in ("flat", "raised", "slats", "grooves"):
-        yield rounded(material, (w, h, BOARD_THICKNESS), (x, y, z + BOARD_THICKNESS / 2), 0.004, 1)
+        yield rounded_box(material, (w, h, BOARD_THICKNESS), (x, y, z + BOARD_THICKNESS / 2), 0.004, 1)
     else:
         yield from _framed(material, (w, h), (x, y, z), {"cane": "cane", "glass": "glass"}.get(style, material))
     if style == "raised" and min(w, h) > 0.14:
-        yield rounded(material, (w - 0.1, h - 0.1, 0.016), (x, y + 0.05, z + BOARD_THICKNESS + 0.002), 0.008, 1)
+        yield rounded_box(material, (w - 0.1, h - 0.1, 0.016), (x, y + 0.05, z + BOARD_THICKNESS + 0.002), 0.008, 1)
     if style == "slats":
         count = max(int(w / 0.05), 3)
         for i in range(count):
@@ -274,7 +274,7 @@ def book_row(
 
 def foot_plate(material: str, radius: float, height: float = 0.02) -> Solid:
     """Build a round foot with a rounded edge."""
-    return turned(material, [(radius, 0.0), (radius, 0.6 * height), (0.93 * radius, height)], sides=20, steps=1)
+    return revolve(material, [(radius, 0.0), (radius, 0.6 * height), (0.93 * radius, height)], sides=20, steps=1)
 
 
 def disc(material: str, radius: float, thick: float, at: Vector, sides: int = 20) -> Solid:

@@ -10,7 +10,7 @@ from jaxtyping import Int
 
 from home_mjx.datasets.suncg.write.obj import face_order
 from home_mjx.schema.house import Joint, Mesh
-from home_procgen.primitives.parts import Part
+from home_procgen.primitives.parts import MovablePart
 from home_procgen.primitives.solids import Solid, Vector
 
 QUARTER_TURN = np.pi / 2
@@ -27,7 +27,7 @@ _HINGES = {
 }
 
 
-def front_part(opens: OpeningMotion, corner: Vector, size: tuple[float, float]) -> Part:
+def front_part(opens: OpeningMotion, corner: Vector, size: tuple[float, float]) -> MovablePart:
     """Return the part of a front towards +z, hinged at an outer edge so that it clears its neighbours.
 
     Args:
@@ -40,18 +40,18 @@ def front_part(opens: OpeningMotion, corner: Vector, size: tuple[float, float]) 
         (0.5, 0.0, 0.3)
     """
     if not isinstance(opens, str):
-        return Part("drawer", "slide", (0.0, 0.0, 1.0), corner, opens)
+        return MovablePart("drawer", "slide", (0.0, 0.0, 1.0), corner, opens)
     name, axis, (across, up), reach = _HINGES[opens]
     point = (corner[0] + across * size[0], corner[1] + up * size[1], corner[2])
-    return Part(name, "hinge", axis, point, reach)
+    return MovablePart(name, "hinge", axis, point, reach)
 
 
-def lid_part(y: float, z: float, x: float = 0.0) -> Part:
+def lid_part(y: float, z: float, x: float = 0.0) -> MovablePart:
     """Return the part of a lid hinged at its back edge, at height y and depth z; x separates equal lids [m]."""
-    return Part("lid", "hinge", (-1.0, 0.0, 0.0), (x, y, z), LID_ANGLE)
+    return MovablePart("lid", "hinge", (-1.0, 0.0, 0.0), (x, y, z), LID_ANGLE)
 
 
-def assign_part(part: Part | None, pieces: Iterable[Solid]) -> Iterator[Solid]:
+def assign_part(part: MovablePart | None, pieces: Iterable[Solid]) -> Iterator[Solid]:
     """Assign pieces to a part; None clears it."""
     for piece in pieces:
         yield replace(piece, part=part)
@@ -71,7 +71,7 @@ def panel(opens: OpeningMotion, board: Solid, *others: Solid, name: str | None =
     yield from assign_part(replace(part, name=name or part.name), (board, *others))
 
 
-def collect_parts(pieces: Iterable[Solid]) -> list[Part]:
+def collect_parts(pieces: Iterable[Solid]) -> list[MovablePart]:
     """Return the distinct parts of pieces, in order."""
     return list(dict.fromkeys(piece.part for piece in pieces if piece.part is not None))
 
@@ -89,17 +89,17 @@ def make_joints(model_id: str, solids: Sequence[Solid], mesh: Mesh) -> tuple[Joi
     for part, own in faces.items():
         count[part.name] += 1
         axis, point = _round_vector(part.axis), _round_vector(part.point)
-        reach = round(float(part.reach), 6)
+        reach = round(float(part.travel), 6)
         name = f"{part.name}_{count[part.name]}"
         joints.append(Joint(model_id, name, part.kind, axis, point, 0.0, reach, _find_runs(own)))
     return tuple(joints)
 
 
-def _group_faces(solids: Sequence[Solid], mesh: Mesh) -> dict[Part, Int[np.ndarray, " _"]]:
+def _group_faces(solids: Sequence[Solid], mesh: Mesh) -> dict[MovablePart, Int[np.ndarray, " _"]]:
     """Return the faces of each part as ascending positions in the OBJ file."""
     line = np.argsort(face_order(mesh))
     first = np.cumsum([0] + [len(solid.faces) for solid in solids])
-    found: dict[Part, list[np.ndarray]] = defaultdict(list)
+    found: dict[MovablePart, list[np.ndarray]] = defaultdict(list)
     for solid, start in zip(solids, first, strict=False):
         if solid.part is not None:
             found[solid.part].append(line[start : start + len(solid.faces)])

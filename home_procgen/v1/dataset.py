@@ -21,8 +21,8 @@ from home_mjx.datasets.suncg.write.house import PARTIAL_PREFIX, is_house_complet
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.schema.house import ModelInfo
-from home_procgen.primitives.family import Furniture
-from home_procgen.primitives.textures import RECIPES, texture
+from home_procgen.primitives.family import FurnitureModel
+from home_procgen.primitives.textures import BASE_RECIPES, base_texture
 from home_procgen.v1.build import build_house
 from home_procgen.v1.categories import CATEGORIES, Category
 from home_procgen.v1.furniture import library
@@ -87,7 +87,7 @@ def write_seeds(
 
 def _write_library(root: Path) -> None:
     models = [library_model(model) for model in library().values()]
-    write_library(root, models, {name: texture(name) for name in RECIPES})
+    write_library(root, models, {name: base_texture(name) for name in BASE_RECIPES})
 
 
 def _checked(seed: object) -> int:
@@ -147,7 +147,7 @@ def _is_whole(root: Path, house: str) -> bool:
     return False
 
 
-def library_model(model: Furniture, categories: Mapping[str, Category] = CATEGORIES) -> LibraryModel:
+def library_model(model: FurnitureModel, categories: Mapping[str, Category] = CATEGORIES) -> LibraryModel:
     """A model with its rows in the metadata tables.
 
     Args:

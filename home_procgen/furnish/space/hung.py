@@ -2,32 +2,40 @@
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import FACING, PlacedFurniture
-from home_procgen.floor_plan.rooms import Wall
-from home_procgen.floor_plan.walls import CEILING_LOW, FLOOR_TOP, HALF
-from home_procgen.furnish.space.room import Room
-from home_procgen.furnish.space.spots import GAP, HUNG, along_walls, at_wall, backed, first, place
-from home_procgen.style.kinds import models_of
+from home_procgen.floor_plan.placed import FRONT_DIRECTIONS, PlacedModel
+from home_procgen.floor_plan.rooms import PlanWall
+from home_procgen.floor_plan.walls import CEILING_DROP, FLOOR_TOP, PRISM_THICKNESS
+from home_procgen.furnish.space.room import RoomSpace
+from home_procgen.furnish.space.spots import (
+    HANGING_GAP,
+    WALL_GAP,
+    back_against,
+    place_at_first,
+    place_object,
+    room_wall_spots,
+    wall_spots,
+)
+from home_procgen.style.kinds import list_models
 
-BESIDE_DOOR = 0.12  # [m], from the frame to a switch
-SWITCH = 1.05  # [m], height of switches above the floor
-ROD = 0.12  # [m], from the top of a window to the top of its curtain
-NEAR = 0.003  # [m], maximum deviation of a hanging object from its distance to the wall
-OVERHANG = 0.3  # [m], width of curtains beyond the window, both sides together
+SWITCH_DOOR_GAP = 0.12  # [m], from the frame to a switch
+SWITCH_HEIGHT = 1.05  # [m], height of switches above the floor
+CURTAIN_RISE = 0.12  # [m], from the top of a window to the top of its curtain
+MAX_WALL_DEVIATION = 0.003  # [m], maximum deviation of a hanging object from its distance to the wall
+CURTAIN_OVERHANG = 0.3  # [m], width of curtains beyond the window, both sides together
 
 
-def hang(room: Room, item: PlacedFurniture, y: float) -> PlacedFurniture | None:
+def hang(room: RoomSpace, item: PlacedModel, y: float) -> PlacedModel | None:
     """Hang an object on a random wall, its bottom at a height above the floor [m]; None if it does not fit."""
-    spots, _ = along_walls(room, item, FLOOR_TOP + y, HUNG, 0.4)
-    return first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()])
+    spots, _ = room_wall_spots(room, item, FLOOR_TOP + y, HANGING_GAP, 0.4)
+    return place_at_first(room, item, [spots[i] for i in room.rng.permutation(len(spots)).tolist()])
 
 
-def hang_kind(room: Room, kind: str, y: float, probability: float = 1.0) -> PlacedFurniture | None:
+def hang_kind(room: RoomSpace, kind: str, y: float, probability: float = 1.0) -> PlacedModel | None:
     """Hang an object of a kind on a wall with a probability; None if it is not placed."""
-    return hang(room, room.object(kind), y) if room.chance(probability) else None
+    return hang(room, room.draw_object(kind), y) if room.draw_chance(probability) else None
 
 
-def above(room: Room, anchor: PlacedFurniture, item: PlacedFurniture, y: float, shift: float = 0.0) -> bool:
+def hang_above(room: RoomSpace, anchor: PlacedModel, item: PlacedModel, y: float, shift: float = 0.0) -> bool:
     """Hang an object on the wall behind another; return whether it fits.
 
     Args:
@@ -37,96 +45,99 @@ def above(room: Room, anchor: PlacedFurniture, item: PlacedFurniture, y: float, 
         y: Height of its bottom above the floor [m].
         shift: Offset of its middle to the right of the anchor's middle [m].
     """
-    back = (float(item.size[2] - anchor.size[2])) / 2 - GAP + HUNG
-    x, z = anchor.beside(shift, back)
-    spot = item.at(x, FLOOR_TOP + y, z, anchor.quarter)
-    return any(_at(wall, spot) for wall in room.plan.walls) and place(room, spot) is not None
+    back = (float(item.size[2] - anchor.size[2])) / 2 - WALL_GAP + HANGING_GAP
+    x, z = anchor.local_point(shift, back)
+    spot = item.moved_to(x, FLOOR_TOP + y, z, anchor.quarter)
+    return any(_is_backed_by(wall, spot) for wall in room.plan.walls) and place_object(room, spot) is not None
 
 
-def _at(wall: Wall, item: PlacedFurniture) -> bool:
+def _is_backed_by(wall: PlanWall, item: PlacedModel) -> bool:
     """Return whether the whole back of an object is at a wall."""
-    if tuple(wall.normal) != FACING[item.quarter]:
+    if tuple(wall.normal) != FRONT_DIRECTIONS[item.quarter]:
         return False
     along, half = item.position[2 * wall.axis], float(item.size[0]) / 2
     off = (item.position[2 * (1 - wall.axis)] - wall.line) * float(wall.normal[1 - wall.axis])
-    near = abs(off - float(item.size[2]) / 2 - HALF - HUNG) < NEAR
+    near = abs(off - float(item.size[2]) / 2 - PRISM_THICKNESS - HANGING_GAP) < MAX_WALL_DEVIATION
     return near and wall.span[0] <= along - half and along + half <= wall.span[1]
 
 
-def under_ceiling(room: Room, item: PlacedFurniture, x: float, z: float) -> PlacedFurniture | None:
+def hang_from_ceiling(room: RoomSpace, item: PlacedModel, x: float, z: float) -> PlacedModel | None:
     """Hang an object from the ceiling; None if it does not fit."""
-    return place(room, item.at(x, room.height - CEILING_LOW - float(item.size[1]), z))
+    return place_object(room, item.moved_to(x, room.height - CEILING_DROP - float(item.size[1]), z))
 
 
-def wall_behind(room: Room, opening: PlacedFurniture) -> Wall | None:
+def find_wall(room: RoomSpace, opening: PlacedModel) -> PlanWall | None:
     """Return the wall of a room that contains an opening; None if it is not an axis-aligned wall of the room."""
     x, z = opening.position[0], opening.position[2]
     for wall in room.plan.walls:
         off, along = abs((x, z)[1 - wall.axis] - wall.line), (x, z)[wall.axis]
-        if opening.quarter % 2 == wall.axis and off < HALF and wall.span[0] < along < wall.span[1]:
+        if opening.quarter % 2 == wall.axis and off < PRISM_THICKNESS and wall.span[0] < along < wall.span[1]:
             return wall
     return None
 
 
-def switches(room: Room) -> None:
+def place_switches(room: RoomSpace) -> None:
     """Place a switch beside each door, on its handle's side if possible; if none fits, place one at any wall."""
-    hung = [_switch(room, door) for door in room.doors]
+    hung = [_place_switch(room, door) for door in room.doors]
     if not any(hung):
-        hang_kind(room, "switch", SWITCH)
+        hang_kind(room, "switch", SWITCH_HEIGHT)
 
 
-def _switch(room: Room, door: PlacedFurniture) -> PlacedFurniture | None:
-    wall = wall_behind(room, door)
+def _place_switch(room: RoomSpace, door: PlacedModel) -> PlacedModel | None:
+    wall = find_wall(room, door)
     if wall is None:
         return None
-    item = room.object("switch")
-    latch = float(FACING[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
-    away = float(door.model.size[0]) / 2 + BESIDE_DOOR + float(item.size[0]) / 2
-    low, high = wall.span[0] + HALF + float(item.size[0]), wall.span[1] - HALF - float(item.size[0])
+    item = room.draw_object("switch")
+    latch = float(FRONT_DIRECTIONS[door.quarter][1 - wall.axis]) * (-1 if door.mirrored else 1)
+    away = float(door.model.size[0]) / 2 + SWITCH_DOOR_GAP + float(item.size[0]) / 2
+    low, high = (
+        wall.span[0] + PRISM_THICKNESS + float(item.size[0]),
+        wall.span[1] - PRISM_THICKNESS - float(item.size[0]),
+    )
     places = [door.position[2 * wall.axis] + side * away for side in (latch, -latch)]
-    spots = at_wall(item, wall, [at for at in places if low < at < high], FLOOR_TOP + SWITCH, HUNG)
-    return first(room, item, spots)  # rejects places in front of a window
+    spots = wall_spots(item, wall, [at for at in places if low < at < high], FLOOR_TOP + SWITCH_HEIGHT, HANGING_GAP)
+    return place_at_first(room, item, spots)  # rejects places in front of a window
 
 
-def sockets(room: Room) -> None:
+def place_sockets(room: RoomSpace) -> None:
     """Place up to two sockets near the floor."""
     for _ in range(int(room.rng.integers(0, 3))):
-        hang(room, room.object("socket"), 0.28)
+        hang(room, room.draw_object("socket"), 0.28)
 
 
-def curtain(room: Room, window: PlacedFurniture, kind: str) -> bool:
+def place_curtain(room: RoomSpace, window: PlacedModel, kind: str) -> bool:
     """Place a curtain or blind at a window, a little wider than the window; return whether it fits."""
-    wall = wall_behind(room, window)
+    wall = find_wall(room, window)
     if wall is None:
         return False
-    width = float(window.size[0]) + OVERHANG
-    top = min(float(window.box[1, 1]) + ROD, room.height - CEILING_LOW - 0.01)
-    options = [m for m in models_of(kind) if 0.72 < width / m.size[0] < 1.35 and m.size[1] < top - FLOOR_TOP - 0.01]
+    width = float(window.size[0]) + CURTAIN_OVERHANG
+    top = min(float(window.box[1, 1]) + CURTAIN_RISE, room.height - CEILING_DROP - 0.01)
+    options = [m for m in list_models(kind) if 0.72 < width / m.size[0] < 1.35 and m.size[1] < top - FLOOR_TOP - 0.01]
     for index in room.rng.permutation(len(options)).tolist():
-        plain = room.style.instance(options[index], room.look)
-        stretched = PlacedFurniture(
+        plain = room.style.make_object(options[index], room.look)
+        stretched = PlacedModel(
             plain.model,
             plain.position,
             scale=(round(width / float(plain.size[0]), 4), 1.0, 1.0),
             materials=plain.materials,
         )
         y = top - float(plain.size[1])
-        spot = backed(stretched, wall, window.position[2 * wall.axis], y, HUNG)
-        if spot.box[1, 1] < room.height - CEILING_LOW and place(room, spot, views=False):
+        spot = back_against(stretched, wall, window.position[2 * wall.axis], y, HANGING_GAP)
+        if spot.box[1, 1] < room.height - CEILING_DROP and place_object(room, spot, views=False):
             return True
     return False
 
 
-def radiator(room: Room, window: PlacedFurniture) -> bool:
+def place_radiator(room: RoomSpace, window: PlacedModel) -> bool:
     """Place a radiator below a window; return whether it fits."""
-    wall = wall_behind(room, window)
+    wall = find_wall(room, window)
     spot = None
     if wall is not None:
-        spot = backed(room.object("radiator"), wall, window.position[2 * wall.axis], FLOOR_TOP, HUNG)
-    return spot is not None and bool(place(room, spot))
+        spot = back_against(room.draw_object("radiator"), wall, window.position[2 * wall.axis], FLOOR_TOP, HANGING_GAP)
+    return spot is not None and bool(place_object(room, spot))
 
 
-def windows(room: Room, kinds: tuple[str, ...], heated: float) -> None:
+def furnish_windows(room: RoomSpace, kinds: tuple[str, ...], heated: float) -> None:
     """Place curtains or blinds of one kind at all windows of a room, and radiators below some.
 
     Args:
@@ -140,14 +151,14 @@ def windows(room: Room, kinds: tuple[str, ...], heated: float) -> None:
     for window in room.windows:
         if window.model.fine != "window":
             continue
-        if room.chance(heated):
-            radiator(room, window)
-        if kind and not curtain(room, window, kind):
-            curtain(room, window, "short_curtain")
+        if room.draw_chance(heated):
+            place_radiator(room, window)
+        if kind and not place_curtain(room, window, kind):
+            place_curtain(room, window, "short_curtain")
 
 
-def pictures(room: Room, most: int) -> None:
+def hang_pictures(room: RoomSpace, max_pictures: int) -> None:
     """Place pictures and other ornaments on the walls at eye height."""
-    for _ in range(int(room.rng.integers(0, most + 1))):
-        item = room.object("picture" if room.chance(0.88) else "wall_ornament")
+    for _ in range(int(room.rng.integers(0, max_pictures + 1))):
+        item = room.draw_object("picture" if room.draw_chance(0.88) else "wall_ornament")
         hang(room, item, float(np.clip(1.6 - float(item.size[1]) / 2, 0.9, 1.5)))

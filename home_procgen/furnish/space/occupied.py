@@ -5,16 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from home_procgen.floor_plan.placed import Box, PlacedFurniture
-from home_procgen.furnish.space.touching import touching
+from home_procgen.floor_plan.placed import Box, PlacedModel
+from home_procgen.furnish.space.touching import overlap_kernels
 
 Boxes = Float[np.ndarray, "_ 2 3"]  # any number of boxes
 
-TOLERANCE = 0.002  # [m], maximum overlap of boxes that count as touching
-FLAT = 0.012  # [m], maximum thickness of rugs and mats
-MOST = 110  # maximum number of parts of a model that are tested individually
+MAX_TOUCH_OVERLAP = 0.002  # [m], maximum overlap of boxes that count as touching
+MAX_RUG_THICKNESS = 0.012  # [m], maximum thickness of rugs and mats
+MAX_OPEN_PARTS = 110  # maximum number of parts of a model that are tested individually
 # Families whose parts leave space for other objects in, under or between them.
-OPEN = {
+OPEN_FAMILIES = {
     *("chair", "stool", "office_chair", "outdoor_seating", "bench", "sofa", "dining_table", "table", "game_table"),
     *("coffee_table", "side_table", "console", "desk", "dressing_table", "nightstand", "tv_stand", "shelving"),
     *("curtain", "kitchen_sink", "cooker", "basin", "cart", "floor_lamp", "parasol", "bunker_bed", "shower"),
@@ -24,36 +24,36 @@ OPEN = {
 }
 
 
-def hull(item: PlacedFurniture) -> Boxes:
+def collision_boxes(item: PlacedModel) -> Boxes:
     """Return the collision boxes of an object: one per part for open families, else its bounding box."""
-    if item.model.family in OPEN and len(item.model.parts) <= MOST:
+    if item.model.family in OPEN_FAMILIES and len(item.model.parts) <= MAX_OPEN_PARTS:
         return item.parts
     return item.box[None]
 
 
 def is_flat(box: Box) -> bool:
     """Return whether a box is thin enough for a rug."""
-    return float(box[1, 1]) - float(box[0, 1]) < FLAT
+    return float(box[1, 1]) - float(box[0, 1]) < MAX_RUG_THICKNESS
 
 
-def meet(boxes: Boxes, others: Boxes, tolerance: float = TOLERANCE) -> bool:
+def boxes_overlap(boxes: Boxes, others: Boxes, tolerance: float = MAX_TOUCH_OVERLAP) -> bool:
     """Return whether any of the boxes overlaps any of the others."""
-    return touching().meet(boxes, others, len(others), -np.inf, tolerance)
+    return overlap_kernels().any_overlap(boxes, others, len(others), -np.inf, tolerance)
 
 
-def apart(item: PlacedFurniture, other: PlacedFurniture) -> bool:
+def are_disjoint(item: PlacedModel, other: PlacedModel) -> bool:
     """Return whether the bounding boxes of two objects are disjoint."""
     (ax, ay, az), (bx, by, bz) = item.box.tolist()
     (cx, cy, cz), (dx, dy, dz) = other.box.tolist()
     return bx < cx or dx < ax or bz < cz or dz < az or by < cy or dy < ay
 
 
-def upright(box: Box) -> Box:
+def extrude_footprint(box: Box) -> Box:
     """Return a box of 1 m height over the same floor area."""
     return np.array([[box[0, 0], 0.0, box[0, 2]], [box[1, 0], 1.0, box[1, 2]]])
 
 
-class Store:
+class BoxStore:
     """Growing array of boxes."""
 
     def __init__(self, boxes: Sequence[Box] = ()) -> None:
@@ -74,6 +74,6 @@ class Store:
         self._data[self._count : end] = boxes
         self._count = end
 
-    def meets(self, boxes: Boxes, tolerance: float = TOLERANCE) -> bool:
+    def overlaps_any(self, boxes: Boxes, tolerance: float = MAX_TOUCH_OVERLAP) -> bool:
         """Return whether any of the given boxes overlaps one of the stored boxes."""
-        return touching().meet(boxes, self._data, self._count, tolerance, tolerance)
+        return overlap_kernels().any_overlap(boxes, self._data, self._count, tolerance, tolerance)

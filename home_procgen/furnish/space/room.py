@@ -4,30 +4,30 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.bounds import sight
-from home_procgen.floor_plan.openings import HousePlan
-from home_procgen.floor_plan.placed import Box, PlacedFurniture
-from home_procgen.floor_plan.walking import FLAT, HEAD
+from home_procgen.floor_plan.bounds import window_view_box
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.placed import Box, PlacedModel
+from home_procgen.floor_plan.walking import AGENT_HEIGHT, MAX_STEP_HEIGHT
 from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.occupied import Boxes, Store, hull, is_flat, upright
-from home_procgen.plan.openings.bounds import column
-from home_procgen.plan.openings.passage import bounds, floor_grid
-from home_procgen.plan.openings.turned import TurnedWindow
+from home_procgen.furnish.space.occupied import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
+from home_procgen.plan.openings.bounds import stairwell_box
+from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid
+from home_procgen.plan.openings.turned import SlantedWindow
 from home_procgen.plan.shape.storeys import Stairwell
-from home_procgen.style import Style
+from home_procgen.style import HomeStyle
 
-ACCESS = 0.9  # [m], depth of the free floor in front of stairs
-RUG = 0.0018  # [m], thickness of rugs; objects on a rug overlap it by less than `TOLERANCE`, which counts as touching
+STAIR_ACCESS_DEPTH = 0.9  # [m], depth of the free floor in front of stairs
+RUG_THICKNESS = 0.0018  # [m]; objects on a rug overlap it by less than `MAX_TOUCH_OVERLAP`, which counts as touching
 
-Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
+Companions = Callable[[PlacedModel], Iterable[PlacedModel]]
 
 
-def alone(_: PlacedFurniture) -> Iterable[PlacedFurniture]:
+def no_companions(_: PlacedModel) -> Iterable[PlacedModel]:
     """Return no companions."""
     return ()
 
 
-class Room:
+class RoomSpace:
     """A room under furnishing.
 
     Args:
@@ -40,49 +40,49 @@ class Room:
         items: Objects placed so far.
     """
 
-    def __init__(self, plan: HousePlan, index: int, style: Style, stairs: Stairwell | None = None) -> None:
+    def __init__(self, plan: LevelPlan, index: int, style: HomeStyle, stairs: Stairwell | None = None) -> None:
         self.plan, self.kind = plan.rooms[index], plan.rooms[index].type
-        self.height, self.style, self.rng, self.look = plan.height, style, style.rng, style.look()
-        self.items: list[PlacedFurniture] = []
+        self.height, self.style, self.rng, self.look = plan.height, style, style.rng, style.draw_room_materials()
+        self.items: list[PlacedModel] = []
         self.openings = plan.openings_of(index)
-        self.windows = [o.placed for o in self.openings if not o.is_door and not isinstance(o.placed, TurnedWindow)]
-        self.doors = [o.placed for o in self.openings if o.is_door]
-        walls = bounds(self.plan, plan.height, stairs)
-        parts = [part for opening in self.openings for part in opening.placed.parts]
-        self.solid = Store([*walls, *parts])
-        before = [] if stairs is None else [column(stairs, ACCESS, plan.height)]
+        self.windows = [o.object for o in self.openings if not o.is_door and not isinstance(o.object, SlantedWindow)]
+        self.doors = [o.object for o in self.openings if o.is_door]
+        walls = boundary_boxes(self.plan, plan.height, stairs)
+        parts = [part for opening in self.openings for part in opening.object.parts]
+        self.solid = BoxStore([*walls, *parts])
+        before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, plan.height)]
         passages = [o.passage for o in self.openings if o.is_door]
-        self.clear = Store([*passages, *before])
-        self.views = Store([sight(o.placed.box) for o in self.openings if not o.is_door])
-        self._flat = Store([upright(box) for box in (*walls, *passages)])
-        self.grid = floor_grid(self.plan, self.openings, stairs)
+        self.clear = BoxStore([*passages, *before])
+        self.views = BoxStore([window_view_box(o.object.box) for o in self.openings if not o.is_door])
+        self._flat = BoxStore([extrude_footprint(box) for box in (*walls, *passages)])
+        self.grid = build_floor_grid(self.plan, self.openings, stairs)
 
-    def chance(self, probability: float) -> bool:
+    def draw_chance(self, probability: float) -> bool:
         """Draw True with a probability."""
         return bool(self.rng.random() < probability)
 
-    def likes(self, interest: str, yes: float = 1.0, no: float = 0.0) -> bool:
+    def draw_interest(self, interest: str, yes: float = 1.0, no: float = 0.0) -> bool:
         """Draw True with probability `yes` if the residents have an interest, else with probability `no`."""
-        return self.chance(yes if interest in self.style.interests else no)
+        return self.draw_chance(yes if interest in self.style.interests else no)
 
-    def clutter(self, probability: float) -> bool:
+    def draw_clutter(self, probability: float) -> bool:
         """Draw True with a probability that scales with the style's amount of clutter."""
-        return self.chance(min(1.0, probability * self.style.clutter))
+        return self.draw_chance(min(1.0, probability * self.style.clutter))
 
-    def object(self, kind: str) -> PlacedFurniture:
+    def draw_object(self, kind: str) -> PlacedModel:
         """Return an object of a kind at the origin, with the materials of the room."""
-        return _thin(self.style.object(kind, self.look))
+        return _flatten_rug(self.style.draw_object(kind, self.look))
 
-    def options(self, kind: str) -> Iterator[PlacedFurniture]:
-        """Generate an object as by `object`, then objects of the smallest models of the kind."""
-        return map(_thin, self.style.options(kind, self.look))
+    def object_candidates(self, kind: str) -> Iterator[PlacedModel]:
+        """Generate an object as by `draw_object`, then objects of the smallest models of the kind."""
+        return map(_flatten_rug, self.style.object_candidates(kind, self.look))
 
     @property
-    def taken(self) -> Boxes:
+    def blocked_boxes(self) -> Boxes:
         """All boxes that are solid or kept free."""
         return np.concatenate([self.solid.boxes, self.clear.boxes])
 
-    def put(self, items: Sequence[PlacedFurniture], zones: Sequence[Box] = (), views: bool = True) -> bool:
+    def try_place(self, items: Sequence[PlacedModel], zones: Sequence[Box] = (), views: bool = True) -> bool:
         """Place objects together if they fit; return whether they do. `zones` must be free and stay free of furniture.
 
         Args:
@@ -90,27 +90,31 @@ class Room:
             zones: Free boxes [m].
             views: Keep windows clear.
         """
-        boxes = np.concatenate([hull(item) for item in items])
+        boxes = np.concatenate([collision_boxes(item) for item in items])
         extra = np.array(zones, float).reshape(-1, 2, 3)
-        if self.solid.meets(np.concatenate([boxes, extra])) or self.clear.meets(boxes):
+        if self.solid.overlaps_any(np.concatenate([boxes, extra])) or self.clear.overlaps_any(boxes):
             return False
-        if (views and self.views.meets(boxes)) or not all(self._holds(item.box) for item in items):
+        if (views and self.views.overlaps_any(boxes)) or not all(self._holds(item.box) for item in items):
             return False
-        tall = [i.box for i in items if i.box[0, 1] < HEAD and i.box[1, 1] > FLOOR_TOP + FLAT and self.on_floor(i)]
+        tall = [
+            i.box
+            for i in items
+            if i.box[0, 1] < AGENT_HEIGHT and i.box[1, 1] > FLOOR_TOP + MAX_STEP_HEIGHT and self.is_on_floor(i)
+        ]
         if tall and not self.grid.stays_connected(tall):
             return False
-        self.grid.block(tall)
+        self.grid.remove_blocked(tall)
         self.solid.add(boxes)
         self.clear.add(extra)
-        self._flat.add(np.array([upright(i.box) for i in items if is_flat(i.box)], float).reshape(-1, 2, 3))
+        self._flat.add(np.array([extrude_footprint(i.box) for i in items if is_flat(i.box)], float).reshape(-1, 2, 3))
         self.items += items
         return True
 
-    def on_floor(self, item: PlacedFurniture) -> bool:
+    def is_on_floor(self, item: PlacedModel) -> bool:
         """Return whether an object is low enough to obstruct the floor."""
         return bool(item.box[0, 1] < FLOOR_TOP + 0.35)
 
-    def inside(self, x: float, z: float) -> bool:
+    def contains(self, x: float, z: float) -> bool:
         """Return whether a point is in the plan of the room."""
         return any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.plan.rects)
 
@@ -121,17 +125,20 @@ class Room:
         """
         x, _, z = box.mean(0)
         rug = is_flat(box) and bool(box[0, 1] < FLOOR_TOP + 0.01)
-        return self.inside(x, z) and not (rug and self._flat.meets(upright(box)[None]))
+        return self.contains(x, z) and not (rug and self._flat.overlaps_any(extrude_footprint(box)[None]))
 
     def reserve(self, zone: Box) -> None:
         """Keep a space free of later objects."""
         self.clear.add(zone[None])
 
 
-def _thin(item: PlacedFurniture) -> PlacedFurniture:
+def _flatten_rug(item: PlacedModel) -> PlacedModel:
     """Scale rugs and mats to the thickness at which other objects can be placed on them."""
     if item.model.fine != "rug":
         return item
-    return PlacedFurniture(
-        item.model, item.position, scale=(1.0, round(RUG / float(item.model.size[1]), 4), 1.0), materials=item.materials
+    return PlacedModel(
+        item.model,
+        item.position,
+        scale=(1.0, round(RUG_THICKNESS / float(item.model.size[1]), 4), 1.0),
+        materials=item.materials,
     )

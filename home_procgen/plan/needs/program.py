@@ -11,15 +11,15 @@ import numpy as np
 
 from home_mjx.errors import ConfigError
 
-LEVELS = (0.766, 0.186, 0.048)  # probabilities of 1, 2 and 3 storeys
+STOREY_PROBABILITIES = (0.766, 0.186, 0.048)  # probabilities of 1, 2 and 3 storeys
 # Number of rooms on a floor -> weight.
-ROOMS = {3: 3, 4: 7, 5: 10, 6: 12, 7: 14, 8: 14, 9: 13, 10: 10, 11: 7, 12: 5, 13: 3, 14: 2}
-MOST, LEAST = 14, 3
-LEAST_STAIRS = 5  # minimum number of rooms on a floor with stairs
-LARGER = 5  # range of room counts, from `LEAST_STAIRS` on, that replaces counts too small for stairs
+ROOM_COUNT_WEIGHTS = {3: 3, 4: 7, 5: 10, 6: 12, 7: 14, 8: 14, 9: 13, 10: 10, 11: 7, 12: 5, 13: 3, 14: 2}
+MAX_ROOMS, MIN_ROOMS = 14, 3
+MIN_ROOMS_WITH_STAIRS = 5  # minimum number of rooms on a floor with stairs
+NUM_COUNTS_WITH_STAIRS = 5  # room counts, from `MIN_ROOMS_WITH_STAIRS` on, that replace counts too small for stairs
 
 # Optional rooms of one-storey homes and their weights; a type listed twice may be drawn twice.
-MORE = (
+OPTIONAL_TYPES = (
     ("Bedroom", 1.4),
     ("Bedroom", 1.0),
     ("Bedroom", 0.3),
@@ -38,8 +38,8 @@ MORE = (
     ("Boiler_room", 0.05),
     ("Entryway", 0.08),
 )
-BELOW = ("Kitchen", "Living_Room", "Toilet")
-MORE_BELOW = (
+GROUND_TYPES = ("Kitchen", "Living_Room", "Toilet")
+OPTIONAL_GROUND_TYPES = (
     ("Dining_Room", 1.6),
     ("Garage", 1.4),
     ("Bathroom", 0.7),
@@ -54,8 +54,8 @@ MORE_BELOW = (
     ("Entryway", 0.2),
     ("Wardrobe", 0.15),
 )
-ABOVE = ("Bedroom", "Bathroom", "Bedroom")
-MORE_ABOVE = (
+UPPER_TYPES = ("Bedroom", "Bathroom", "Bedroom")
+OPTIONAL_UPPER_TYPES = (
     ("Bedroom", 1.3),
     ("Toilet", 1.6),
     ("Child_Room", 0.4),
@@ -74,35 +74,37 @@ MORE_ABOVE = (
 
 
 @dataclass(frozen=True)
-class Program:
+class RoomProgram:
     """Rooms to build.
 
     Attributes:
-        ground: Types of the rooms of the ground floor, without the hall.
-        storeys: Number of storeys.
+        ground_types: Types of the rooms of the ground floor, without the hall.
+        num_storeys: Number of storeys.
     """
 
-    ground: tuple[str, ...]
-    storeys: int
+    ground_types: tuple[str, ...]
+    num_storeys: int
 
 
-def draw_program(rng: np.random.Generator) -> Program:
+def draw_program(rng: np.random.Generator) -> RoomProgram:
     """Draw a random program.
 
     Example:
         >>> program = draw_program(np.random.default_rng(3))
-        >>> "Kitchen" in program.ground
+        >>> "Kitchen" in program.ground_types
         True
     """
-    storeys = 1 + int(rng.choice(3, p=LEVELS))
-    weights = np.array(list(ROOMS.values()), float)
-    count = int(rng.choice(list(ROOMS), p=weights / weights.sum()))
-    if storeys > 1 and count < LEAST_STAIRS:
-        count = LEAST_STAIRS + int(rng.integers(LARGER))  # a range, so that fewer homes are alike
-    return Program(ground_rooms(rng, count, storeys), storeys)
+    storeys = 1 + int(rng.choice(3, p=STOREY_PROBABILITIES))
+    weights = np.array(list(ROOM_COUNT_WEIGHTS.values()), float)
+    count = int(rng.choice(list(ROOM_COUNT_WEIGHTS), p=weights / weights.sum()))
+    if storeys > 1 and count < MIN_ROOMS_WITH_STAIRS:
+        count = MIN_ROOMS_WITH_STAIRS + int(
+            rng.integers(NUM_COUNTS_WITH_STAIRS)
+        )  # a range, so that fewer homes are alike
+    return RoomProgram(draw_ground_types(rng, count, storeys), storeys)
 
 
-def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tuple[str, ...]:
+def draw_ground_types(rng: np.random.Generator, count: int, storeys: int = 1) -> tuple[str, ...]:
     """Draw the types of the rooms of a ground floor, without the hall.
 
     Args:
@@ -113,26 +115,31 @@ def ground_rooms(rng: np.random.Generator, count: int, storeys: int = 1) -> tupl
     Raises:
         ConfigError: The number of rooms is out of range for the number of storeys.
     """
-    if not LEAST <= count <= MOST or (storeys > 1 and count < LEAST_STAIRS):
-        hint = f"A floor has {LEAST} to {MOST} rooms, one with stairs at least {LEAST_STAIRS}."
+    if not MIN_ROOMS <= count <= MAX_ROOMS or (storeys > 1 and count < MIN_ROOMS_WITH_STAIRS):
+        hint = f"A floor has {MIN_ROOMS} to {MAX_ROOMS} rooms, one with stairs at least {MIN_ROOMS_WITH_STAIRS}."
         raise ConfigError(f"a home of {storeys} storeys cannot have {count} rooms on its ground floor", hint=hint)
     if storeys > 1:
-        return (*BELOW, *draw_more(rng, MORE_BELOW, count - 1 - len(BELOW)))
+        return (*GROUND_TYPES, *draw_types(rng, OPTIONAL_GROUND_TYPES, count - 1 - len(GROUND_TYPES)))
     if count == 3:  # the living room is the hall
         return ("Bathroom", str(rng.choice(["Kitchen", "Kitchen", "Bedroom", "Office"])))
     core = ("Kitchen", "Bathroom", "Bedroom")
     if count <= 6:
-        return (*core, *draw_more(rng, _without(MORE, ("Garage", "Entryway", "Boiler_room")), count - 1 - len(core)))
+        return (
+            *core,
+            *draw_types(
+                rng, _exclude_types(OPTIONAL_TYPES, ("Garage", "Entryway", "Boiler_room")), count - 1 - len(core)
+            ),
+        )
     core = ("Living_Room", *core)
-    return (*core, *draw_more(rng, MORE, count - 1 - len(core)))
+    return (*core, *draw_types(rng, OPTIONAL_TYPES, count - 1 - len(core)))
 
 
-def draw_more(rng: np.random.Generator, options: Sequence[tuple[str, float]], count: int) -> list[str]:
+def draw_types(rng: np.random.Generator, options: Sequence[tuple[str, float]], count: int) -> list[str]:
     """Draw types without replacement by weight."""
     weight = np.array([w for _, w in options])
     picks = rng.choice(len(options), size=min(count, len(options)), replace=False, p=weight / weight.sum())
     return [options[int(i)][0] for i in picks]
 
 
-def _without(options: Sequence[tuple[str, float]], types: Sequence[str]) -> list[tuple[str, float]]:
+def _exclude_types(options: Sequence[tuple[str, float]], types: Sequence[str]) -> list[tuple[str, float]]:
     return [option for option in options if option[0] not in types]

@@ -4,22 +4,22 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 from home_procgen.floor_plan.bounds import wall_box
-from home_procgen.floor_plan.openings import Opening
+from home_procgen.floor_plan.openings import PlanOpening
 from home_procgen.floor_plan.placed import Box
 from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.floor_plan.walking import WalkingGrid
-from home_procgen.plan.openings.bounds import column, cut_off, landings
+from home_procgen.plan.openings.bounds import cut_corner_boxes, landing_points, stairwell_box
 from home_procgen.plan.shape.storeys import Stairwell
 
-HEIGHT = 2.5  # [m], of boxes of walls and stairs: taller than an agent, and at most the wall height
+BOX_HEIGHT = 2.5  # [m], of boxes of walls and stairs: taller than an agent, and at most the wall height
 
 
-def is_passable(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | None = None) -> bool:
+def is_passable(room: RoomPlan, openings: Sequence[PlanOpening], stairs: Stairwell | None = None) -> bool:
     """Return whether each door of an empty room is reachable from every other, and nearly all floor from the doors."""
-    return floor_grid(room, openings, stairs).stays_connected([])
+    return build_floor_grid(room, openings, stairs).stays_connected([])
 
 
-def floor_grid(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | None = None) -> WalkingGrid:
+def build_floor_grid(room: RoomPlan, openings: Sequence[PlanOpening], stairs: Stairwell | None = None) -> WalkingGrid:
     """Return the walking grid of an empty room.
 
     Args:
@@ -27,14 +27,16 @@ def floor_grid(room: RoomPlan, openings: Sequence[Opening], stairs: Stairwell | 
         openings: Its doors and windows.
         stairs: The place of stairs in it; None if it has none.
     """
-    parts = [part for opening in openings for part in opening.placed.parts]
-    doors = [opening.placed for opening in openings if opening.is_door]
-    ways = [door.beside(0.0, side * 0.5) for door in doors for side in (-1, 1)]
-    return WalkingGrid(room, [*bounds(room, HEIGHT, stairs), *parts], [*ways, *(landings(stairs) if stairs else ())])
+    parts = [part for opening in openings for part in opening.object.parts]
+    doors = [opening.object for opening in openings if opening.is_door]
+    ways = [door.local_point(0.0, side * 0.5) for door in doors for side in (-1, 1)]
+    return WalkingGrid(
+        room, [*boundary_boxes(room, BOX_HEIGHT, stairs), *parts], [*ways, *(landing_points(stairs) if stairs else ())]
+    )
 
 
 @lru_cache(maxsize=64)
-def bounds(room: RoomPlan, height: float, stairs: Stairwell | None) -> tuple[Box, ...]:
+def boundary_boxes(room: RoomPlan, height: float, stairs: Stairwell | None) -> tuple[Box, ...]:
     """Return boxes of a room's walls, its stairwell and its cut-off corners, up to a height [m]."""
-    steps = [column(stairs, 0.0, height)] if stairs else []
-    return (*(wall_box(wall, height) for wall in room.walls), *steps, *cut_off(room, height))
+    steps = [stairwell_box(stairs, 0.0, height)] if stairs else []
+    return (*(wall_box(wall, height) for wall in room.walls), *steps, *cut_corner_boxes(room, height))

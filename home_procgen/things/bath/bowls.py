@@ -4,7 +4,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import loop
-from home_procgen.shapes.rounded import between_loops
+from home_procgen.shapes.rounded import join_loops
 
 
 def tub(
@@ -26,4 +26,4 @@ def tub(
         )
         for y, w, d, x in levels
     ]
-    return between_loops(slot, [*outer, *inner[::-1]])
+    return join_loops(slot, [*outer, *inner[::-1]])

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import rod, sweep, tube
 from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
@@ -45,7 +45,7 @@ def cactus(kind: str = "clay", arms: int = 2) -> Iterator[Solid]:
 
 def succulents() -> Iterator[Solid]:
     """Build three succulent rosettes in a long trough."""
-    yield rounded("concrete", (0.34, 0.09, 0.12), (0.0, 0.0, 0.0), 0.012, 2)
+    yield rounded_box("concrete", (0.34, 0.09, 0.12), (0.0, 0.0, 0.0), 0.012, 2)
     yield box("soil", (0.3, 0.006, 0.09), (0.0, 0.088, 0.0))
     for k in range(3):
         for i in range(18):

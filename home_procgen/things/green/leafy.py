@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, move, rotate
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.revolve import turned
+from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
@@ -92,7 +92,7 @@ def palm(kind: str = "round", fronds: int = 11, height: float = 0.9) -> Iterator
     rings = [
         (0.045 - 0.012 * t + 0.006 * (i % 2), 0.28 + (height - 0.28) * t) for i, t in enumerate(np.linspace(0, 1, 15))
     ]
-    yield turned("bark", rings, sides=10, steps=1)
+    yield revolve("bark", rings, sides=10, steps=1)
     for i in range(fronds):
         yaw, long, up = GOLDEN_ANGLE * i, 0.75, 1.15 - 0.06 * (i % 5)
         t = np.linspace(0, 1, 9)

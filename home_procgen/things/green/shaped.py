@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
@@ -60,10 +60,10 @@ def bamboo(kind: str = "cylinder") -> Iterator[Solid]:
 
 def herbs() -> Iterator[Solid]:
     """Build three small pots of herbs on a tray."""
-    yield rounded("wood", (0.42, 0.02, 0.15), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("wood", (0.42, 0.02, 0.15), (0.0, 0.0, 0.0), 0.006, 1)
     for k in range(3):
         x = (k - 1) * 0.13
-        yield turned("terracotta", [(0.04, 0.02), (0.052, 0.1), (0.058, 0.1), (0.058, 0.115)], (x, 0.0, 0.0), 16, 1)
+        yield revolve("terracotta", [(0.04, 0.02), (0.052, 0.1), (0.058, 0.1), (0.058, 0.115)], (x, 0.0, 0.0), 16, 1)
         for i in range(16):
             a, r = GOLDEN_ANGLE * i, 0.011 * np.sqrt(i)
             wide = (0.012, 0.035, 0.02)[k]
@@ -72,8 +72,8 @@ def herbs() -> Iterator[Solid]:
 
 def bonsai() -> Iterator[Solid]:
     """Build a small bent tree with flat clouds of leaves in a dish."""
-    yield rounded("glaze", (0.3, 0.06, 0.2), (0.0, 0.0, 0.0), 0.015, 2)
-    yield rounded("soil", (0.26, 0.02, 0.16), (0.0, 0.05, 0.0), 0.01, 2)
+    yield rounded_box("glaze", (0.3, 0.06, 0.2), (0.0, 0.0, 0.0), 0.015, 2)
+    yield rounded_box("soil", (0.26, 0.02, 0.16), (0.0, 0.05, 0.0), 0.01, 2)
     yield tube(
         "bark",
         spline([(-0.04, 0.06, 0.0), (0.02, 0.13, 0.0), (-0.04, 0.2, 0.02), (0.05, 0.28, 0.0)], 4),

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, move
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.revolve import turned
+from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.green.pots import GOLDEN_ANGLE, pot
@@ -41,7 +41,7 @@ def hanging(kind: str = "round") -> Iterator[Solid]:
 
 def trailing(kind: str = "cylinder") -> Iterator[Solid]:
     """Build vines that hang over the rim of a pot on a stand."""
-    yield turned("wood", [(0.14, 0.0), (0.03, 0.03), (0.025, 0.5), (0.13, 0.53), (0.13, 0.55)], sides=18, steps=1)
+    yield revolve("wood", [(0.14, 0.0), (0.03, 0.03), (0.025, 0.5), (0.13, 0.53), (0.13, 0.55)], sides=18, steps=1)
     for piece in pot(kind, 0.12, 0.18):
         yield move(piece, (0.0, 0.55, 0.0))
     for i in range(10):

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.family import FurnitureFamily, design
@@ -91,7 +91,7 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
     """Build a kitchen island with drawers, an overhanging top and towel rails."""
     yield box("black", (width - 0.1, 0.1, depth - 0.4))
     yield box("paint", (width - 0.06, WORKTOP_HEIGHT - 0.14, depth - 0.36), (0.0, 0.1, 0.0))
-    yield rounded("stone", (width, 0.045, depth), (0.0, WORKTOP_HEIGHT - 0.04, 0.05), 0.01, 2)
+    yield rounded_box("stone", (width, 0.045, depth), (0.0, WORKTOP_HEIGHT - 0.04, 0.05), 0.01, 2)
     yield from drawers(
         "paint",
         width - 0.07,
@@ -104,7 +104,9 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
         opens=0.12,  # [m], limited by the posts of the top
     )
     for s in (-1, 1):
-        yield rounded("wood", (0.06, WORKTOP_HEIGHT - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)
+        yield rounded_box(
+            "wood", (0.06, WORKTOP_HEIGHT - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1
+        )
         yield rod("brass", (s * (width / 2 - 0.02), 0.7, -0.2), (s * (width / 2 - 0.02), 0.7, 0.2), 0.008)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 
 BASE_DEPTH = 0.6  # [m], depth of base cabinets
 
@@ -20,4 +20,4 @@ def base_body(width: float, low: float = 0.1) -> Iterator[Solid]:
 
 def worktop(width: float, slot: str = "stone") -> Solid:
     """Build the worktop slab of a cabinet."""
-    return rounded(slot, (width, 0.04, BASE_DEPTH), (0.0, WORKTOP_HEIGHT - 0.04, 0.0), 0.008, 2)
+    return rounded_box(slot, (width, 0.04, BASE_DEPTH), (0.0, WORKTOP_HEIGHT - 0.04, 0.0), 0.008, 2)

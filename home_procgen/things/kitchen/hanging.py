@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, ring
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc, doors, front, open_case
@@ -17,10 +17,10 @@ def hanging(
     width: float = 0.6, height: float = 0.68, style: str = "flat", count: int = 1, grip: tuple = ("chrome", "bar")
 ) -> Iterator[Solid]:
     """Build a wall cabinet with doors, side hinges and a light pelmet below."""
-    yield rounded("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
-    yield rounded("white", (width - 0.08, 0.012, 0.05), (0.0, -0.01, 0.06), 0.005, 1)
+    yield rounded_box("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
+    yield rounded_box("white", (width - 0.08, 0.012, 0.05), (0.0, -0.01, 0.06), 0.005, 1)
     for y in (0.12, height - 0.16):
-        yield rounded("chrome", (0.012, 0.05, 0.02), (0.006 - width / 2, y, 0.145), 0.004, 1)
+        yield rounded_box("chrome", (0.012, 0.05, 0.02), (0.006 - width / 2, y, 0.145), 0.004, 1)
     if style == "glass":
         for y in (0.02, height / 2):
             for i in range(3):
@@ -48,7 +48,7 @@ def hanging_open(width: float = 0.6, height: float = 0.68) -> Iterator[Solid]:
     for i in range(7):
         yield disc("crockery", 0.1, 0.01, (-0.2 + 0.03 * i, 0.205, -0.05 + 0.02 * i), 18)
     for i in range(3):
-        yield turned(
+        yield revolve(
             "glaze", [(0.04, 0.0), (0.05, 0.1), (0.045, 0.14), (0.02, 0.16)], (-0.18 + 0.18 * i, 0.4, 0.02), 14, 2
         )
         yield vessel(
@@ -72,7 +72,7 @@ def corner_hanging(height: float = 0.68) -> Iterator[Solid]:
 
 def flap(width: float = 0.9, height: float = 0.4) -> Iterator[Solid]:
     """Build a wide, low wall cabinet with a lift-up front."""
-    yield rounded("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
+    yield rounded_box("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
     size, corner = (width - 0.006, height - 0.006), (0.003 - width / 2, 0.003, 0.15)
     yield from front("paint", size, corner, "grooves", ("chrome", "bar", 0.5, 0.12), False, "top")
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import BOARD_THICKNESS, doors
 from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT
@@ -17,8 +17,10 @@ def basin(
     x, y, z = at
     yield box(slot, (width, 0.01, depth), (x, y - deep, z))
     for s in (-1, 1):
-        yield rounded(slot, (rim, deep + 0.006, depth + 2 * rim), (x + s * (width + rim) / 2, y - deep, z), 0.006, 1)
-        yield rounded(slot, (width, deep + 0.006, rim), (x, y - deep, z + s * (depth + rim) / 2), 0.006, 1)
+        yield rounded_box(
+            slot, (rim, deep + 0.006, depth + 2 * rim), (x + s * (width + rim) / 2, y - deep, z), 0.006, 1
+        )
+        yield rounded_box(slot, (width, deep + 0.006, rim), (x, y - deep, z + s * (depth + rim) / 2), 0.006, 1)
     yield cylinder("chrome", 0.03, 0.006, (x, y - deep + 0.008, z), sides=14)
 
 
@@ -26,10 +28,10 @@ def _frame_top(width: float, hole: tuple[float, float], x: float, slot: str) -> 
     """Build a worktop around a hole centred at x."""
     y, (w, d) = WORKTOP_HEIGHT - 0.04, hole
     left, right = x - w / 2 + width / 2, width / 2 - x - w / 2
-    yield rounded(slot, (left, 0.04, BASE_DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
-    yield rounded(slot, (right, 0.04, BASE_DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
+    yield rounded_box(slot, (left, 0.04, BASE_DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
+    yield rounded_box(slot, (right, 0.04, BASE_DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
     for s in (-1, 1):
-        yield rounded(slot, (w, 0.04, (BASE_DEPTH - d) / 2), (x, y, s * (BASE_DEPTH + d) / 4), 0.006, 1)
+        yield rounded_box(slot, (w, 0.04, (BASE_DEPTH - d) / 2), (x, y, s * (BASE_DEPTH + d) / 4), 0.006, 1)
 
 
 def _hollow_body(width: float) -> Iterator[Solid]:
@@ -91,7 +93,7 @@ def drainer_sink(width: float = 1.0) -> Iterator[Solid]:
     yield from _frame_top(width, (0.42, 0.42), -0.22, "steel")
     yield from basin("steel", 0.36, 0.36, 0.17, (-0.22, WORKTOP_HEIGHT - 0.002, 0.0))
     for i in range(8):
-        yield rounded("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP_HEIGHT - 0.003, -0.19 + 0.054 * i), 0.004, 1)
+        yield rounded_box("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP_HEIGHT - 0.003, -0.19 + 0.054 * i), 0.004, 1)
     yield from tap(-0.22, WORKTOP_HEIGHT, -0.24, "lever")
     yield from doors(
         "paint",

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod, tube
 
 
@@ -31,5 +31,5 @@ def tap(x: float, y: float, z: float, kind: str = "arc") -> Iterator[Solid]:
         )
     else:
         yield cylinder("chrome", 0.02, 0.13, (x, y, z), sides=14)
-        yield rounded("chrome", (0.03, 0.022, 0.15), (x, y + 0.09, z + 0.06), 0.008, 1)
-        yield rounded("chrome", (0.02, 0.012, 0.09), (x, y + 0.132, z + 0.02), 0.005, 1)
+        yield rounded_box("chrome", (0.03, 0.022, 0.15), (x, y + 0.09, z + 0.06), 0.008, 1)
+        yield rounded_box("chrome", (0.02, 0.012, 0.09), (x, y + 0.132, z + 0.02), 0.005, 1)

@@ -4,14 +4,14 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.family import Bulb
 from home_procgen.shapes.groups import Piece
-from home_procgen.shapes.revolve import turned
+from home_procgen.shapes.revolve import revolve
 
 
 def bulb(
     y: float, power: float, x: float = 0.0, z: float = 0.0, radius: float = 0.03, light: float | None = None
 ) -> Iterator[Piece]:
     """Build a bulb at height y; its light source is at height `light`, by default just above it [m]."""
-    yield turned(
+    yield revolve(
         "bulb",
         [
             (0.4 * radius, y - 1.4 * radius),

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import mirrored
-from home_procgen.shapes.rounded import pillow, rounded, soft
+from home_procgen.shapes.groups import add_mirror_images
+from home_procgen.shapes.rounded import padded_block, pillow, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
@@ -27,7 +27,7 @@ def park_bench(width: float = 1.5) -> Iterator[Solid]:
             0.018,
         )
     for z in (-0.14, -0.03, 0.08, 0.19):
-        yield rounded("wood", (width, 0.03, 0.09), (0.0, 0.43, z), 0.01, 1)
+        yield rounded_box("wood", (width, 0.03, 0.09), (0.0, 0.43, z), 0.01, 1)
     for y in (0.54, 0.66, 0.78):
         yield beam(
             "wood",
@@ -44,7 +44,7 @@ def adirondack(width: float = 0.74) -> Iterator[Solid]:
         x = s * (width / 2 - 0.06)
         yield beam("wood", (x, 0.36, 0.3), (x, 0.04, -0.5), 0.03, 0.1)
         yield beam("wood", (x, 0.0, 0.3), (x, 0.55, 0.3), 0.03, 0.1)
-        yield rounded("wood", (0.13, 0.025, 0.74), (s * (width / 2 - 0.04), 0.55, -0.02), 0.01, 1)
+        yield rounded_box("wood", (0.13, 0.025, 0.74), (s * (width / 2 - 0.04), 0.55, -0.02), 0.01, 1)
     for i in range(6):
         y, z = 0.39 - 0.05 * i, 0.26 - 0.1 * i
         yield beam("wood", (-width / 2 + 0.05, y, z), (width / 2 - 0.05, y, z), 0.09, 0.02)
@@ -72,7 +72,7 @@ def wicker_chair(seats: int = 1) -> Iterator[Solid]:
     yield box("cane", (width - 0.1, 0.3, 0.62), (0.0, 0.02, 0.03))
     for i in range(seats):
         x = (i - (seats - 1) / 2) * 0.52
-        yield soft("textile", (0.5 + 0.1 * (seats == 1), 0.12, 0.6), (x, 0.31, 0.04), 6.0, 5)
+        yield padded_block("textile", (0.5 + 0.1 * (seats == 1), 0.12, 0.6), (x, 0.31, 0.04), 6.0, 5)
         yield upright_pillow("textile_1", (0.46, 0.42, 0.14), (x, 0.42, -0.2), 0.3)
 
 
@@ -86,9 +86,9 @@ def sunbed(width: float = 0.66) -> Iterator[Solid]:
         yield _wheel(x + s * 0.03)
     for z in np.linspace(-0.4, 0.95, 14):
         yield beam("wood", (-width / 2, 0.335, float(z)), (width / 2, 0.335, float(z)), 0.06, 0.014)
-    yield rounded("textile", (width - 0.04, 0.06, 1.4), (0.0, 0.34, 0.27), 0.025, 2)
+    yield rounded_box("textile", (width - 0.04, 0.06, 1.4), (0.0, 0.34, 0.27), 0.025, 2)
     yield rotate(
-        rounded("textile", (width - 0.04, 0.06, 0.7), (0.0, 0.34, -0.77), 0.025, 2), 0, 0.58, (0.0, 0.34, -0.42)
+        rounded_box("textile", (width - 0.04, 0.06, 0.7), (0.0, 0.34, -0.77), 0.025, 2), 0, 0.58, (0.0, 0.34, -0.42)
     )
     yield rotate(pillow("textile", (0.5, 0.1, 0.24), (0.0, 0.39, -0.98)), 0, 0.58, (0.0, 0.34, -0.42))
 
@@ -106,9 +106,11 @@ def swing(width: float = 1.5) -> Iterator[Solid]:
         yield rod("iron", (s * width / 2, 0.58, 0.2), (s * width / 2, 1.78, 0.0), 0.008, sides=6)
         yield rod("iron", (s * width / 2, 0.9, -0.28), (s * width / 2, 1.78, 0.0), 0.008, sides=6)
     yield rod("iron", (-width / 2 - 0.2, 1.8, 0.0), (width / 2 + 0.2, 1.8, 0.0), 0.03)
-    yield rounded("wood", (width, 0.04, 0.54), (0.0, 0.44, 0.0), 0.01, 1)
-    yield soft("textile", (width - 0.04, 0.1, 0.52), (0.0, 0.47, 0.01), 14.0, 6)
-    yield rotate(soft("textile", (width - 0.04, 0.46, 0.1), (0.0, 0.48, -0.25), 14.0, 6), 0, -0.2, (0.0, 0.48, -0.25))
+    yield rounded_box("wood", (width, 0.04, 0.54), (0.0, 0.44, 0.0), 0.01, 1)
+    yield padded_block("textile", (width - 0.04, 0.1, 0.52), (0.0, 0.47, 0.01), 14.0, 6)
+    yield rotate(
+        padded_block("textile", (width - 0.04, 0.46, 0.1), (0.0, 0.48, -0.25), 14.0, 6), 0, -0.2, (0.0, 0.48, -0.25)
+    )
     yield surface(
         "textile_1",
         lambda u, v: ((u - 0.5) * (width + 0.4), 1.82 + 0.1 * np.sin(np.pi * v), (v - 0.5) * 1.1),
@@ -126,10 +128,10 @@ def picnic_table(width: float = 1.7) -> Iterator[Solid]:
         yield beam("wood", (x + 0.045, 0.42, -0.78), (x + 0.045, 0.42, 0.78), 0.04, 0.09)
         yield beam("wood", (x + 0.045, 0.69, -0.36), (x + 0.045, 0.69, 0.36), 0.04, 0.08)
     for i in range(5):
-        yield rounded("wood", (width, 0.035, 0.14), (0.0, 0.73, (i - 2) * 0.15), 0.01, 1)
+        yield rounded_box("wood", (width, 0.035, 0.14), (0.0, 0.73, (i - 2) * 0.15), 0.01, 1)
     for s in (-1, 1):
         for z in (0.63, 0.77):
-            yield rounded("wood", (width, 0.035, 0.13), (0.0, 0.465, s * z), 0.01, 1)
+            yield rounded_box("wood", (width, 0.035, 0.13), (0.0, 0.465, s * z), 0.01, 1)
 
 
 def plastic_chair() -> Iterator[Solid]:
@@ -151,7 +153,7 @@ def plastic_chair() -> Iterator[Solid]:
         [(-0.23, 0.6, -0.24), (-0.22, 0.8, -0.3), (0.0, 0.86, -0.32), (0.22, 0.8, -0.3), (0.23, 0.6, -0.24)],
         0.022,
     )
-    yield from mirrored(
+    yield from add_mirror_images(
         [tube("white", fillet([(0.24, 0.64, 0.2), (0.27, 0.65, 0.0), (0.23, 0.62, -0.24)], 0.08), 0.024)]
     )
 

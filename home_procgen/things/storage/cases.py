@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, rod
 from home_procgen.things.joinery import BOARD_THICKNESS, cabinet_body, legs
 
@@ -23,7 +23,7 @@ def carcass(
     else:
         yield from legs(wood, width - 0.04, depth - 0.04, foot, kind, 0.05)  # type: ignore[arg-type]
     yield cabinet_body(wood, width, height - foot - BOARD_THICKNESS, depth, (0.0, foot, 0.0))
-    yield rounded(
+    yield rounded_box(
         wood, (width + overhang, BOARD_THICKNESS, depth + overhang), (0.0, height - BOARD_THICKNESS, 0.0), 0.007, 1
     )
 

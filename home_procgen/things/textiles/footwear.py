@@ -7,7 +7,7 @@ import numpy as np
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import ball, soft
+from home_procgen.shapes.rounded import ball, padded_block
 from home_procgen.shapes.sweep import band, prism, ring, rod, sweep, tube
 from home_procgen.things.textiles.soles import SOLE
 
@@ -29,7 +29,7 @@ def clogs() -> Iterator[Solid]:
     for s in (-1, 1):
         x = s * 0.065
         yield prism("wood", SOLE, 0.035, (x, 0.0, 0.0), "top")
-        yield soft("leather", (0.088, 0.06, 0.13), (x, 0.03, 0.062), 3.0, 6)
+        yield padded_block("leather", (0.088, 0.06, 0.13), (x, 0.03, 0.062), 3.0, 6)
         strap = [(x - 0.042, 0.05, 0.0), (x - 0.03, 0.075, -0.09), (x + 0.03, 0.075, -0.09), (x + 0.042, 0.05, 0.0)]
         yield tube("leather", fillet(strap, 0.03), 0.007, 6)
         for k in (-1, 1):
