@@ -1,13 +1,14 @@
 """Placed instances of models: the generator's own record of an object."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from home_mjx.schema.house import Material
+from home_mjx.datasets.suncg.formats.variants import variant_key
+from home_mjx.schema.house import Material, Mesh, ObjectNode
 from home_procgen.primitives.family import FurnitureModel, Shape
 from home_procgen.primitives.solids import Vector
 
@@ -130,3 +131,26 @@ def overlap_mask(
 def stack_boxes(boxes: Sequence[Box]) -> Boxes:
     """Stack boxes into one array; an empty sequence becomes shape (0, 2, 3)."""
     return np.array(boxes, float).reshape(-1, 2, 3)
+
+
+def furniture_object(placed: PlacedModel, index: int) -> ObjectNode:
+    """Return the node of an object on the lowest level."""
+    transform = np.eye(4)
+    transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
+    return ObjectNode(
+        id=f"0_{index}",
+        index=index,
+        path=f"levels[0].nodes[{index}]",
+        bbox=None,
+        model_id=placed.model.id,
+        model_key=variant_key(placed.model.id, int(placed.closed)),
+        transform=transform,
+        materials=placed.materials,
+    )
+
+
+def used_models(objects: Sequence[PlacedModel]) -> Mapping[str, Mesh]:
+    """Return the meshes of the objects: the base mesh of each model, and the closed variants in use."""
+    meshes = {placed.model.id: placed.model.mesh for placed in objects}
+    closed = {variant_key(p.model.id, 1): p.model.closed for p in objects if p.closed and p.model.closed is not None}
+    return meshes | closed

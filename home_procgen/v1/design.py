@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_procgen.floor_plan.openings import WET, LevelPlan, draw_plan
+from home_procgen.floor_plan.openings import LevelPlan
 from home_procgen.floor_plan.placed import PlacedModel
 from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.primitives.palette import (
@@ -20,6 +20,7 @@ from home_procgen.primitives.palette import (
 )
 from home_procgen.v1.furnish import furnish
 from home_procgen.v1.furnish.style import Style
+from home_procgen.v1.openings import WET, draw_plan
 
 _FLOORS = {"Bathroom": WET_FLOORS, "Toilet": WET_FLOORS, "Kitchen": WET_FLOORS, "Living_Room": WOODEN_FLOORS}
 

@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
 from home_mjx.schema.categories import ROOM_TYPES
-from home_procgen.floor_plan.openings import draw_plan
 from home_procgen.floor_plan.rooms import PlanWall, Rect, RoomPlan, outer_spans, outline, shared_span
+from home_procgen.v1.openings import draw_plan
 from home_procgen.v1.plan import WANTS
 
 PLANS = 50
