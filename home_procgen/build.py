@@ -9,11 +9,11 @@ from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.schema.house import House, Level, Mesh, RoomNode
 from home_procgen.design import HomeDesign, draw_design
-from home_procgen.floor_plan.placed import furniture_object, used_models
+from home_procgen.floor_plan.placed_model import furniture_object, used_models
 from home_procgen.meshes import build_room_meshes
 from home_procgen.outside import Surroundings, draw_surroundings
-from home_procgen.outside.ground import build_ground_node
 from home_procgen.outside.neighbours import build_block_node
+from home_procgen.outside.surroundings import build_ground_node
 
 
 def build_home(seed: int) -> House:

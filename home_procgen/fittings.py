@@ -4,16 +4,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel, quarter_towards
+from home_procgen.floor_plan.placed_model import PlacedModel, quarter_towards
 from home_procgen.floor_plan.rooms import PlanWall, RoomPlan, outer_spans
+from home_procgen.floor_plan.structure import RAILING_DEPTH, STAIR_LENGTH, STAIR_RISE, STAIR_WIDTH, structure_models
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
 from home_procgen.plan.home import HomePlan
-from home_procgen.plan.needs.room_program import OUTDOOR_TYPES
+from home_procgen.plan.program import OUTDOOR_TYPES
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.primitives.family import FurnitureModel
-from home_procgen.structure import structure_models
-from home_procgen.structure.railings import RAILING_DEPTH
-from home_procgen.structure.stairs import LENGTH, RISE, WIDTH
 from home_procgen.style import HomeStyle
 
 STAIR_CLEARANCE = 0.01  # [m], clearance between stairs and walls
@@ -51,9 +49,9 @@ def _stairs(place: Stairwell, model: FurnitureModel, height: float) -> PlacedMod
     x, z = _front_middle(place)
     wide, deep = _size(place)
     scale = (
-        (wide - 2 * (PRISM_THICKNESS + STAIR_CLEARANCE)) / WIDTH,
-        height / RISE,
-        (deep - PRISM_THICKNESS - STAIR_CLEARANCE) / LENGTH,
+        (wide - 2 * (PRISM_THICKNESS + STAIR_CLEARANCE)) / STAIR_WIDTH,
+        height / STAIR_RISE,
+        (deep - PRISM_THICKNESS - STAIR_CLEARANCE) / STAIR_LENGTH,
     )
     quarter = quarter_towards(-place.direction[0], -place.direction[1])
     scale = (round(scale[0], 4), round(scale[1], 4), round(scale[2], 4))

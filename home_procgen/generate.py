@@ -10,7 +10,7 @@ from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.errors import ConfigError
 from home_procgen.build import build_home
 from home_procgen.dataset_writer import Generator, write_seeds
-from home_procgen.library import has_intact_library, write_library_tables, write_used_models
+from home_procgen.model_library import has_intact_library, write_library_tables, write_used_models
 from home_procgen.v1 import dataset as flats
 
 GENERATOR_VERSION = 2  # increase it whenever the same seed would produce another file

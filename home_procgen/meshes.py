@@ -10,7 +10,7 @@ from home_mjx.geometry.pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_
 from home_mjx.geometry.slabs import slab
 from home_mjx.geometry.wall_prisms import Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import PlanWall as PlanWall
 from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.floor_plan.walls import (
@@ -22,8 +22,8 @@ from home_procgen.floor_plan.walls import (
     RoomSurfaces,
     find_wall_hole,
 )
-from home_procgen.plan.needs.room_program import OUTDOOR_TYPES
-from home_procgen.plan.openings.turned import SlantedWindow
+from home_procgen.plan.openings.windows import SlantedWindow
+from home_procgen.plan.program import OUTDOOR_TYPES
 from home_procgen.plan.shape.cut_rooms import Point, outline_sides
 
 SKIRTING_TOP = FLOOR_TOP + 0.09  # [m], height of the top of skirting boards

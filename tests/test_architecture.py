@@ -20,7 +20,6 @@ FEW_FILES: Mapping[str, str] = {  # folders with fewer files, each with its reas
     "home_mjx/physics/numba/shapes": "narrow phases are one stage of the step",
     "home_mjx/scene_compile/lighting": "a stage of the compiler; indirect light joins it",
     "home_mjx/tasks/scripted_agents": "scripted agents are a kind of their own",
-    "home_procgen/plan/needs": "demands of rooms on plans",
 }
 MAX_SHORT_MODULES = 30
 SHORT = 50  # [lines]

@@ -8,7 +8,7 @@ from examples.story.stairs import FAMILIES, LENGTH, RISE, WIDTH
 from home_mjx.datasets.outlines import SLAB_THICKNESS
 from home_mjx.schema.house import Material
 from home_procgen.floor_plan.openings import DOOR_Y, SILL_Y
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import plain, textured
 from home_procgen.v1.furniture import library

@@ -13,7 +13,7 @@ from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.schema.house import House, Level
 from home_procgen.dataset_writer import library_model
-from home_procgen.floor_plan.placed import furniture_object, used_models
+from home_procgen.floor_plan.placed_model import furniture_object, used_models
 from home_procgen.primitives.palette import plain, textured
 from home_procgen.primitives.textures import BASE_RECIPES, base_texture
 

@@ -1,17 +1,20 @@
-"""Doors, windows and the entrance of a floor plan."""
+"""Doors and windows of a floor plan, and the stretches of wall that can take them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import Box, PlacedModel
-from home_procgen.floor_plan.rooms import PlanWall, RoomPlan
+from home_procgen.floor_plan.placed_model import Box, PlacedModel
+from home_procgen.floor_plan.rooms import PlanWall, RoomPlan, outer_spans, shared_span
 
 DOOR_Y, SILL_Y = 0.02, 0.85  # [m], heights of the models' origins, as in SUNCG
 HIGH_SILL_Y = 1.4  # [m], sill height of the small windows of bathrooms
 PASSAGE_DEPTH = 0.9  # [m], depth of the free floor on either side of a door
 MIN_OPENING_MARGIN = 0.12  # [m], minimum distance between an opening and the end of its wall
+
+MIN_DOOR_WALL = 1.1  # [m], minimum length of wall for a door
 
 
 @dataclass(frozen=True)
@@ -54,3 +57,21 @@ class OpeningSite(NamedTuple):
     wall: PlanWall  # with the normal towards the first room
     span: tuple[float, float]
     rooms: tuple[int, ...]
+
+
+def find_inner_sites(rooms: Sequence[RoomPlan]) -> list[OpeningSite]:
+    """Return the stretches of wall that two rooms share and that are long enough for a door."""
+    return [
+        OpeningSite(wall, span, (a, b))
+        for b in range(len(rooms))
+        for a in range(b)
+        for wall in rooms[a].walls
+        for other in rooms[b].walls
+        if (span := shared_span(wall, other)) and span[1] - span[0] >= MIN_DOOR_WALL
+    ]
+
+
+def find_outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[OpeningSite]:
+    """Return the stretches of a room's walls that no other room shares."""
+    others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
+    return [OpeningSite(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]

@@ -1,4 +1,4 @@
-"""Meshes of walls with holes, floors and ceilings, as SUNCG's exporter builds them.
+"""Dimensions, materials, holes and boxes of walls, as in SUNCG.
 
 Each wall of a room consists of two prisms: an inner one towards the room and an outer one behind it. Each room that
 shares a wall adds its own pair. Openings cut holes into every prism that they cross.
@@ -7,10 +7,11 @@ shares a wall adds its own pair. Openings cut holes into every prism that they c
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.geometry.wall_prisms import WALL_DEPTH, Hole
 from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import Box, PlacedModel
 from home_procgen.floor_plan.rooms import PlanWall
 
 # All lengths are in metres.
@@ -19,6 +20,7 @@ HOLE_INSET = 0.02  # inset of a hole from the opening's bounding box
 FLOOR_TOP = 0.05  # height of the floor's top; also the thickness of floors and ceilings
 SLAB_OVERHANG = 0.02  # overhang of floors and ceilings beyond the wall centre-lines
 CEILING_DROP = 0.01  # distance of a ceiling's underside below the nominal height
+VIEW_DEPTH = 0.35  # depth of the clear space on each side of a window
 
 
 @dataclass(frozen=True)
@@ -47,3 +49,18 @@ def find_wall_hole(wall: PlanWall, opening: PlacedModel) -> Hole | None:
         float(box[0, 1] + HOLE_INSET),
         float(box[1, 1] - HOLE_INSET),
     )
+
+
+def wall_box(wall: PlanWall, height: float) -> Box:
+    """Return the box of a wall, which includes both of its halves [m]."""
+    ends: Float[np.ndarray, "2 2"] = np.sort([wall.start, wall.end], axis=0)
+    (x0, z0), (x1, z1) = ends + np.array([[-PRISM_THICKNESS], [PRISM_THICKNESS]])
+    return np.array([[x0, 0.0, z0], [x1, height, z1]])
+
+
+def window_view_box(window: Box) -> Box:
+    """Return the space on both sides of a window, from 0.12 m above its sill, that tall objects must not enter."""
+    grown = window + np.array([[0.0, 0.12, 0.0], [0.0, 0.0, 0.0]])
+    across = 0 if np.ptp(window[:, 0]) < np.ptp(window[:, 2]) else 2
+    grown[:, across] += (-VIEW_DEPTH, VIEW_DEPTH)
+    return grown

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
-from home_procgen.furnish.space.hung import hang_from_ceiling, place_sockets, place_switches
-from home_procgen.furnish.space.on_top import place_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import add_at_wall
+from home_procgen.furnish.space.floor_placement import add_at_wall
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.top_placement import place_on_top
+from home_procgen.furnish.space.wall_placement import hang_from_ceiling, place_sockets, place_switches
 from home_procgen.plan.home import HomePlan
-from home_procgen.plan.needs.room_program import OUTDOOR_TYPES
+from home_procgen.plan.program import OUTDOOR_TYPES
 from home_procgen.style import HomeStyle
 
 MAX_ROOM_ATTEMPTS = 3  # maximum attempts to furnish one room

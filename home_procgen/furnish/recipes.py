@@ -3,8 +3,7 @@
 from collections.abc import Callable, Mapping
 
 from home_procgen.furnish.rooms.bath import furnish_bathroom, furnish_toilet
-from home_procgen.furnish.rooms.bedroom import furnish_bedroom, furnish_guest_room
-from home_procgen.furnish.rooms.child import furnish_child_room
+from home_procgen.furnish.rooms.bedroom import furnish_bedroom, furnish_child_room, furnish_guest_room
 from home_procgen.furnish.rooms.desks import furnish_office
 from home_procgen.furnish.rooms.dining import furnish_dining_room
 from home_procgen.furnish.rooms.halls import (
@@ -15,9 +14,15 @@ from home_procgen.furnish.rooms.halls import (
 )
 from home_procgen.furnish.rooms.kitchen import furnish_kitchen
 from home_procgen.furnish.rooms.living import furnish_living_room
-from home_procgen.furnish.rooms.outdoors import furnish_balcony, furnish_terrace
-from home_procgen.furnish.rooms.utility import furnish_boiler_room, furnish_garage, furnish_gym, furnish_storage
-from home_procgen.furnish.space.room import RoomSpace
+from home_procgen.furnish.rooms.utility import (
+    furnish_balcony,
+    furnish_boiler_room,
+    furnish_garage,
+    furnish_gym,
+    furnish_storage,
+    furnish_terrace,
+)
+from home_procgen.furnish.space.room_space import RoomSpace
 
 RECIPES: Mapping[str, Callable[[RoomSpace], None]] = {
     "Living_Room": furnish_living_room,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.schema.house import BoxNode, Material
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.outside.roof import build_gable
 from home_procgen.outside.site import STREET_WIDTH, Plot, PlotSide

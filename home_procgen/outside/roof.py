@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.outside.models import EAVES_OVERHANG, MODEL_PITCH, ROOF_SIZES, outside_models
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import FRONT_DIRECTIONS
+from home_procgen.floor_plan.placed_model import FRONT_DIRECTIONS
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.plan.home import HomePlan
 

@@ -5,19 +5,21 @@ They use a source of randomness of their own, so that the interior does not depe
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
-from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import FRONT_DIRECTIONS, PlacedModel
+from home_mjx.geometry.pieces import MeshPiece, join_pieces
+from home_mjx.geometry.slabs import slab
+from home_mjx.schema.house import GroundNode, Material
+from home_procgen.floor_plan.placed_model import FRONT_DIRECTIONS, PlacedModel
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.outside.ground import GroundPatch
 from home_procgen.outside.models import outside_models
 from home_procgen.outside.neighbours import NeighbourBlock, draw_neighbours
 from home_procgen.outside.roof import build_roofs
 from home_procgen.outside.site import Plot
 from home_procgen.plan.home import HomePlan
-from home_procgen.plan.needs.room_program import OUTDOOR_TYPES
+from home_procgen.plan.program import OUTDOOR_TYPES
 from home_procgen.primitives.palette import choose_random, plain, textured
 
 PITCH_RANGE = (0.45, 0.85)  # rise per run
@@ -30,6 +32,23 @@ LEAVES = tuple(
 )
 BARK = textured("wood_2", "#c8c0b8")
 TREE_COUNT_RANGE, BUSH_COUNT_RANGE = (4, 9), (2, 6)  # range of the number; the upper end is exclusive
+
+UNDERSIDE_HEIGHT = -0.1  # [m], height of the undersides of all slabs
+
+
+@dataclass(frozen=True)
+class GroundPatch:
+    """A rectangle of ground.
+
+    Attributes:
+        rect: The rectangle [m].
+        top: Height of its surface [m]; walls begin at 0.
+        material: Material of its surface.
+    """
+
+    rect: Rect
+    top: float
+    material: Material
 
 
 @dataclass(frozen=True)
@@ -133,3 +152,21 @@ def _plants(rng: np.random.Generator, site: Plot) -> Iterator[PlacedModel]:
                 dressed = tuple(BARK if slot == "bark" else choose_random(LEAVES, rng) for slot in model.slots)
                 one = PlacedModel(model, (0.0, 0.0, 0.0), 0, (size, size, size), materials=dressed)
                 yield one.moved_to(*(place[0], 0.0, place[1]), int(rng.integers(4)))
+
+
+def build_ground_node(patch: GroundPatch, index: int, folder: Path) -> GroundNode:
+    """Return the node of a patch on the lowest level.
+
+    Args:
+        patch: The patch.
+        index: Index of the node in its level.
+        folder: Folder of the house's meshes.
+    """
+    x0, z0, x1, z1 = patch.rect
+    outline = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
+    stem = f"fr_0gd_{index}"
+    piece = MeshPiece(f"Ground#0_{index}", *slab([outline], UNDERSIDE_HEIGHT, patch.top, 0.0), np.zeros(12, int))
+    mesh = join_pieces(folder / f"{stem}f.obj", [piece], [patch.material])
+    return GroundNode(
+        id=f"0_{index}", index=index, path=f"levels[0].nodes[{index}]", bbox=None, model_id=stem, mesh=mesh
+    )

@@ -8,16 +8,16 @@ import numpy as np
 from home_mjx.errors import ConfigError
 from home_procgen.floor_plan.openings import LevelPlan, PlanOpening
 from home_procgen.floor_plan.rooms import RoomPlan
-from home_procgen.plan.needs.program import RoomProgram, draw_program
+from home_procgen.floor_plan.structure import structure_models
 from home_procgen.plan.openings.doors import OpeningModels, draw_doors, draw_entrance, draw_garage_doors
 from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.openings.windows import draw_windows
 from home_procgen.plan.outdoors import add_outdoors
+from home_procgen.plan.program import RoomProgram, draw_program
 from home_procgen.plan.quality import meets_quality_limits
 from home_procgen.plan.shape.storeys import Stairwell, Storey, draw_storeys
 from home_procgen.plan.slants import add_slants
 from home_procgen.primitives.palette import choose_random
-from home_procgen.structure import structure_models
 from home_procgen.things import get_model
 
 MAX_STOREY_ATTEMPTS = 6000  # maximum attempts to draw storeys; a few dozen are typical

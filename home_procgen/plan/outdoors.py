@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from home_procgen.floor_plan.openings import find_outer_sites
 from home_procgen.floor_plan.rooms import PlanWall, Rect, RoomPlan, outer_spans
-from home_procgen.plan.needs.program import MAX_ROOMS
-from home_procgen.plan.openings.sites import find_outer_sites
+from home_procgen.plan.program import MAX_ROOMS
 from home_procgen.plan.shape.cut_rooms import is_beside_cut
 from home_procgen.plan.shape.rows import snap_to_grid
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from home_procgen.floor_plan.openings import find_outer_sites
 from home_procgen.floor_plan.rooms import PlanWall, Rect, RoomPlan, outer_spans
-from home_procgen.plan.needs.room_program import ROOMY_TYPES
-from home_procgen.plan.openings.sites import find_outer_sites
+from home_procgen.plan.program import ROOMY_TYPES
 from home_procgen.plan.shape.cut_rooms import CutRoom, Point
 from home_procgen.plan.shape.rows import snap_to_grid
 from home_procgen.plan.shape.storeys import Storey

@@ -9,10 +9,43 @@ from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull
 
 from home_mjx.geometry.wall_prisms import extrude_grid
-from home_mjx.schema.house import Material, Mesh
-from home_procgen.primitives.parts import MovablePart
+from home_mjx.schema.house import JointKind, Material, Mesh
 
 Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class MovablePart:
+    """A drawer, a door or a lid; solids with equal parts move together.
+
+    Args:
+        name: Name without a number.
+        kind: Kind of joint.
+        axis: Unit vector: of rotation by the right-hand rule, or of translation.
+        point: Point on a hinge's axis, or corner of a slide, which distinguishes equal drawers [m].
+        travel: Range from the drawn position [rad] or [m].
+    """
+
+    name: str
+    kind: JointKind
+    axis: Vector
+    point: Vector
+    travel: float
+
+    def transform(self, turn: Float[np.ndarray, "3 3"], shift: Float[np.ndarray, " 3"]) -> "MovablePart":
+        """Return the part of solids that were rotated or mirrored about the origin, and then moved.
+
+        Args:
+            turn: An orthogonal matrix.
+            shift: Translation [m].
+        """
+        sense = np.sign(np.linalg.det(turn)) if self.kind == "hinge" else 1.0  # a mirror reverses the sense of rotation
+        return replace(self, axis=_triple(sense * turn @ self.axis), point=_triple(turn @ self.point + shift))
+
+
+def _triple(values: Float[np.ndarray, " 3"]) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 @dataclass(frozen=True)

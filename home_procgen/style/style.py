@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import choose_random
-from home_procgen.style.kinds import list_models, resolve_kind
+from home_procgen.style.object_kinds import list_models, resolve_kind
 from home_procgen.things import get_model
 from home_procgen.things.finishes import FINISHES
 

@@ -12,12 +12,12 @@ from home_procgen.things.decor import books, candles, clocks, figures, ornaments
 from home_procgen.things.electronics import cleaning, gadgets, phones, screens, sound, televisions
 from home_procgen.things.family import FurnitureFamily
 from home_procgen.things.green import plants
-from home_procgen.things.kitchen import cabinets, cookers, hanging, hoods, sinks
+from home_procgen.things.kitchen import cabinets, cookers, hoods, sinks, wall_cabinets
 from home_procgen.things.lamps import ceiling, chandeliers, floor, outdoor, pendants, table, wall
 from home_procgen.things.leisure import gym, music, pianos
 from home_procgen.things.openings import arches, doors, windows
 from home_procgen.things.outdoors import tools, yard
-from home_procgen.things.seats import armchairs, benches, chairs, office, ottomans, patio, sofas, stools
+from home_procgen.things.seats import armchairs, benches, chairs, garden_seats, office, ottomans, sofas, stools
 from home_procgen.things.storage import (
     bookshelves,
     carts,
@@ -30,7 +30,7 @@ from home_procgen.things.storage import (
     wardrobes,
 )
 from home_procgen.things.tables import coffee, desks, dining, vanities
-from home_procgen.things.tableware import containers, cups, cutting, food, fruit, glasses, jugs, mortar, pans, plates
+from home_procgen.things.tableware import containers, cups, cutting, food, fruit, glasses, jugs, pans, plates
 from home_procgen.things.textiles import curtains, cushions, rugs, wear
 from home_procgen.things.toys import baskets, bins, pets, toys
 from home_procgen.things.vehicles import cars, cycles
@@ -39,14 +39,14 @@ from home_procgen.things.walls import coolers, fans, fences, fireplaces, heaters
 __all__ = ["families", "family_models", "get_model", "library", "library_model"]
 
 _MODULES = (
-    *(chairs, stools, armchairs, office, sofas, ottomans, benches, patio),
+    *(chairs, stools, armchairs, office, sofas, ottomans, benches, garden_seats),
     *(dining, coffee, desks, vanities),
     *(double, single, cots, bunks),
     *(wardrobes, dressers, nightstands, media, shoes),
     *(bookshelves, shelves, hangers, carts),
-    *(cabinets, hanging, sinks, cookers, hoods),
+    *(cabinets, wall_cabinets, sinks, cookers, hoods),
     *(fridges, washing, ovens, hot_drinks, mixers),
-    *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food, mortar),
+    *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food),
     *(toilets, basins, bathtubs, showers, towels, mirrors, paper, toiletries),
     *(table, floor, pendants, chandeliers, ceiling, wall, outdoor),
     *(televisions, screens, sound, phones, cleaning, gadgets),

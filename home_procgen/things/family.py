@@ -13,7 +13,7 @@ from home_procgen.primitives.family import Bulb, FurnitureModel
 from home_procgen.primitives.solids import Solid, move, to_mesh
 from home_procgen.shapes.normals import corner_normals
 from home_procgen.things.finishes import FINISHES
-from home_procgen.things.parts import make_joints
+from home_procgen.things.movable_parts import make_joints
 
 
 @dataclass(frozen=True)

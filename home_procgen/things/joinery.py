@@ -1,16 +1,18 @@
-"""Shared furniture pieces: legs, cases, doors, drawers, handles."""
+"""Shared furniture pieces: legs, cases, doors, drawers, handles, garments, bulbs."""
 
 from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import numpy as np
 
+from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import Solid, Vector, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, sweep, tube
-from home_procgen.things.parts import OpeningMotion, assign_part, front_part
+from home_procgen.shapes.transforms import Piece
+from home_procgen.things.movable_parts import OpeningMotion, assign_part, front_part
 
 BOARD_THICKNESS = 0.02  # [m], thickness of boards
 LegKind = Literal["square", "taper", "splay", "turned", "hairpin", "sled", "block", "cabriole"]
@@ -296,3 +298,59 @@ def bow_handle(
     low, high = heights
     path = fillet([(-half, low, z), (-half, high, z), (half, high, z), (half, low, z)], bend)
     return tube(material, path, radius, sides)
+
+
+def carcass(
+    width: float,
+    height: float,
+    depth: float,
+    foot: float = 0.06,
+    kind: str = "plinth",
+    wood: str = "wood",
+    overhang: float = 0.0,
+) -> Iterator[Solid]:
+    """Build a closed body with a top board, on a plinth or legs; fronts attach at z = depth / 2 - 2 cm."""
+    if kind == "plinth":
+        yield box("black" if overhang == 0 else wood, (width - 0.04, foot, depth - 0.08), (0.0, 0.0, -0.02))
+    else:
+        yield from legs(wood, width - 0.04, depth - 0.04, foot, kind, 0.05)  # type: ignore[arg-type]
+    yield cabinet_body(wood, width, height - foot - BOARD_THICKNESS, depth, (0.0, foot, 0.0))
+    yield rounded_box(
+        wood, (width + overhang, BOARD_THICKNESS, depth + overhang), (0.0, height - BOARD_THICKNESS, 0.0), 0.007, 1
+    )
+
+
+def garment(slot: str, x: float, y: float, long: float) -> Iterator[Solid]:
+    """Build a shirt or coat on a hanger below a rail at height y, with its side towards +z [m]."""
+    yield rod("chrome", (x, y, 0.0), (x, y - 0.08, 0.0), 0.003, sides=5)
+    shape = [
+        (0.0, -0.06),
+        (0.2, -0.13),
+        (0.21, -0.3),
+        (0.17, -0.32),
+        (0.19, -long),
+        (-0.19, -long),
+        (-0.17, -0.32),
+        (-0.21, -0.3),
+        (-0.2, -0.13),
+    ]
+    yield prism(slot, [(z, y + h) for z, h in shape], 0.05, (x, 0.0, 0.0), "side")
+
+
+def bulb(
+    y: float, power: float, x: float = 0.0, z: float = 0.0, radius: float = 0.03, light: float | None = None
+) -> Iterator[Piece]:
+    """Build a bulb at height y; its light source is at height `light`, by default just above it [m]."""
+    yield revolve(
+        "bulb",
+        [
+            (0.4 * radius, y - 1.4 * radius),
+            (0.9 * radius, y - 0.4 * radius),
+            (0.95 * radius, y + 0.2 * radius),
+            (0.4 * radius, y + radius),
+        ],
+        (x, 0.0, z),
+        12,
+        2,
+    )
+    yield Bulb((x, y + 1.5 * radius if light is None else light, z), power)

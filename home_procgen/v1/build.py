@@ -4,7 +4,7 @@ from pathlib import Path
 
 from home_mjx.datasets.seeds import house_id
 from home_mjx.schema.house import House, Level, RoomNode
-from home_procgen.floor_plan.placed import furniture_object, used_models
+from home_procgen.floor_plan.placed_model import furniture_object, used_models
 from home_procgen.v1.design import Design, draw_design
 from home_procgen.v1.meshes import room_meshes
 

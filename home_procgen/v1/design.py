@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from home_procgen.floor_plan.openings import LevelPlan
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.primitives.palette import (
     CEILINGS,

@@ -1,4 +1,4 @@
-"""Meshes of the rooms of a flat."""
+"""Meshes of walls with holes, floors and ceilings of a flat, as SUNCG's exporter builds them."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -9,7 +9,7 @@ import numpy as np
 from home_mjx.geometry import wall_prisms as wall_prism
 from home_mjx.geometry.wall_prisms import extrude_grid, wall_prisms
 from home_mjx.schema.house import Material, Mesh
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import PlanWall, RoomPlan
 from home_procgen.floor_plan.walls import CEILING_DROP, FLOOR_TOP, SLAB_OVERHANG, RoomSurfaces, find_wall_hole
 from home_procgen.primitives.palette import CUT_MATERIAL

@@ -13,7 +13,7 @@ from home_procgen.floor_plan.openings import (
     OpeningSite,
     PlanOpening,
 )
-from home_procgen.floor_plan.placed import PlacedModel, overlap_mask, quarter_towards, stack_boxes
+from home_procgen.floor_plan.placed_model import PlacedModel, overlap_mask, quarter_towards, stack_boxes
 from home_procgen.floor_plan.rooms import RoomPlan, outer_spans, shared_span
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import choose_random

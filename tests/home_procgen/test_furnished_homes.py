@@ -7,14 +7,13 @@ import numpy as np
 import pytest
 
 from home_procgen.design import HomeDesign, draw_design
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, YawedObject, yaw_by, yaw_to
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
-from home_procgen.furnish.space.occupied import BoxStore, boxes_overlap
-from home_procgen.furnish.space.tops import can_support, find_support_surfaces
-from home_procgen.furnish.space.turned import YawedObject, yaw_by, yaw_to
-from home_procgen.plan.needs.room_program import CONNECTING_TYPES, OUTDOOR_TYPES, ROOM_REQUIREMENTS
+from home_procgen.furnish.space.collision_boxes import BoxStore, boxes_overlap
+from home_procgen.furnish.space.support_surfaces import can_support, find_support_surfaces
+from home_procgen.plan.program import CONNECTING_TYPES, OUTDOOR_TYPES, ROOM_REQUIREMENTS
 from home_procgen.style import HomeStyle
-from home_procgen.style.kinds import _KINDS, resolve_kind
+from home_procgen.style.object_kinds import _KINDS, resolve_kind
 from home_procgen.style.style import FITTED_FAMILIES, FRONT_FINISHES, METAL_FINISHES
 from home_procgen.things import families, get_model, library_model
 from home_procgen.things.finishes import FINISHES

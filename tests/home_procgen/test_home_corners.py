@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.floor_plan.walls import PRISM_THICKNESS
-from home_procgen.furnish.space.corners import corner_spots, place_across_corner
-from home_procgen.furnish.space.occupied import BoxStore, collision_boxes
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import WALL_GAP, random_point
-from home_procgen.style.kinds import list_models
+from home_procgen.furnish.space.collision_boxes import BoxStore, collision_boxes
+from home_procgen.furnish.space.corner_placement import corner_spots, place_across_corner
+from home_procgen.furnish.space.floor_placement import WALL_GAP, random_point
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.style.object_kinds import list_models
 
 OBLONG = (Rect(0.0, 0.0, 5.0, 4.0),)
 L_SHAPE = (Rect(0.0, 0.0, 6.0, 3.0), Rect(0.0, 3.0, 3.0, 6.0))

@@ -16,14 +16,20 @@ from home_mjx.houses import HouseSet
 from home_mjx.houses.load import house_set
 from home_mjx.schema.categories import ROOM_TYPES
 from home_procgen.floor_plan.openings import DOOR_Y, PlanOpening
-from home_procgen.floor_plan.placed import PlacedModel, quarter_towards
+from home_procgen.floor_plan.placed_model import PlacedModel, quarter_towards
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.plan.home import HomePlan, draw_home
-from home_procgen.plan.needs.program import MAX_ROOMS, RoomProgram, draw_ground_types, draw_program
-from home_procgen.plan.needs.room_program import CONNECTING_TYPES, OUTDOOR_TYPES, ROOM_REQUIREMENTS
-from home_procgen.plan.openings.bounds import stairwell_box
-from home_procgen.plan.openings.passage import is_passable
-from home_procgen.plan.shape.parted import draw_split
+from home_procgen.plan.openings.passage import is_passable, stairwell_box
+from home_procgen.plan.program import (
+    CONNECTING_TYPES,
+    MAX_ROOMS,
+    OUTDOOR_TYPES,
+    ROOM_REQUIREMENTS,
+    RoomProgram,
+    draw_ground_types,
+    draw_program,
+)
+from home_procgen.plan.shape.compound_plan import draw_split
 from home_procgen.plan.shape.storeys import has_simple_outline
 from home_procgen.plugin import ProceduralName
 from home_procgen.primitives.family import FurnitureModel

@@ -21,11 +21,11 @@ from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Joint, Mesh
 from home_procgen import generate_dataset
 from home_procgen.dataset_writer import library_model
-from home_procgen.library import MODEL_CATEGORIES
+from home_procgen.model_library import MODEL_CATEGORIES
 from home_procgen.primitives.solids import box, move, rotate
-from home_procgen.shapes.groups import add_mirror_images
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things import library
-from home_procgen.things.parts import assign_part, front_part
+from home_procgen.things.movable_parts import assign_part, front_part
 
 CLEAR = 0.01  # [m]: by so much a part may cut into its model, or by as much as it does where it is drawn
 UNDER = {"home_kitchen_cabinet_7", "home_bunker_bed_2", "home_desk_4"}  # drawers below something that reaches over them

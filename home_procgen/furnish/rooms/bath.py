@@ -1,19 +1,19 @@
 """Bathrooms and toilets."""
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.corners import add_in_corner, place_across_corner, place_in_corner
-from home_procgen.furnish.space.hung import furnish_windows, hang_above, hang_kind
-from home_procgen.furnish.space.on_top import place_several_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import (
+from home_procgen.furnish.space.corner_placement import add_in_corner, place_across_corner, place_in_corner
+from home_procgen.furnish.space.floor_placement import (
     add_at_wall,
     place_against_wall,
     place_first_fitting,
     place_next_to,
     place_object,
 )
-from home_procgen.style.kinds import list_models
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.top_placement import place_several_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind
+from home_procgen.style.object_kinds import list_models
 
 ON_BASIN = (
     *(("soap_dispenser", 0.7), ("soap_dish", 0.4), ("set_toiletries", 0.7), ("cup", 0.15), ("small_plant", 0.15)),

@@ -1,17 +1,24 @@
-"""Bedrooms: a bed with nightstands, a wardrobe, a desk or a dressing table."""
+"""Bedrooms and children's rooms: a bed with nightstands, a wardrobe, a desk or a dressing table, toys."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import FLOOR_TOP
 from home_procgen.furnish.rooms.desks import place_desk
 from home_procgen.furnish.rooms.living import place_television_stand
-from home_procgen.furnish.space.corners import add_in_corner, place_across_corner, place_in_corner
-from home_procgen.furnish.space.hung import furnish_windows, hang_above, hang_kind, hang_pictures
-from home_procgen.furnish.space.on_top import place_on_top, place_several_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import add_at_wall, place_against_wall, place_first_fitting, place_object, scatter
+from home_procgen.furnish.space.corner_placement import add_in_corner, place_across_corner, place_in_corner
+from home_procgen.furnish.space.floor_placement import (
+    add_at_wall,
+    place_against_wall,
+    place_first_fitting,
+    place_freely,
+    place_object,
+    scatter,
+)
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.top_placement import place_on_top, place_several_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
 
 ON_NIGHTSTAND = (
     *(("book", 0.4), ("books", 0.15), ("cup", 0.3), ("table_clock", 0.4), ("cellphone", 0.35), ("glass", 0.3)),
@@ -27,6 +34,8 @@ SMALL_FURNITURE = (
     *(("floor_basket", 0.3), ("standing_mirror", 0.2), ("floor_lamp", 0.2), ("slim_plant", 0.35), ("safe", 0.04)),
     *(("ottoman", 0.2), ("coat_stand", 0.1), ("oil_heater", 0.05), ("floor_fan", 0.06), ("guitar", 0.04)),
 )
+
+ON_SHELF = (("toy", 0.6), ("toy_animal", 0.5), ("books", 0.5), ("ornament", 0.2), ("table_clock", 0.2), ("photo", 0.2))
 
 
 def furnish_bedroom(room: RoomSpace) -> None:
@@ -171,4 +180,34 @@ def furnish_guest_room(room: RoomSpace) -> None:
         place_desk(room, "small_desk")
     for kind, probability in (("slim_plant", 0.4), ("ironing_board", 0.12), ("bookshelf", 0.2), ("keyboard", 0.04)):
         add_at_wall(room, kind, 0.2, probability)
+    hang_pictures(room, 3)
+
+
+def furnish_child_room(room: RoomSpace) -> None:
+    """Place a bed, a desk, shelves with toys, and toys on the floor."""
+    furnish_windows(room, ("long_curtain", "short_curtain"), 0.5)
+    baby = room.draw_chance(0.2)
+    if not baby and room.draw_chance(0.25):
+        bed_placed = add_at_wall(room, "bunk", 0.5) or place_bed(room, "single_bed")
+    else:
+        bed_placed = place_bed(room, "single_bed")
+    if baby and bed_placed:
+        add_at_wall(room, "baby_bed", 0.4)
+    place_wardrobe(room)
+    if not baby and room.draw_chance(0.8):
+        place_desk(room, "small_desk")
+    for kind, probability in (("toy_shelf", 0.8), ("dresser", 0.4), ("open_shelf", 0.25)):
+        place_several_on_top(room, add_at_wall(room, kind, 0.4, probability), ON_SHELF, 3)
+    if room.draw_chance(0.6):
+        add_at_wall(room, "large_toy", 0.3)
+    if room.draw_chance(0.6):
+        place_freely(room, room.draw_object("round_rug" if room.draw_chance(0.6) else "large_rug"))
+    for _ in range(2 + int(room.rng.integers(4))):
+        if room.draw_clutter(0.9):
+            scatter(room, "floor_toy")
+    for kind, probability in (("tricycle", 0.15), ("shoes", 0.4), ("floor_basket", 0.35), ("ottoman", 0.15)):
+        if room.draw_chance(probability):
+            scatter(room, kind)
+    hang_kind(room, "wall_shelf", 1.3, 0.4)
+    hang_kind(room, "wall_clock", 1.65, 0.2)
     hang_pictures(room, 3)

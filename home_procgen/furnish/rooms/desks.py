@@ -4,14 +4,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_to
 from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.corners import place_in_corner
-from home_procgen.furnish.space.hung import furnish_windows, hang_kind, hang_pictures
-from home_procgen.furnish.space.on_top import place_on_top, place_several_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.seats import chairs_around
-from home_procgen.furnish.space.spots import (
+from home_procgen.furnish.space.corner_placement import place_in_corner
+from home_procgen.furnish.space.floor_placement import (
     add_at_wall,
     is_clear_of,
     place_against_wall,
@@ -20,7 +16,10 @@ from home_procgen.furnish.space.spots import (
     place_object,
     scatter,
 )
-from home_procgen.furnish.space.turned import yaw_to
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.seats import chairs_around
+from home_procgen.furnish.space.top_placement import place_on_top, place_several_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_kind, hang_pictures
 
 ON_DESK = (
     *(("desk_lamp", 0.75), ("books", 0.4), ("cup", 0.45), ("book", 0.4), ("photo", 0.3), ("small_plant", 0.3)),

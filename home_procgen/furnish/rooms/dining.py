@@ -4,13 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.hung import furnish_windows, hang_kind, hang_pictures
-from home_procgen.furnish.space.on_top import place_on_top, place_on_top_at, place_several_on_top
-from home_procgen.furnish.space.room import RoomSpace
+from home_procgen.furnish.space.floor_placement import add_at_wall, place_freely, place_object
+from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.seats import chairs_around, seat_places
-from home_procgen.furnish.space.spots import add_at_wall, place_freely, place_object
+from home_procgen.furnish.space.top_placement import place_on_top, place_on_top_at, place_several_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_kind, hang_pictures
 
 CHAIR_MARGIN = 0.3  # [m], width around a table that its chairs need
 PLATE_INSET = 0.22  # [m], from the edge of a table to the middle of a plate

@@ -2,11 +2,11 @@
 
 from home_procgen.floor_plan.walls import FLOOR_TOP
 from home_procgen.furnish.rooms.living import ON_CHEST, place_plants
-from home_procgen.furnish.space.corners import add_in_corner
-from home_procgen.furnish.space.hung import furnish_windows, hang_above, hang_kind, hang_pictures
-from home_procgen.furnish.space.on_top import place_on_top, place_several_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import add_at_wall, place_object, random_point, scatter
+from home_procgen.furnish.space.corner_placement import add_in_corner
+from home_procgen.furnish.space.floor_placement import add_at_wall, place_object, random_point, scatter
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.top_placement import place_on_top, place_several_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
 
 
 def furnish_hallway(room: RoomSpace) -> None:

@@ -4,16 +4,13 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_to
 from home_procgen.floor_plan.rooms import PlanWall
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
 from home_procgen.furnish.rooms.dining import place_dining_set
-from home_procgen.furnish.space.corners import corner_spots
-from home_procgen.furnish.space.hung import furnish_windows, hang_above, hang_kind, hang_pictures
-from home_procgen.furnish.space.occupied import collision_boxes
-from home_procgen.furnish.space.on_top import place_on_burner, place_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import (
+from home_procgen.furnish.space.collision_boxes import collision_boxes
+from home_procgen.furnish.space.corner_placement import corner_spots
+from home_procgen.furnish.space.floor_placement import (
     HANGING_GAP,
     WALL_GAP,
     add_at_wall,
@@ -23,8 +20,10 @@ from home_procgen.furnish.space.spots import (
     place_freely,
     place_object,
 )
-from home_procgen.furnish.space.turned import yaw_to
-from home_procgen.style.kinds import list_models
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.top_placement import place_on_burner, place_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
+from home_procgen.style.object_kinds import list_models
 
 WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
     1.45,

@@ -5,15 +5,12 @@ from itertools import islice
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_to
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
 from home_procgen.furnish.rooms.dining import place_dining_set
-from home_procgen.furnish.space.corners import add_in_corner, corner_spots, place_across_corner
-from home_procgen.furnish.space.hung import furnish_windows, hang_above, hang_kind, hang_pictures
-from home_procgen.furnish.space.occupied import collision_boxes
-from home_procgen.furnish.space.on_top import place_on_top, place_several_on_top
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import (
+from home_procgen.furnish.space.collision_boxes import collision_boxes
+from home_procgen.furnish.space.corner_placement import add_in_corner, corner_spots, place_across_corner
+from home_procgen.furnish.space.floor_placement import (
     WALL_GAP,
     add_at_wall,
     free_distance,
@@ -27,8 +24,10 @@ from home_procgen.furnish.space.spots import (
     room_wall_spots,
     scatter,
 )
-from home_procgen.furnish.space.tops import can_support, find_support_surfaces
-from home_procgen.furnish.space.turned import yaw_to
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.support_surfaces import can_support, find_support_surfaces
+from home_procgen.furnish.space.top_placement import place_on_top, place_several_on_top
+from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
 
 MIN_SOFA_DISTANCE, MAX_SOFA_DISTANCE = (
     2.1,

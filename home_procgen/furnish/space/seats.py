@@ -5,12 +5,11 @@ from functools import cache
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_to
 from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import is_clear_of
-from home_procgen.furnish.space.tops import find_support_surfaces
-from home_procgen.furnish.space.turned import yaw_to
+from home_procgen.furnish.space.floor_placement import is_clear_of
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.support_surfaces import find_support_surfaces
 
 SIDE_PER_SEAT = 0.62  # [m], length of a table's side per seat
 MAX_ROUND_AREA_RATIO = 0.9  # maximum ratio of a round top's area to its bounding rectangle

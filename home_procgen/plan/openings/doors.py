@@ -6,13 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from home_procgen.floor_plan.openings import DOOR_Y, MIN_OPENING_MARGIN, OpeningSite, PlanOpening
-from home_procgen.floor_plan.placed import PlacedModel, overlap_mask, quarter_towards, stack_boxes
+from home_procgen.floor_plan.openings import (
+    DOOR_Y,
+    MIN_OPENING_MARGIN,
+    OpeningSite,
+    PlanOpening,
+    find_inner_sites,
+    find_outer_sites,
+)
+from home_procgen.floor_plan.placed_model import PlacedModel, overlap_mask, quarter_towards, stack_boxes
 from home_procgen.floor_plan.rooms import PlanWall, RoomPlan
-from home_procgen.plan.needs.room_program import CONNECTING_TYPES, OUTDOOR_TYPES, PRIVATE_ACCESS_TYPES
-from home_procgen.plan.openings.bounds import stairwell_box
-from home_procgen.plan.openings.passage import BOX_HEIGHT, is_passable
-from home_procgen.plan.openings.sites import find_inner_sites, find_outer_sites
+from home_procgen.plan.openings.passage import BOX_HEIGHT, is_passable, stairwell_box
+from home_procgen.plan.program import CONNECTING_TYPES, OUTDOOR_TYPES, PRIVATE_ACCESS_TYPES
 from home_procgen.plan.shape.cut_rooms import is_beside_cut
 from home_procgen.plan.shape.storeys import Stairwell, Storey
 from home_procgen.primitives.family import FurnitureModel

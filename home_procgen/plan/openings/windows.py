@@ -1,15 +1,32 @@
-"""Windows in outer walls."""
+"""Windows in outer walls, straight or slanted."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float
 
-from home_procgen.floor_plan.openings import HIGH_SILL_Y, MIN_OPENING_MARGIN, SILL_Y, OpeningSite, PlanOpening
-from home_procgen.floor_plan.placed import Boxes, PlacedModel, overlap_mask, quarter_towards, stack_boxes
+from home_procgen.floor_plan.openings import (
+    HIGH_SILL_Y,
+    MIN_OPENING_MARGIN,
+    SILL_Y,
+    OpeningSite,
+    PlanOpening,
+    find_outer_sites,
+)
+from home_procgen.floor_plan.placed_model import (
+    Boxes,
+    PlacedModel,
+    RotatedObject,
+    overlap_mask,
+    quarter_towards,
+    stack_boxes,
+)
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
-from home_procgen.plan.needs.room_program import WET_TYPES, WINDOWLESS_TYPES
-from home_procgen.plan.openings.sites import find_outer_sites
-from home_procgen.plan.openings.turned import place_slanted_windows
+from home_procgen.plan.program import WET_TYPES, WINDOWLESS_TYPES
+from home_procgen.plan.shape.cut_rooms import slanted_sides
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import choose_random
 from home_procgen.things import get_model
 
@@ -17,6 +34,8 @@ SMALL_WINDOW_NUMBER = 1  # model number of small windows
 WINDOW_SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # sets of matching models, narrow ones first
 WALL_PER_WINDOW = 3.4  # [m], length of wall per window
 SECOND_WALL_PROBABILITY = 0.55  # probability of windows in another wall
+
+SLANTED_WINDOW_MARGIN = 0.1  # [m], minimum distance between a window and the end of its slanted wall
 
 
 def draw_windows(
@@ -80,3 +99,32 @@ def _fit_windows(
 
 def _reserved_boxes(taken: Sequence[PlanOpening]) -> Boxes:
     return stack_boxes([box for o in taken for box in (o.object.box, o.passage)[: 1 + o.is_door]])
+
+
+@dataclass(frozen=True)
+class SlantedWindow(RotatedObject):
+    """A window at an arbitrary angle.
+
+    Attributes:
+        facing: Unit direction (x, z) of its front.
+    """
+
+    facing: tuple[float, float] = (0.0, 1.0)
+
+    @cached_property
+    def linear(self) -> Float[np.ndarray, "3 3"]:
+        """Rotation."""
+        x, z = self.facing
+        return np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]])
+
+
+def place_slanted_windows(room: int, plan: RoomPlan, model: FurnitureModel) -> Iterator[PlanOpening]:
+    """Generate a window in each slanted wall that is wide enough."""
+    for start, end in slanted_sides(plan):
+        way = np.subtract(end, start)
+        length = float(np.linalg.norm(way))
+        if length >= model.size[0] + 2 * SLANTED_WINDOW_MARGIN:
+            facing = (round(float(-way[1] / length), 6), round(float(way[0] / length), 6))
+            x, z = ((a + b) / 2 for a, b in zip(start, end, strict=True))
+            placed = SlantedWindow(model, (round(x, 6), SILL_Y, round(z, 6)), facing=facing)
+            yield PlanOpening(placed, (room,))

@@ -6,13 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
-from home_procgen.plan.needs.program import MAX_ROOMS, OPTIONAL_UPPER_TYPES, UPPER_TYPES, RoomProgram, draw_types
-from home_procgen.plan.needs.room_program import ROOM_REQUIREMENTS, ROOMY_TYPES
-from home_procgen.plan.shape.hub import draw_hub
-from home_procgen.plan.shape.parted import draw_split
+from home_procgen.plan.program import (
+    MAX_ROOMS,
+    OPTIONAL_UPPER_TYPES,
+    ROOM_REQUIREMENTS,
+    ROOMY_TYPES,
+    UPPER_TYPES,
+    RoomProgram,
+    draw_types,
+)
+from home_procgen.plan.shape.compound_plan import draw_split, draw_winged
+from home_procgen.plan.shape.hub_plan import draw_hub
 from home_procgen.plan.shape.rows import FOYER, PlacedRoom, RoomRow, is_suitable, place_cells
 from home_procgen.plan.shape.shell import HomeShell, StoreyDraft, draw_cell, draw_straight
-from home_procgen.plan.shape.wing import draw_winged
 
 MAX_FILL_ATTEMPTS = 60  # maximum attempts to fill a part of a row
 MIN_UPPER_HALL_CONTACT = 1.2  # [m], minimum wall that a room of an upper floor shares with the hall

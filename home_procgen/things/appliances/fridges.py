@@ -9,7 +9,7 @@ from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, disc, front, legs
-from home_procgen.things.parts import assign_part, front_part, panel
+from home_procgen.things.movable_parts import assign_part, front_part, panel
 
 
 def fridge(width: float = 0.6, height: float = 1.85, split: float = 0.7, slot: str = "steel") -> Iterator[Solid]:

@@ -6,13 +6,13 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.groups import add_mirror_images
 from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import rod, tube
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def _blender() -> Iterator[Solid]:

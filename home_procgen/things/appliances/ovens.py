@@ -7,7 +7,7 @@ from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def microwave(kind: str = "buttons") -> Iterator[Solid]:

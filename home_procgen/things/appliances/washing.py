@@ -8,7 +8,7 @@ from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc, lay_towards_front
-from home_procgen.things.parts import assign_part, front_part, lid_part, panel
+from home_procgen.things.movable_parts import assign_part, front_part, lid_part, panel
 
 
 def dishwasher(open_: bool = False) -> Iterator[Solid]:

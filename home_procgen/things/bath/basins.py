@@ -7,10 +7,10 @@ from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import rod
-from home_procgen.things.bath.bowls import tub
+from home_procgen.things.bath.bathtubs import tub
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import doors, drawers, legs
-from home_procgen.things.kitchen.taps import tap
+from home_procgen.things.kitchen.sinks import tap
 
 
 def _pedestal(width: float) -> Iterator[Solid]:

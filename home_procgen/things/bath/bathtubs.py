@@ -1,4 +1,4 @@
-"""Bathtubs."""
+"""Bathtubs, and bowls with superelliptic plans."""
 
 from collections.abc import Iterator
 
@@ -8,10 +8,9 @@ from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, loop
 from home_procgen.shapes.rounded import ball, join_loops, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.bath.bowls import tub
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
-from home_procgen.things.kitchen.taps import tap
+from home_procgen.things.kitchen.sinks import tap
 
 
 def _builtin(width: float) -> Iterator[Solid]:
@@ -160,3 +159,25 @@ TUBS = (
 
 
 FAMILIES = (FurnitureFamily("bathtub", "bathtub", TUBS),)
+
+
+def tub(
+    slot: str, levels: list[tuple[float, float, float, float]], wall: float = 0.035, power: float = 4.0, sides: int = 36
+) -> Solid:
+    """Build an open bowl with a superelliptic plan.
+
+    Args:
+        slot: Slot name.
+        levels: Height, width (x), depth (z) and shift along x of the outer surface, from the bottom up [m].
+        wall: Wall thickness [m].
+        power: Exponent of the superellipse; 2 is an ellipse, higher is squarer.
+        sides: Number of facets around.
+    """
+    outer = [np.insert(loop(w, d, sides, power) + np.array([x, 0.0]), 1, y, axis=1) for y, w, d, x in levels]
+    inner = [
+        np.insert(
+            loop(w - 2 * wall, d - 2 * wall, sides, power) + np.array([x, 0.0]), 1, max(y, levels[0][0] + wall), axis=1
+        )
+        for y, w, d, x in levels
+    ]
+    return join_loops(slot, [*outer, *inner[::-1]])

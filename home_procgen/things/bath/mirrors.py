@@ -11,7 +11,7 @@ from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def _framed_mirror(kind: str, width: float, height: float) -> Iterator[Solid]:

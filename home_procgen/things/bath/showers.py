@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.bath.bowls import tub
+from home_procgen.things.bath.bathtubs import tub
 from home_procgen.things.family import FurnitureFamily, design
 
 

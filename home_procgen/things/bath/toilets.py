@@ -9,10 +9,10 @@ from home_procgen.shapes.curves import fillet, loop
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import join_loops, rounded_box
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.bath.bowls import tub
+from home_procgen.things.bath.bathtubs import tub
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.kitchen.taps import tap
-from home_procgen.things.parts import assign_part, lid_part
+from home_procgen.things.kitchen.sinks import tap
+from home_procgen.things.movable_parts import assign_part, lid_part
 
 
 def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[Solid]:

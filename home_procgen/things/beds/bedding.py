@@ -1,14 +1,17 @@
-"""Mattresses, pillows and covers, smooth or rumpled."""
+"""Mattresses in their rails, pillows and covers, smooth or rumpled."""
 
 from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
-from home_procgen.primitives.solids import Solid, move, rotate
+from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.rounded import join_grids, padded_block, pillow, rounded_box
+from home_procgen.shapes.transforms import add_mirror_images
 
 Cover = Literal["made", "folded", "rumpled", "aside", "throw", "bare"]
+
+MATTRESS_LENGTH = 2.0  # [m], length of a mattress
 
 
 def bedding(
@@ -101,3 +104,13 @@ def _throw(width: float, top: float, base: float, z: float, deep: float) -> Soli
     points = np.stack([x, y, z - deep / 2 + v * deep + 0.02 * np.sin(5 * u)], -1)
     under = points - np.stack([0.014 * np.sign(u) * (drop > 0), 0.014 * (drop == 0), 0 * u], -1)
     return join_grids("textile", points[:, ::-1], under[:, ::-1])
+
+
+def rails(width: float, low: float, high: float, slot: str = "wood") -> Iterator[Solid]:
+    """Build a frame around the mattress and its base board."""
+    z = MATTRESS_LENGTH / 2 + 0.02
+    yield from add_mirror_images(
+        [rounded_box(slot, (0.035, high - low, 2 * z + 0.03), (width / 2 + 0.02, low, 0.0), 0.008, 1)]
+    )
+    yield rounded_box(slot, (width + 0.07, high - low, 0.035), (0.0, low, z), 0.008, 1)
+    yield box(slot, (width, 0.03, 2 * z - 0.01), (0.0, high - 0.08, 0.0))

@@ -8,8 +8,7 @@ from home_procgen.primitives.solids import Solid, box, move
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
-from home_procgen.things.beds.bedding import bedding
-from home_procgen.things.beds.rails import MATTRESS_LENGTH
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, bedding
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers
 

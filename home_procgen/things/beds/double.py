@@ -9,9 +9,8 @@ from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam
-from home_procgen.things.beds.bedding import Cover, bedding
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, Cover, bedding, rails
 from home_procgen.things.beds.frames import futon_floor, iron, platform, sleigh, upholstered
-from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers
 

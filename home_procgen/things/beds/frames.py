@@ -6,11 +6,10 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import arc, fillet
-from home_procgen.shapes.groups import add_mirror_images
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.beds.bedding import Cover, bedding
-from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
+from home_procgen.shapes.transforms import add_mirror_images
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, Cover, bedding, rails
 from home_procgen.things.joinery import LegKind, legs
 
 

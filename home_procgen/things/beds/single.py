@@ -5,13 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
-from home_procgen.shapes.groups import add_mirror_images
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod
-from home_procgen.things.beds.bedding import Cover, bedding
+from home_procgen.shapes.transforms import add_mirror_images
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, Cover, bedding, rails
 from home_procgen.things.beds.frames import futon_floor, iron, platform, sleigh, upholstered
-from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers, roller
 

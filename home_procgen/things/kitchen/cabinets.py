@@ -1,4 +1,4 @@
-"""Kitchen base cabinets, islands and pantries."""
+"""Kitchen base cabinets, their bodies and worktops, islands and pantries."""
 
 from collections.abc import Iterator
 
@@ -11,9 +11,23 @@ from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import doors, drawers, open_case
-from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT, base_body, worktop
 
 DRAWER_TRAVEL = 0.45  # [m], travel of drawers
+
+BASE_DEPTH = 0.6  # [m], depth of base cabinets
+WORKTOP_HEIGHT = 0.88  # [m], height of the worktop's upper surface
+FRONT_Z = BASE_DEPTH / 2 - 0.04  # [m], z of the back of fronts
+
+
+def base_body(width: float, low: float = 0.1) -> Iterator[Solid]:
+    """Build the plinth and body of a base cabinet."""
+    yield box("black", (width, low, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, WORKTOP_HEIGHT - 0.04 - low, BASE_DEPTH - 0.04), (0.0, low, -0.02))
+
+
+def worktop(width: float, slot: str = "stone") -> Solid:
+    """Build the worktop slab of a cabinet."""
+    return rounded_box(slot, (width, 0.04, BASE_DEPTH), (0.0, WORKTOP_HEIGHT - 0.04, 0.0), 0.008, 2)
 
 
 def base_unit(

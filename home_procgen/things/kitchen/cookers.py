@@ -11,8 +11,8 @@ from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc, doors
-from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT
-from home_procgen.things.parts import assign_part, lid_part, panel
+from home_procgen.things.kitchen.cabinets import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT
+from home_procgen.things.movable_parts import assign_part, lid_part, panel
 
 
 def _burner(x: float, z: float, radius: float, gas: bool) -> Iterator[Solid]:

@@ -9,7 +9,7 @@ from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.joinery import BOARD_THICKNESS, front, open_case
-from home_procgen.things.parts import assign_part
+from home_procgen.things.movable_parts import assign_part
 
 WALL_UNIT_DEPTH = 0.32  # [m], depth of wall cabinets
 

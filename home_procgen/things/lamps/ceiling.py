@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.family import Bulb
-from home_procgen.shapes.groups import Piece, rotate_pieces, translate
 from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import rod
+from home_procgen.shapes.transforms import Piece, rotate_pieces, translate
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb
 
 
 def _bowl() -> Iterator[Piece]:

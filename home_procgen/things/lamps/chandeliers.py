@@ -7,12 +7,12 @@ import numpy as np
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import cylinder
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import beam, ring, rod, tube
+from home_procgen.shapes.transforms import Piece
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb
 
 
 def chandelier(kind: str = "arms", drop: float = 0.9, count: int = 6) -> Iterator[Piece]:

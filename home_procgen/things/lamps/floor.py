@@ -8,13 +8,12 @@ import numpy as np
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import box, cylinder
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.groups import Piece, repeat_around, rotate_pieces, translate
 from home_procgen.shapes.revolve import revolve, shade, vessel
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import ring, rod, tube
+from home_procgen.shapes.transforms import Piece, repeat_around, rotate_pieces, translate
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.joinery import foot_plate
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb, foot_plate
 
 
 def _shaded_pole(kind: str) -> Iterator[Piece]:

@@ -6,12 +6,12 @@ from functools import partial
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import ring, tube
+from home_procgen.shapes.transforms import Piece
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb
 
 
 def _posts(kind: str) -> Iterator[Piece]:

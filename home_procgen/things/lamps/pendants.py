@@ -6,13 +6,12 @@ import numpy as np
 
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.groups import Piece
 from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import beam, ring, rod, tube
+from home_procgen.shapes.transforms import Piece
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.joinery import corners
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb, corners
 
 
 def _hang(drop: float, slot: str = "black") -> Iterator[Solid]:

@@ -7,13 +7,12 @@ import numpy as np
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import Piece, repeat_around, rotate_pieces
 from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball, join_loops, rounded_box
 from home_procgen.shapes.sweep import prism, rod, tube
+from home_procgen.shapes.transforms import Piece, repeat_around, rotate_pieces
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
-from home_procgen.things.joinery import foot_plate
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb, foot_plate
 
 
 def _table_foot(kind: str, high: float) -> Iterator[Solid]:

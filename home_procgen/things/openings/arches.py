@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.openings.frames import FRAME_DEPTH
+from home_procgen.things.openings.leaves import FRAME_DEPTH
 
 
 def garage(width: float = 2.5, height: float = 2.15, lift: float = 1.0, style: str = "panels") -> Iterator[Solid]:

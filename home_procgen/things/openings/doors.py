@@ -10,8 +10,7 @@ from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc, lay_towards_front
-from home_procgen.things.openings.frames import FRAME_DEPTH, JAMB_WIDTH, frame
-from home_procgen.things.openings.leaves import LEAF_THICKNESS, leaf
+from home_procgen.things.openings.leaves import FRAME_DEPTH, JAMB_WIDTH, LEAF_THICKNESS, frame, leaf
 
 
 def _handles(x: float, kind: str, direction: float) -> Iterator[Solid]:

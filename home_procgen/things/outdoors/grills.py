@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, rod
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.joinery import bow_handle, corners, disc
-from home_procgen.things.parts import assign_part, lid_part, panel
+from home_procgen.things.movable_parts import assign_part, lid_part, panel
 
 
 def round_grill() -> Iterator[Solid]:

@@ -6,11 +6,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.groups import add_mirror_images, repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, padded_block, pillow, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, prism, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images, repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
 

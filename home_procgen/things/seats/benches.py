@@ -6,13 +6,13 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import add_mirror_images
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, sweep, tube
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
-from home_procgen.things.parts import assign_part, lid_part
-from home_procgen.things.seats.patio import park_bench
+from home_procgen.things.movable_parts import assign_part, lid_part
+from home_procgen.things.seats.garden_seats import park_bench
 
 
 def plank(width: float = 1.2, kind: LegKind = "square") -> Iterator[Solid]:

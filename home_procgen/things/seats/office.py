@@ -6,11 +6,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import add_mirror_images, repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, ring, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images, repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 
 

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder
-from home_procgen.shapes.groups import repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import padded_block
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import ring, rod
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, foot_plate
 

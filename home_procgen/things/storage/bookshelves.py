@@ -11,7 +11,7 @@ from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import beam, prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import book_row, disc, doors, foot_plate, open_case
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def shelf_contents(width: float, bottom: float, height: float, z: float, seed: int, x: float = 0.0) -> Iterator[Solid]:

@@ -11,7 +11,7 @@ from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, disc, roller
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def _trolley(slot: str, board: str, wide: float, deep: float, levels: tuple[float, ...]) -> Iterator[Solid]:

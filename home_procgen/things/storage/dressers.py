@@ -9,9 +9,8 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.joinery import BOARD_THICKNESS, drawers, legs, open_case
-from home_procgen.things.parts import panel
-from home_procgen.things.storage.cases import carcass
+from home_procgen.things.joinery import BOARD_THICKNESS, carcass, drawers, legs, open_case
+from home_procgen.things.movable_parts import panel
 
 
 def dresser(

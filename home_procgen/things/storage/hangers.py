@@ -6,12 +6,12 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.storage.cases import garment
+from home_procgen.things.joinery import garment
 
 
 def clothes_rail() -> Iterator[Solid]:

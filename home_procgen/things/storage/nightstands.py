@@ -4,14 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.parts import MovablePart
-from home_procgen.primitives.solids import Solid, box, cylinder
+from home_procgen.primitives.solids import MovablePart, Solid, box, cylinder
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, disc, drawers, legs
-from home_procgen.things.parts import QUARTER_TURN, assign_part
+from home_procgen.things.movable_parts import QUARTER_TURN, assign_part
 from home_procgen.things.storage.dressers import dresser
 
 

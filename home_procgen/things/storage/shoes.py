@@ -6,9 +6,8 @@ from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, rod
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.joinery import HandleKind, doors, drawers, open_case
-from home_procgen.things.parts import assign_part, collect_parts, panel
-from home_procgen.things.storage.cases import carcass
+from home_procgen.things.joinery import HandleKind, carcass, doors, drawers, open_case
+from home_procgen.things.movable_parts import assign_part, collect_parts, panel
 from home_procgen.things.textiles.wear import shoe
 
 

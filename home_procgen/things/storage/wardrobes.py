@@ -10,9 +10,18 @@ from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.joinery import BOARD_THICKNESS, cabinet_body, corners, disc, doors, drawers, open_case
-from home_procgen.things.parts import assign_part, collect_parts
-from home_procgen.things.storage.cases import carcass, garment
+from home_procgen.things.joinery import (
+    BOARD_THICKNESS,
+    cabinet_body,
+    carcass,
+    corners,
+    disc,
+    doors,
+    drawers,
+    garment,
+    open_case,
+)
+from home_procgen.things.movable_parts import assign_part, collect_parts
 
 
 def wardrobe(

@@ -7,10 +7,10 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import loop
-from home_procgen.shapes.groups import repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, ring, rod
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.joinery import LegKind, legs
 
 TopKind = Literal["board", "round", "oval", "pill", "edge"]

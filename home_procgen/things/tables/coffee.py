@@ -6,13 +6,13 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet, loop
-from home_procgen.shapes.groups import repeat_around
 from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import band, beam, prism, ring, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, drawers, legs
-from home_procgen.things.parts import assign_part, lid_part
+from home_procgen.things.movable_parts import assign_part, lid_part
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, pedestal, top, wire_base
 
 

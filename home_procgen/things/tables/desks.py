@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box
-from home_procgen.shapes.groups import add_mirror_images
 from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, book_row, drawers, legs, open_case
 from home_procgen.things.tables.bases import top

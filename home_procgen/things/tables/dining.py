@@ -7,9 +7,9 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import add_mirror_images, repeat_around
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images, repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, legs
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, panels, pedestal, top, trestle

@@ -1,4 +1,4 @@
-"""Cakes, bread, meals."""
+"""Cakes, bread, meals; a mortar."""
 
 from collections.abc import Iterator
 
@@ -8,7 +8,8 @@ from home_procgen.primitives.solids import Solid, cylinder, rotate
 from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import leaf
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.shapes.sweep import tube
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 
 
 def cake(kind: str = "whole") -> Iterator[Solid]:
@@ -107,8 +108,17 @@ def meal(kind: str = "pizza") -> Iterator[Solid]:
     yield from _MEAL_KINDS[kind]()
 
 
+def mortar() -> Iterator[Solid]:
+    """Build a stone mortar with its pestle."""
+    yield vessel(
+        "stone", [(0.05, 0.0), (0.055, 0.015), (0.045, 0.03), (0.07, 0.06), (0.075, 0.1)], 0.014, sides=24, steps=2
+    )
+    yield tube("stone", [(0.0, 0.045, 0.0), (0.03, 0.09, 0.01), (0.075, 0.15, 0.02)], [0.02, 0.013, 0.018], 10)
+
+
 FAMILIES = (
     FurnitureFamily("cake", "cake", design_kinds(cake, "whole", "muffins", "bell")),
     FurnitureFamily("bread", "bread", design_kinds(bread, "loaf", "rolls")),
     FurnitureFamily("food", "food", design_kinds(meal, "pizza", "salad", "sushi")),
+    FurnitureFamily("mortar", "mortar_and_pestle", (design(mortar),)),
 )

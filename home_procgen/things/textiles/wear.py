@@ -6,13 +6,12 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import rotate_pieces, translate
 from home_procgen.shapes.rounded import padded_block
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, sweep, tube
+from home_procgen.shapes.transforms import rotate_pieces, translate
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.textiles.footwear import ballerinas, clogs, high_tops, rain_boots, sandals
-from home_procgen.things.textiles.soles import SOLE
+from home_procgen.things.textiles.footwear import SOLE, ballerinas, clogs, high_tops, rain_boots, sandals
 
 
 def shoe(slot: str = "leather", kind: str = "low") -> Iterator[Solid]:

@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.parts import assign_part, lid_part
+from home_procgen.things.movable_parts import assign_part, lid_part
 
 
 def _pedal() -> Iterator[Solid]:

@@ -7,10 +7,10 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import repeat_around
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 from home_procgen.floor_plan.openings import LevelPlan
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.v1.furnish.dining import dining_room
 from home_procgen.v1.furnish.kitchen import kitchen
 from home_procgen.v1.furnish.layout import RoomLayout

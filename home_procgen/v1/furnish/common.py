@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.v1.furnish.layout import RoomLayout
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import PRISM_THICKNESS
 from home_procgen.v1.furnish.common import add, chance
 from home_procgen.v1.furnish.dining import dining_set

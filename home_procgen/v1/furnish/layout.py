@@ -4,9 +4,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.bounds import wall_box, window_view_box
 from home_procgen.floor_plan.openings import LevelPlan
-from home_procgen.floor_plan.placed import (
+from home_procgen.floor_plan.placed_model import (
     FRONT_DIRECTIONS,
     Box,
     PlacedModel,
@@ -15,8 +14,8 @@ from home_procgen.floor_plan.placed import (
     stack_boxes,
 )
 from home_procgen.floor_plan.rooms import PlanWall
-from home_procgen.floor_plan.walking import WalkingGrid
-from home_procgen.floor_plan.walls import CEILING_DROP, FLOOR_TOP, PRISM_THICKNESS
+from home_procgen.floor_plan.walking_grid import WalkingGrid
+from home_procgen.floor_plan.walls import CEILING_DROP, FLOOR_TOP, PRISM_THICKNESS, wall_box, window_view_box
 from home_procgen.v1.furnish.style import Style
 
 GAP = 0.01  # [m], between furniture and a wall

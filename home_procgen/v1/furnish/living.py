@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import FLOOR_TOP
 from home_procgen.v1.furnish.common import add, chance, fit
 from home_procgen.v1.furnish.dining import dining_set

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import FINISHES, choose_random
 from home_procgen.v1.furniture import family_models

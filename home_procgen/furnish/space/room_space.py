@@ -4,15 +4,13 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.bounds import window_view_box
 from home_procgen.floor_plan.openings import LevelPlan
-from home_procgen.floor_plan.placed import Box, PlacedModel
-from home_procgen.floor_plan.walking import AGENT_HEIGHT, MAX_STEP_HEIGHT
-from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.occupied import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
-from home_procgen.plan.openings.bounds import stairwell_box
-from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid
-from home_procgen.plan.openings.turned import SlantedWindow
+from home_procgen.floor_plan.placed_model import Box, PlacedModel
+from home_procgen.floor_plan.walking_grid import AGENT_HEIGHT, MAX_STEP_HEIGHT
+from home_procgen.floor_plan.walls import FLOOR_TOP, window_view_box
+from home_procgen.furnish.space.collision_boxes import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
+from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid, stairwell_box
+from home_procgen.plan.openings.windows import SlantedWindow
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.style import HomeStyle
 

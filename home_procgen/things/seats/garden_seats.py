@@ -6,10 +6,10 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import add_mirror_images
 from home_procgen.shapes.rounded import padded_block, pillow, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, roller
 from home_procgen.things.seats.sofas import upright_pillow

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float
 
-from home_procgen.floor_plan.placed import Box, PlacedModel
-from home_procgen.furnish.space.touching import overlap_kernels
+from home_procgen.floor_plan.placed_model import Box, PlacedModel
+from home_procgen.furnish.space.overlap_kernels import overlap_kernels
 
 Boxes = Float[np.ndarray, "_ 2 3"]  # any number of boxes
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool
 from scipy import ndimage
 
-from home_procgen.floor_plan.placed import Box
+from home_procgen.floor_plan.placed_model import Box
 from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.floor_plan.walls import FLOOR_TOP
 

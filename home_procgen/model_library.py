@@ -20,10 +20,10 @@ from home_mjx.datasets.suncg.write.house import (
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Material
 from home_procgen.dataset_writer import library_model
+from home_procgen.floor_plan.structure import structure_models
 from home_procgen.outside.models import outside_models
 from home_procgen.primitives.categories import CATEGORIES, Category
 from home_procgen.primitives.family import FurnitureModel
-from home_procgen.structure import structure_models
 from home_procgen.textures.recipes import texture
 from home_procgen.things import library as things
 from home_procgen.things import library_model as thing

@@ -2,11 +2,10 @@
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import FRONT_DIRECTIONS, PlacedModel
+from home_procgen.floor_plan.placed_model import FRONT_DIRECTIONS, PlacedModel
 from home_procgen.floor_plan.rooms import PlanWall
 from home_procgen.floor_plan.walls import CEILING_DROP, FLOOR_TOP, PRISM_THICKNESS
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import (
+from home_procgen.furnish.space.floor_placement import (
     HANGING_GAP,
     WALL_GAP,
     back_against,
@@ -15,7 +14,8 @@ from home_procgen.furnish.space.spots import (
     room_wall_spots,
     wall_spots,
 )
-from home_procgen.style.kinds import list_models
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.style.object_kinds import list_models
 
 SWITCH_DOOR_GAP = 0.12  # [m], from the frame to a switch
 SWITCH_HEIGHT = 1.05  # [m], height of switches above the floor

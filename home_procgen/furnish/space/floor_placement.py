@@ -5,13 +5,18 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool
 
-from home_procgen.floor_plan.placed import FRONT_DIRECTIONS, Box, PlacedModel, quarter_towards
+from home_procgen.floor_plan.placed_model import FRONT_DIRECTIONS, Box, PlacedModel, quarter_towards, yaw_by
 from home_procgen.floor_plan.rooms import PlanWall, Rect
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
-from home_procgen.furnish.space.occupied import MAX_TOUCH_OVERLAP, Boxes, are_disjoint, boxes_overlap, collision_boxes
-from home_procgen.furnish.space.room import Companions, RoomSpace, no_companions
-from home_procgen.furnish.space.touching import overlap_kernels
-from home_procgen.furnish.space.turned import yaw_by
+from home_procgen.furnish.space.collision_boxes import (
+    MAX_TOUCH_OVERLAP,
+    Boxes,
+    are_disjoint,
+    boxes_overlap,
+    collision_boxes,
+)
+from home_procgen.furnish.space.overlap_kernels import overlap_kernels
+from home_procgen.furnish.space.room_space import Companions, RoomSpace, no_companions
 
 WALL_GAP = 0.01  # [m], between furniture and a wall
 NUM_CORE_BOXES = 3  # number of an object's largest boxes that are tested first

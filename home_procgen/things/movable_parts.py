@@ -10,8 +10,7 @@ from jaxtyping import Int
 
 from home_mjx.datasets.suncg.write.obj import face_order
 from home_mjx.schema.house import Joint, Mesh
-from home_procgen.primitives.parts import MovablePart
-from home_procgen.primitives.solids import Solid, Vector
+from home_procgen.primitives.solids import MovablePart, Solid, Vector
 
 QUARTER_TURN = np.pi / 2
 TIP_OUT_ANGLE = 1.0  # [rad], range of tip-out fronts

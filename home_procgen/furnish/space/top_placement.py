@@ -4,12 +4,11 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
-from home_procgen.furnish.space.occupied import collision_boxes
-from home_procgen.furnish.space.room import RoomSpace
-from home_procgen.furnish.space.spots import place_object
-from home_procgen.furnish.space.tops import SupportSurface, can_support, find_support_surfaces
-from home_procgen.furnish.space.turned import yaw_by
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_by
+from home_procgen.furnish.space.collision_boxes import collision_boxes
+from home_procgen.furnish.space.floor_placement import place_object
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.support_surfaces import SupportSurface, can_support, find_support_surfaces
 
 MAX_TOP_ATTEMPTS = 10
 BURNER_HEIGHTS = (0.85, 1.02)  # [m], range of the height of burners

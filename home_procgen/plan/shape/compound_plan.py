@@ -1,11 +1,15 @@
-"""Homes with a wing: a second hall at right angles, with a row of rooms on either side."""
+"""Ground floors of L-, T- and U-shaped homes.
+
+A home with a wing has a second hall at right angles, with a row of rooms on either side. A split home has one hall; the
+ends or the middle of the row on one side are deeper.
+"""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.plan.needs.room_program import ROOM_REQUIREMENTS
+from home_procgen.plan.program import ROOM_REQUIREMENTS
 from home_procgen.plan.shape.rows import FOYER, PlacedRoom, RoomRow, RowCell, compute_widths, snap_to_grid
 from home_procgen.plan.shape.shell import (
     STAIRS,
@@ -13,11 +17,15 @@ from home_procgen.plan.shape.shell import (
     HomeShell,
     PlacedRow,
     StoreyDraft,
+    complete_storey,
     distribute_cells,
     draw_cell,
     place_rows,
     required_hall_end,
 )
+
+SHALLOW_DEPTH_RANGE, DEEP_DEPTH_RANGE = (2.9, 3.6), (4.8, 5.8)  # [m], ranges of row depths
+U_SHAPE_PROBABILITY = 0.6  # share of U-shaped homes; the others are T-shaped
 
 
 def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> StoreyDraft | None:
@@ -73,3 +81,34 @@ def _complete_winged(known: Sequence[PlacedRow], across: float, gap: tuple[float
     rooms: list[PlacedRoom] = [room for _, placed, _ in known for room in placed]
     shell = HomeShell(hall, tuple(row for row, _, _ in known), reach, stairs=place[1], stairs_row=place[0])
     return StoreyDraft(shell, tuple(rooms))
+
+
+def draw_split(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> StoreyDraft | None:
+    """Try to draw a U- or T-shaped ground floor; None if the attempt fails."""
+    across = snap_to_grid(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
+    deep, shallow = snap_to_grid(rng.uniform(*DEEP_DEPTH_RANGE)), snap_to_grid(rng.uniform(*SHALLOW_DEPTH_RANGE))
+    depths = (deep, shallow, deep) if rng.random() < U_SHAPE_PROBABILITY else (shallow, deep, shallow)
+    behind = snap_to_grid(rng.uniform(3.0, 3.8) if stairs else rng.uniform(2.6, 4.2))
+    halves = distribute_cells(rng, [draw_cell(rng, kind) for kind in types], (sum(depths) / 3, behind))
+    if halves is None or len(halves[0]) < 3 or not halves[1]:
+        return None
+    front, back = halves
+    cuts = sorted(rng.choice(np.arange(1, len(front)), size=2, replace=False).tolist())
+    parts = [front[: cuts[0]], front[cuts[0] : cuts[1]], front[cuts[1] :]]
+    ends = np.cumsum(
+        [0.0, *(snap_to_grid(sum(compute_widths(part, d)[0])) for part, d in zip(parts, depths, strict=True))]
+    )
+    wanted = sum(compute_widths(back, behind)[0]) + STAIRS_WIDTH * stairs
+    if not 0.8 < ends[-1] / wanted < 1.25:
+        return None
+    if stairs:
+        back.insert(int(rng.integers(len(back) + 1)), RowCell(STAIRS, STAIRS_WIDTH * behind))
+    if rng.random() < 0.5:
+        back.insert(int(rng.integers(min(2, len(back)) + 1)), RowCell(FOYER, rng.uniform(1.6, 2.2) * behind))
+    rows = [
+        (RoomRow(0, 1, across, snap_to_grid(low), snap_to_grid(high), depth), part)
+        for low, high, depth, part in zip(ends, ends[1:], depths, parts, strict=False)
+    ]
+    rows.append((RoomRow(0, -1, 0.0, 0.0, snap_to_grid(ends[-1]), behind), back))
+    laid = place_rows(rows)
+    return None if laid is None else complete_storey(rng, laid, across, snap_to_grid(ends[-1]), None)

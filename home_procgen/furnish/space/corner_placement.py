@@ -4,12 +4,11 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_to
 from home_procgen.floor_plan.rooms import PlanWall, RoomPlan
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
-from home_procgen.furnish.space.occupied import collision_boxes
-from home_procgen.furnish.space.room import Companions, RoomSpace, no_companions
-from home_procgen.furnish.space.spots import (
+from home_procgen.furnish.space.collision_boxes import collision_boxes
+from home_procgen.furnish.space.floor_placement import (
     WALL_GAP,
     Spot,
     place_at_first,
@@ -17,7 +16,7 @@ from home_procgen.furnish.space.spots import (
     place_object,
     wall_spots,
 )
-from home_procgen.furnish.space.turned import yaw_to
+from home_procgen.furnish.space.room_space import Companions, RoomSpace, no_companions
 
 CORNER_TOLERANCE = 1e-6
 
