@@ -29,9 +29,8 @@ from home_mjx.datasets import open_dataset
 from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
-from home_procgen import generate_dataset
-from home_procgen.dataset import write_home
-from home_procgen.v1 import dataset as machinery
+from home_procgen import dataset_writer, generate_dataset
+from home_procgen.generate import write_home
 
 # Shares of SUNCG's 329,195 rooms with a label other than `Room` [%].
 SUNCG = {
@@ -237,7 +236,7 @@ def table(found: list[Record]) -> None:
 
 def compare(root: Path, found: list[Record], workers: int) -> None:
     """Write the homes again with worker processes, and count those whose files differ."""
-    machinery.usable_cores = lambda: workers  # as on a machine with this number of cores
+    dataset_writer.usable_cores = lambda: workers  # as on a machine with this number of cores
     start = time.monotonic()
     generate_dataset(root, [r["seed"] for r in found], progress=True, version=2)
     spent = time.monotonic() - start

@@ -9,11 +9,11 @@ from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.schema.house import House, Level, Mesh, RoomNode
 from home_procgen.design import HomeDesign, draw_design
-from home_procgen.meshes import room_parts
-from home_procgen.outside import Outside, draw_outside
-from home_procgen.outside.ground import ground_node
-from home_procgen.outside.neighbours import block_node
-from home_procgen.v1.build import furniture_object, used_models
+from home_procgen.floor_plan.placed_model import furniture_object, used_models
+from home_procgen.meshes import build_room_meshes
+from home_procgen.outside import Surroundings, draw_surroundings
+from home_procgen.outside.neighbours import build_block_node
+from home_procgen.outside.surroundings import build_ground_node
 
 
 def build_home(seed: int) -> House:
@@ -27,10 +27,10 @@ def build_home(seed: int) -> House:
         True
     """
     design = draw_design(seed)
-    return to_house(house_id(seed), design, draw_outside(seed, design.plan, design.surfaces[0][0].outside))
+    return to_house(house_id(seed), design, draw_surroundings(seed, design.plan, design.surfaces[0][0].outside))
 
 
-def to_house(name: str, design: HomeDesign, outside: Outside | None = None) -> House:
+def to_house(name: str, design: HomeDesign, outside: Surroundings | None = None) -> House:
     """Convert a design to a house record. Nodes of a level: rooms, then objects, then the surroundings.
 
     Args:
@@ -42,21 +42,21 @@ def to_house(name: str, design: HomeDesign, outside: Outside | None = None) -> H
     flat = [_level(design, number, folder) for number in range(len(design.plan.levels))]
     placed = [placed for objects in design.objects for placed, _ in objects]
     if outside is not None:
-        flat[0] = _surrounded(flat[0], outside, folder)
-        placed += outside.things
+        flat[0] = _append_surroundings(flat[0], outside, folder)
+        placed += outside.objects
     levels = stack_levels(flat, design.plan.height)
     models: Mapping[str, Mesh] = used_models(placed)
     return House(name, "suncg@1.0.0", Path("house") / name / "house.json", levels, models)
 
 
-def _surrounded(level: Level, outside: Outside, folder: Path) -> Level:
+def _append_surroundings(level: Level, outside: Surroundings, folder: Path) -> Level:
     """Append the surroundings to the lowest level as its last nodes, so that earlier nodes keep their numbers."""
     number = itertools.count(len(level.rooms) + len(level.objects))
     return replace(
         level,
-        objects=(*level.objects, *(furniture_object(placed, next(number)) for placed in outside.things)),
-        boxes=tuple(block_node(block, next(number)) for block in outside.blocks),
-        grounds=tuple(ground_node(patch, next(number), folder) for patch in outside.grounds),
+        objects=(*level.objects, *(furniture_object(placed, next(number)) for placed in outside.objects)),
+        boxes=tuple(build_block_node(block, next(number)) for block in outside.blocks),
+        grounds=tuple(build_ground_node(patch, next(number), folder) for patch in outside.grounds),
     )
 
 
@@ -70,10 +70,10 @@ def _level(design: HomeDesign, number: int, folder: Path) -> Level:
 
 def _room(design: HomeDesign, number: int, index: int, folder: Path) -> RoomNode:
     plan, storey = design.plan.levels[number], design.plan.storeys[number]
-    openings = [opening.placed for opening in plan.openings]
-    opened = index == 0 and storey.well is not None, index == 0 and storey.stairs is not None
+    openings = [opening.object for opening in plan.openings]
+    opened = index == 0 and storey.stairs_down is not None, index == 0 and storey.stairs_up is not None
     stem = folder / f"fr_0rm_{index}"
-    floor, ceiling, walls = room_parts(
+    floor, ceiling, walls = build_room_meshes(
         stem, plan.rooms[index], plan.height, openings, design.surfaces[number][index], *opened
     )
     owned = enumerate(design.objects[number], len(plan.rooms))

@@ -7,17 +7,17 @@ import numpy as np
 
 from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Material
-from home_procgen.fittings import Owned, fittings
-from home_procgen.floor_plan.openings import HousePlan
-from home_procgen.floor_plan.walls import Surfaces
+from home_procgen.fittings import OwnedObject, place_fittings
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.furnish import furnish_home
 from home_procgen.plan.home import HomePlan, draw_home
-from home_procgen.plan.needs.program import Program, draw_program
-from home_procgen.primitives.palette import FACADES, choose
-from home_procgen.style import Style
-from home_procgen.style.surfaces import Cladding
+from home_procgen.plan.program import RoomProgram, draw_program
+from home_procgen.primitives.palette import FACADES, choose_random
+from home_procgen.style import HomeStyle
+from home_procgen.style.room_surfaces import HomeSurfaces
 
-PATIENCE = 40  # failed furnishings before another program is drawn; only if the caller passed none
+FAILURES_PER_PROGRAM = 40  # failed furnishings before another program is drawn; only if the caller passed none
 
 
 @dataclass(frozen=True)
@@ -31,11 +31,11 @@ class HomeDesign:
     """
 
     plan: HomePlan
-    surfaces: tuple[tuple[Surfaces, ...], ...]
-    objects: tuple[tuple[Owned, ...], ...]
+    surfaces: tuple[tuple[RoomSurfaces, ...], ...]
+    objects: tuple[tuple[OwnedObject, ...], ...]
 
 
-def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
+def draw_design(seed: int, program: RoomProgram | None = None) -> HomeDesign:
     """Return the design of a seed.
 
     Args:
@@ -54,7 +54,7 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
     failed = 0
     while True:
         try:
-            plan, style = draw_home(rng, wanted), Style.draw(rng)
+            plan, style = draw_home(rng, wanted), HomeStyle.draw(rng)
         except ConfigError:
             if program is not None:
                 raise
@@ -66,24 +66,30 @@ def draw_design(seed: int, program: Program | None = None) -> HomeDesign:
             objects = []
             for level, rooms in enumerate(furniture):
                 inside = [(placed, room) for room, items in enumerate(rooms) for placed in items]
-                own = _dressed([*_openings(plan.levels[level]), *fittings(plan, level, style)], style, looks)
+                own = _assign_materials(
+                    [*_opening_objects(plan.levels[level]), *place_fittings(plan, level, style)], style, looks
+                )
                 objects.append((*own, *inside))
-            cladding = Cladding(rng, choose(FACADES, rng))
-            surfaces = tuple(tuple(cladding.of(room.type) for room in level.rooms) for level in plan.levels)
+            cladding = HomeSurfaces(rng, choose_random(FACADES, rng))
+            surfaces = tuple(
+                tuple(cladding.draw_room_surfaces(room.type) for room in level.rooms) for level in plan.levels
+            )
             return HomeDesign(plan, surfaces, tuple(objects))
         failed += 1
-        if program is None and failed % PATIENCE == 0:
+        if program is None and failed % FAILURES_PER_PROGRAM == 0:
             wanted = draw_program(rng)
 
 
-def _openings(plan: HousePlan) -> Iterator[Owned]:
+def _opening_objects(plan: LevelPlan) -> Iterator[OwnedObject]:
     for opening in plan.openings:
-        yield opening.placed, opening.rooms[0]
+        yield opening.object, opening.rooms[0]
 
 
-def _dressed(objects: list[Owned], style: Style, looks: dict[str, tuple[Material, ...]]) -> Iterator[Owned]:
+def _assign_materials(
+    objects: list[OwnedObject], style: HomeStyle, looks: dict[str, tuple[Material, ...]]
+) -> Iterator[OwnedObject]:
     """Assign materials to parts of the building; a model has the same materials all over the home."""
     for placed, room in objects:
         if placed.model.id not in looks:
-            looks[placed.model.id] = style.dress(placed.model)
+            looks[placed.model.id] = style.draw_materials(placed.model)
         yield replace(placed, materials=looks[placed.model.id]), room

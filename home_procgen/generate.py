@@ -1,18 +1,23 @@
 """Generation of datasets by generator version."""
 
-from collections.abc import Mapping, Sequence
+import gc
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.errors import ConfigError
-from home_procgen import dataset as homes
-from home_procgen.v1 import dataset as procedural
+from home_procgen.build import build_home
+from home_procgen.dataset_writer import Generator, write_seeds
+from home_procgen.model_library import has_intact_library, write_library_tables, write_used_models
+from home_procgen.v1 import dataset as flats
 
-VERSIONS: Mapping[int, Any] = {procedural.VERSION: procedural.generate_dataset, homes.VERSION: homes.generate_homes}
+GENERATOR_VERSION = 2  # increase it whenever the same seed would produce another file
 
 
 def generate_dataset(
-    root: str | Path, seeds: Sequence[int], progress: bool = False, version: int = procedural.VERSION
+    root: str | Path, seeds: Sequence[int], progress: bool = False, version: int = flats.VERSION
 ) -> tuple[str, ...]:
     """Write one house per seed and the shared library in SUNCG's on-disk format.
 
@@ -44,3 +49,33 @@ def check_version(version: object) -> None:
     """Raise `ConfigError` if no generator has this version."""
     if isinstance(version, bool) or version not in VERSIONS:
         raise ConfigError(f"no generator has version {version!r}", hint=f"Known: {sorted(VERSIONS)}.")
+
+
+def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
+    """Write one home per seed; arguments and errors are those of `generate_dataset`."""
+    return write_seeds(
+        root, seeds, Generator(GENERATOR_VERSION, write_library_tables, write_home, has_intact_library), progress
+    )
+
+
+def write_home(root: Path, seed: int) -> None:
+    """Write the home of a seed below a dataset root, and the models and textures it uses that are not there yet."""
+    with _pause_gc():
+        home = build_home(seed)
+        write_used_models(root, home)
+        write_house(root, home)
+
+
+@contextmanager
+def _pause_gc() -> Iterator[None]:
+    """Suspend cyclic garbage collection: it would scan all models repeatedly, and a home creates few cycles."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+VERSIONS: Mapping[int, Any] = {flats.VERSION: flats.generate_dataset, GENERATOR_VERSION: generate_homes}

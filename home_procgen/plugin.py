@@ -21,7 +21,7 @@ from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 
 SCHEME = "procedural"
-FORM = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
+NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
 VERSIONS = (1, 2)  # of the generators, see `home_procgen.generate`
 DEFAULT_VERSION = 1
 
@@ -70,7 +70,7 @@ class ProceduralName:
         except ValueError as error:
             if isinstance(error, ConfigError):
                 raise
-            raise ConfigError(f"`{SCHEME}:{text}` does not name generated houses", hint=FORM) from None
+            raise ConfigError(f"`{SCHEME}:{text}` does not name generated houses", hint=NAME_FORMAT_HINT) from None
 
 
 class SeedIds(Sequence[str]):
@@ -172,10 +172,10 @@ class GeneratedModels:
     def __call__(
         self, path: Path, fine: str, bounds: Float[np.ndarray, "2 3"] | None, closed: bool
     ) -> tuple[Mesh, str]:
-        """Return a mesh and its description; see `home_procgen.fallback_models.generated_model`."""
-        from home_procgen.fallback_models import generated_model
+        """Return a mesh and its description; see `home_procgen.fallback_models.make_fallback_model`."""
+        from home_procgen.fallback_models import make_fallback_model
 
-        return generated_model(path, fine, bounds, closed)
+        return make_fallback_model(path, fine, bounds, closed)
 
 
 fallback_models = GeneratedModels()

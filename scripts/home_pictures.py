@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 
 from home_mjx.schema.house import Material
 from home_procgen.design import HomeDesign, draw_design
-from home_procgen.primitives.family import Furniture
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.textures.recipes import texture
 from home_procgen.things import library
 
@@ -29,7 +29,7 @@ def color_of(material: Material) -> np.ndarray:
     return color if material.texture is None else color * texture(material.texture.stem).mean(axis=(0, 1)) / 255
 
 
-def picture_of(model: Furniture) -> Image.Image:
+def picture_of(model: FurnitureModel) -> Image.Image:
     """Draw a model from above its front, farthest triangles first."""
     yaw, pitch, size = -0.55, 0.4, CELL * SHARP
     turn = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
@@ -52,7 +52,7 @@ def picture_of(model: Furniture) -> Image.Image:
 
 def sheet_of_things() -> Image.Image:
     """Draw a sheet with every fine category, its name, and its shapes."""
-    shapes: dict[str, list[Furniture]] = defaultdict(list)
+    shapes: dict[str, list[FurnitureModel]] = defaultdict(list)
     for model in library().values():
         shapes[model.fine].append(model)
     cells = [cell for fine in sorted(shapes) for cell in (fine, *shapes[fine])]
@@ -89,7 +89,7 @@ def plan_of(design: HomeDesign) -> Image.Image:
             fill = {"window": "white", "door": None}.get(item.model.fine, "#c9b89f")
             draw.rectangle((x0, y0, x1, y1), fill, "#c07830" if fill is None else "#8a7a64")
     for room in level.rooms:
-        x0, z0, x1, z1 = max(room.rects, key=lambda rect: rect.sides[0] * rect.sides[1])
+        x0, z0, x1, z1 = max(room.rects, key=lambda rect: rect.extents[0] * rect.extents[1])
         (place,) = on_page(np.array([[(x0 + x1) / 2, (z0 + z1) / 2]]))
         draw.text(place, room.type.replace("_", "\n"), "#202020", font_size=13, anchor="mm", align="center")
     return image.resize((PLAN, PLAN), Image.Resampling.LANCZOS)

@@ -8,8 +8,8 @@ from examples.story.stairs import FAMILIES, LENGTH, RISE, WIDTH
 from home_mjx.datasets.outlines import SLAB_THICKNESS
 from home_mjx.schema.house import Material
 from home_procgen.floor_plan.openings import DOOR_Y, SILL_Y
-from home_procgen.floor_plan.placed import PlacedFurniture
-from home_procgen.primitives.family import Furniture
+from home_procgen.floor_plan.placed_model import PlacedModel
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import plain, textured
 from home_procgen.v1.furniture import library
 
@@ -41,12 +41,12 @@ class Piece:
     mirrored: bool = False
     closed: bool = False
 
-    def placed(self) -> PlacedFurniture:
+    def placed(self) -> PlacedModel:
         """The object on the lowest level."""
         model = models()[f"gen_{self.model}"]
         materials = tuple(LOOKS.get(slot, Material(slot)) for slot in model.slots)
-        thing = PlacedFurniture(model, (0.0, 0.0, 0.0), 0, (1.0, 1.0, 1.0), self.mirrored, self.closed, materials)
-        return thing.at(self.x, self.y + SLAB_THICKNESS, self.z, self.quarter)
+        thing = PlacedModel(model, (0.0, 0.0, 0.0), 0, (1.0, 1.0, 1.0), self.mirrored, self.closed, materials)
+        return thing.moved_to(self.x, self.y + SLAB_THICKNESS, self.z, self.quarter)
 
 
 DOOR, SILL = DOOR_Y - SLAB_THICKNESS, SILL_Y - SLAB_THICKNESS
@@ -101,11 +101,11 @@ UPPER = (
 
 
 @cache
-def models() -> dict[str, Furniture]:
+def models() -> dict[str, FurnitureModel]:
     """The models of the library, and those of stairs and railings, by id."""
     return {**library(), **{model.id: model for model in _own()}}
 
 
-def _own() -> Iterator[Furniture]:
+def _own() -> Iterator[FurnitureModel]:
     for family in FAMILIES:
         yield from family.models()

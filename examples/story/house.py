@@ -12,10 +12,10 @@ from home_mjx.datasets.outlines import SLAB_THICKNESS, Point, RoomOutline, WallO
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.datasets.suncg.write.house import write_house, write_library
 from home_mjx.schema.house import House, Level
+from home_procgen.dataset_writer import library_model
+from home_procgen.floor_plan.placed_model import furniture_object, used_models
 from home_procgen.primitives.palette import plain, textured
-from home_procgen.primitives.textures import RECIPES, texture
-from home_procgen.v1.build import furniture_object, used_models
-from home_procgen.v1.dataset import library_model
+from home_procgen.primitives.textures import BASE_RECIPES, base_texture
 
 HOUSE_ID = "story"
 
@@ -60,7 +60,7 @@ def write_story_house(root: Path) -> None:
     house = story_house()
     used = {node.model_id for level in house.levels for node in level.objects}
     library = [library_model(model) for key, model in models().items() if key in used]
-    write_library(root, library, {name: texture(name) for name in RECIPES})
+    write_library(root, library, {name: base_texture(name) for name in BASE_RECIPES})
     write_house(root, house)
 
 

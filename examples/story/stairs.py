@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.family import Family, slots, variant
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 
 STEPS, RISE, RUN, WIDTH = 15, 2.8, 0.26, 1.0  # risers; [m] from floor to floor; [m] a tread; [m]
@@ -52,21 +52,23 @@ def railing(length: float) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "stairs",
         "stairs",
         flight,
-        slots("wood", "wood_1"),
-        (variant(steps=STEPS, rise=RISE, run=RUN, width=WIDTH),),
+        make_slots("wood", "wood_1"),
+        (make_variant(steps=STEPS, rise=RISE, run=RUN, width=WIDTH),),
         centred=False,
     ),
-    Family(
+    VariantFamily(
         "banister",
         "fence",
         banister,
-        slots("wood", "chrome"),
-        (variant(steps=STEPS, rise=RISE, run=RUN),),
+        make_slots("wood", "chrome"),
+        (make_variant(steps=STEPS, rise=RISE, run=RUN),),
         centred=False,
     ),
-    Family("railing", "fence", railing, slots("wood", "chrome"), (variant(length=4.7),), centred=False),
+    VariantFamily(
+        "railing", "fence", railing, make_slots("wood", "chrome"), (make_variant(length=4.7),), centred=False
+    ),
 )

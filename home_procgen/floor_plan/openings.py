@@ -1,60 +1,52 @@
-"""Doors, windows and the entrance of a floor plan."""
+"""Doors and windows of a floor plan, and the stretches of wall that can take them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import Box, PlacedFurniture, overlaps, quarter_towards, stack
-from home_procgen.floor_plan.rooms import RoomPlan, Wall, outer_spans, shared_span
-from home_procgen.primitives.family import Furniture
-from home_procgen.primitives.palette import choose
-from home_procgen.v1.furniture import family_models
-from home_procgen.v1.plan import draw_rooms, draw_types
+from home_procgen.floor_plan.placed_model import Box, PlacedModel
+from home_procgen.floor_plan.rooms import PlanWall, RoomPlan, outer_spans, shared_span
 
 DOOR_Y, SILL_Y = 0.02, 0.85  # [m], heights of the models' origins, as in SUNCG
 HIGH_SILL_Y = 1.4  # [m], sill height of the small windows of bathrooms
-PASSAGE = 0.9  # [m], depth of the free floor on either side of a door
-MARGIN = 0.12  # [m], minimum distance between an opening and the end of its wall
-WINDOWLESS = ("Storage", "Wardrobe")
-WET = ("Bathroom", "Toilet")
+PASSAGE_DEPTH = 0.9  # [m], depth of the free floor on either side of a door
+MIN_OPENING_MARGIN = 0.12  # [m], minimum distance between an opening and the end of its wall
 
-# Reluctance to route a way through a type of room.
-PRIVACY = {"Hallway": 0, "Living_Room": 1, "Dining_Room": 2, "Kitchen": 3, "Office": 6}
-_PRIVATE = 10
+MIN_DOOR_WALL = 1.1  # [m], minimum length of wall for a door
 
 
 @dataclass(frozen=True)
-class Opening:
+class PlanOpening:
     """A door or window in a wall, and the rooms it connects; a single room if it leads outside."""
 
-    placed: PlacedFurniture
+    object: PlacedModel
     rooms: tuple[int, ...]  # the first one owns the object
 
     @property
     def is_door(self) -> bool:
         """True if an agent can walk through the opening."""
-        return self.placed.model.fine == "door"
+        return self.object.model.fine == "door"
 
     @property
     def passage(self) -> Box:
         """Box on both sides of the opening that must stay free for walking [m]."""
-        x, y, z = self.placed.position
-        width, height, _ = self.placed.model.size
-        half = np.array([width / 2, PASSAGE])[:: 1 if self.placed.quarter % 2 == 0 else -1]
+        x, y, z = self.object.position
+        width, height, _ = self.object.model.size
+        half = np.array([width / 2, PASSAGE_DEPTH])[:: 1 if self.object.quarter % 2 == 0 else -1]
         return np.array([[x - half[0], y, z - half[1]], [x + half[0], y + height, z + half[1]]])
 
 
 @dataclass(frozen=True)
-class HousePlan:
+class LevelPlan:
     """Rooms with their openings."""
 
     rooms: tuple[RoomPlan, ...]
-    openings: tuple[Opening, ...]
+    openings: tuple[PlanOpening, ...]
     height: float  # [m], of the walls
 
-    def openings_of(self, room: int) -> list[Opening]:
+    def openings_of(self, room: int) -> list[PlanOpening]:
         """Return the doors and windows of a room, including those that another room owns."""
         return [opening for opening in self.openings if room in opening.rooms]
 
@@ -62,141 +54,24 @@ class HousePlan:
 class OpeningSite(NamedTuple):
     """A stretch of wall that can take an opening."""
 
-    wall: Wall  # with the normal towards the first room
+    wall: PlanWall  # with the normal towards the first room
     span: tuple[float, float]
     rooms: tuple[int, ...]
 
 
-def draw_plan(rng: np.random.Generator) -> HousePlan:
-    """Draw a floor plan in which every room is reachable from the entrance."""
-    types = draw_types(rng)
-    x, z = np.round(rng.uniform(30, 50, 2), 1).tolist()
-    while True:
-        rooms = draw_rooms(rng, types, (x, z))
-        doors = _draw_doors(rng, rooms) if rooms else None
-        if rooms and doors:
-            windows = _draw_windows(rng, rooms, doors)
-            height = float(rng.choice([2.5, 2.6, 2.7, 2.8, 3.0], p=[0.15, 0.15, 0.45, 0.15, 0.1]))
-            return HousePlan(rooms, (*doors, *windows), height)
-
-
-def _inner_sites(rooms: Sequence[RoomPlan]) -> list[OpeningSite]:
-    pairs = [(a, b) for b in range(len(rooms)) for a in range(b)]
+def find_inner_sites(rooms: Sequence[RoomPlan]) -> list[OpeningSite]:
+    """Return the stretches of wall that two rooms share and that are long enough for a door."""
     return [
         OpeningSite(wall, span, (a, b))
-        for a, b in pairs
+        for b in range(len(rooms))
+        for a in range(b)
         for wall in rooms[a].walls
         for other in rooms[b].walls
-        if (span := shared_span(wall, other)) and span[1] - span[0] >= 1.2
+        if (span := shared_span(wall, other)) and span[1] - span[0] >= MIN_DOOR_WALL
     ]
 
 
-def _outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[OpeningSite]:
+def find_outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[OpeningSite]:
+    """Return the stretches of a room's walls that no other room shares."""
     others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
     return [OpeningSite(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]
-
-
-def _privacy(rooms: Sequence[RoomPlan], site: OpeningSite) -> int:
-    return sum(PRIVACY.get(rooms[i].type, _PRIVATE) for i in site.rooms)
-
-
-def _draw_doors(rng: np.random.Generator, rooms: Sequence[RoomPlan]) -> list[Opening] | None:
-    """Draw a spanning tree of doors through the least private rooms, extra doors between public rooms, and an entrance.
-
-    Return None if a room or the entrance has no place for a door.
-    """
-    model = choose(family_models()["door"], rng)
-    ranked = sorted(
-        ((_privacy(rooms, site) + rng.uniform(0, 2), i, site) for i, site in enumerate(_inner_sites(rooms)))
-    )
-    doors: list[Opening] = []
-    reached = {0}
-    while len(reached) < len(rooms):
-        border = (site for _, _, site in ranked if len(reached & set(site.rooms)) == 1)
-        door = next((door for site in border if (door := _fit_door(rng, rooms, site, model, doors))), None)
-        if door is None:
-            return None
-        doors.append(door)
-        reached |= set(door.rooms)
-    for rank, _, site in ranked:
-        joined = any(set(site.rooms) == set(door.rooms) for door in doors)
-        if rank < 8 and not joined and rng.random() < 0.5 and (door := _fit_door(rng, rooms, site, model, doors)):
-            doors.append(door)
-    entrance = _draw_entrance(rng, rooms, model, doors)
-    return [*doors, entrance] if entrance else None
-
-
-def _draw_entrance(
-    rng: np.random.Generator, rooms: Sequence[RoomPlan], model: Furniture, doors: Sequence[Opening]
-) -> Opening | None:
-    """Return a closed door to the outside, in the most public room with a place for it; None if no room has one."""
-    public = [room for room, plan in enumerate(rooms) if plan.type in PRIVACY]
-    for room in sorted(public, key=lambda i: PRIVACY[rooms[i].type]):
-        for site in _outer_sites(rooms, room):
-            if door := _fit_door(rng, rooms, site, model, doors):
-                return door
-    return None
-
-
-def _fit_door(
-    rng: np.random.Generator, rooms: Sequence[RoomPlan], site: OpeningSite, model: Furniture, doors: Sequence[Opening]
-) -> Opening | None:
-    """Return a door in a stretch of wall, with leaf and passage clear of the other doors; None if none fits.
-
-    The leaf swings into the more private room; a door to the outside is closed.
-    """
-    inside = max(site.rooms, key=lambda i: PRIVACY.get(rooms[i].type, _PRIVATE))
-    swing = site.wall.normal if inside == site.rooms[0] else -site.wall.normal
-    owners = (inside, *(room for room in site.rooms if room != inside))
-    boxes = stack([door.placed.box for door in doors])
-    passages = stack([door.passage for door in doors])
-    for along in _positions(rng, site.span, float(model.size[0])):
-        x, z = site.wall.point(along)
-        for mirrored in rng.permutation([False, True]).tolist():
-            quarter = quarter_towards(*-swing)
-            placed = PlacedFurniture(model, (x, DOOR_Y, z), quarter, mirrored=mirrored, closed=len(owners) == 1)
-            door = Opening(placed, owners)
-            if not overlaps(placed.box, passages).any() and not overlaps(door.passage, boxes).any():
-                return door
-    return None
-
-
-def _positions(rng: np.random.Generator, span: tuple[float, float], width: float) -> Iterator[float]:
-    """Generate centre positions of an opening along the wall, in random order, on a 0.1 m grid."""
-    slack = span[1] - span[0] - width - 2 * MARGIN
-    if slack >= 0:
-        low = span[0] + width / 2 + MARGIN
-        yield from (round(low + 0.1 * int(step), 6) for step in rng.permutation(int(slack / 0.1) + 1))
-
-
-def _draw_windows(rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[Opening]) -> list[Opening]:
-    """Draw windows in outer walls: at least one per habitable room if a wall allows it."""
-    windows: list[Opening] = []
-    for room, plan in enumerate(rooms):
-        if plan.type in WINDOWLESS:
-            continue
-        count = 0
-        for site in sorted(_outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
-            if count and rng.random() < 0.4:
-                continue
-            found = list(_fit_windows(rng, site, plan.type in WET, [*doors, *windows]))
-            windows += found
-            count += len(found)
-    return windows
-
-
-def _fit_windows(rng: np.random.Generator, site: OpeningSite, wet: bool, taken: Sequence[Opening]) -> Iterator[Opening]:
-    """Generate one centred window in a stretch of outer wall, or two in a long one; small and high in `wet` rooms."""
-    low, high = site.span
-    middles = [low + (high - low) * share for share in ((0.25, 0.75) if high - low > 5 else (0.5,))]
-    models = family_models()["window"]
-    fitting = [m for m in (models[:1] if wet else models[1:]) if m.size[0] + 2 * MARGIN <= (high - low) / len(middles)]
-    if not fitting:
-        return
-    model = choose(fitting, rng)
-    boxes = stack([box for opening in taken for box in (opening.placed.box, opening.passage)[: 1 + opening.is_door]])
-    for middle in middles:
-        x, z = site.wall.point(middle)
-        placed = PlacedFurniture(model, (x, HIGH_SILL_Y if wet else SILL_Y, z), quarter_towards(*site.wall.normal))
-        if not overlaps(placed.box, boxes).any():
-            yield Opening(placed, site.rooms)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-TOUCH = 0.05  # [m], half the grid of the wall lines: closer lines count as the same line
+LINE_TOLERANCE = 0.05  # [m], half the grid of the wall lines: closer lines count as the same line
 
 
 class Rect(NamedTuple):
@@ -20,13 +20,13 @@ class Rect(NamedTuple):
     z1: float
 
     @property
-    def sides(self) -> tuple[float, float]:
+    def extents(self) -> tuple[float, float]:
         """Extents along x and z [m]."""
         return self.x1 - self.x0, self.z1 - self.z0
 
 
 @dataclass(frozen=True)
-class Wall:
+class PlanWall:
     """One straight wall of a room; the interior is on the side of `normal`."""
 
     start: tuple[float, float]  # (x, z) [m], on the centre-line
@@ -84,15 +84,15 @@ class RoomPlan:
         return outline(self.rects)
 
     @cached_property
-    def walls(self) -> tuple[Wall, ...]:
+    def walls(self) -> tuple[PlanWall, ...]:
         """One wall per side of the polygon."""
         corners = [(float(x), float(z)) for x, z in self.polygon]
-        return tuple(Wall(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
+        return tuple(PlanWall(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
 
     @property
     def area(self) -> float:
         """Floor area [m^2]."""
-        return sum(width * depth for width, depth in (rect.sides for rect in self.rects))
+        return sum(width * depth for width, depth in (rect.extents for rect in self.rects))
 
 
 def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
@@ -114,20 +114,20 @@ def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
     return np.array([(xs[i], zs[j]) for i, j in turns])
 
 
-def shared_span(wall: Wall, other: Wall) -> tuple[float, float] | None:
+def shared_span(wall: PlanWall, other: PlanWall) -> tuple[float, float] | None:
     """Return the common span of two coinciding walls of different rooms; None if they have none."""
-    if wall.axis != other.axis or abs(wall.line - other.line) > TOUCH:
+    if wall.axis != other.axis or abs(wall.line - other.line) > LINE_TOLERANCE:
         return None
     low, high = max(wall.span[0], other.span[0]), min(wall.span[1], other.span[1])
-    return (low, high) if high - low > TOUCH else None
+    return (low, high) if high - low > LINE_TOLERANCE else None
 
 
-def outer_spans(wall: Wall, others: Sequence[Wall]) -> list[tuple[float, float]]:
+def outer_spans(wall: PlanWall, others: Sequence[PlanWall]) -> list[tuple[float, float]]:
     """Return the spans of a wall that no other room shares."""
     shared = sorted(span for other in others if (span := shared_span(wall, other)))
     spans, low = [], wall.span[0]
     for start, end in [*shared, (wall.span[1], wall.span[1])]:
-        if start - low > TOUCH:
+        if start - low > LINE_TOLERANCE:
             spans.append((low, start))
         low = max(low, end)
     return spans

@@ -1,5 +1,5 @@
 """Surroundings of a home: roof, garden, street and neighbours."""
 
-from home_procgen.outside.surroundings import Outside, draw_outside
+from home_procgen.outside.surroundings import Surroundings, draw_surroundings
 
-__all__ = ["Outside", "draw_outside"]
+__all__ = ["Surroundings", "draw_surroundings"]

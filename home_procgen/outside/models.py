@@ -9,17 +9,17 @@ from typing import TypeVar
 import numpy as np
 
 from home_mjx.schema.house import Material
-from home_procgen.primitives.family import Furniture
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import plain, textured
 from home_procgen.primitives.solids import Solid, box, cylinder, lathe, to_mesh
 from home_procgen.shapes.normals import corner_normals
 
 T = TypeVar("T")
-PITCH = 0.65  # rise per run of the models' roofs
-EAVES, EDGE = 0.4, 0.14  # [m], overhang of a roof, and thickness of its edge
-ROOF = ("tiles", "gable", "eaves")  # material slots
-SIZES = ((5.0, 4.0), (8.0, 6.0), (12.0, 9.0), (16.0, 8.0), (20.0, 12.0))  # [m], lengths along the ridge and across
-PARTS: Mapping[str, Material] = {
+MODEL_PITCH = 0.65  # rise per run of the models' roofs
+EAVES_OVERHANG, EDGE_THICKNESS = 0.4, 0.14  # [m], overhang of a roof, and thickness of its edge
+ROOF_SLOTS = ("tiles", "gable", "eaves")  # material slots
+ROOF_SIZES = ((5.0, 4.0), (8.0, 6.0), (12.0, 9.0), (16.0, 8.0), (20.0, 12.0))  # [m], lengths along the ridge and across
+SLOT_MATERIALS: Mapping[str, Material] = {
     "tiles": textured("roof_1"),
     "gable": plain("#e8e2d4"),
     "eaves": plain("#d8d2c4"),
@@ -35,8 +35,10 @@ def gable_roof(length: float, across: float) -> Solid:
         length: Length of the walls below, along the ridge [m].
         across: Length of the walls below, across the ridge [m].
     """
-    x, z = length / 2 + EAVES, across / 2 + EAVES
-    profile = np.array([(-z, 0.0), (z, 0.0), (z, EDGE), (0.0, EDGE + PITCH * z), (-z, EDGE)])
+    x, z = length / 2 + EAVES_OVERHANG, across / 2 + EAVES_OVERHANG
+    profile = np.array(
+        [(-z, 0.0), (z, 0.0), (z, EDGE_THICKNESS), (0.0, EDGE_THICKNESS + MODEL_PITCH * z), (-z, EDGE_THICKNESS)]
+    )
     vertices = np.array([(end, y, w) for end in (-x, x) for w, y in profile])
     sides = [(i, (i + 1) % 5) for i in range(5)]
     faces = [f for a, b in sides for f in ((a, b, b + 5), (a, b + 5, a + 5))]
@@ -44,10 +46,10 @@ def gable_roof(length: float, across: float) -> Solid:
     names = ["eaves"] * 4 + ["tiles"] * 4 + ["eaves"] * 2 + ["gable"] * 6
     outward = np.array(faces)[:, ::-1]
     corners = vertices[outward]
-    slope = corners[..., 2] * np.hypot(1.0, PITCH)
+    slope = corners[..., 2] * np.hypot(1.0, MODEL_PITCH)
     upright = np.array([name == "gable" for name in names])[:, None]
     uv = np.where(upright[..., None], corners[..., [2, 1]], np.stack([corners[..., 0], slope], -1))
-    slots = tuple(ROOF.index(name) for name in names)
+    slots = tuple(ROOF_SLOTS.index(name) for name in names)
     return Solid(vertices, outward, uv, slots)
 
 
@@ -84,17 +86,19 @@ def hedge(length: float, height: float) -> Iterator[Solid]:
     yield box("leaf", (length, height, 0.6))
 
 
-def _model(name: str, number: int, fine: str, solids: Iterable[Solid], slots: Sequence[str], smooth: bool) -> Furniture:
+def _model(
+    name: str, number: int, fine: str, solids: Iterable[Solid], slots: Sequence[str], smooth: bool
+) -> FurnitureModel:
     pieces, key = list(solids), f"outside_{name}_{number}"
-    materials = tuple(replace(PARTS[slot], name=f"material_{i}") for i, slot in enumerate(slots))
+    materials = tuple(replace(SLOT_MATERIALS[slot], name=f"material_{i}") for i, slot in enumerate(slots))
     mesh = to_mesh(Path("object") / key / f"{key}.obj", pieces, slots, materials)
     if smooth:
         mesh = replace(mesh, normal=corner_normals(mesh.vertices, mesh.faces))
-    return Furniture(key, name, fine, {slot: slot for slot in slots}, mesh, np.stack([p.box for p in pieces]))
+    return FurnitureModel(key, name, fine, {slot: slot for slot in slots}, mesh, np.stack([p.box for p in pieces]))
 
 
 @cache
-def outside_models() -> Mapping[str, tuple[Furniture, ...]]:
+def outside_models() -> Mapping[str, tuple[FurnitureModel, ...]]:
     """Return the models by family.
 
     Example:
@@ -104,7 +108,7 @@ def outside_models() -> Mapping[str, tuple[Furniture, ...]]:
     leaves = ("leaf",)
     trees = (round_tree(5.0, 4.0), round_tree(7.5, 4.6), fir(8.0, 3.6), round_tree(3.4, 2.4), fir(5.0, 2.6))
     bushes, hedges = (bush(1.0, 1.4), bush(1.5, 1.6)), (hedge(4.0, 1.4), hedge(8.0, 1.5), hedge(12.0, 1.5))
-    roofs = (_model("roof", i, "roof", [gable_roof(*size)], ROOF, False) for i, size in _numbered(SIZES))
+    roofs = (_model("roof", i, "roof", [gable_roof(*size)], ROOF_SLOTS, False) for i, size in _numbered(ROOF_SIZES))
     return {
         "roof": tuple(roofs),
         "tree": tuple(_model("tree", i, "plant", solids, ("bark", "leaf"), True) for i, solids in _numbered(trees)),

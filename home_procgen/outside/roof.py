@@ -6,20 +6,20 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.outside.models import EAVES, PITCH, SIZES, outside_models
+from home_procgen.outside.models import EAVES_OVERHANG, MODEL_PITCH, ROOF_SIZES, outside_models
 
-ABOVE = 0.05  # [m], above the nominal wall height; ceilings and walls end lower
-LEAST = 0.3  # [m^2], maximum area without a roof
-MOST = 8  # maximum number of gables
+ROOF_OFFSET = 0.05  # [m], above the nominal wall height; ceilings and walls end lower
+MAX_UNCOVERED_AREA = 0.3  # [m^2], maximum area without a roof
+MAX_GABLES = 8  # maximum number of gables
 
 Spans = tuple[Int[np.ndarray, "_"], Int[np.ndarray, "_"]]  # indices of the lines at which the spans begin and end
 
 
-def roofs(
+def build_roofs(
     rects: Sequence[Rect], height: float, pitch: float, materials: tuple[Material, ...]
-) -> Iterator[PlacedFurniture]:
+) -> Iterator[PlacedModel]:
     """Generate gables over rooms.
 
     Args:
@@ -28,29 +28,34 @@ def roofs(
         pitch: Rise per run.
         materials: Materials by slot of the models.
     """
-    for rect in cover(rects):
-        yield gable((rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2, rect.sides, height + ABOVE, pitch, materials)
+    for rect in cover_with_rects(rects):
+        yield build_gable(
+            (rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2, rect.extents, height + ROOF_OFFSET, pitch, materials
+        )
 
 
-def gable(
+def build_gable(
     x: float, z: float, sides: tuple[float, float], y: float, pitch: float, materials: tuple[Material, ...]
-) -> PlacedFurniture:
+) -> PlacedModel:
     """Return a gable over a rectangle with extents along x and z, its ridge along the longer one [m]."""
     long, short = max(sides), min(sides)
-    fit = [abs(np.log(long / a)) + abs(np.log(short / b)) for a, b in SIZES]
+    fit = [abs(np.log(long / a)) + abs(np.log(short / b)) for a, b in ROOF_SIZES]
     number = int(np.argmin(fit))
-    length, across = SIZES[number]
-    stretch = (long + 2 * EAVES) / (length + 2 * EAVES), (short + 2 * EAVES) / (across + 2 * EAVES)
-    scale = (round(stretch[0], 4), round(stretch[1] * pitch / PITCH, 4), round(stretch[1], 4))
-    placed = PlacedFurniture(outside_models()["roof"][number], (0.0, 0.0, 0.0), 0, scale, materials=materials)
-    return placed.at(x, y, z, 0 if sides[0] >= sides[1] else 1)
+    length, across = ROOF_SIZES[number]
+    stretch = (
+        (long + 2 * EAVES_OVERHANG) / (length + 2 * EAVES_OVERHANG),
+        (short + 2 * EAVES_OVERHANG) / (across + 2 * EAVES_OVERHANG),
+    )
+    scale = (round(stretch[0], 4), round(stretch[1] * pitch / MODEL_PITCH, 4), round(stretch[1], 4))
+    placed = PlacedModel(outside_models()["roof"][number], (0.0, 0.0, 0.0), 0, scale, materials=materials)
+    return placed.moved_to(x, y, z, 0 if sides[0] >= sides[1] else 1)
 
 
-def cover(rects: Sequence[Rect]) -> list[Rect]:
+def cover_with_rects(rects: Sequence[Rect]) -> list[Rect]:
     """Return rectangles that cover nearly all of a union of rectangles, each within the union, the largest gain first.
 
     Example:
-        >>> cover([Rect(0.0, 0.0, 2.0, 1.0), Rect(2.0, 0.0, 3.0, 1.0)])
+        >>> cover_with_rects([Rect(0.0, 0.0, 2.0, 1.0), Rect(2.0, 0.0, 3.0, 1.0)])
         [Rect(x0=0.0, z0=0.0, x1=3.0, z1=1.0)]
     """
     xs, zs = (np.unique(np.round([v for r in rects for v in (r[k], r[k + 2])], 6)) for k in (0, 1))
@@ -60,9 +65,9 @@ def cover(rects: Sequence[Rect]) -> list[Rect]:
         within |= ((x > r.x0) & (x < r.x1))[:, None] & ((z > r.z0) & (z < r.z1))[None, :]
     area, left, found = np.outer(np.diff(xs), np.diff(zs)), within.copy(), []
     spans = [np.triu_indices(len(lines), 1) for lines in (xs, zs)]
-    full = _sums(~within, *spans) == 0
-    while (left * area).sum() > LEAST and len(found) < MOST:
-        gain = np.where(full, _sums(left * area, *spans), -1.0)
+    full = _span_sums(~within, *spans) == 0
+    while (left * area).sum() > MAX_UNCOVERED_AREA and len(found) < MAX_GABLES:
+        gain = np.where(full, _span_sums(left * area, *spans), -1.0)
         i, j = np.unravel_index(np.argmax(gain), gain.shape)
         (a, b), (c, d) = ((int(low[k]), int(high[k])) for (low, high), k in zip(spans, (i, j), strict=True))
         found.append(Rect(*(float(v) for v in (xs[a], zs[c], xs[b], zs[d]))))
@@ -70,7 +75,7 @@ def cover(rects: Sequence[Rect]) -> list[Rect]:
     return found
 
 
-def _sums(cells: np.ndarray, x: Spans, z: Spans) -> Float[np.ndarray, "i j"]:
+def _span_sums(cells: np.ndarray, x: Spans, z: Spans) -> Float[np.ndarray, "i j"]:
     """Return the sum of the cells between each pair of lines along x and each pair along z."""
     total = np.zeros(np.add(cells.shape, 1))
     total[1:, 1:] = cells.cumsum(0).cumsum(1)

@@ -4,101 +4,114 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import FACING
+from home_procgen.floor_plan.placed_model import FRONT_DIRECTIONS
 from home_procgen.floor_plan.rooms import Rect
 from home_procgen.plan.home import HomePlan
 
-LAWN = 32.0  # [m], width around the home; the horizon is beyond
-GARDEN = (6.5, 10.0)  # [m], range from the home to the hedges
-STREET = (8.0, 11.0)  # [m], range from the home to the street
-WIDTH = 5.0  # [m], of the street
-CLEAR = 2.1  # [m], minimum distance of plants from the home; unreachable, because the compiler's fence is nearer
-TRIES = 12
+LAWN_WIDTH = 32.0  # [m], width around the home; the horizon is beyond
+GARDEN_WIDTH_RANGE = (6.5, 10.0)  # [m], range from the home to the hedges
+STREET_DISTANCE_RANGE = (8.0, 11.0)  # [m], range from the home to the street
+STREET_WIDTH = 5.0  # [m], of the street
+MIN_PLANT_DISTANCE = 2.1  # [m], of plants from the home; unreachable, because the compiler's fence is nearer
+MAX_SPOT_ATTEMPTS = 12
 
 
 @dataclass(frozen=True)
-class Side:
+class PlotSide:
     """One side of a home.
 
     Attributes:
-        way: Outward unit direction (x, z).
-        home: The box around the home [m].
-        away: Distance of the street's edge or the hedge from the home [m].
+        direction: Outward unit direction (x, z).
+        home_rect: The box around the home [m].
+        distance_from_home: Distance of the street's edge or the hedge from the home [m].
     """
 
-    way: tuple[int, int]
-    home: Rect
-    away: float
+    direction: tuple[int, int]
+    home_rect: Rect
+    distance_from_home: float
 
-    def at(self, away: float) -> float:
+    def coordinate_at(self, away: float) -> float:
         """Return the coordinate across the side at a distance from the home [m]."""
-        x, z = self.way
-        edge = (self.home.x1 if x > 0 else self.home.x0) if x else (self.home.z1 if z > 0 else self.home.z0)
+        x, z = self.direction
+        edge = (
+            (self.home_rect.x1 if x > 0 else self.home_rect.x0)
+            if x
+            else (self.home_rect.z1 if z > 0 else self.home_rect.z0)
+        )
         return edge + (x + z) * away
 
-    def strip(self, lawn: Rect, wider: float) -> Rect:
+    def street_rect(self, lawn: Rect, wider: float) -> Rect:
         """Return the rectangle of a street along the side, widened by `wider` at both edges [m]."""
-        p, q = sorted((self.at(self.away - wider), self.at(self.away + WIDTH + wider)))
-        return Rect(p, lawn.z0, q, lawn.z1) if self.way[0] else Rect(lawn.x0, p, lawn.x1, q)
+        p, q = sorted(
+            (
+                self.coordinate_at(self.distance_from_home - wider),
+                self.coordinate_at(self.distance_from_home + STREET_WIDTH + wider),
+            )
+        )
+        return Rect(p, lawn.z0, q, lawn.z1) if self.direction[0] else Rect(lawn.x0, p, lawn.x1, q)
 
-    def line(self, garden: Rect) -> Rect:
+    def garden_line(self, garden: Rect) -> Rect:
         """Return the line along the side of the garden, as a rectangle of zero width [m]."""
-        at = self.at(self.away)
-        return Rect(at, garden.z0, at, garden.z1) if self.way[0] else Rect(garden.x0, at, garden.x1, at)
+        at = self.coordinate_at(self.distance_from_home)
+        return Rect(at, garden.z0, at, garden.z1) if self.direction[0] else Rect(garden.x0, at, garden.x1, at)
 
     def distance(self, point: tuple[float, float]) -> float:
         """Return the distance from a point to the line [m]."""
-        return abs(self.at(self.away) - point[int(self.way[0] == 0)])
+        return abs(self.coordinate_at(self.distance_from_home) - point[int(self.direction[0] == 0)])
 
 
 @dataclass(frozen=True)
-class Site:
+class Plot:
     """A plot.
 
     Attributes:
         rects: Rectangles of all rooms on all storeys [m].
-        home: The box around them [m].
+        home_rect: The box around them [m].
         garden: Area inside the hedges [m].
         lawn: Area of the whole ground [m].
         sides: The four sides; the first is the street's.
     """
 
     rects: tuple[Rect, ...]
-    home: Rect
+    home_rect: Rect
     garden: Rect
     lawn: Rect
-    sides: tuple[Side, ...]
+    sides: tuple[PlotSide, ...]
 
     @classmethod
-    def around(cls, rng: np.random.Generator, plan: HomePlan) -> "Site":
+    def draw(cls, rng: np.random.Generator, plan: HomePlan) -> "Plot":
         """Draw a plot; the street is in front of the entrance."""
         rects = tuple(rect for level in plan.levels for room in level.rooms for rect in room.rects)
         corners = np.array(rects)
         home = Rect(*np.round([*corners[:, :2].min(0), *corners[:, 2:].max(0)], 6).tolist())
-        (entrance,) = [o.placed for o in plan.levels[0].openings if o.is_door and len(o.rooms) == 1]
-        first = FACING.index(FACING[entrance.quarter])
-        away, street = (round(float(rng.uniform(*range_)), 2) for range_ in (GARDEN, STREET))
-        ways = [FACING[(first + k) % 4] for k in range(4)]
-        sides = tuple(Side(way, home, street if k == 0 else away) for k, way in enumerate(ways))
-        return cls(rects, home, _grown(home, away), _grown(home, LAWN), sides)
+        (entrance,) = [o.object for o in plan.levels[0].openings if o.is_door and len(o.rooms) == 1]
+        first = FRONT_DIRECTIONS.index(FRONT_DIRECTIONS[entrance.quarter])
+        away, street = (round(float(rng.uniform(*range_)), 2) for range_ in (GARDEN_WIDTH_RANGE, STREET_DISTANCE_RANGE))
+        ways = [FRONT_DIRECTIONS[(first + k) % 4] for k in range(4)]
+        sides = tuple(PlotSide(way, home, street if k == 0 else away) for k, way in enumerate(ways))
+        return cls(rects, home, _expand(home, away), _expand(home, LAWN_WIDTH), sides)
 
     @property
-    def street(self) -> Side:
+    def street(self) -> PlotSide:
         """The side of the street."""
         return self.sides[0]
 
-    def spot(self, rng: np.random.Generator, radius: float) -> tuple[float, float] | None:
+    def draw_plant_spot(self, rng: np.random.Generator, radius: float) -> tuple[float, float] | None:
         """Draw a point (x, z) in the garden for a plant of a radius [m]; None if none was found."""
-        street = self.street.strip(self.lawn, 1.5)
-        for _ in range(TRIES):
+        street = self.street.street_rect(self.lawn, 1.5)
+        for _ in range(MAX_SPOT_ATTEMPTS):
             x, z = np.round(rng.uniform(self.garden[:2], self.garden[2:]), 3).tolist()
             edge = min(x - self.garden.x0, self.garden.x1 - x, z - self.garden.z0, self.garden.z1 - z)
-            if _distance(self.home, x, z) > radius + CLEAR and _distance(street, x, z) > radius and edge > 0.5:
+            if (
+                _distance(self.home_rect, x, z) > radius + MIN_PLANT_DISTANCE
+                and _distance(street, x, z) > radius
+                and edge > 0.5
+            ):
                 return x, z
         return None
 
 
-def _grown(rect: Rect, by: float) -> Rect:
+def _expand(rect: Rect, by: float) -> Rect:
     return Rect(*np.round([rect.x0 - by, rect.z0 - by, rect.x1 + by, rect.z1 + by], 6).tolist())
 
 

@@ -30,7 +30,7 @@ Shape = tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "p 2 3"], Float[np.nda
 
 
 @dataclass(frozen=True)
-class Furniture:
+class FurnitureModel:
     """A library model: origin at the bottom centre, front towards +z, Y up, in metres."""
 
     id: str
@@ -70,7 +70,7 @@ class Furniture:
 
 
 @dataclass(frozen=True)
-class Family:
+class VariantFamily:
     """A parametric design and the parameters of its library models.
 
     Args:
@@ -91,12 +91,12 @@ class Family:
     closed: Mapping[str, Any] | None = None
     centred: bool = True
 
-    def models(self) -> Iterator[Furniture]:
+    def models(self) -> Iterator[FurnitureModel]:
         """Generate the library models of the family."""
         for number, variant in enumerate(self.variants, 1):
             yield self._model(f"gen_{self.name}_{number}", number, variant)
 
-    def _model(self, model_id: str, number: int, variant: Mapping[str, Any]) -> Furniture:
+    def _model(self, model_id: str, number: int, variant: Mapping[str, Any]) -> FurnitureModel:
         solids, lights = self._built(variant)
         used = {solid.material for solid in solids}
         slots = {name: finish for name, finish in self.slots.items() if name in used}
@@ -111,7 +111,7 @@ class Family:
             shut = self._built({**variant, **self.closed})[0]
             closed = to_mesh(folder / f"{model_id}_0.obj", shut, list(slots), materials)
         parts = np.stack([solid.box for solid in solids])
-        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, lights, closed)
+        return FurnitureModel(model_id, self.name, self.fine, slots, mesh, parts, lights, closed)
 
     def _built(self, variant: Mapping[str, Any]) -> tuple[list[Solid], tuple[Light, ...]]:
         built = list(self.build(**variant))
@@ -123,28 +123,28 @@ class Family:
 
 
 @runtime_checkable
-class Models(Protocol):
+class ModelSource(Protocol):
     """Source of library models."""
 
-    def models(self) -> Iterator[Furniture]:
+    def models(self) -> Iterator[FurnitureModel]:
         """Generate the models in order."""
         ...
 
 
-def models_by_id(families: Iterable[Models]) -> Mapping[str, Furniture]:
+def models_by_id(families: Iterable[ModelSource]) -> Mapping[str, FurnitureModel]:
     """Return the models of all families in order, by id."""
     return MappingProxyType({model.id: model for family in families for model in family.models()})
 
 
-def models_by_family(models: Iterable[Furniture]) -> Mapping[str, Sequence[Furniture]]:
+def models_by_family(models: Iterable[FurnitureModel]) -> Mapping[str, Sequence[FurnitureModel]]:
     """Return models grouped by family name."""
-    families: dict[str, list[Furniture]] = defaultdict(list)
+    families: dict[str, list[FurnitureModel]] = defaultdict(list)
     for model in models:
         families[model.family].append(model)
     return dict(families)
 
 
-def variant(**parameters: Any) -> Mapping[str, Any]:
+def make_variant(**parameters: Any) -> Mapping[str, Any]:
     """Return one set of parameters of a design."""
     return parameters
 
@@ -154,11 +154,11 @@ def _light(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Light:
     return Light("point", bulb.power, (1.0, 1.0, 1.0), (x, y, z))
 
 
-def slots(*names: str, **finishes: str) -> Mapping[str, str]:
+def make_slots(*names: str, **finishes: str) -> Mapping[str, str]:
     """Return slot names with their finishes; a name's finish is the name without a trailing number.
 
     Example:
-        >>> slots("wood", "wood_1", color_1="glass")
+        >>> make_slots("wood", "wood_1", color_1="glass")
         {'wood': 'wood', 'wood_1': 'wood', 'color_1': 'glass'}
     """
     return {name: name.rstrip("_0123456789") for name in names} | finishes

@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 
-BOARD = 0.02  # [m], thickness of boards and doors
+BOARD_THICKNESS = 0.02  # [m], thickness of boards and doors
 
 
-def legs(
+def make_legs(
     material: str, width: float, depth: float, height: float, thickness: float = 0.05, turned: bool = False
 ) -> Iterator[Solid]:
     """Generate four legs whose outer sides span width x depth, square or turned (tapering downwards)."""
@@ -20,7 +20,7 @@ def legs(
                 yield box(material, (thickness, height, thickness), at)
 
 
-def fronts(
+def make_fronts(
     material: str,
     handle: str,
     width: float,
@@ -50,7 +50,9 @@ def fronts(
         side = 1 if column < columns / 2 else -1
         for row in range(rows):
             y = bottom + row * high
-            yield box(material, (wide - gap, high - gap, BOARD), (x, y + gap / 2, front - BOARD / 2))
+            yield box(
+                material, (wide - gap, high - gap, BOARD_THICKNESS), (x, y + gap / 2, front - BOARD_THICKNESS / 2)
+            )
             if upright:
                 length = min(0.18, high / 3)
                 at = (x + side * (wide / 2 - 0.04), y + high / 2 - length / 2, front + 0.012)
@@ -59,16 +61,16 @@ def fronts(
                 yield box(handle, (min(0.16, wide / 2), 0.014, 0.024), (x, y + high / 2, front + 0.012))
 
 
-def case(
+def make_case(
     material: str, width: float, height: float, depth: float, shelves: int, columns: int = 1, back: bool = True
 ) -> Iterator[Solid]:
     """Generate an open case of boards: sides, uprights, `shelves` besides bottom and top, and a back."""
     for column in range(columns + 1):
-        x = -width / 2 + BOARD / 2 + column * (width - BOARD) / columns
-        yield box(material, (BOARD, height, depth), (x, 0.0, 0.0))
-    inner, lift = width - 2 * BOARD, 0.04
+        x = -width / 2 + BOARD_THICKNESS / 2 + column * (width - BOARD_THICKNESS) / columns
+        yield box(material, (BOARD_THICKNESS, height, depth), (x, 0.0, 0.0))
+    inner, lift = width - 2 * BOARD_THICKNESS, 0.04
     for level in range(shelves + 2):
-        y = lift + level * (height - lift - BOARD) / (shelves + 1)
-        yield box(material, (inner, BOARD, depth - 0.01), (0.0, y, 0.005))
+        y = lift + level * (height - lift - BOARD_THICKNESS) / (shelves + 1)
+        yield box(material, (inner, BOARD_THICKNESS, depth - 0.01), (0.0, y, 0.005))
     if back:
         yield box(material, (inner, height - lift, 0.01), (0.0, lift, -depth / 2 + 0.005))

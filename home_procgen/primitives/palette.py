@@ -73,9 +73,9 @@ SOFT_FLOORS = (*_textured("carpet_1", "carpet_2"), *WOODEN_FLOORS)
 WET_FLOORS = _textured("tile_1", "tile_2", "tile_3", "tile_4", "stone_2")
 FACADES = (*_textured("bricks_1", "bricks_2"), textured("stucco_1", "#f3ead6"))
 CEILINGS = (plain("#fafaf7"), textured("stucco_1"))
-CUT = plain("#808080")  # SUNCG's grey of cut wall faces
+CUT_MATERIAL = plain("#808080")  # SUNCG's grey of cut wall faces
 
 
-def choose(options: Sequence[T], rng: np.random.Generator) -> T:
+def choose_random(options: Sequence[T], rng: np.random.Generator) -> T:
     """Draw one of the options."""
     return options[int(rng.integers(len(options)))]

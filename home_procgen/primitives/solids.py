@@ -9,10 +9,43 @@ from jaxtyping import Float, Int
 from scipy.spatial import ConvexHull
 
 from home_mjx.geometry.wall_prisms import extrude_grid
-from home_mjx.schema.house import Material, Mesh
-from home_procgen.primitives.parts import Part
+from home_mjx.schema.house import JointKind, Material, Mesh
 
 Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class MovablePart:
+    """A drawer, a door or a lid; solids with equal parts move together.
+
+    Args:
+        name: Name without a number.
+        kind: Kind of joint.
+        axis: Unit vector: of rotation by the right-hand rule, or of translation.
+        point: Point on a hinge's axis, or corner of a slide, which distinguishes equal drawers [m].
+        travel: Range from the drawn position [rad] or [m].
+    """
+
+    name: str
+    kind: JointKind
+    axis: Vector
+    point: Vector
+    travel: float
+
+    def transform(self, turn: Float[np.ndarray, "3 3"], shift: Float[np.ndarray, " 3"]) -> "MovablePart":
+        """Return the part of solids that were rotated or mirrored about the origin, and then moved.
+
+        Args:
+            turn: An orthogonal matrix.
+            shift: Translation [m].
+        """
+        sense = np.sign(np.linalg.det(turn)) if self.kind == "hinge" else 1.0  # a mirror reverses the sense of rotation
+        return replace(self, axis=_triple(sense * turn @ self.axis), point=_triple(turn @ self.point + shift))
+
+
+def _triple(values: Float[np.ndarray, " 3"]) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 @dataclass(frozen=True)
@@ -24,7 +57,7 @@ class Solid:
     uv: Float[np.ndarray, "f 3 2"]  # [m] per corner
     material: str | tuple[int, ...]  # slot name, or slot number per face
     group: str | None = None  # name of the `o` line
-    part: Part | None = None  # its movable part; None if it is fixed
+    part: MovablePart | None = None  # its movable part; None if it is fixed
 
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
@@ -58,7 +91,7 @@ def picture_uv(piece: Solid) -> Solid:
     return replace(piece, uv=(piece.vertices[piece.faces][..., :2] - low) / (high - low))
 
 
-def solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
+def make_solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
     """Return a solid with projected UVs; faces are reversed if they point inwards."""
     corners = vertices[faces] - vertices.mean(0)
     if np.einsum("fi,fi->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) < 0:
@@ -82,7 +115,7 @@ def cushion(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), bevel: fl
     hull = ConvexHull(vertices)
     outward = np.einsum("fi,fi->f", hull.equations[:, :3], _normals(vertices[hull.simplices])) > 0
     faces = np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1]).astype(np.int64)
-    return solid(material, vertices + np.asarray(at) + (0, half[1], 0), faces)
+    return make_solid(material, vertices + np.asarray(at) + (0, half[1], 0), faces)
 
 
 def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
@@ -95,7 +128,7 @@ def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
     low, high = np.array([-0.5, 0.0, -0.5]), np.array([0.5, 1.0, 0.5])
     ends = np.stack([low, high]) * size + at
     points, faces = extrude_grid(ends[:, 2], ends[:, 0], np.ones((1, 1), bool), (ends[0, 1], ends[1, 1]))[:2]
-    return solid(material, points[:, [1, 2, 0]], faces)
+    return make_solid(material, points[:, [1, 2, 0]], faces)
 
 
 def lathe(
@@ -126,7 +159,7 @@ def lathe(
     start = np.cumsum([0] + [len(ring) for ring in rings]).tolist()
     pairs = [(i, (i + 1) % len(rings)) for i in range(len(rings) - (not closed))]
     faces = [_band(start[i], len(rings[i]), start[j], len(rings[j]), sides) for i, j in pairs]
-    return solid(material, np.concatenate(rings) + np.asarray(at), np.concatenate(faces))
+    return make_solid(material, np.concatenate(rings) + np.asarray(at), np.concatenate(faces))
 
 
 def cylinder(
@@ -151,7 +184,7 @@ def _normals(corners: Float[np.ndarray, "f 3 3"]) -> Float[np.ndarray, "f 3"]:
 
 def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
     """Translate a solid by a vector [m], with its UVs and its part."""
-    part = piece.part and piece.part.mapped(np.eye(3), np.asarray(by, float))
+    part = piece.part and piece.part.transform(np.eye(3), np.asarray(by, float))
     return replace(piece, vertices=piece.vertices + np.asarray(by), part=part)
 
 
@@ -160,7 +193,7 @@ def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0
     turn = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)
-    part = piece.part and piece.part.mapped(turn, np.asarray(pivot) - turn @ np.asarray(pivot))
+    part = piece.part and piece.part.transform(turn, np.asarray(pivot) - turn @ np.asarray(pivot))
     return replace(piece, vertices=(piece.vertices - pivot) @ turn.T + np.asarray(pivot), part=part)
 
 

@@ -9,7 +9,7 @@ from functools import cache, partial
 import numpy as np
 from jaxtyping import Float, UInt8
 
-SIZE = 128  # pixels
+TEXTURE_SIZE = 128  # pixels
 
 Gray = Float[np.ndarray, "128 128"]
 Rgb = Float[np.ndarray, "128 128 3"]
@@ -25,9 +25,9 @@ def noise(rng: np.random.Generator, width: float = 1.0, height: float = 1.0) -> 
         width: Correlation length along a row, in pixels.
         height: Correlation length along a column, in pixels.
     """
-    rows, columns = np.meshgrid(np.fft.fftfreq(SIZE), np.fft.fftfreq(SIZE), indexing="ij")
+    rows, columns = np.meshgrid(np.fft.fftfreq(TEXTURE_SIZE), np.fft.fftfreq(TEXTURE_SIZE), indexing="ij")
     blur = np.exp(-((np.pi * columns * width) ** 2) - (np.pi * rows * height) ** 2)
-    field = np.fft.ifft2(np.fft.fft2(rng.standard_normal((SIZE, SIZE))) * blur).real
+    field = np.fft.ifft2(np.fft.fft2(rng.standard_normal((TEXTURE_SIZE, TEXTURE_SIZE))) * blur).real
     field -= field.mean()
     return field / field.std()
 
@@ -46,7 +46,11 @@ def grid(rows: int, columns: int, shift: float = 0.0) -> tuple[np.ndarray, Float
         columns: Cells per metre, sideways.
         shift: Sideways offset of every second row, in cells.
     """
-    v, u = np.meshgrid((np.arange(SIZE) + 0.5) / SIZE * rows, (np.arange(SIZE) + 0.5) / SIZE * columns, indexing="ij")
+    v, u = np.meshgrid(
+        (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE * rows,
+        (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE * columns,
+        indexing="ij",
+    )
     row = v.astype(int)
     u = (u + shift * (row % 2)) % columns
     column = u.astype(int)
@@ -86,14 +90,14 @@ def bricks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
 
 def stripes(rng: np.random.Generator, dark: Color, light: Color, count: int = 8) -> Rgb:
     """Draw upright wallpaper stripes."""
-    u = (np.arange(SIZE) + 0.5) / SIZE
-    wave = np.tile(0.5 + 0.5 * np.tanh(6 * np.sin(2 * np.pi * count * u)), (SIZE, 1))
+    u = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
+    wave = np.tile(0.5 + 0.5 * np.tanh(6 * np.sin(2 * np.pi * count * u)), (TEXTURE_SIZE, 1))
     return blend(dark, light, wave + 0.04 * noise(rng))
 
 
 def rosettes(rng: np.random.Generator, dark: Color, light: Color, count: int = 6) -> Rgb:
     """Draw wallpaper with staggered soft dots."""
-    v, u = np.meshgrid(np.arange(SIZE) / SIZE, np.arange(SIZE) / SIZE, indexing="ij")
+    v, u = np.meshgrid(np.arange(TEXTURE_SIZE) / TEXTURE_SIZE, np.arange(TEXTURE_SIZE) / TEXTURE_SIZE, indexing="ij")
     wave = np.cos(2 * np.pi * count * (u + v)) * np.cos(2 * np.pi * count * (u - v))
     return blend(dark, light, 0.5 + 0.35 * wave + 0.04 * noise(rng))
 
@@ -105,13 +109,15 @@ def grain(rng: np.random.Generator, dark: Color, light: Color, size: float = 1.0
 
 def weave(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw woven threads."""
-    rows, columns = np.indices((SIZE, SIZE)) // 2
+    rows, columns = np.indices((TEXTURE_SIZE, TEXTURE_SIZE)) // 2
     return blend(dark, light, 0.4 + 0.25 * ((rows + columns) % 2) + 0.08 * noise(rng, 6, 1) + 0.08 * noise(rng, 1, 6))
 
 
 def landscape(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw a picture: sky, sun and rows of hills."""
-    v, u = np.meshgrid((np.arange(SIZE) + 0.5) / SIZE, (np.arange(SIZE) + 0.5) / SIZE, indexing="ij")
+    v, u = np.meshgrid(
+        (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE, (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE, indexing="ij"
+    )
     image = blend(light, (0.98, 0.95, 0.88), v * 1.4)
     sun = np.hypot(u - rng.uniform(0.2, 0.8), v - rng.uniform(0.15, 0.3)) < rng.uniform(0.06, 0.1)
     image[sun] = (0.98, 0.82, 0.45)
@@ -125,7 +131,7 @@ def blocks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw a picture: coloured rectangles between black bars."""
     palette = np.array([dark, light, (0.95, 0.93, 0.87), (0.93, 0.90, 0.82), (0.85, 0.68, 0.25)])
     across, down = (np.sort(rng.uniform(0.15, 0.85, 2)) for _ in range(2))
-    pixel = (np.arange(SIZE) + 0.5) / SIZE
+    pixel = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
     cell = np.searchsorted(down, pixel)[:, None] * 3 + np.searchsorted(across, pixel)[None, :]
     image = palette[rng.integers(0, len(palette), 9)][cell]
     image[np.abs(pixel[:, None] - down).min(-1) < 0.012] = 0.08
@@ -133,7 +139,7 @@ def blocks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     return image
 
 
-RECIPES: dict[str, Callable[[np.random.Generator], Rgb]] = {
+BASE_RECIPES: dict[str, Callable[[np.random.Generator], Rgb]] = {
     "wood_1": partial(wood, dark=(0.45, 0.29, 0.16), light=(0.72, 0.52, 0.32)),
     "wood_2": partial(wood, dark=(0.24, 0.14, 0.08), light=(0.42, 0.26, 0.16)),
     "wood_3": partial(wood, dark=(0.70, 0.56, 0.38), light=(0.90, 0.78, 0.58)),
@@ -179,12 +185,12 @@ RECIPES: dict[str, Callable[[np.random.Generator], Rgb]] = {
 
 
 @cache
-def texture(name: str) -> Image:
-    """Return the image of a texture of `RECIPES`, row 0 at the top, sRGB.
+def base_texture(name: str) -> Image:
+    """Return the image of a texture of `BASE_RECIPES`, row 0 at the top, sRGB.
 
     Example:
-        >>> texture("wood_1").shape
+        >>> base_texture("wood_1").shape
         (128, 128, 3)
     """
-    rng = np.random.default_rng(list(RECIPES).index(name))
-    return np.round(np.clip(RECIPES[name](rng), 0.0, 1.0) * 255.0).astype(np.uint8)
+    rng = np.random.default_rng(list(BASE_RECIPES).index(name))
+    return np.round(np.clip(BASE_RECIPES[name](rng), 0.0, 1.0) * 255.0).astype(np.uint8)

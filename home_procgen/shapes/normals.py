@@ -3,7 +3,9 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-CREASE = np.cos(np.deg2rad(47.0))  # cosine of the maximum angle across a smooth edge; an eight-sided rod is smooth
+SMOOTH_EDGE_COSINE = np.cos(
+    np.deg2rad(47.0)
+)  # cosine of the maximum angle across a smooth edge; an eight-sided rod is smooth
 _DECIMALS = 4  # enough for shading, with far fewer distinct lines in a file
 
 
@@ -19,7 +21,7 @@ def corner_normals(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f
     flat = area / np.maximum(np.linalg.norm(area, axis=1, keepdims=True), 1e-30)
     corner, other = _pairs(faces.reshape(-1))
     face = corner // 3
-    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > CREASE
+    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > SMOOTH_EDGE_COSINE
     total = np.stack([np.bincount(corner[joined], area[other[joined], k], 3 * len(faces)) for k in range(3)], -1)
     rounded = np.round(total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-30), _DECIMALS) + 0.0
     return (rounded / np.linalg.norm(rounded, axis=1, keepdims=True)).reshape(-1, 3, 3)

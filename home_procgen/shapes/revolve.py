@@ -10,7 +10,7 @@ from home_procgen.shapes.curves import spline
 Profile = Sequence[tuple[float, float]]
 
 
-def turned(
+def revolve(
     material: str, points: Profile, at: Vector = (0.0, 0.0, 0.0), sides: int = 16, steps: int = 3, stretch: float = 1.0
 ) -> Solid:
     """Return a solid of revolution whose profile is a curve through (radius, height) [m], from the bottom up."""

@@ -5,21 +5,23 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_procgen.primitives.solids import Solid, Vector, lathe, move, solid
+from home_procgen.primitives.solids import Solid, Vector, lathe, make_solid, move
 from home_procgen.shapes.sweep import triangulate
 
 _MERGE = 7  # decimals of a metre to which corners must agree to be merged
 
 
-def welded(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
+def weld(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
     """Return a solid with equal vertices merged and degenerate triangles removed."""
     unique, index = np.unique(np.round(vertices, _MERGE) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     kept = (faces != np.roll(faces, 1, 1)).all(1)
-    return solid(material, unique, faces[kept])
+    return make_solid(material, unique, faces[kept])
 
 
-def rounded(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), radius: float = 0.02, steps: int = 2) -> Solid:
+def rounded_box(
+    material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), radius: float = 0.02, steps: int = 2
+) -> Solid:
     """Return a box with rounded edges and corners.
 
     Args:
@@ -58,10 +60,12 @@ def _grid_ball(material: str, rows: Float[np.ndarray, "r c 3"]) -> Solid:
     quads = [np.stack([a, a + around, b], -1), np.stack([b, a + around, b + around], -1)]
     fan = np.stack([np.zeros(around - 2, int), i[1:-1], i[2:]], -1)
     caps = [fan, fan[:, ::-1] + (count - 1) * around]
-    return welded(material, rows.reshape(-1, 3), np.concatenate([*(q.reshape(-1, 3) for q in quads), *caps]))
+    return weld(material, rows.reshape(-1, 3), np.concatenate([*(q.reshape(-1, 3) for q in quads), *caps]))
 
 
-def soft(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), power: float = 7.0, steps: int = 5) -> Solid:
+def padded_block(
+    material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), power: float = 7.0, steps: int = 5
+) -> Solid:
     """Return a padded block whose faces bulge slightly: a superellipsoid.
 
     Args:
@@ -85,7 +89,7 @@ def soft(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), power: float
     cube = np.concatenate(points)
     ball = cube / (np.abs(cube) ** power).sum(1, keepdims=True) ** (1 / power)
     half = np.asarray(size, float) / 2
-    return move(welded(material, ball * half, np.concatenate(faces)), np.array([0, half[1], 0]) + at)
+    return move(weld(material, ball * half, np.concatenate(faces)), np.array([0, half[1], 0]) + at)
 
 
 def pillow(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), steps: int = 8, sag: float = 0.0) -> Solid:
@@ -104,10 +108,10 @@ def pillow(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), steps: int
     x, z = u * (1 - 0.07 * (1 - v**2)), v * (1 - 0.07 * (1 - u**2))
     half = np.asarray(size, float) / 2
     under, upper = (np.stack([x, t * (0.05 + 0.95 * bulge), z], -1) * half for t in (-1.0, 1.0))
-    return move(between(material, under, upper), np.array([0, half[1], 0]) + at)
+    return move(join_grids(material, under, upper), np.array([0, half[1], 0]) + at)
 
 
-def between(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.ndarray, "n m 3"]) -> Solid:
+def join_grids(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.ndarray, "n m 3"]) -> Solid:
     """Return the solid between two grids of points, closed around their rims."""
     n, m = under.shape[:2]
     cells = np.arange(n * m).reshape(n, m)
@@ -117,7 +121,7 @@ def between(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.nd
     following = np.roll(rim, -1)
     edge = [np.stack([rim, rim + n * m, following], -1), np.stack([following, rim + n * m, following + n * m], -1)]
     faces = np.concatenate([front[:, ::-1], front + n * m, *(e[:, ::-1] for e in edge)])
-    return solid(material, np.concatenate([under.reshape(-1, 3), upper.reshape(-1, 3)]), faces)
+    return make_solid(material, np.concatenate([under.reshape(-1, 3), upper.reshape(-1, 3)]), faces)
 
 
 def ball(material: str, radius: float | Vector, at: Vector, sides: int = 12, rings: int = 6) -> Solid:
@@ -128,7 +132,7 @@ def ball(material: str, radius: float | Vector, at: Vector, sides: int = 12, rin
     return lathe(material, profile, at, sides, stretch=z / x)
 
 
-def between_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], closed: bool = False) -> Solid:
+def join_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], closed: bool = False) -> Solid:
     """Return a solid whose surface joins successive loops of points.
 
     The first and last loops are capped, or joined if `closed`.
@@ -147,4 +151,4 @@ def between_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], clos
         if not turn:
             sides[0], sides[1] = sides[0][:, ::-1], sides[1][:, ::-1]
             sides[2], sides[3] = sides[2][:, ::-1], sides[3][:, ::-1]
-    return solid(material, np.concatenate(list(loops)), np.concatenate(sides))
+    return make_solid(material, np.concatenate(list(loops)), np.concatenate(sides))

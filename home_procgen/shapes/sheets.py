@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_procgen.primitives.solids import Solid, Vector
-from home_procgen.shapes.rounded import between, welded
+from home_procgen.shapes.rounded import join_grids, weld
 
 
 def sheet(material: str, points: Float[np.ndarray, "n m 3"], thickness: float) -> Solid:
@@ -15,7 +15,7 @@ def sheet(material: str, points: Float[np.ndarray, "n m 3"], thickness: float) -
     normal = np.cross(along, across)
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     under, upper = (points + side * normal * thickness / 2 for side in (-1, 1))
-    return between(material, under, upper)
+    return join_grids(material, under, upper)
 
 
 def surface(
@@ -72,4 +72,4 @@ def _leaf(material: str, vertices: Float[np.ndarray, "v 3"], count: int) -> Soli
     strips = []
     for a, b in ((left, top), (top, right), (right, under), (under, left)):
         strips += [np.stack([a[:-1], a[1:], b[:-1]], -1), np.stack([b[:-1], a[1:], b[1:]], -1)]
-    return welded(material, vertices, np.concatenate(strips))
+    return weld(material, vertices, np.concatenate(strips))

@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_procgen.primitives.solids import Solid, Vector, solid
+from home_procgen.primitives.solids import Solid, Vector, make_solid
 from home_procgen.shapes.curves import Points, loop
 
-CHAMFERED = 0.018  # [m], minimum half thickness of bars with chamfered edges
+MIN_CHAMFER_HALF_WIDTH = 0.018  # [m], minimum half thickness of bars with chamfered edges
 
 
 def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
@@ -79,7 +79,7 @@ def prism(
     faces = np.concatenate([sides if turn else sides[:, ::-1], *caps])
     vertices = np.empty_like(layers)
     vertices[:, list(columns)] = layers
-    return solid(material, vertices + np.asarray(at), faces)
+    return make_solid(material, vertices + np.asarray(at), faces)
 
 
 def _area(outline: np.ndarray) -> float:
@@ -120,7 +120,7 @@ def sweep(
         cap = cap if _area(section) > 0 else cap[:, ::-1]
         ends = [cap[:, ::-1], cap + (count - 1) * around]
         faces = np.concatenate([faces if _area(section) > 0 else faces[:, ::-1], *ends])
-    return solid(material, rings.reshape(-1, 3), faces)
+    return make_solid(material, rings.reshape(-1, 3), faces)
 
 
 def _frames(p: np.ndarray, up: Vector | None, closed: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -163,7 +163,7 @@ def rod(
 def beam(material: str, start: Vector, end: Vector, width: float, height: float | None = None) -> Solid:
     """Return a straight square bar between two points; `height` is along up, or forward for a vertical bar [m]."""
     w, h = width / 2, (width if height is None else height) / 2
-    c = 0.12 * min(w, h) if min(w, h) > CHAMFERED else 0.0
+    c = 0.12 * min(w, h) if min(w, h) > MIN_CHAMFER_HALF_WIDTH else 0.0
     cut = [(-w, c - h), (c - w, -h), (w - c, -h), (w, c - h), (w, h - c), (w - c, h), (c - w, h), (-w, h - c)]
     plain = [(-w, -h), (w, -h), (w, h), (-w, h)]
     return sweep(material, [start, end], np.array(cut if c else plain))

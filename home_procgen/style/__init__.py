@@ -1,5 +1,5 @@
 """Style of a home: its choice of models and materials."""
 
-from home_procgen.style.style import Style
+from home_procgen.style.style import HomeStyle
 
-__all__ = ["Style"]
+__all__ = ["HomeStyle"]

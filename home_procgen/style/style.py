@@ -6,30 +6,35 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from home_mjx.schema.house import Material
-from home_procgen.floor_plan.placed import PlacedFurniture
-from home_procgen.primitives.family import Furniture
-from home_procgen.primitives.palette import choose
-from home_procgen.style.kinds import choices, models_of
+from home_procgen.floor_plan.placed_model import PlacedModel
+from home_procgen.primitives.family import FurnitureModel
+from home_procgen.primitives.palette import choose_random
+from home_procgen.style.object_kinds import list_models, resolve_kind
 from home_procgen.things import get_model
 from home_procgen.things.finishes import FINISHES
 
-HANDED = ("sofa", "desk", "refrigerator", "kitchen_cabinet", "shower", "bathtub", "kitchen_sink")
-METALS = ("chrome", "steel", "brass", "iron", "black")
-SOFT = ("upholstery", "textile", "patterned", "leather", "linen", "towel", "curtain", "sheer", "carpet", "fur")
-OF_ROOMS = (*SOFT, "carpet_round", "paint", "color", "shade", "felt")
-OF_HOMES = ("wood", "chrome", "steel", "brass", "iron", "stone", "marble", "cane", "ceramic", "opal", "masonry")
-FITTED = ("kitchen_cabinet", "hanging_cabinet", "kitchen_sink", "dishwasher")  # fronts match throughout a kitchen
-FRONTS = {"wood": "wood", "paint": "paint", "color": "paint", "stone": "stone", "marble": "stone"}
-FAVOURITES = 3  # maximum number of favourite models of a kind
-SMALLEST = 3  # number of smallest models to try if the favourite model does not fit
-USUAL = 0.85  # probability that an object is one of the favourite models
+MIRRORED_FAMILIES = ("sofa", "desk", "refrigerator", "kitchen_cabinet", "shower", "bathtub", "kitchen_sink")
+METAL_FINISHES = ("chrome", "steel", "brass", "iron", "black")
+SOFT_FINISHES = ("upholstery", "textile", "patterned", "leather", "linen", "towel", "curtain", "sheer", "carpet", "fur")
+ROOM_FINISHES = (*SOFT_FINISHES, "carpet_round", "paint", "color", "shade", "felt")
+HOME_FINISHES = ("wood", "chrome", "steel", "brass", "iron", "stone", "marble", "cane", "ceramic", "opal", "masonry")
+FITTED_FAMILIES = (
+    "kitchen_cabinet",
+    "hanging_cabinet",
+    "kitchen_sink",
+    "dishwasher",
+)  # fronts match throughout a kitchen
+FRONT_FINISHES = {"wood": "wood", "paint": "paint", "color": "paint", "stone": "stone", "marble": "stone"}
+MAX_FAVOURITES = 3  # maximum number of favourite models of a kind
+NUM_SMALLEST_OPTIONS = 3  # number of smallest models to try if the favourite model does not fit
+FAVOURITE_PROBABILITY = 0.85  # probability that an object is one of the favourite models
 INTERESTS = ("children", "music", "games", "sport", "books", "plants", "cooking", "pets", "art", "travel")
 
-Look = Mapping[str, Material]
+FinishMaterials = Mapping[str, Material]
 
 
 @dataclass(frozen=True)
-class Style:
+class HomeStyle:
     """Random style of a home.
 
     Attributes:
@@ -37,80 +42,82 @@ class Style:
         materials: Favourite material of each finish.
         interests: Interests of the residents.
         clutter: Amount of small objects; 1 is average.
-        boarded: Whether railings have boards instead of bars.
+        has_board_railings: Whether railings have boards instead of bars.
     """
 
     rng: np.random.Generator
-    materials: Look
+    materials: FinishMaterials
     interests: frozenset[str]
     clutter: float
-    boarded: bool
+    has_board_railings: bool
     _favourites: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     @classmethod
-    def draw(cls, rng: np.random.Generator) -> "Style":
+    def draw(cls, rng: np.random.Generator) -> "HomeStyle":
         """Draw a random style."""
-        materials = {finish: choose(options, rng) for finish, options in FINISHES.items()}
-        metal = choose(FINISHES[choose(METALS, rng)], rng)
+        materials = {finish: choose_random(options, rng) for finish, options in FINISHES.items()}
+        metal = choose_random(FINISHES[choose_random(METAL_FINISHES, rng)], rng)
         materials |= {finish: metal for finish in ("chrome", "brass") if rng.random() < 0.75}
         likes = frozenset(name for name in INTERESTS if rng.random() < 0.4)
         return cls(rng, materials, likes, float(rng.uniform(0.35, 1.3)), bool(rng.random() < 0.5))
 
-    def look(self) -> Look:
+    def draw_room_materials(self) -> FinishMaterials:
         """Draw the materials of a room: the home's, with variations of soft and painted finishes."""
-        own = {f: choose(FINISHES[f], self.rng) for f in OF_ROOMS if self.rng.random() < 0.7}
+        own = {f: choose_random(FINISHES[f], self.rng) for f in ROOM_FINISHES if self.rng.random() < 0.7}
         return {**self.materials, **own}
 
-    def object(self, kind: str, look: Look | None = None) -> PlacedFurniture:
+    def draw_object(self, kind: str, look: FinishMaterials | None = None) -> PlacedModel:
         """Draw an object of a kind at the origin, usually of a favourite model."""
-        family, numbers = choices(kind)
+        family, numbers = resolve_kind(kind)
         if kind not in self._favourites:
-            self._favourites[kind] = tuple(self.rng.permutation(numbers)[:FAVOURITES].tolist())
-        usual = self.rng.random() < USUAL
-        return self.instance(get_model(family, choose(self._favourites[kind] if usual else numbers, self.rng)), look)
+            self._favourites[kind] = tuple(self.rng.permutation(numbers)[:MAX_FAVOURITES].tolist())
+        usual = self.rng.random() < FAVOURITE_PROBABILITY
+        return self.make_object(
+            get_model(family, choose_random(self._favourites[kind] if usual else numbers, self.rng)), look
+        )
 
-    def options(self, kind: str, look: Look | None = None) -> Iterator[PlacedFurniture]:
-        """Generate an object as by `object`, then objects of the smallest models of the kind."""
-        yield self.object(kind, look)
-        for model in models_of(kind)[:SMALLEST]:
-            yield self.instance(model, look)
+    def object_candidates(self, kind: str, look: FinishMaterials | None = None) -> Iterator[PlacedModel]:
+        """Generate an object as by `draw_object`, then objects of the smallest models of the kind."""
+        yield self.draw_object(kind, look)
+        for model in list_models(kind)[:NUM_SMALLEST_OPTIONS]:
+            yield self.make_object(model, look)
 
-    def instance(self, model: Furniture, look: Look | None = None) -> PlacedFurniture:
+    def make_object(self, model: FurnitureModel, look: FinishMaterials | None = None) -> PlacedModel:
         """Return a model at the origin with materials. Families with a left and a right side are mirrored at random."""
-        mirrored = model.family in HANDED and bool(self.rng.random() < 0.5)
-        return PlacedFurniture(model, (0.0, 0.0, 0.0), mirrored=mirrored, materials=self.dress(model, look))
+        mirrored = model.family in MIRRORED_FAMILIES and bool(self.rng.random() < 0.5)
+        return PlacedModel(model, (0.0, 0.0, 0.0), mirrored=mirrored, materials=self.draw_materials(model, look))
 
-    def dress(self, model: Furniture, look: Look | None = None) -> tuple[Material, ...]:
+    def draw_materials(self, model: FurnitureModel, materials: FinishMaterials | None = None) -> tuple[Material, ...]:
         """Draw a material for each slot: the home's or the room's, and a random one for other finishes.
 
         Args:
             model: The model whose slots are filled.
-            look: Materials of the room by finish; None for those of the home.
+            materials: Materials of the room by finish; None for those of the home.
         """
-        usual = self.materials if look is None else look
+        usual = self.materials if materials is None else materials
         seen: dict[str, Material] = {}
         found = []
         for slot, finish in model.slots.items():
-            fitted = model.family in FITTED and finish in FRONTS
-            material = usual[FRONTS[finish]] if fitted else self._material(finish, usual, seen)
-            found.append(_named(material, slot))
+            fitted = model.family in FITTED_FAMILIES and finish in FRONT_FINISHES
+            material = usual[FRONT_FINISHES[finish]] if fitted else self._material(finish, usual, seen)
+            found.append(_name_material(material, slot))
         return tuple(found)
 
-    def _material(self, finish: str, usual: Look, seen: dict[str, Material]) -> Material:
+    def _material(self, finish: str, usual: FinishMaterials, seen: dict[str, Material]) -> Material:
         """Return the material of one slot; `seen` holds the materials of the model's earlier slots by finish."""
         options: Sequence[Material] = FINISHES[finish]
-        if finish in OF_HOMES:
+        if finish in HOME_FINISHES:
             if finish not in seen:
                 other = finish == "wood" and self.rng.random() < 0.2
-                seen[finish] = choose(options, self.rng) if other else usual[finish]
+                seen[finish] = choose_random(options, self.rng) if other else usual[finish]
             return seen[finish]
-        if finish in OF_ROOMS and finish not in seen:
-            seen[finish] = usual[finish] if self.rng.random() < 0.75 else choose(options, self.rng)
+        if finish in ROOM_FINISHES and finish not in seen:
+            seen[finish] = usual[finish] if self.rng.random() < 0.75 else choose_random(options, self.rng)
             return seen[finish]
-        return choose(options, self.rng)
+        return choose_random(options, self.rng)
 
 
-def _named(material: Material, slot: str) -> Material:
+def _name_material(material: Material, slot: str) -> Material:
     """Return an opaque material with a slot's name; built field by field in a fifth of the time of `replace`."""
     m = material
     return Material(slot, m.diffuse, m.texture, None, m.specular, m.shininess, m.missing_file)

@@ -2,19 +2,19 @@
 
 import numpy as np
 
-from home_procgen.primitives.textures import SIZE, Color, Gray, Rgb, blend, noise
+from home_procgen.primitives.textures import TEXTURE_SIZE, Color, Gray, Rgb, blend, noise
 from home_procgen.textures.patterns import Rng, pixels
 
 
 def _thread(rng: Rng) -> Gray:
-    rows, columns = np.indices((SIZE, SIZE)) // 2
+    rows, columns = np.indices((TEXTURE_SIZE, TEXTURE_SIZE)) // 2
     return 0.06 * ((rows + columns) % 2) + 0.03 * noise(rng, 1, 6)
 
 
 def plaid(rng: Rng, ground: Color, stripe: Color, line: Color, count: int = 4) -> Rgb:
     """Draw a tartan: broad bands and thin lines in both directions."""
     u, v = pixels()
-    image = np.tile(np.asarray(ground, float), (SIZE, SIZE, 1))
+    image = np.tile(np.asarray(ground, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
     for t in (u, v):
         share = ((t * count) % 1)[..., None]
         image = np.where(share < 0.42, 0.5 * image + 0.5 * np.asarray(stripe), image)
@@ -114,7 +114,7 @@ def vines(rng: Rng, ground: Color, green: Color, count: int = 4) -> Rgb:
 def damask(rng: Rng, dark: Color, light: Color, count: int = 3) -> Rgb:
     """Draw large symmetric staggered ornaments."""
     u, v = pixels()
-    total = np.zeros((SIZE, SIZE))
+    total = np.zeros((TEXTURE_SIZE, TEXTURE_SIZE))
     for shift in (0.0, 0.5):
         x, y = (u * count + shift) % 1 - 0.5, (v * count + shift) % 1 - 0.5
         radius, angle = np.hypot(x, y * 0.8), np.arctan2(y, np.abs(x))
@@ -135,7 +135,7 @@ def diamonds(rng: Rng, dark: Color, light: Color, line: Color, count: int = 6) -
 def fans(rng: Rng, dark: Color, light: Color, count: int = 6) -> Rgb:
     """Draw overlapping scallops of rings in art deco style."""
     u, v = pixels()
-    image = np.zeros((SIZE, SIZE))
+    image = np.zeros((TEXTURE_SIZE, TEXTURE_SIZE))
     for row in range(-1, 2 * count + 2):
         x = (u * count + 0.5 * (row % 2)) % 1 - 0.5
         radius = np.hypot(x, v * count - row / 2) * 2
@@ -155,7 +155,7 @@ def triangles(rng: Rng, palette: tuple[Color, ...], count: int = 6) -> Rgb:
 def leaves(rng: Rng, ground: Color, greens: tuple[Color, ...], count: int = 40, size: float = 0.12) -> Rgb:
     """Draw large overlapping leaves, as of a jungle."""
     u, v = pixels()
-    image = np.tile(np.asarray(ground, float), (SIZE, SIZE, 1))
+    image = np.tile(np.asarray(ground, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
     for x, y, turn, scale, kind in rng.uniform(0, 1, (count, 5)):
         dx, dy = (u - x + 0.5) % 1 - 0.5, (v - y + 0.5) % 1 - 0.5
         a, b = dx * np.cos(6.28 * turn) + dy * np.sin(6.28 * turn), dy * np.cos(6.28 * turn) - dx * np.sin(6.28 * turn)

@@ -5,7 +5,7 @@ import numpy as np
 from home_procgen.primitives.textures import Color, Rgb, blend, noise
 from home_procgen.textures.patterns import Rng, pixels, shingles
 
-PANE, FRAME = (0.26, 0.32, 0.38), (0.93, 0.93, 0.91)
+PANE_COLOR, FRAME_COLOR = (0.26, 0.32, 0.38), (0.93, 0.93, 0.91)
 
 
 def front(rng: Rng, wall: Color, storeys: int = 2, columns: int = 3, door: bool = False) -> Rgb:
@@ -32,10 +32,10 @@ def _window(image: Rgb, place: tuple[np.ndarray, np.ndarray], is_door: bool, rng
         image[inside] = rng.choice([(0.3, 0.16, 0.1), (0.18, 0.28, 0.26), (0.2, 0.22, 0.3)])
     else:
         shade = 0.8 + 0.5 * rng.random()
-        image[inside] = np.asarray(PANE) * shade * (1.25 - 0.5 * down[inside])[:, None]
+        image[inside] = np.asarray(PANE_COLOR) * shade * (1.25 - 0.5 * down[inside])[:, None]
         drawn = inside & (across > rng.uniform(0.45, 1.4))
         image[drawn] = 0.72
-    image[inside & rim & ((across > 0.86) | (not is_door))] = FRAME
+    image[inside & rim & ((across > 0.86) | (not is_door))] = FRAME_COLOR
 
 
 def foliage(rng: Rng, dark: Color, light: Color, size: float = 4.0) -> Rgb:
@@ -44,7 +44,7 @@ def foliage(rng: Rng, dark: Color, light: Color, size: float = 4.0) -> Rgb:
     return blend(dark, light, 0.5 + 0.2 * clumps + 0.28 * leaves + 0.1 * noise(rng, 1.5, 1.5))
 
 
-ROWS = {
+RECIPE_ROWS = {
     "foliage": (
         (foliage, "#2c4a20 #7ca04c"),
         (foliage, "#1e3a26 #527a4c", {"size": 2.0}),

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from home_procgen.primitives.textures import SIZE, Color, Gray, Rgb, blend, grid, noise
+from home_procgen.primitives.textures import TEXTURE_SIZE, Color, Gray, Rgb, blend, grid, noise
 
 Rng = np.random.Generator
 
 
 def pixels() -> tuple[Gray, Gray]:
     """Return the coordinates of pixels, u to the right and v down, in 0..1."""
-    line = (np.arange(SIZE) + 0.5) / SIZE
+    line = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
     v, u = np.meshgrid(line, line, indexing="ij")
     return u, v
 

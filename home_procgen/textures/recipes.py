@@ -13,9 +13,9 @@ from home_procgen.primitives.textures import Image, Rgb
 from home_procgen.textures import fabrics, outdoors, patterns, pictures, rugs
 
 Recipe = Callable[[np.random.Generator], Rgb]
-Row = tuple[Callable[..., Rgb], str] | tuple[Callable[..., Rgb], str, Mapping[str, Any]]
+RecipeRow = tuple[Callable[..., Rgb], str] | tuple[Callable[..., Rgb], str, Mapping[str, Any]]
 # A recipe's first arguments are its colours, in order; plus signs join a tuple of colours.
-WOODS: tuple[Row, ...] = (
+WOODS: tuple[RecipeRow, ...] = (
     (before.wood, "#8a5a33 #b98454"),
     (before.wood, "#5c3a22 #8a5f3c"),
     (before.wood, "#c9a875 #e8d2a8"),
@@ -35,7 +35,7 @@ WOODS: tuple[Row, ...] = (
     (patterns.knotty, "#9c7240 #c89c64", {"bands": 4}),
     (before.wood, "#a03c2c #c45b44"),
 )
-PARQUETS: tuple[Row, ...] = (
+PARQUETS: tuple[RecipeRow, ...] = (
     (patterns.herringbone, "#8a5f38 #bb8d5c"),
     (patterns.herringbone, "#5b3c26 #83603f"),
     (patterns.herringbone, "#b79a72 #dbc49c", {"count": 6}),
@@ -45,13 +45,13 @@ PARQUETS: tuple[Row, ...] = (
     (before.planks, "#a8763f #d3a468", {"rows": 6, "columns": 1}),
     (before.planks, "#3a2a20 #5c4637", {"rows": 7}),
 )
-LAMINATES: tuple[Row, ...] = (
+LAMINATES: tuple[RecipeRow, ...] = (
     (before.planks, "#c4b59c #e2d6c0", {"rows": 6}),
     (before.planks, "#77695b #9c8e7e", {"rows": 7, "columns": 1}),
     (before.planks, "#d8d4cc #f0ede6", {"rows": 6}),
     (before.planks, "#55504a #7d776f", {"rows": 8}),
 )
-TILES: tuple[Row, ...] = (
+TILES: tuple[RecipeRow, ...] = (
     (patterns.subway, "#e8e8e4 #fbfbf8"),
     (patterns.subway, "#3f6f6a #6fa39c"),
     (patterns.subway, "#27405c #4b6c92"),
@@ -73,7 +73,7 @@ TILES: tuple[Row, ...] = (
     (patterns.shingles, "#7c3a2a #b8644a"),
     (patterns.shingles, "#3c4248 #6a7078"),
 )
-WALLPAPERS: tuple[Row, ...] = (
+WALLPAPERS: tuple[RecipeRow, ...] = (
     (fabrics.damask, "#c9b99a #efe6d2"),
     (fabrics.damask, "#7f94a8 #c9d6e0"),
     (fabrics.damask, "#7a3b3f #a8656a", {"count": 4}),
@@ -97,7 +97,7 @@ WALLPAPERS: tuple[Row, ...] = (
     (before.stripes, "#d9c4c4 #f4e8e8"),
     (before.rosettes, "#b6c4a8 #dfe8d4", {"count": 8}),
 )
-CARPETS: tuple[Row, ...] = (
+CARPETS: tuple[RecipeRow, ...] = (
     (before.grain, "#6f6a64 #94908a"),
     (before.grain, "#b8ac98 #d8cebc"),
     (before.grain, "#46564a #6a7c6e"),
@@ -108,7 +108,7 @@ CARPETS: tuple[Row, ...] = (
     (fabrics.melange, "#7c6f8a #a99cb6"),
     (fabrics.cord, "#a39a8c #c9c0b2", {"count": 24}),
 )
-RUGS: tuple[Row, ...] = (
+RUGS: tuple[RecipeRow, ...] = (
     (rugs.persian, "#8c2b2b #23324f #c79a4a #ead9b8"),
     (rugs.persian, "#23406a #7a2430 #b98c48 #e8dcc0"),
     (rugs.persian, "#d8c9a8 #6a4a38 #3f5a52 #f2e9d4"),
@@ -128,7 +128,7 @@ RUGS: tuple[Row, ...] = (
     (rugs.town, ""),
     (rugs.rings, "#e88a8a+#f4d27a+#8fc49a+#7fb4dc+#b69adc", {"count": 8}),
 )
-TEXTILES: tuple[Row, ...] = (
+TEXTILES: tuple[RecipeRow, ...] = (
     (before.weave, "#7c7f84 #a4a7ac"),
     (before.weave, "#2c2f34 #4a4e54"),
     (before.weave, "#8f6a3c #bf965f"),
@@ -163,7 +163,7 @@ TEXTILES: tuple[Row, ...] = (
     (fabrics.fans, "#b9566a #f4e4e0"),
     (fabrics.triangles, "#e6b84a+#4a8a8c+#e6e0d2+#c9564a", {"count": 5}),
 )
-LINENS: tuple[Row, ...] = (
+LINENS: tuple[RecipeRow, ...] = (
     (before.weave, "#cdd6de #eef3f7"),
     (before.weave, "#d9c3b8 #f3e6de"),
     (before.weave, "#8fa0ae #b9c8d4"),
@@ -175,13 +175,13 @@ LINENS: tuple[Row, ...] = (
     (fabrics.terry, "#3c4a66 #6c7ca0"),
     (fabrics.terry, "#c9a45c #ecd49a"),
 )
-LEATHERS: tuple[Row, ...] = (
+LEATHERS: tuple[RecipeRow, ...] = (
     (before.grain, "#7a4a2a #a06a42", {"size": 1.5, "contrast": 0.15}),
     (before.grain, "#d9cfc0 #efe8dc", {"size": 1.5, "contrast": 0.12}),
     (before.grain, "#5c2622 #7f3c36", {"size": 1.5, "contrast": 0.15}),
     (before.grain, "#33403a #52625a", {"size": 1.5, "contrast": 0.15}),
 )
-STONES: tuple[Row, ...] = (
+STONES: tuple[RecipeRow, ...] = (
     (patterns.terrazzo, "#e6e2da #b9705a+#6f7f86+#d0b070+#4a4a4a"),
     (patterns.terrazzo, "#4c5054 #c9c4b8+#8f8a80+#a8b4b8"),
     (patterns.flagstones, "#8c857a #b8b0a2"),
@@ -189,13 +189,13 @@ STONES: tuple[Row, ...] = (
     (before.grain, "#1f2022 #4c4e52", {"size": 1.0}),
     (before.grain, "#8a7f70 #c9bda8", {"size": 1.4}),
 )
-MARBLES: tuple[Row, ...] = (
+MARBLES: tuple[RecipeRow, ...] = (
     (patterns.marble, "#8f9498 #f4f3f0"),
     (patterns.marble, "#c9b48c #2c2a2a"),
     (patterns.marble, "#e6e0d4 #2f4a40"),
     (patterns.marble, "#b08a6a #ecdfd0", {"veins": 2.0}),
 )
-OTHERS: Mapping[str, tuple[Row, ...]] = {
+OTHERS: Mapping[str, tuple[RecipeRow, ...]] = {
     "concrete": ((before.grain, "#8c8c88 #b4b4b0", {"size": 3.0}), (before.grain, "#6c6e70 #92959a", {"size": 5.0})),
     "bricks": (
         (before.bricks, "#7c4a3a #a87058"),
@@ -227,7 +227,7 @@ OTHERS: Mapping[str, tuple[Row, ...]] = {
         (patterns.terrazzo, "#a8a49a #8c8880+#c4c0b6+#77736c", {"count": 700}),
     ),
 }
-PICTURES: tuple[Row, ...] = (
+PICTURES: tuple[RecipeRow, ...] = (
     (pictures.hills, "#6f9fd0 #f2e2c4 #2f5a3a"), (pictures.hills, "#e08a5a #f8dca0 #4a2f4f"),
     (pictures.hills, "#9fb8c4 #e8ecec #3f5560"), (pictures.hills, "#f0b8a0 #fbe8d4 #8a4a3c", {"rows": 7}),
     (pictures.sea, "#4f8fc4 #f6e4c0 #2f6f8f"), (pictures.sea, "#d9744a #f8d08a #3f4f6f"),
@@ -269,11 +269,11 @@ _GROUPS = {
     "marble": MARBLES,
     **OTHERS,
     "picture": PICTURES,
-    **outdoors.ROWS,
+    **outdoors.RECIPE_ROWS,
 }
 
 
-def _recipe(row: Row) -> Recipe:
+def _recipe(row: RecipeRow) -> Recipe:
     paint, colors, *options = row
     arguments = [tuple(map(rgb, word.split("+"))) if "+" in word else rgb(word) for word in colors.split()]
     return lambda rng: paint(rng, *arguments, **(options[0] if options else {}))
@@ -281,7 +281,7 @@ def _recipe(row: Row) -> Recipe:
 
 def _named() -> Iterator[tuple[str, Recipe]]:
     for family, rows in _GROUPS.items():
-        first = 1 + sum(name.startswith(f"{family}_") and name != "wallp_0" for name in before.RECIPES)
+        first = 1 + sum(name.startswith(f"{family}_") and name != "wallp_0" for name in before.BASE_RECIPES)
         yield from ((f"{family}_{number}", _recipe(row)) for number, row in enumerate(rows, first))
 
 
@@ -295,11 +295,11 @@ def texture_names(family: str, kind: Callable[..., Rgb] | None = None) -> tuple[
         >>> texture_names("marble")
         ('marble_1', 'marble_2', 'marble_3', 'marble_4')
     """
-    first = 1 + sum(name.startswith(f"{family}_") and name != "wallp_0" for name in before.RECIPES)
+    first = 1 + sum(name.startswith(f"{family}_") and name != "wallp_0" for name in before.BASE_RECIPES)
     return tuple(f"{family}_{n}" for n, row in enumerate(_GROUPS[family], first) if kind in (None, row[0]))
 
 
-ALL_NAMES = (*before.RECIPES, *RECIPES)
+ALL_NAMES = (*before.BASE_RECIPES, *RECIPES)
 
 
 @cache
@@ -310,7 +310,7 @@ def texture(name: str) -> Image:
         >>> texture("marble_1").shape
         (128, 128, 3)
     """
-    if name in before.RECIPES:
-        return before.texture(name)
+    if name in before.BASE_RECIPES:
+        return before.base_texture(name)
     rng = np.random.default_rng(zlib.crc32(name.encode()))
     return np.round(np.clip(RECIPES[name](rng), 0.0, 1.0) * 255.0).astype(np.uint8)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
 
-from home_procgen.primitives.family import Furniture, models_by_family
+from home_procgen.primitives.family import FurnitureModel, models_by_family
 from home_procgen.things.appliances import fridges, hot_drinks, mixers, ovens, washing
 from home_procgen.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
 from home_procgen.things.beds import bunks, cots, double, single
@@ -12,12 +12,12 @@ from home_procgen.things.decor import books, candles, clocks, figures, ornaments
 from home_procgen.things.electronics import cleaning, gadgets, phones, screens, sound, televisions
 from home_procgen.things.family import FurnitureFamily
 from home_procgen.things.green import plants
-from home_procgen.things.kitchen import cabinets, cookers, hanging, hoods, sinks
+from home_procgen.things.kitchen import cabinets, cookers, hoods, sinks, wall_cabinets
 from home_procgen.things.lamps import ceiling, chandeliers, floor, outdoor, pendants, table, wall
 from home_procgen.things.leisure import gym, music, pianos
 from home_procgen.things.openings import arches, doors, windows
 from home_procgen.things.outdoors import tools, yard
-from home_procgen.things.seats import armchairs, benches, chairs, office, ottomans, patio, sofas, stools
+from home_procgen.things.seats import armchairs, benches, chairs, garden_seats, office, ottomans, sofas, stools
 from home_procgen.things.storage import (
     bookshelves,
     carts,
@@ -30,7 +30,7 @@ from home_procgen.things.storage import (
     wardrobes,
 )
 from home_procgen.things.tables import coffee, desks, dining, vanities
-from home_procgen.things.tableware import containers, cups, cutting, food, fruit, glasses, jugs, mortar, pans, plates
+from home_procgen.things.tableware import containers, cups, cutting, food, fruit, glasses, jugs, pans, plates
 from home_procgen.things.textiles import curtains, cushions, rugs, wear
 from home_procgen.things.toys import baskets, bins, pets, toys
 from home_procgen.things.vehicles import cars, cycles
@@ -39,14 +39,14 @@ from home_procgen.things.walls import coolers, fans, fences, fireplaces, heaters
 __all__ = ["families", "family_models", "get_model", "library", "library_model"]
 
 _MODULES = (
-    *(chairs, stools, armchairs, office, sofas, ottomans, benches, patio),
+    *(chairs, stools, armchairs, office, sofas, ottomans, benches, garden_seats),
     *(dining, coffee, desks, vanities),
     *(double, single, cots, bunks),
     *(wardrobes, dressers, nightstands, media, shoes),
     *(bookshelves, shelves, hangers, carts),
-    *(cabinets, hanging, sinks, cookers, hoods),
+    *(cabinets, wall_cabinets, sinks, cookers, hoods),
     *(fridges, washing, ovens, hot_drinks, mixers),
-    *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food, mortar),
+    *(cups, plates, glasses, fruit, cutting, pans, jugs, containers, food),
     *(toilets, basins, bathtubs, showers, towels, mirrors, paper, toiletries),
     *(table, floor, pendants, chandeliers, ceiling, wall, outdoor),
     *(televisions, screens, sound, phones, cleaning, gadgets),
@@ -71,7 +71,7 @@ def families() -> Mapping[str, FurnitureFamily]:
 
 
 @cache
-def get_model(family: str, number: int) -> Furniture:
+def get_model(family: str, number: int) -> FurnitureModel:
     """Return one library model, built on first use.
 
     Args:
@@ -85,7 +85,7 @@ def get_model(family: str, number: int) -> Furniture:
     return families()[family].model(number)
 
 
-def library_model(model_id: str) -> Furniture:
+def library_model(model_id: str) -> FurnitureModel:
     """Return the library model with an id.
 
     Example:
@@ -97,7 +97,7 @@ def library_model(model_id: str) -> Furniture:
 
 
 @cache
-def library() -> Mapping[str, Furniture]:
+def library() -> Mapping[str, FurnitureModel]:
     """Return every model by id, in the order of the metadata rows.
 
     Example:
@@ -109,6 +109,6 @@ def library() -> Mapping[str, Furniture]:
 
 
 @cache
-def family_models() -> Mapping[str, Sequence[Furniture]]:
+def family_models() -> Mapping[str, Sequence[FurnitureModel]]:
     """Return the library models of every family."""
     return models_by_family(library().values())

@@ -9,11 +9,11 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.schema.house import Light, Mesh
-from home_procgen.primitives.family import Bulb, Furniture
+from home_procgen.primitives.family import Bulb, FurnitureModel
 from home_procgen.primitives.solids import Solid, move, to_mesh
 from home_procgen.shapes.normals import corner_normals
 from home_procgen.things.finishes import FINISHES
-from home_procgen.things.parts import make_joints
+from home_procgen.things.movable_parts import make_joints
 
 
 @dataclass(frozen=True)
@@ -67,11 +67,11 @@ class FurnitureFamily:
         """Numbers of the library models, from 1."""
         return range(1, len(self.designs) + 1)
 
-    def models(self) -> Iterator[Furniture]:
+    def models(self) -> Iterator[FurnitureModel]:
         """Yield the library models of the family."""
         yield from map(self.model, self.numbers)
 
-    def model(self, number: int) -> Furniture:
+    def model(self, number: int) -> FurnitureModel:
         """Build one of the library models.
 
         Args:
@@ -92,7 +92,7 @@ class FurnitureFamily:
             shut = _build_solids(made, self.closed, self.centred)[0]
             closed = _add_normals(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
         joints, lights = make_joints(model_id, solids, mesh), tuple(map(_make_light, bulbs))
-        return Furniture(model_id, self.name, self.fine, slots, mesh, parts, lights, closed, joints)
+        return FurnitureModel(model_id, self.name, self.fine, slots, mesh, parts, lights, closed, joints)
 
 
 def _build_solids(

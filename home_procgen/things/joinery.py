@@ -1,16 +1,18 @@
-"""Shared furniture pieces: legs, cases, doors, drawers, handles."""
+"""Shared furniture pieces: legs, cases, doors, drawers, handles, garments, bulbs."""
 
 from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import numpy as np
 
+from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import Solid, Vector, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, sweep, tube
-from home_procgen.things.parts import OpeningMotion, assign_part, front_part
+from home_procgen.shapes.transforms import Piece
+from home_procgen.things.movable_parts import OpeningMotion, assign_part, front_part
 
 BOARD_THICKNESS = 0.02  # [m], thickness of boards
 LegKind = Literal["square", "taper", "splay", "turned", "hairpin", "sled", "block", "cabriole"]
@@ -36,7 +38,7 @@ def legs(
 def _leg(material: str, x: float, z: float, height: float, kind: str, thick: float) -> Iterator[Solid]:
     sx, sz = np.sign(x), np.sign(z)
     if kind in ("square", "block"):
-        yield rounded(material, (thick, height, thick), (x, 0.0, z), 0.15 * thick, 1)
+        yield rounded_box(material, (thick, height, thick), (x, 0.0, z), 0.15 * thick, 1)
     elif kind == "taper":
         yield rod(material, (x, 0.0, z), (x, height, z), 0.28 * thick, 0.5 * thick, 12)
     elif kind == "splay":
@@ -50,7 +52,7 @@ def _leg(material: str, x: float, z: float, height: float, kind: str, thick: flo
         )
     elif kind == "turned":
         shape = [(0.3, 0.0), (0.42, 0.06), (0.24, 0.14), (0.42, 0.45), (0.26, 0.68), (0.48, 0.76), (0.48, 1.0)]
-        yield turned(material, [(r * thick, h * height) for r, h in shape], (x, 0.0, z), 12, 2)
+        yield revolve(material, [(r * thick, h * height) for r, h in shape], (x, 0.0, z), 12, 2)
     elif kind == "hairpin":
         for dx, dz in ((0.08, 0.0), (0.0, 0.08)):
             yield rod(material, (x, 0.0, z), (x - sx * dx, height, z - sz * dz), 0.12 * thick + 0.003, sides=6)
@@ -81,12 +83,12 @@ def handle(material: str, at: Vector, kind: HandleKind, upright: bool, length: f
             yield rod(material, (x + s * dx, y + s * dy, z), (x + s * dx, y + s * dy, z + 0.028), 0.004, sides=6)
         yield rod(material, (x - dx, y - dy, z + 0.028), (x + dx, y + dy, z + 0.028), 0.006)
     elif kind == "knob":
-        knob = turned(material, [(0.006, 0.0), (0.006, 0.012), (0.016, 0.02), (0.013, 0.03)], sides=10, steps=2)
+        knob = revolve(material, [(0.006, 0.0), (0.006, 0.012), (0.016, 0.02), (0.013, 0.03)], sides=10, steps=2)
         yield from lay_towards_front([knob], at)
     elif kind == "cup":
-        yield rounded(material, (0.08, 0.03, 0.026), (x, y - 0.015, z + 0.012), 0.012, 2)
+        yield rounded_box(material, (0.08, 0.03, 0.026), (x, y - 0.015, z + 0.012), 0.012, 2)
     elif kind == "ring":
-        yield rounded(material, (0.03, 0.03, 0.008), (x, y, z + 0.003), 0.004, 1)
+        yield rounded_box(material, (0.03, 0.03, 0.008), (x, y, z + 0.003), 0.004, 1)
         yield ring(material, 0.022, 0.006, (x, y - 0.012, z + 0.009), 2, 12)
     elif kind == "slot":
         yield box(material, (1.6 * dx + 0.01, 1.6 * dy + 0.01, 0.006), (x, y - 0.8 * dy - 0.005, z + 0.002))
@@ -135,11 +137,11 @@ def _front(
 ) -> Iterator[Solid]:
     (w, h), (x, y, z) = (size[0] - 0.005, size[1] - 0.005), (at[0] + size[0] / 2, at[1] + 0.0025, at[2])
     if style in ("flat", "raised", "slats", "grooves"):
-        yield rounded(material, (w, h, BOARD_THICKNESS), (x, y, z + BOARD_THICKNESS / 2), 0.004, 1)
+        yield rounded_box(material, (w, h, BOARD_THICKNESS), (x, y, z + BOARD_THICKNESS / 2), 0.004, 1)
     else:
         yield from _framed(material, (w, h), (x, y, z), {"cane": "cane", "glass": "glass"}.get(style, material))
     if style == "raised" and min(w, h) > 0.14:
-        yield rounded(material, (w - 0.1, h - 0.1, 0.016), (x, y + 0.05, z + BOARD_THICKNESS + 0.002), 0.008, 1)
+        yield rounded_box(material, (w - 0.1, h - 0.1, 0.016), (x, y + 0.05, z + BOARD_THICKNESS + 0.002), 0.008, 1)
     if style == "slats":
         count = max(int(w / 0.05), 3)
         for i in range(count):
@@ -274,7 +276,7 @@ def book_row(
 
 def foot_plate(material: str, radius: float, height: float = 0.02) -> Solid:
     """Build a round foot with a rounded edge."""
-    return turned(material, [(radius, 0.0), (radius, 0.6 * height), (0.93 * radius, height)], sides=20, steps=1)
+    return revolve(material, [(radius, 0.0), (radius, 0.6 * height), (0.93 * radius, height)], sides=20, steps=1)
 
 
 def disc(material: str, radius: float, thick: float, at: Vector, sides: int = 20) -> Solid:
@@ -296,3 +298,59 @@ def bow_handle(
     low, high = heights
     path = fillet([(-half, low, z), (-half, high, z), (half, high, z), (half, low, z)], bend)
     return tube(material, path, radius, sides)
+
+
+def carcass(
+    width: float,
+    height: float,
+    depth: float,
+    foot: float = 0.06,
+    kind: str = "plinth",
+    wood: str = "wood",
+    overhang: float = 0.0,
+) -> Iterator[Solid]:
+    """Build a closed body with a top board, on a plinth or legs; fronts attach at z = depth / 2 - 2 cm."""
+    if kind == "plinth":
+        yield box("black" if overhang == 0 else wood, (width - 0.04, foot, depth - 0.08), (0.0, 0.0, -0.02))
+    else:
+        yield from legs(wood, width - 0.04, depth - 0.04, foot, kind, 0.05)  # type: ignore[arg-type]
+    yield cabinet_body(wood, width, height - foot - BOARD_THICKNESS, depth, (0.0, foot, 0.0))
+    yield rounded_box(
+        wood, (width + overhang, BOARD_THICKNESS, depth + overhang), (0.0, height - BOARD_THICKNESS, 0.0), 0.007, 1
+    )
+
+
+def garment(slot: str, x: float, y: float, long: float) -> Iterator[Solid]:
+    """Build a shirt or coat on a hanger below a rail at height y, with its side towards +z [m]."""
+    yield rod("chrome", (x, y, 0.0), (x, y - 0.08, 0.0), 0.003, sides=5)
+    shape = [
+        (0.0, -0.06),
+        (0.2, -0.13),
+        (0.21, -0.3),
+        (0.17, -0.32),
+        (0.19, -long),
+        (-0.19, -long),
+        (-0.17, -0.32),
+        (-0.21, -0.3),
+        (-0.2, -0.13),
+    ]
+    yield prism(slot, [(z, y + h) for z, h in shape], 0.05, (x, 0.0, 0.0), "side")
+
+
+def bulb(
+    y: float, power: float, x: float = 0.0, z: float = 0.0, radius: float = 0.03, light: float | None = None
+) -> Iterator[Piece]:
+    """Build a bulb at height y; its light source is at height `light`, by default just above it [m]."""
+    yield revolve(
+        "bulb",
+        [
+            (0.4 * radius, y - 1.4 * radius),
+            (0.9 * radius, y - 0.4 * radius),
+            (0.95 * radius, y + 0.2 * radius),
+            (0.4 * radius, y + radius),
+        ],
+        (x, 0.0, z),
+        12,
+        2,
+    )
+    yield Bulb((x, y + 1.5 * radius if light is None else light, z), power)

@@ -1,16 +1,12 @@
 """Turns the design of a house into the record that the writer and the compiler take."""
 
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from home_mjx.datasets.seeds import house_id
-from home_mjx.datasets.suncg.formats.variants import variant_key
-from home_mjx.schema.house import House, Level, Mesh, ObjectNode, RoomNode
-from home_procgen.floor_plan.placed import PlacedFurniture
-from home_procgen.floor_plan.walls import room_meshes
+from home_mjx.schema.house import House, Level, RoomNode
+from home_procgen.floor_plan.placed_model import furniture_object, used_models
 from home_procgen.v1.design import Design, draw_design
+from home_procgen.v1.meshes import room_meshes
 
 
 def build_house(seed: int) -> House:
@@ -40,7 +36,7 @@ def to_house(name: str, design: Design) -> House:
 
 def _room(design: Design, index: int, folder: Path) -> RoomNode:
     plan, count = design.plan, len(design.plan.rooms)
-    openings = [opening.placed for opening in plan.openings]
+    openings = [opening.object for opening in plan.openings]
     floor, ceiling, walls = room_meshes(folder, index, plan.rooms[index], plan.height, openings, design.surfaces[index])
     return RoomNode(
         id=f"0_{index}",
@@ -54,26 +50,3 @@ def _room(design: Design, index: int, folder: Path) -> RoomNode:
         ceiling=ceiling,
         walls=walls,
     )
-
-
-def furniture_object(placed: PlacedFurniture, index: int) -> ObjectNode:
-    """The node of a piece of furniture on the lowest level."""
-    transform = np.eye(4)
-    transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
-    return ObjectNode(
-        id=f"0_{index}",
-        index=index,
-        path=f"levels[0].nodes[{index}]",
-        bbox=None,
-        model_id=placed.model.id,
-        model_key=variant_key(placed.model.id, int(placed.closed)),
-        transform=transform,
-        materials=placed.materials,
-    )
-
-
-def used_models(objects: Sequence[PlacedFurniture]) -> Mapping[str, Mesh]:
-    """Every mesh that the objects show, and the base of each."""
-    meshes = {placed.model.id: placed.model.mesh for placed in objects}
-    closed = {variant_key(p.model.id, 1): p.model.closed for p in objects if p.closed and p.model.closed is not None}
-    return meshes | closed

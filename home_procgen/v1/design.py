@@ -5,9 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from home_procgen.floor_plan.openings import WET, HousePlan, draw_plan
-from home_procgen.floor_plan.placed import PlacedFurniture
-from home_procgen.floor_plan.walls import Surfaces
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.placed_model import PlacedModel
+from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.primitives.palette import (
     CEILINGS,
     DRY_WALLS,
@@ -16,10 +16,11 @@ from home_procgen.primitives.palette import (
     WET_FLOORS,
     WET_WALLS,
     WOODEN_FLOORS,
-    choose,
+    choose_random,
 )
 from home_procgen.v1.furnish import furnish
 from home_procgen.v1.furnish.style import Style
+from home_procgen.v1.openings import WET, draw_plan
 
 _FLOORS = {"Bathroom": WET_FLOORS, "Toilet": WET_FLOORS, "Kitchen": WET_FLOORS, "Living_Room": WOODEN_FLOORS}
 
@@ -28,11 +29,9 @@ _FLOORS = {"Bathroom": WET_FLOORS, "Toilet": WET_FLOORS, "Kitchen": WET_FLOORS, 
 class Design:
     """All that a house is made of, before it has meshes and a file format."""
 
-    plan: HousePlan
-    surfaces: tuple[Surfaces, ...]  # per room
-    objects: tuple[
-        tuple[PlacedFurniture, int], ...
-    ]  # with the index of the room that owns each; doors and windows first
+    plan: LevelPlan
+    surfaces: tuple[RoomSurfaces, ...]  # per room
+    objects: tuple[tuple[PlacedModel, int], ...]  # with the index of the room that owns each; doors and windows first
 
 
 def draw_design(seed: int) -> Design:
@@ -52,18 +51,18 @@ def draw_design(seed: int) -> Design:
             return Design(plan, tuple(_surfaces(plan, rng)), objects)
 
 
-def _openings(plan: HousePlan, style: Style) -> Iterator[tuple[PlacedFurniture, int]]:
+def _openings(plan: LevelPlan, style: Style) -> Iterator[tuple[PlacedModel, int]]:
     """Doors and windows, each kind in one look."""
     looks = {}
     for opening in plan.openings:
-        model = opening.placed.model
+        model = opening.object.model
         if model.fine not in looks:
             looks[model.fine] = style.dress(model)
-        yield replace(opening.placed, materials=looks[model.fine]), opening.rooms[0]
+        yield replace(opening.object, materials=looks[model.fine]), opening.rooms[0]
 
 
-def _surfaces(plan: HousePlan, rng: np.random.Generator) -> Iterator[Surfaces]:
-    facade, ceiling = choose(FACADES, rng), choose(CEILINGS, rng)
+def _surfaces(plan: LevelPlan, rng: np.random.Generator) -> Iterator[RoomSurfaces]:
+    facade, ceiling = choose_random(FACADES, rng), choose_random(CEILINGS, rng)
     for room in plan.rooms:
         floors, walls = _FLOORS.get(room.type, SOFT_FLOORS), WET_WALLS if room.type in WET else DRY_WALLS
-        yield Surfaces(choose(floors, rng), ceiling, choose(walls, rng), facade)
+        yield RoomSurfaces(choose_random(floors, rng), ceiling, choose_random(walls, rng), facade)

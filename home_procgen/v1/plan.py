@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from home_procgen.floor_plan.rooms import TOUCH, Rect, RoomPlan
+from home_procgen.floor_plan.rooms import LINE_TOLERANCE, Rect, RoomPlan
 
 STEP = 0.1  # [m], grid of the wall lines
 MIN_JOINT = 1.3  # [m], narrowest passage inside an L-shaped room
@@ -106,7 +106,7 @@ def subdivide(
 
 
 def _cut(rect: Rect, share: float, across_longer: bool) -> tuple[Rect, Rect]:
-    width, depth = rect.sides
+    width, depth = rect.extents
     if (width > depth) == across_longer:
         x = _snap(rect.x0 + share * width)
         return rect._replace(x1=x), rect._replace(x0=x)
@@ -119,7 +119,7 @@ def _snap(value: float) -> float:
 
 
 def _suits(rect: Rect, want: Want) -> bool:
-    short, long = sorted(rect.sides)
+    short, long = sorted(rect.extents)
     return short >= want.side - 1e-6 and long <= want.aspect * short
 
 
@@ -140,5 +140,5 @@ def _merge(rng: np.random.Generator, rooms: list[RoomPlan], nook: Rect) -> bool:
 def _is_l(rect: Rect, nook: Rect, merged: RoomPlan) -> bool:
     """Whether two rectangles touch along a joint that is wide enough and their union has six corners."""
     across = min(rect.x1, nook.x1) - max(rect.x0, nook.x0), min(rect.z1, nook.z1) - max(rect.z0, nook.z0)
-    touching = min(across) > -TOUCH and max(across) >= MIN_JOINT
+    touching = min(across) > -LINE_TOLERANCE and max(across) >= MIN_JOINT
     return touching and len(merged.polygon) == 6 and min(wall.length for wall in merged.walls) >= 0.7

@@ -15,18 +15,24 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses import HouseSet
 from home_mjx.houses.load import house_set
 from home_mjx.schema.categories import ROOM_TYPES
-from home_procgen.floor_plan.openings import DOOR_Y, Opening
-from home_procgen.floor_plan.placed import PlacedFurniture, quarter_towards
+from home_procgen.floor_plan.openings import DOOR_Y, PlanOpening
+from home_procgen.floor_plan.placed_model import PlacedModel, quarter_towards
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.plan.home import HomePlan, draw_home
-from home_procgen.plan.needs.program import MOST, Program, draw_program, ground_rooms
-from home_procgen.plan.needs.room_program import LINKS, OUTDOORS, WANTS
-from home_procgen.plan.openings.bounds import column
-from home_procgen.plan.openings.passage import is_passable
-from home_procgen.plan.shape.parted import draw_parted
-from home_procgen.plan.shape.storeys import is_simple
+from home_procgen.plan.openings.passage import is_passable, stairwell_box
+from home_procgen.plan.program import (
+    CONNECTING_TYPES,
+    MAX_ROOMS,
+    OUTDOOR_TYPES,
+    ROOM_REQUIREMENTS,
+    RoomProgram,
+    draw_ground_types,
+    draw_program,
+)
+from home_procgen.plan.shape.compound_plan import draw_split
+from home_procgen.plan.shape.storeys import has_simple_outline
 from home_procgen.plugin import ProceduralName
-from home_procgen.primitives.family import Furniture
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.things import get_model
 
 
@@ -40,24 +46,28 @@ def levels():
 
 
 def test_types_are_suncgs():
-    assert set(WANTS) | set(OUTDOORS) | set(LINKS) <= set(ROOM_TYPES)
+    assert set(ROOM_REQUIREMENTS) | set(OUTDOOR_TYPES) | set(CONNECTING_TYPES) <= set(ROOM_TYPES)
 
 
 def test_numbers_of_rooms_are_those_of_homes():
     counts = [len(level.rooms) for level in levels()]
     assert min(counts) >= 3
-    assert max(counts) <= MOST
+    assert max(counts) <= MAX_ROOMS
     assert 7.0 < np.mean(counts) < 9.5
-    storeys = [draw_program(np.random.default_rng(seed)).storeys for seed in range(2000)]
+    storeys = [draw_program(np.random.default_rng(seed)).num_storeys for seed in range(2000)]
     np.testing.assert_allclose(np.bincount(storeys)[1:] / 2000, (0.766, 0.186, 0.048), atol=0.03)
 
 
 def test_rooms_are_as_large_and_as_wide_as_their_types_want():
     for level in levels():
         for room in level.rooms:
-            if room.type in WANTS and room.type not in LINKS[:4]:
-                assert largest_square(room) >= WANTS[room.type].side - 0.21, (room.type, room.rects)
-                assert 0.7 * WANTS[room.type].low < room.area < 1.75 * WANTS[room.type].high
+            if room.type in ROOM_REQUIREMENTS and room.type not in CONNECTING_TYPES[:4]:
+                assert largest_square(room) >= ROOM_REQUIREMENTS[room.type].min_side - 0.21, (room.type, room.rects)
+                assert (
+                    0.7 * ROOM_REQUIREMENTS[room.type].min_area
+                    < room.area
+                    < 1.75 * ROOM_REQUIREMENTS[room.type].max_area
+                )
 
 
 def largest_square(room: RoomPlan) -> float:
@@ -76,7 +86,7 @@ def largest_square(room: RoomPlan) -> float:
 
 def test_rooms_do_not_overlap_and_have_simple_outlines():
     for level in levels():
-        assert all(is_simple(RoomPlan(room.type, room.rects)) for room in level.rooms)
+        assert all(has_simple_outline(RoomPlan(room.type, room.rects)) for room in level.rooms)
         rects = np.array([rect for room in level.rooms for rect in room.rects])
         low, high = rects[:, :2].min(0), rects[:, 2:].max(0)
         cells = np.zeros(np.ceil((high - low) / 0.1).astype(int) + 1, int)
@@ -100,7 +110,7 @@ def test_some_homes_are_us_and_some_are_ts():
     """On the side away from the row behind the hall, the middle is nearer to the hall than both ends, or farther."""
     rng, found = np.random.default_rng(4), {"U": 0, "T": 0}
     while min(found.values()) < 3:
-        draft = draw_parted(rng, ground_rooms(rng, 9), False)
+        draft = draw_split(rng, draw_ground_types(rng, 9), False)
         if draft is None:
             continue
         rects = [rect for _, rects in draft.rooms for rect in rects]
@@ -117,20 +127,20 @@ def test_storeys_stand_on_one_another():
     for plan in plans():
         for lower, upper in zip(plan.levels, plan.levels[1:], strict=False):
             below = [rect for room in lower.rooms for rect in room.rects]
-            for room in (room for room in upper.rooms if room.type not in OUTDOORS):
+            for room in (room for room in upper.rooms if room.type not in OUTDOOR_TYPES):
                 covered = sum(common(rect, other) for rect in room.rects for other in below)
-                assert covered == pytest.approx(sum(w * d for w, d in (r.sides for r in room.rects)), abs=1e-6)
+                assert covered == pytest.approx(sum(w * d for w, d in (r.extents for r in room.rects)), abs=1e-6)
 
 
 def test_stairs_open_to_the_hall_along_all_of_their_front():
     """Points 0.1 m before the edge towards the hall are in it, on both storeys that stairs join."""
     count = 0
     for plan in (plan for plan in plans() if len(plan.storeys) > 1):
-        place = plan.storeys[0].stairs
+        place = plan.storeys[0].stairs_up
         assert place is not None
-        assert plan.storeys[1].well == place
+        assert plan.storeys[1].stairs_down == place
         x0, z0, x1, z1 = place.rect
-        (dx, dz), along = place.way, np.arange(0.05, 2.2, 0.1)
+        (dx, dz), along = place.direction, np.arange(0.05, 2.2, 0.1)
         front = [(x0 + k, (z0 if dz > 0 else z1) - 0.1 * dz) for k in along]
         front = front if dz else [((x0 if dx > 0 else x1) - 0.1 * dx, z0 + k) for k in along]
         for storey in plan.storeys:
@@ -148,12 +158,12 @@ def test_double_doors_are_between_rooms_for_guests():
     grand, doubles, entries = {"Hallway", "Hall", "Lobby", "Living_Room", "Dining_Room"}, 0, 0
     for level in levels():
         for opening in level.openings:
-            if opening.placed.model.family == "double_door":
+            if opening.object.model.family == "double_door":
                 assert {level.rooms[room].type for room in opening.rooms} <= grand
                 doubles += 1
-            if opening.placed.model.family == "entry_door":
+            if opening.object.model.family == "entry_door":
                 assert len(opening.rooms) == 1
-                assert opening.placed.closed
+                assert opening.object.closed
                 entries += 1
     assert doubles > 3
     assert entries > 0.8 * len(plans())
@@ -168,7 +178,7 @@ def test_both_leaves_of_a_double_door_turn_on_hinges_of_their_own():
     np.testing.assert_allclose([abs(hinge.displacement) for hinge in hinges], np.pi / 2, atol=0.02)
 
 
-def z_up(model: Furniture, closed: bool) -> np.ndarray:
+def z_up(model: FurnitureModel, closed: bool) -> np.ndarray:
     """Triangles as the compiler has them: (x, y, z) becomes (x, -z, y)."""
     mesh = model.closed if closed else model.mesh
     assert mesh is not None
@@ -181,8 +191,8 @@ def test_open_leaves_may_block_a_room():
 
     def passable(depth: float) -> list[bool]:
         room = RoomPlan("Bedroom", (Rect(0.0, 0.0, 3.0, depth),))
-        placed = [PlacedFurniture(model, (x, DOOR_Y, 0.0), quarter_towards(0, -1)) for x in (1.3, 1.35, 1.4, 1.45)]
-        return [is_passable(room, [Opening(door, (0, 1))]) for door in placed]
+        placed = [PlacedModel(model, (x, DOOR_Y, 0.0), quarter_towards(0, -1)) for x in (1.3, 1.35, 1.4, 1.45)]
+        return [is_passable(room, [PlanOpening(door, (0, 1))]) for door in placed]
 
     assert not any(passable(float(model.size[2]) + 0.25))
     assert any(passable(3.0))
@@ -202,9 +212,9 @@ def test_doors_keep_clear_of_stairs():
         for number, level in enumerate(plan.levels):
             stairs = plan.stairwell(number)
             assert stairs is not None
-            before = column(stairs, 0.13, 2.5)
+            before = stairwell_box(stairs, 0.13, 2.5)
             for opening in (opening for opening in level.openings if opening.is_door):
-                depth = np.minimum(opening.placed.box[1], before[1]) - np.maximum(opening.placed.box[0], before[0])
+                depth = np.minimum(opening.object.box[1], before[1]) - np.maximum(opening.object.box[0], before[0])
                 assert depth.min() < 0.013
 
 
@@ -215,31 +225,31 @@ def test_the_same_generator_gives_the_same_plan():
 
 
 def test_a_program_is_built():
-    program = Program(("Kitchen", "Living_Room", "Toilet", "Garage", "Office"), 3)
+    program = RoomProgram(("Kitchen", "Living_Room", "Toilet", "Garage", "Office"), 3)
     plan = draw_home(np.random.default_rng(0), program)
     assert len(plan.levels) == 3
-    assert sorted(room.type for room in plan.storeys[0].rooms[1:] if room.type not in OUTDOORS) == sorted(
-        program.ground
+    assert sorted(room.type for room in plan.storeys[0].rooms[1:] if room.type not in OUTDOOR_TYPES) == sorted(
+        program.ground_types
     )
 
 
 @pytest.mark.parametrize(("rooms", "storeys"), [(2, 1), (2, 3), (4, 2), (15, 1), (0, 1)])
 def test_programs_that_cannot_be_met_are_refused(rooms, storeys):
     with pytest.raises(ConfigError, match="A floor has 3 to 14 rooms"):
-        ground_rooms(np.random.default_rng(0), rooms, storeys)
+        draw_ground_types(np.random.default_rng(0), rooms, storeys)
 
 
 def test_a_program_without_a_plan_is_refused(monkeypatch):
-    monkeypatch.setattr("home_procgen.plan.home.TRIES", 20)
+    monkeypatch.setattr("home_procgen.plan.home.MAX_STOREY_ATTEMPTS", 20)
     with pytest.raises(ConfigError, match="no plan was found for 2 storeys"):
-        draw_home(np.random.default_rng(0), Program(("Garage",) * 12, 2))
+        draw_home(np.random.default_rng(0), RoomProgram(("Garage",) * 12, 2))
 
 
 def test_outlines_with_a_hole_or_in_two_parts_are_not_simple():
     ring = (Rect(0.0, 0.0, 3.0, 1.0), Rect(0.0, 2.0, 3.0, 3.0), Rect(0.0, 1.0, 1.0, 2.0), Rect(2.0, 1.0, 3.0, 2.0))
-    assert not is_simple(RoomPlan("Room", ring))
-    assert not is_simple(RoomPlan("Room", (Rect(0.0, 0.0, 1.0, 1.0), Rect(2.0, 0.0, 3.0, 1.0))))
-    assert is_simple(RoomPlan("Room", ring[:3]))
+    assert not has_simple_outline(RoomPlan("Room", ring))
+    assert not has_simple_outline(RoomPlan("Room", (Rect(0.0, 0.0, 1.0, 1.0), Rect(2.0, 0.0, 3.0, 1.0))))
+    assert has_simple_outline(RoomPlan("Room", ring[:3]))
 
 
 def test_names_of_generated_houses():

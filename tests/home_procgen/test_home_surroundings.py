@@ -14,10 +14,10 @@ from home_procgen import generate_dataset
 from home_procgen.build import to_house
 from home_procgen.design import HomeDesign, draw_design
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.outside import Outside, draw_outside
+from home_procgen.outside import Surroundings, draw_surroundings
 from home_procgen.outside.models import outside_models
-from home_procgen.outside.roof import cover
-from home_procgen.plan.needs.room_program import OUTDOORS
+from home_procgen.outside.roof import cover_with_rects
+from home_procgen.plan.program import OUTDOOR_TYPES
 
 SEEDS = (3, 11)  # of one storey, and of two
 
@@ -33,8 +33,8 @@ def home(seed: int) -> House:
 
 
 @cache
-def outside(seed: int) -> Outside:
-    return draw_outside(seed, design(seed).plan, design(seed).surfaces[0][0].outside)
+def outside(seed: int) -> Surroundings:
+    return draw_surroundings(seed, design(seed).plan, design(seed).surfaces[0][0].outside)
 
 
 def corners(mesh, transform: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ def test_roofs_lie_over_every_room_and_above_every_ceiling(seed):
     tops = [m.vertices[:, 1].max() for level in house.levels for r in level.rooms for m in (r.walls, r.ceiling) if m]
     covering = [(low, high) for low, high in boxes if low[1] > max(tops) - 1e-6]
     for room in house.levels[-1].rooms:
-        if room.types[0] in OUTDOORS:
+        if room.types[0] in OUTDOOR_TYPES:
             continue
         points = room.walls.vertices[:, [0, 2]]
         covered = [(points >= low[[0, 2]]) & (points <= high[[0, 2]]) for low, high in covering]
@@ -62,7 +62,7 @@ def test_roofs_lie_over_every_room_and_above_every_ceiling(seed):
 def test_nothing_outside_is_in_a_room_or_before_its_door(seed):
     house, plan = home(seed), design(seed).plan
     rects = [rect for level in plan.levels for room in level.rooms for rect in room.rects]
-    first = len(house.levels[0].objects) - len(outside(seed).things)
+    first = len(house.levels[0].objects) - len(outside(seed).objects)
     boxes = [corners(house.models[o.model_key], o.transform) for o in house.levels[0].objects[first:]]
     boxes += [b.transform[:3, 3] + np.array([[-0.5] * 3, [0.5] * 3]) * b.dimensions for b in house.levels[0].boxes]
     assert len(boxes) > 8
@@ -101,16 +101,16 @@ def test_what_is_inside_is_the_same_with_and_without_a_garden(tmp_path):
             other = getattr(getattr(whole, part), name)
             if isinstance(value, np.ndarray) and "instance" not in name and "object" not in name:
                 np.testing.assert_array_equal(value, other, err_msg=f"{part}.{name}")
-    assert whole.report["objects_outside"] == len(outside(11).things) + len(outside(11).blocks)
+    assert whole.report["objects_outside"] == len(outside(11).objects) + len(outside(11).blocks)
     assert whole.report["triangles"] < plain.report["triangles"] + 6000
 
 
 def test_surroundings_differ_by_seed_and_are_the_same_again():
     def places(seed: int) -> list:
-        return [item.position for item in outside(seed).things]
+        return [item.position for item in outside(seed).objects]
 
-    again = draw_outside(3, design(3).plan, design(3).surfaces[0][0].outside)
-    assert places(3) == [item.position for item in again.things]
+    again = draw_surroundings(3, design(3).plan, design(3).surfaces[0][0].outside)
+    assert places(3) == [item.position for item in again.objects]
     assert places(3) != places(11)
     streets = {tuple(patch.rect) for seed in SEEDS for patch in outside(seed).grounds[1:2]}
     assert len(streets) == len(SEEDS)
@@ -127,5 +127,5 @@ def test_models_outside_have_few_triangles_and_face_outwards():
 
 def test_cover():
     cross = [Rect(0.0, 2.0, 6.0, 4.0), Rect(2.0, 0.0, 4.0, 2.0), Rect(2.0, 4.0, 4.0, 6.0)]
-    assert cover(cross) == [Rect(0.0, 2.0, 6.0, 4.0), Rect(2.0, 0.0, 4.0, 6.0)]
-    assert cover([Rect(0.0, 0.0, 0.5, 0.5)]) == []
+    assert cover_with_rects(cross) == [Rect(0.0, 2.0, 6.0, 4.0), Rect(2.0, 0.0, 4.0, 6.0)]
+    assert cover_with_rects([Rect(0.0, 0.0, 0.5, 0.5)]) == []

@@ -18,7 +18,7 @@ def test_there_are_enough():
 
 
 def test_those_of_the_first_generator_are_kept():
-    np.testing.assert_array_equal(texture("wood_1"), before.texture("wood_1"))
+    np.testing.assert_array_equal(texture("wood_1"), before.base_texture("wood_1"))
 
 
 def test_images_differ_and_are_the_same_twice():

@@ -20,12 +20,12 @@ from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Joint, Mesh
 from home_procgen import generate_dataset
-from home_procgen.library import CLASSES
+from home_procgen.dataset_writer import library_model
+from home_procgen.model_library import MODEL_CATEGORIES
 from home_procgen.primitives.solids import box, move, rotate
-from home_procgen.shapes.groups import mirrored
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things import library
-from home_procgen.things.parts import assign_part, front_part
-from home_procgen.v1.dataset import library_model
+from home_procgen.things.movable_parts import assign_part, front_part
 
 CLEAR = 0.01  # [m]: by so much a part may cut into its model, or by as much as it does where it is drawn
 UNDER = {"home_kitchen_cabinet_7", "home_bunker_bed_2", "home_desk_4"}  # drawers below something that reaches over them
@@ -173,7 +173,7 @@ def test_marks_go_with_solids_that_are_turned_moved_and_mirrored():
     assert turned is not None
     np.testing.assert_allclose(turned.point, (1.02, 2.0, 3.0), atol=1e-12)
     np.testing.assert_allclose(turned.axis, (0.0, -1.0, 0.0), atol=1e-12)
-    same, other = mirrored([leaf])
+    same, other = add_mirror_images([leaf])
     assert same.part == part
     assert other.part == front_part("right", (-0.4, 0.0, 0.02), (0.4, 1.0))
 
@@ -245,5 +245,5 @@ def test_the_digest_of_the_tables_is_that_of_before_there_were_joints(root):
 
 def test_joints_are_written_alike_each_time(root, tmp_path):
     (tmp_path / "metadata").mkdir()
-    write_joints(tmp_path, [library_model(model, CLASSES) for model in JOINTED])
+    write_joints(tmp_path, [library_model(model, MODEL_CATEGORIES) for model in JOINTED])
     assert (tmp_path / "metadata" / "joints.csv").read_bytes() == (root / "metadata" / "joints.csv").read_bytes()

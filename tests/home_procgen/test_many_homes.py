@@ -9,8 +9,8 @@ from walked_homes import KINDS, LINKS, Home, likeness, may_be_alike, reachable
 from home_mjx.datasets import open_dataset, validate_house
 from home_mjx.datasets.seeds import house_id
 from home_procgen import generate_dataset
-from home_procgen.dataset import write_home
 from home_procgen.design import draw_design
+from home_procgen.generate import write_home
 from home_procgen.plan.home import HomePlan
 
 FIRST, PART = 500_000, 125

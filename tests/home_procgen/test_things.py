@@ -11,11 +11,11 @@ from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.schema.categories import COARSE, FINE, NYU40
+from home_procgen.primitives.categories import CATEGORIES
 from home_procgen.primitives.solids import box
 from home_procgen.shapes.normals import corner_normals
 from home_procgen.things import library
 from home_procgen.things.beds import cots
-from home_procgen.things.categories import CATEGORIES
 from home_procgen.things.finishes import FINISHES
 from home_procgen.things.green import plants
 from home_procgen.things.storage import bookshelves

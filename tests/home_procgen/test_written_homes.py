@@ -19,8 +19,7 @@ from home_mjx.scene_compile import CompileOptions, compile_house
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
-from home_procgen import generate_dataset
-from home_procgen.v1 import dataset as machinery
+from home_procgen import dataset_writer, generate_dataset
 from home_procgen.v1.build import build_house
 
 SEEDS = (0, 1, 2, 6, 7, 11)
@@ -206,8 +205,8 @@ def test_agents_of_several_sizes_reach_what_they_may(root, seed, climb, radius):
 
 
 def test_worker_processes_write_the_same_bytes(root, tmp_path, monkeypatch):
-    monkeypatch.setattr(machinery, "POOL_FROM", 2)
-    monkeypatch.setattr(machinery, "usable_cores", lambda: 4)
+    monkeypatch.setattr(dataset_writer, "MIN_POOL_HOUSES", 2)
+    monkeypatch.setattr(dataset_writer, "usable_cores", lambda: 4)
     seeds = SEEDS[:4]
     generate_dataset(tmp_path / "pool", seeds, version=2)
     one, other = digests(root), digests(tmp_path / "pool")

@@ -242,9 +242,9 @@ def whole_house(folder: Path) -> tuple[list[bytes], Read]:
 
 
 def marker(path: Path) -> object:
-    from home_procgen.v1.dataset import _claim
+    from home_procgen.dataset_writer import _claim_root
 
-    return _claim(path.parent)
+    return _claim_root(path.parent, 1)
 
 
 # Training

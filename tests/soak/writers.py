@@ -70,8 +70,8 @@ def generator() -> Any:
     used = {node.model_id for level in house.levels for node in level.objects}
     few = {name: model for name, model in library.items() if name in used}
     dataset.library = lambda: dict(list(few.items())[:MODELS])
-    images = {name: dataset.texture(name) for name in list(dataset.RECIPES)[:MODELS]}
-    dataset.RECIPES, dataset.texture = dict.fromkeys(images), images.__getitem__
+    images = {name: dataset.base_texture(name) for name in list(dataset.BASE_RECIPES)[:MODELS]}
+    dataset.BASE_RECIPES, dataset.base_texture = dict.fromkeys(images), images.__getitem__
     dataset.build_house = functools.cache(lambda seed: house)
     return dataset
 

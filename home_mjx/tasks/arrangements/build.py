@@ -57,7 +57,7 @@ def with_arrangements(
 
     Small objects (`house_layout.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
-    never disconnect the home region. Physics then settles all bodies for `settling.SETTLE_SECONDS`. Results are cached on
+    never disconnect the home region. Physics then settles all bodies for `settling.SETTLE_SECONDS`. Results are kept on
     disk.
 
     Args:

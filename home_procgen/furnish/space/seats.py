@@ -5,60 +5,59 @@ from functools import cache
 
 import numpy as np
 
-from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.placed_model import PlacedModel, yaw_to
 from home_procgen.floor_plan.walls import FLOOR_TOP
-from home_procgen.furnish.space.room import Room
-from home_procgen.furnish.space.spots import clear_of
-from home_procgen.furnish.space.tops import tops_of
-from home_procgen.furnish.space.turned import turned
+from home_procgen.furnish.space.floor_placement import is_clear_of
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.furnish.space.support_surfaces import find_support_surfaces
 
-EACH = 0.62  # [m], length of a table's side per seat
-ROUND = 0.9  # maximum ratio of a round top's area to its bounding rectangle
-LEFT = 0.12  # probability that a chair is pulled out, as after use
+SIDE_PER_SEAT = 0.62  # [m], length of a table's side per seat
+MAX_ROUND_AREA_RATIO = 0.9  # maximum ratio of a round top's area to its bounding rectangle
+PULLED_OUT_PROBABILITY = 0.12  # probability that a chair is pulled out, as after use
 
 
 @cache
 def is_round(model_id: str) -> bool:
     """Return whether the top of a table is round."""
-    top = tops_of(model_id)[0]
+    top = find_support_surfaces(model_id)[0]
     width, depth = np.ptp(top.triangles.reshape(-1, 2), axis=0).tolist()
-    return top.area < ROUND * width * depth
+    return top.area < MAX_ROUND_AREA_RATIO * width * depth
 
 
-def sides(table: PlacedFurniture, count: int) -> list[tuple[float, float, float]]:
+def seat_places(table: PlacedModel, count: int) -> list[tuple[float, float, float]]:
     """Return seat positions at a table: a point (x, z) of its edge [m], and the outward direction [rad]."""
     wide, deep = float(table.size[0]) / 2, float(table.size[2]) / 2
     if is_round(table.model.id):
         turns = 2 * np.pi * np.arange(count) / count
         local = [(wide * np.sin(a), deep * np.cos(a), a) for a in turns.tolist()]
     else:
-        each = max(1, min(count // 2, int(2 * wide / EACH)))
+        each = max(1, min(count // 2, int(2 * wide / SIDE_PER_SEAT)))
         rows = [((k + 0.5) / each - 0.5) * 2 * wide for k in range(each)]
         local = [(x, side * deep, 0.0 if side > 0 else np.pi) for side in (1, -1) for x in rows]
         if count > len(local) and deep > 0.38:
             local += [(side * wide, 0.0, side * np.pi / 2) for side in (1, -1)]
     turn = table.quarter * np.pi / 2
-    return [(*table.beside(float(x), float(z)), float(way) + turn) for x, z, way in local[:count]]
+    return [(*table.local_point(float(x), float(z)), float(way) + turn) for x, z, way in local[:count]]
 
 
-def seated(room: Room, table: PlacedFurniture, chair: PlacedFurniture, count: int) -> Iterator[PlacedFurniture]:
+def chairs_around(room: RoomSpace, table: PlacedModel, chair: PlacedModel, count: int) -> Iterator[PlacedModel]:
     """Generate chairs that face a table, each pulled out and turned a little at random."""
-    done: list[PlacedFurniture] = []
-    for x, z, way in sides(table, count):
-        left = room.rng.random() < LEFT
+    done: list[PlacedModel] = []
+    for x, z, way in seat_places(table, count):
+        left = room.rng.random() < PULLED_OUT_PROBABILITY
         tuck = float(room.rng.uniform(-0.3, -0.15) if left else room.rng.uniform(-0.05, 0.25))
         turn = float(room.rng.normal(0, 0.3 if left else 0.07))
-        spot: PlacedFurniture = turned(chair, 0.0, 0.0, 0.0, way + np.pi + turn)
+        spot: PlacedModel = yaw_to(chair, 0.0, 0.0, 0.0, way + np.pi + turn)
         for shallower in (0.0, 0.1, 0.2, 0.3, 0.4):
-            spot = _pulled(spot, (x, z), way, tuck - shallower)  # `at` reuses the cached shape of the turned chair
-            if clear_of(spot, (table, *done)):
+            spot = _at_table(spot, (x, z), way, tuck - shallower)  # `at` reuses the cached shape of the turned chair
+            if is_clear_of(spot, (table, *done)):
                 done.append(spot)
                 yield spot
                 break
 
 
-def _pulled(chair: PlacedFurniture, edge: Sequence[float], way: float, tuck: float) -> PlacedFurniture:
+def _at_table(chair: PlacedModel, edge: Sequence[float], way: float, tuck: float) -> PlacedModel:
     """Return a chair in front of a point of the edge, in its orientation, its front `tuck` below the table [m]."""
     away = float(chair.size[2]) / 2 - tuck
     x, z = edge[0] + away * np.sin(way), edge[1] + away * np.cos(way)
-    return chair.at(float(x), FLOOR_TOP, float(z))
+    return chair.moved_to(float(x), FLOOR_TOP, float(z))

@@ -1,80 +1,130 @@
-"""Windows in outer walls."""
+"""Windows in outer walls, straight or slanted."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+from jaxtyping import Float
 
-from home_procgen.floor_plan.openings import HIGH_SILL_Y, MARGIN, SILL_Y, Opening, OpeningSite
-from home_procgen.floor_plan.placed import Boxes, PlacedFurniture, overlaps, quarter_towards, stack
+from home_procgen.floor_plan.openings import (
+    HIGH_SILL_Y,
+    MIN_OPENING_MARGIN,
+    SILL_Y,
+    OpeningSite,
+    PlanOpening,
+    find_outer_sites,
+)
+from home_procgen.floor_plan.placed_model import (
+    Boxes,
+    PlacedModel,
+    RotatedObject,
+    overlap_mask,
+    quarter_towards,
+    stack_boxes,
+)
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
-from home_procgen.plan.needs.room_program import WET, WINDOWLESS
-from home_procgen.plan.openings.sites import outer_sites
-from home_procgen.plan.openings.turned import slanted_windows
-from home_procgen.primitives.palette import choose
+from home_procgen.plan.program import WET_TYPES, WINDOWLESS_TYPES
+from home_procgen.plan.shape.cut_rooms import slanted_sides
+from home_procgen.primitives.family import FurnitureModel
+from home_procgen.primitives.palette import choose_random
 from home_procgen.things import get_model
 
-SMALL = 1  # model number of small windows
-SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # sets of matching models, narrow ones first
-EACH = 3.4  # [m], length of wall per window
-SECOND_WALL = 0.55  # probability of windows in another wall
+SMALL_WINDOW_NUMBER = 1  # model number of small windows
+WINDOW_SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # sets of matching models, narrow ones first
+WALL_PER_WINDOW = 3.4  # [m], length of wall per window
+SECOND_WALL_PROBABILITY = 0.55  # probability of windows in another wall
+
+SLANTED_WINDOW_MARGIN = 0.1  # [m], minimum distance between a window and the end of its slanted wall
 
 
 def draw_windows(
-    rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[Opening], shut: Rect | None
-) -> list[Opening]:
+    rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[PlanOpening], stairs: Rect | None
+) -> list[PlanOpening]:
     """Draw the windows of a storey: at least one per habitable room if a wall allows it.
 
     Args:
         rng: Source of randomness.
         rooms: Rooms of the storey.
         doors: Doors of the storey.
-        shut: Rectangle of the stairs, whose walls have no windows, as these would belong to no room; None if none.
+        stairs: Rectangle of the stairs, whose walls have no windows, as these would belong to no room; None if none.
     """
-    found: list[Opening] = []
-    alike = choose(SETS, rng)
+    found: list[PlanOpening] = []
+    alike = choose_random(WINDOW_SETS, rng)
     for room, plan in enumerate(rooms):
-        if plan.type in WINDOWLESS or (plan.type == "Garage" and rng.random() < 0.5):
+        if plan.type in WINDOWLESS_TYPES or (plan.type == "Garage" and rng.random() < 0.5):
             continue
-        bays = list(slanted_windows(room, plan, get_model("window", SMALL)))
+        bays = list(place_slanted_windows(room, plan, get_model("window", SMALL_WINDOW_NUMBER)))
         found += bays
         count = len(bays)
-        for site in sorted(outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
-            if (count and rng.random() > SECOND_WALL) or (shut is not None and _beside(site, shut)):
+        for site in sorted(find_outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
+            if (count and rng.random() > SECOND_WALL_PROBABILITY) or (
+                stairs is not None and _bounds_rect(site, stairs)
+            ):
                 continue
-            new = list(_fit(rng, site, plan.type, alike, [*doors, *found]))
+            new = list(_fit_windows(rng, site, plan.type, alike, [*doors, *found]))
             found += new
             count += len(new)
     return found
 
 
-def _beside(site: OpeningSite, rect: Rect) -> bool:
+def _bounds_rect(site: OpeningSite, rect: Rect) -> bool:
     """Return whether a stretch of wall bounds a rectangle."""
     axis = site.wall.axis
     at_line = min(abs(site.wall.line - rect[1 - axis]), abs(site.wall.line - rect[3 - axis])) < 0.05
     return at_line and site.span[0] < rect[axis + 2] and site.span[1] > rect[axis]
 
 
-def _fit(
-    rng: np.random.Generator, site: OpeningSite, kind: str, alike: Sequence[int], taken: Sequence[Opening]
-) -> Iterator[Opening]:
+def _fit_windows(
+    rng: np.random.Generator, site: OpeningSite, kind: str, alike: Sequence[int], taken: Sequence[PlanOpening]
+) -> Iterator[PlanOpening]:
     """Generate evenly spaced windows of one size in a stretch of wall; small high ones in wet rooms and garages."""
     low, high = site.span
-    small = kind in (*WET, "Garage")
-    count = 1 if small else max(1, round((high - low) / EACH))
-    numbers = (SMALL,) if small else alike
+    small = kind in (*WET_TYPES, "Garage")
+    count = 1 if small else max(1, round((high - low) / WALL_PER_WINDOW))
+    numbers = (SMALL_WINDOW_NUMBER,) if small else alike
     models = [get_model("window", number) for number in numbers]
-    fitting = [m for m in models if m.size[0] + 2 * MARGIN <= (high - low) / count]
+    fitting = [m for m in models if m.size[0] + 2 * MIN_OPENING_MARGIN <= (high - low) / count]
     if not fitting:
         return
-    model = fitting[-1] if kind == "Living_Room" else choose(fitting, rng)
-    boxes = _kept_free(taken)
+    model = fitting[-1] if kind == "Living_Room" else choose_random(fitting, rng)
+    boxes = _reserved_boxes(taken)
     for i in range(count):
         x, z = site.wall.point(round(low + (i + 0.5) / count * (high - low), 2))
         y = HIGH_SILL_Y if small else SILL_Y
-        placed = PlacedFurniture(model, (x, y, z), quarter_towards(*site.wall.normal))
-        if not overlaps(placed.box, boxes).any():
-            yield Opening(placed, site.rooms)
+        placed = PlacedModel(model, (x, y, z), quarter_towards(*site.wall.normal))
+        if not overlap_mask(placed.box, boxes).any():
+            yield PlanOpening(placed, site.rooms)
 
 
-def _kept_free(taken: Sequence[Opening]) -> Boxes:
-    return stack([box for o in taken for box in (o.placed.box, o.passage)[: 1 + o.is_door]])
+def _reserved_boxes(taken: Sequence[PlanOpening]) -> Boxes:
+    return stack_boxes([box for o in taken for box in (o.object.box, o.passage)[: 1 + o.is_door]])
+
+
+@dataclass(frozen=True)
+class SlantedWindow(RotatedObject):
+    """A window at an arbitrary angle.
+
+    Attributes:
+        facing: Unit direction (x, z) of its front.
+    """
+
+    facing: tuple[float, float] = (0.0, 1.0)
+
+    @cached_property
+    def linear(self) -> Float[np.ndarray, "3 3"]:
+        """Rotation."""
+        x, z = self.facing
+        return np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]])
+
+
+def place_slanted_windows(room: int, plan: RoomPlan, model: FurnitureModel) -> Iterator[PlanOpening]:
+    """Generate a window in each slanted wall that is wide enough."""
+    for start, end in slanted_sides(plan):
+        way = np.subtract(end, start)
+        length = float(np.linalg.norm(way))
+        if length >= model.size[0] + 2 * SLANTED_WINDOW_MARGIN:
+            facing = (round(float(-way[1] / length), 6), round(float(way[0] / length), 6))
+            x, z = ((a + b) / 2 for a, b in zip(start, end, strict=True))
+            placed = SlantedWindow(model, (round(x, 6), SILL_Y, round(z, 6)), facing=facing)
+            yield PlanOpening(placed, (room,))

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
-from home_procgen.floor_plan.rooms import RoomPlan, Wall, outline
+from home_procgen.floor_plan.rooms import PlanWall, RoomPlan, outline
 
 Point = tuple[float, float]
 
@@ -33,9 +33,9 @@ class CutRoom(RoomPlan):
         return np.array(found)
 
     @cached_property
-    def walls(self) -> tuple[Wall, ...]:
+    def walls(self) -> tuple[PlanWall, ...]:
         """Axis-aligned walls only, because furniture and openings do not support others."""
-        return tuple(Wall(a, b) for a, b in sides(self) if a[0] == b[0] or a[1] == b[1])
+        return tuple(PlanWall(a, b) for a, b in outline_sides(self) if a[0] == b[0] or a[1] == b[1])
 
     @property
     def area(self) -> float:
@@ -43,18 +43,18 @@ class CutRoom(RoomPlan):
         return super().area - sum(size**2 / 2 for _, _, size in self.cuts)
 
 
-def sides(room: RoomPlan) -> list[tuple[Point, Point]]:
+def outline_sides(room: RoomPlan) -> list[tuple[Point, Point]]:
     """Return all sides of a room's outline in order, with slanted ones [m]."""
     corners = [(float(x), float(z)) for x, z in room.polygon]
     return list(zip(corners, corners[1:] + corners[:1], strict=True))
 
 
-def slants(room: RoomPlan) -> list[tuple[Point, Point]]:
+def slanted_sides(room: RoomPlan) -> list[tuple[Point, Point]]:
     """Return the slanted sides of a room's outline [m]."""
-    return [(a, b) for a, b in sides(room) if a[0] != b[0] and a[1] != b[1]]
+    return [(a, b) for a, b in outline_sides(room) if a[0] != b[0] and a[1] != b[1]]
 
 
-def beside_cut(room: RoomPlan, wall: Wall) -> bool:
+def is_beside_cut(room: RoomPlan, wall: PlanWall) -> bool:
     """Return whether a wall ends at a cut-off corner, as the front of a bay does."""
-    ends = [end for side in slants(room) for end in side]
+    ends = [end for side in slanted_sides(room) for end in side]
     return wall.start in ends or wall.end in ends

@@ -7,23 +7,23 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.plan.needs.room_program import ROOMY, SMALL, WANTS
+from home_procgen.plan.program import ROOM_REQUIREMENTS, ROOMY_TYPES, SMALL_TYPES
 
-STEP = 0.1  # [m], grid of the wall lines
-NOOK = 1.5  # [m], minimum depth of a nook
-LEAST_SCALE, MOST_SCALE = 0.78, 1.3  # range of the scale of widths with which a row fills its length
-LEAST_AREA, MOST_AREA = 0.78, 1.4  # range of the area, as a factor of the type's own range
+GRID_STEP = 0.1  # [m], grid of the wall lines
+MIN_NOOK_DEPTH = 1.5  # [m], minimum depth of a nook
+MIN_WIDTH_SCALE, MAX_WIDTH_SCALE = 0.78, 1.3  # range of the scale of widths with which a row fills its length
+MIN_AREA_FACTOR, MAX_AREA_FACTOR = 0.78, 1.4  # range of the area, as a factor of the type's own range
 FOYER = "Foyer"  # type of the part of the hall that reaches to the outer wall
 
 
-class Cell(NamedTuple):
+class RowCell(NamedTuple):
     """A cell of a row: a room, a foyer, or stairs."""
 
     type: str
     area: float  # requested area [m^2]
 
 
-class Stack(NamedTuple):
+class NookStack(NamedTuple):
     """A small room with a nook of its neighbour behind it."""
 
     host: int
@@ -31,24 +31,24 @@ class Stack(NamedTuple):
     front: float  # [m], depth of the small room
 
 
-Placed = tuple[str, tuple[Rect, ...]]
+PlacedRoom = tuple[str, tuple[Rect, ...]]
 
 
-def snap(value: float) -> float:
+def snap_to_grid(value: float) -> float:
     """Round a coordinate to the grid [m]."""
-    return round(round(value / STEP) * STEP, 6)
+    return round(round(value / GRID_STEP) * GRID_STEP, 6)
 
 
 @dataclass(frozen=True)
-class Row:
+class RoomRow:
     """A row of rooms.
 
     Attributes:
         axis: 0 if its rooms follow one another along x, 1 along z.
         sign: Sign of the direction across, away from the hall.
         base: Coordinate of the hall's edge across [m].
-        low: Lower end along its axis [m].
-        high: Upper end along its axis [m].
+        start: Lower end along its axis [m].
+        end: Upper end along its axis [m].
         depth: Extent across [m].
         step: Start, end and depth of a range along the axis with another depth [m]; None if the depth is constant.
     """
@@ -56,15 +56,15 @@ class Row:
     axis: int
     sign: int
     base: float
-    low: float
-    high: float
+    start: float
+    end: float
     depth: float
     step: tuple[float, float, float] | None = None
 
     def rect(self, a: float, b: float, near: float, far: float) -> Rect:
         """Return the rectangle between two coordinates along the row and two depths [m]."""
-        p, q = sorted((snap(self.base + self.sign * near), snap(self.base + self.sign * far)))
-        a, b = snap(a), snap(b)
+        p, q = sorted((snap_to_grid(self.base + self.sign * near), snap_to_grid(self.base + self.sign * far)))
+        a, b = snap_to_grid(a), snap_to_grid(b)
         return Rect(a, p, b, q) if self.axis == 0 else Rect(p, a, q, b)
 
     def rects(self, a: float, b: float, near: float = 0.0) -> tuple[Rect, ...]:
@@ -73,60 +73,60 @@ class Row:
 
     def _parts(self, a: float, b: float) -> Iterator[tuple[float, float, float]]:
         """Generate the parts of a range as start, end and depth [m]; each part has one depth."""
-        start, end, depth = self.step or (self.high, self.high, self.depth)
+        start, end, depth = self.step or (self.end, self.end, self.depth)
         for low, high, deep in ((-math.inf, start, self.depth), (start, end, depth), (end, math.inf, self.depth)):
-            if min(b, high) - max(a, low) > STEP / 2:
+            if min(b, high) - max(a, low) > GRID_STEP / 2:
                 yield max(a, low), min(b, high), deep
 
-    def least_depth(self, a: float, b: float) -> float:
+    def min_depth(self, a: float, b: float) -> float:
         """Return the minimum depth between two coordinates along the row [m]."""
         return min(depth for _, _, depth in self._parts(a, b))
 
-    def with_ends(self, low: float, high: float) -> "Row":
+    def with_ends(self, start: float, end: float) -> "RoomRow":
         """Return the same row with other ends [m]."""
-        return replace(self, low=low, high=high)
+        return replace(self, start=start, end=end)
 
 
-def suits(kind: str, width: float, depth: float) -> bool:
+def is_suitable(kind: str, width: float, depth: float) -> bool:
     """Return whether a rectangle satisfies the requirements of a room type [m]."""
     if kind == FOYER:
         return width > 1.3
-    want, (short, long) = WANTS[kind], sorted((width, depth))
+    want, (short, long) = ROOM_REQUIREMENTS[kind], sorted((width, depth))
     return (
-        short >= want.side - 1e-6
-        and long <= want.aspect * short + 1e-6
-        and LEAST_AREA * want.low <= width * depth <= MOST_AREA * want.high
+        short >= want.min_side - 1e-6
+        and long <= want.max_aspect * short + 1e-6
+        and MIN_AREA_FACTOR * want.min_area <= width * depth <= MAX_AREA_FACTOR * want.max_area
     )
 
 
-def widths(cells: Sequence[Cell], depth: float) -> tuple[list[float], Mapping[int, Stack]]:
+def compute_widths(cells: Sequence[RowCell], depth: float) -> tuple[list[float], Mapping[int, NookStack]]:
     """Return the widths of a row's cells [m], and the stacks of small rooms by cell index."""
     stacks = _stacks(cells, depth)
     backs = {stack.host: stack.width * (depth - stack.front) for stack in stacks.values()}  # each host has at most one
     found = []
     for i, cell in enumerate(cells):
-        side = 1.5 if cell.type == FOYER else WANTS[cell.type].side
+        side = 1.5 if cell.type == FOYER else ROOM_REQUIREMENTS[cell.type].min_side
         found.append(stacks[i].width if i in stacks else max((cell.area - backs.get(i, 0.0)) / depth, side))
     return found, stacks
 
 
-def _stacks(cells: Sequence[Cell], depth: float) -> dict[int, Stack]:
-    found: dict[int, Stack] = {}
+def _stacks(cells: Sequence[RowCell], depth: float) -> dict[int, NookStack]:
+    found: dict[int, NookStack] = {}
     for i, cell in enumerate(cells):
-        if cell.type not in SMALL:
+        if cell.type not in SMALL_TYPES:
             continue
-        width = snap(min(max(math.sqrt(0.75 * cell.area), WANTS[cell.type].side), 2.0))
-        front = snap(cell.area / width)
-        if depth - front < NOOK:
+        width = snap_to_grid(min(max(math.sqrt(0.75 * cell.area), ROOM_REQUIREMENTS[cell.type].min_side), 2.0))
+        front = snap_to_grid(cell.area / width)
+        if depth - front < MIN_NOOK_DEPTH:
             continue
         hosts = {stack.host for stack in found.values()}
-        beside = (j for j in (i - 1, i + 1) if 0 <= j < len(cells) and cells[j].type in ROOMY and j not in hosts)
+        beside = (j for j in (i - 1, i + 1) if 0 <= j < len(cells) and cells[j].type in ROOMY_TYPES and j not in hosts)
         if (host := next(beside, None)) is not None:
-            found[i] = Stack(host, width, front)
+            found[i] = NookStack(host, width, front)
     return found
 
 
-def lay(row: Row, cells: Sequence[Cell]) -> list[Placed] | None:
+def place_cells(row: RoomRow, cells: Sequence[RowCell]) -> list[PlacedRoom] | None:
     """Place the cells in a row from its lower to its upper end; None if they violate the limits of scale or of rooms.
 
     Args:
@@ -134,31 +134,33 @@ def lay(row: Row, cells: Sequence[Cell]) -> list[Placed] | None:
         cells: Its cells in order.
     """
     if not cells:
-        return [] if row.high - row.low < STEP else None
-    wide, stacks = widths(cells, row.depth)
+        return [] if row.end - row.start < GRID_STEP else None
+    wide, stacks = compute_widths(cells, row.depth)
     fixed = sum(w for i, w in enumerate(wide) if i in stacks or cells[i].type == FOYER)
     free = sum(wide) - fixed
     if free <= 0:
         return None
-    scale = (row.high - row.low - fixed) / free
-    if not LEAST_SCALE <= scale <= MOST_SCALE:
+    scale = (row.end - row.start - fixed) / free
+    if not MIN_WIDTH_SCALE <= scale <= MAX_WIDTH_SCALE:
         return None
     scaled = [w if i in stacks or cells[i].type == FOYER else w * scale for i, w in enumerate(wide)]
-    edges = [snap(row.low + at) for at in (0.0, *itertools.accumulate(scaled[:-1]))] + [snap(row.high)]
+    edges = [snap_to_grid(row.start + at) for at in (0.0, *itertools.accumulate(scaled[:-1]))] + [snap_to_grid(row.end)]
     return _rooms(row, cells, edges, stacks)
 
 
-def _rooms(row: Row, cells: Sequence[Cell], edges: Sequence[float], stacks: Mapping[int, Stack]) -> list[Placed] | None:
+def _rooms(
+    row: RoomRow, cells: Sequence[RowCell], edges: Sequence[float], stacks: Mapping[int, NookStack]
+) -> list[PlacedRoom] | None:
     nooks: dict[int, tuple[Rect, ...]] = {}
-    found: list[Placed] = []
+    found: list[PlacedRoom] = []
     for i, (cell, a, b) in enumerate(zip(cells, edges, edges[1:], strict=False)):
-        depth = row.least_depth(a, b)
+        depth = row.min_depth(a, b)
         if i in stacks:
-            if depth - stacks[i].front < NOOK or not suits(cell.type, b - a, stacks[i].front):
+            if depth - stacks[i].front < MIN_NOOK_DEPTH or not is_suitable(cell.type, b - a, stacks[i].front):
                 return None
             found.append((cell.type, (row.rect(a, b, 0.0, stacks[i].front),)))
             nooks[stacks[i].host] = row.rects(a, b, stacks[i].front)
-        elif suits(cell.type, b - a, depth):
+        elif is_suitable(cell.type, b - a, depth):
             found.append((cell.type, row.rects(a, b)))
         else:
             return None

@@ -3,21 +3,21 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc, lay_towards_front
-from home_procgen.things.parts import assign_part, front_part, lid_part, panel
+from home_procgen.things.movable_parts import assign_part, front_part, lid_part, panel
 
 
 def dishwasher(open_: bool = False) -> Iterator[Solid]:
     """Build a dishwasher with a door below a button panel."""
     yield box("black", (0.58, 0.1, 0.46), (0.0, 0.0, -0.05))
     yield box("steel", (0.6, 0.76, 0.54), (0.0, 0.1, -0.02))
-    (door,) = panel("bottom", rounded("steel", (0.595, 0.62, 0.03), (0.0, 0.11, 0.265), 0.008, 1))
+    (door,) = panel("bottom", rounded_box("steel", (0.595, 0.62, 0.03), (0.0, 0.11, 0.265), 0.008, 1))
     yield door
-    yield rounded("black", (0.595, 0.1, 0.035), (0.0, 0.745, 0.262), 0.008, 1)
+    yield rounded_box("black", (0.595, 0.1, 0.035), (0.0, 0.745, 0.262), 0.008, 1)
     grip = [rod("chrome", (-0.24, 0.69, 0.31), (0.24, 0.69, 0.31), 0.01)]
     grip += [rod("chrome", (s * 0.22, 0.69, 0.27), (s * 0.22, 0.69, 0.31), 0.007) for s in (-1, 1)]
     yield from assign_part(door.part, grip)
@@ -29,18 +29,18 @@ def dishwasher(open_: bool = False) -> Iterator[Solid]:
 def washer(kind: str = "front") -> Iterator[Solid]:
     """Build a washing machine, front-loading with a round window or top-loading."""
     if kind == "top":
-        yield rounded("white", (0.58, 0.84, 0.6), (0.0, 0.02, 0.0), 0.02, 2)
+        yield rounded_box("white", (0.58, 0.84, 0.6), (0.0, 0.02, 0.0), 0.02, 2)
         yield from assign_part(
-            lid_part(0.88, -0.15), [rounded("white", (0.5, 0.02, 0.42), (0.0, 0.86, 0.06), 0.008, 1)]
+            lid_part(0.88, -0.15), [rounded_box("white", (0.5, 0.02, 0.42), (0.0, 0.86, 0.06), 0.008, 1)]
         )
         yield prism("gray", [(-0.3, 0.0), (-0.16, 0.0), (-0.22, 0.16), (-0.3, 0.16)], 0.58, (0.0, 0.86, 0.0), "side")
         for i in range(4):
             yield ball("chrome", 0.025, (-0.18 + 0.12 * i, 0.94, -0.185), 10, 6)
         return
-    yield rounded("white", (0.6, 0.83, 0.54), (0.0, 0.02, -0.02), 0.015, 2)
-    window = [turned("screen", [(0.16, 0.0), (0.15, 0.03), (0.1, 0.045), (0.02, 0.05)], sides=24, steps=2)]
+    yield rounded_box("white", (0.6, 0.83, 0.54), (0.0, 0.02, -0.02), 0.015, 2)
+    window = [revolve("screen", [(0.16, 0.0), (0.15, 0.03), (0.1, 0.045), (0.02, 0.05)], sides=24, steps=2)]
     rim = [
-        turned(
+        revolve(
             "chrome" if kind == "front" else "black",
             [(0.21, 0.0), (0.2, 0.035), (0.165, 0.04), (0.16, 0.02)],
             sides=28,
@@ -49,8 +49,8 @@ def washer(kind: str = "front") -> Iterator[Solid]:
     ]
     door = lay_towards_front([*window, *rim], (0.0, 0.44, 0.25))
     yield from assign_part(front_part("left", (-0.21, 0.23, 0.25), (0.42, 0.42)), door)
-    yield rounded("gray", (0.57, 0.11, 0.02), (0.0, 0.72, 0.248), 0.006, 1)
-    yield rounded("white", (0.18, 0.09, 0.02), (-0.18, 0.73, 0.253), 0.006, 1)
+    yield rounded_box("gray", (0.57, 0.11, 0.02), (0.0, 0.72, 0.248), 0.006, 1)
+    yield rounded_box("white", (0.18, 0.09, 0.02), (-0.18, 0.73, 0.253), 0.006, 1)
     yield disc("chrome", 0.036, 0.035, (0.05, 0.775, 0.256), 20)
     yield box("screen", (0.14, 0.05, 0.006), (0.18, 0.75, 0.259))
     for x in (-0.25, 0.25):

@@ -1,4 +1,4 @@
-"""Bathtubs."""
+"""Bathtubs, and bowls with superelliptic plans."""
 
 from collections.abc import Iterator
 
@@ -6,12 +6,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, loop
-from home_procgen.shapes.rounded import ball, between_loops, rounded
+from home_procgen.shapes.rounded import ball, join_loops, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.bath.bowls import tub
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
-from home_procgen.things.kitchen.taps import tap
+from home_procgen.things.kitchen.sinks import tap
 
 
 def _builtin(width: float) -> Iterator[Solid]:
@@ -47,7 +46,7 @@ def _corner_tub(width: float) -> Iterator[Solid]:
     curve = [(0.75 - 1.5 * (1 - np.cos(a)) * 0.98, -0.75 + 1.48 * np.sin(a)) for a in np.linspace(0.0, np.pi / 2, 14)]
     outline = np.array([(-0.75, -0.75), *[(x, z) for x, z in curve]])
     levels = [np.insert(outline * k, 1, y, axis=1) for k, y in ((1.0, 0.0), (1.0, 0.55), (0.86, 0.55), (0.72, 0.16))]
-    yield between_loops("ceramic", levels)
+    yield join_loops("ceramic", levels)
     yield from (move(rotate(p, 1, np.pi / 4), (0.0, 0.0, 0.0)) for p in tap(0.0, 0.55, -0.86, "lever"))
     for i in range(4):
         yield cylinder("chrome", 0.025, 0.02, (-0.3 + 0.2 * i, 0.15, -0.2), sides=12)
@@ -73,7 +72,7 @@ def _slipper(width: float) -> Iterator[Solid]:
         plan = loop(w, d, 44, 2.5)
         high = y + rise * np.clip((plan[:, 0] / w + 0.1) / 0.6, 0.0, 1.0) ** 2
         loops.append(np.insert(plan, 1, high, axis=1))
-    yield between_loops("ceramic", loops)
+    yield join_loops("ceramic", loops)
     yield from (rotate(p, 1, -np.pi / 2) for p in tap(0.0, 0.56, -0.76, "bridge"))
 
 
@@ -82,11 +81,11 @@ def _panelled(width: float) -> Iterator[Solid]:
     yield tub("ceramic", [(0.06, width - 0.12, 0.64, 0.0), (0.56, width - 0.12, 0.64, 0.0)], 0.05, 9.0, 44)
     for z in (-0.36, 0.36):
         for i in range(int(width / 0.1)):
-            yield rounded("wood", (0.094, 0.5, 0.02), ((i + 0.5) * 0.1 - width / 2, 0.04, z), 0.006, 1)
+            yield rounded_box("wood", (0.094, 0.5, 0.02), ((i + 0.5) * 0.1 - width / 2, 0.04, z), 0.006, 1)
     for s in (-1, 1):
-        yield rounded("wood", (0.02, 0.5, 0.72), (s * (width / 2 - 0.02), 0.04, 0.0), 0.004, 1)
-        yield rounded("stone", (width + 0.02, 0.03, 0.11), (0.0, 0.545, s * 0.335), 0.008, 1)
-        yield rounded("stone", (0.1, 0.03, 0.58), (s * (width / 2 - 0.04), 0.545, 0.0), 0.008, 1)
+        yield rounded_box("wood", (0.02, 0.5, 0.72), (s * (width / 2 - 0.02), 0.04, 0.0), 0.004, 1)
+        yield rounded_box("stone", (width + 0.02, 0.03, 0.11), (0.0, 0.545, s * 0.335), 0.008, 1)
+        yield rounded_box("stone", (0.1, 0.03, 0.58), (s * (width / 2 - 0.04), 0.545, 0.0), 0.008, 1)
     yield box("black", (width - 0.06, 0.04, 0.66))
     yield from (rotate(p, 1, -np.pi / 2) for p in tap(0.0, 0.575, 0.05 - width / 2, "lever"))
 
@@ -96,7 +95,7 @@ def _screened(width: float) -> Iterator[Solid]:
     yield from _builtin(width)
     x = 0.06 - width / 2
     yield box("glass", (0.78, 1.35, 0.008), (x + 0.41, 0.56, 0.35))
-    yield rounded("chrome", (0.025, 1.36, 0.025), (x + 0.01, 0.56, 0.35), 0.005, 1)
+    yield rounded_box("chrome", (0.025, 1.36, 0.025), (x + 0.01, 0.56, 0.35), 0.005, 1)
     yield rod("chrome", (x, 0.7, 0.0), (x, 1.85, 0.0), 0.011)
     yield tube(
         "chrome", fillet([(x, 1.84, 0.0), (x, 1.94, 0.0), (x + 0.3, 1.94, 0.0), (x + 0.3, 1.9, 0.0)], 0.05), 0.01
@@ -111,11 +110,11 @@ def _whirlpool(width: float) -> Iterator[Solid]:
         np.insert(loop(w, d, 48, 2.6), 1, y, axis=1)
         for w, d, y in ((1.5, 0.64, 0.56), (1.4, 0.56, 0.4), (1.1, 0.42, 0.14))
     ]
-    yield between_loops("ceramic", [*outer, *inner])
+    yield join_loops("ceramic", [*outer, *inner])
     for s in (-1, 1):
         for x in (-0.35, 0.0, 0.35):
             yield disc("chrome", 0.028, 0.012, (x, 0.3, s * 0.23 - 0.006), 14)
-    yield rounded("black", (0.08, 0.12, 0.26), (0.68, 0.45, 0.0), 0.03, 3)
+    yield rounded_box("black", (0.08, 0.12, 0.26), (0.68, 0.45, 0.0), 0.03, 3)
     for k in range(3):
         yield cylinder("chrome", 0.022, 0.02, (-0.2 + 0.08 * k, 0.555, 0.36), sides=14)
     yield from (rotate(p, 1, -np.pi / 2) for p in tap(0.0, 0.56, 0.05 - width / 2, "lever"))
@@ -126,10 +125,10 @@ def _deep(width: float) -> Iterator[Solid]:
     wide = 0.75 * width
     yield tub("stone", [(0.0, wide, 0.9, 0.0), (0.66, wide, 0.9, 0.0)], 0.07, 16.0, 44)
     for s in (-1, 1):
-        yield rounded("wood", (wide + 0.04, 0.035, 0.1), (0.0, 0.655, s * 0.42), 0.012, 2)
-        yield rounded("wood", (0.1, 0.035, 0.74), (s * (wide / 2 - 0.03), 0.655, 0.0), 0.012, 2)
-    yield rounded("stone", (0.26, 0.36, 0.74), (wide / 2 - 0.2, 0.05, 0.0), 0.02, 2)
-    yield rounded("wood", (0.6, 0.2, 0.26), (0.0, 0.0, 0.58), 0.012, 2)
+        yield rounded_box("wood", (wide + 0.04, 0.035, 0.1), (0.0, 0.655, s * 0.42), 0.012, 2)
+        yield rounded_box("wood", (0.1, 0.035, 0.74), (s * (wide / 2 - 0.03), 0.655, 0.0), 0.012, 2)
+    yield rounded_box("stone", (0.26, 0.36, 0.74), (wide / 2 - 0.2, 0.05, 0.0), 0.02, 2)
+    yield rounded_box("wood", (0.6, 0.2, 0.26), (0.0, 0.0, 0.58), 0.012, 2)
     yield from (rotate(p, 1, -np.pi / 2) for p in tap(0.0, 0.69, 0.06 - wide / 2, "lever"))
 
 
@@ -160,3 +159,25 @@ TUBS = (
 
 
 FAMILIES = (FurnitureFamily("bathtub", "bathtub", TUBS),)
+
+
+def tub(
+    slot: str, levels: list[tuple[float, float, float, float]], wall: float = 0.035, power: float = 4.0, sides: int = 36
+) -> Solid:
+    """Build an open bowl with a superelliptic plan.
+
+    Args:
+        slot: Slot name.
+        levels: Height, width (x), depth (z) and shift along x of the outer surface, from the bottom up [m].
+        wall: Wall thickness [m].
+        power: Exponent of the superellipse; 2 is an ellipse, higher is squarer.
+        sides: Number of facets around.
+    """
+    outer = [np.insert(loop(w, d, sides, power) + np.array([x, 0.0]), 1, y, axis=1) for y, w, d, x in levels]
+    inner = [
+        np.insert(
+            loop(w - 2 * wall, d - 2 * wall, sides, power) + np.array([x, 0.0]), 1, max(y, levels[0][0] + wall), axis=1
+        )
+        for y, w, d, x in levels
+    ]
+    return join_loops(slot, [*outer, *inner[::-1]])

@@ -7,11 +7,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import loop
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def _framed_mirror(kind: str, width: float, height: float) -> Iterator[Solid]:
@@ -19,11 +19,11 @@ def _framed_mirror(kind: str, width: float, height: float) -> Iterator[Solid]:
     yield box("mirror", (width - rim, height - rim, 0.01), (0.0, rim / 2, -0.008))
     slot = "gold" if kind == "ornate" else "wood"
     for s in (-1, 1):
-        yield rounded(slot, (rim, height, 0.03), (s * (width - rim) / 2, 0.0, 0.0), 0.012, 2)
-        yield rounded(slot, (width - rim, rim, 0.03), (0.0, (height - rim) * (s + 1) / 2, 0.0), 0.012, 2)
+        yield rounded_box(slot, (rim, height, 0.03), (s * (width - rim) / 2, 0.0, 0.0), 0.012, 2)
+        yield rounded_box(slot, (width - rim, rim, 0.03), (0.0, (height - rim) * (s + 1) / 2, 0.0), 0.012, 2)
     if kind == "shelf":
-        yield rounded(slot, (width, 0.02, 0.13), (0.0, 0.0, 0.05), 0.006, 1)
-        yield turned("glaze", [(0.02, 0.0), (0.03, 0.03), (0.016, 0.08), (0.02, 0.1)], (0.18, 0.02, 0.05), 12, 2)
+        yield rounded_box(slot, (width, 0.02, 0.13), (0.0, 0.0, 0.05), 0.006, 1)
+        yield revolve("glaze", [(0.02, 0.0), (0.03, 0.03), (0.016, 0.08), (0.02, 0.1)], (0.18, 0.02, 0.05), 12, 2)
     if kind == "ornate":
         for i in range(8):
             yield ball(slot, 0.03, ((i - 3.5) * width / 8, height - 0.01 + 0.05 * np.cos((i - 3.5) / 2.6), 0.0), 10, 6)
@@ -78,12 +78,12 @@ def _arched_mirror(width: float, height: float) -> Iterator[Solid]:
 
 
 def _mirror_cabinet(width: float, height: float) -> Iterator[Solid]:
-    yield rounded("white", (width, height, 0.12), (0.0, 0.0, 0.0), 0.005, 1)
+    yield rounded_box("white", (width, height, 0.12), (0.0, 0.0, 0.0), 0.005, 1)
     for i in range(2):
         pane = box("mirror", (width / 2 - 0.01, height - 0.02, 0.008), ((i - 0.5) * width / 2, 0.01, 0.062))
         knob = ball("chrome", 0.01, ((i - 0.5) * 0.06, 0.12, 0.072), 10, 6)
         yield from panel("right" if i else "left", pane, knob)
-    yield rounded("chrome", (0.3, 0.03, 0.06), (0.0, height, 0.05), 0.01, 2)
+    yield rounded_box("chrome", (0.3, 0.03, 0.06), (0.0, height, 0.05), 0.01, 2)
 
 
 def _standing_mirror(width: float, height: float) -> Iterator[Solid]:
@@ -92,8 +92,8 @@ def _standing_mirror(width: float, height: float) -> Iterator[Solid]:
         yield beam("wood", (s * (width / 2 + 0.03), 0.02, -0.22), (s * (width / 2 + 0.03), 0.02, 0.22), 0.04, 0.04)
     tilted = [box("mirror", (width - 0.04, 1.44, 0.01), (0.0, 0.16, 0.0))]
     for s in (-1, 1):
-        tilted.append(rounded("wood", (0.035, 1.5, 0.03), (s * (width - 0.03) / 2, 0.13, -0.004), 0.01, 1))
-        tilted.append(rounded("wood", (width, 0.035, 0.03), (0.0, 0.13 + 1.465 * (s + 1) / 2, -0.004), 0.01, 1))
+        tilted.append(rounded_box("wood", (0.035, 1.5, 0.03), (s * (width - 0.03) / 2, 0.13, -0.004), 0.01, 1))
+        tilted.append(rounded_box("wood", (width, 0.035, 0.03), (0.0, 0.13 + 1.465 * (s + 1) / 2, -0.004), 0.01, 1))
     yield from (rotate(p, 0, -0.12, (0.0, 0.85, 0.0)) for p in tilted)
 
 
@@ -120,7 +120,7 @@ def mirror_tiles(columns: int = 2, rows: int = 3, size: float = 0.28) -> Iterato
     for i in range(columns):
         for j in range(rows):
             at = ((i - (columns - 1) / 2) * (size + 0.02), j * (size + 0.02), 0.0)
-            yield rounded("black", (size, size, 0.02), at, 0.005, 1)
+            yield rounded_box("black", (size, size, 0.02), at, 0.005, 1)
             yield box("mirror", (size - 0.02, size - 0.02, 0.004), (at[0], at[1] + 0.01, 0.011))
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
@@ -15,11 +15,11 @@ from home_procgen.things.joinery import disc, legs, open_case
 
 
 def _roll(x: float, y: float, z: float) -> Solid:
-    return turned("white", [(0.055, 0.0), (0.055, 0.1)], (x, y, z), 22, 1)
+    return revolve("white", [(0.055, 0.0), (0.055, 0.1)], (x, y, z), 22, 1)
 
 
 def _paper_holder() -> Iterator[Solid]:
-    yield rounded("chrome", (0.05, 0.05, 0.012), (0.08, 0.09, -0.07), 0.005, 1)
+    yield rounded_box("chrome", (0.05, 0.05, 0.012), (0.08, 0.09, -0.07), 0.005, 1)
     yield tube("chrome", fillet([(0.08, 0.115, -0.065), (0.08, 0.115, 0.0), (-0.08, 0.115, 0.0)], 0.02), 0.006)
     yield move(rotate(_roll(0.0, -0.05, 0.0), 2, np.pi / 2), (0.0, 0.115, 0.0))
     yield surface(
@@ -28,7 +28,7 @@ def _paper_holder() -> Iterator[Solid]:
 
 
 def _paper_stand() -> Iterator[Solid]:
-    yield turned("chrome", [(0.09, 0.0), (0.085, 0.012), (0.01, 0.02)], sides=22, steps=1)
+    yield revolve("chrome", [(0.09, 0.0), (0.085, 0.012), (0.01, 0.02)], sides=22, steps=1)
     yield rod("chrome", (0.0, 0.01, 0.0), (0.0, 0.6, 0.0), 0.008)
     for i in range(3):
         yield _roll(0.0, 0.03 + 0.105 * i, 0.0)
@@ -51,7 +51,7 @@ def _horizontal_roll(x: float, y: float, z: float) -> Solid:
 
 def _paper_covered() -> Iterator[Solid]:
     """Build a toilet paper roll under a bent lid."""
-    yield rounded("steel", (0.15, 0.15, 0.01), (0.0, 0.04, -0.065), 0.004, 1)
+    yield rounded_box("steel", (0.15, 0.15, 0.01), (0.0, 0.04, -0.065), 0.004, 1)
     yield _horizontal_roll(0.0, 0.09, 0.0)
     lid = [(-0.065, 0.178), (0.01, 0.17), (0.06, 0.13), (0.068, 0.1), (0.064, 0.1), (0.056, 0.127), (0.008, 0.164)]
     yield prism("steel", fillet([*lid, (-0.065, 0.172)], 0.01, 3, True), 0.14, (0.0, 0.0, 0.0), "side")
@@ -61,8 +61,8 @@ def _paper_covered() -> Iterator[Solid]:
 
 def _paper_shelf() -> Iterator[Solid]:
     """Build a wooden shelf for a telephone with a paper rod below."""
-    yield rounded("wood", (0.2, 0.018, 0.12), (0.0, 0.13, -0.01), 0.006, 2)
-    yield rounded("wood", (0.2, 0.13, 0.016), (0.0, 0.0, -0.062), 0.005, 1)
+    yield rounded_box("wood", (0.2, 0.018, 0.12), (0.0, 0.13, -0.01), 0.006, 2)
+    yield rounded_box("wood", (0.2, 0.13, 0.016), (0.0, 0.0, -0.062), 0.005, 1)
     for s in (-1, 1):
         yield prism("wood", [(-0.06, 0.02), (0.02, 0.02), (0.03, 0.13), (-0.06, 0.13)], 0.014, (s * 0.08, 0, 0), "side")
     yield rod("brass", (-0.08, 0.06, 0.0), (0.08, 0.06, 0.0), 0.008)
@@ -71,7 +71,7 @@ def _paper_shelf() -> Iterator[Solid]:
 
 def _paper_rope() -> Iterator[Solid]:
     """Build a toilet paper roll on a rope from a knob."""
-    knob = turned("wood", [(0.03, 0.0), (0.014, 0.01), (0.014, 0.04), (0.024, 0.05), (0.016, 0.066)], steps=2)
+    knob = revolve("wood", [(0.03, 0.0), (0.014, 0.01), (0.014, 0.04), (0.024, 0.05), (0.016, 0.066)], steps=2)
     yield move(rotate(knob, 0, np.pi / 2), (0.0, 0.26, -0.06))
     loop = [(0.0, 0.25, -0.02), (-0.075, 0.06, 0.0), (0.075, 0.06, 0.0), (0.0, 0.25, -0.02)]
     yield tube("cream", fillet(loop, 0.02), 0.005, 6)
@@ -81,7 +81,7 @@ def _paper_rope() -> Iterator[Solid]:
 def _paper_double() -> Iterator[Solid]:
     """Build two toilet paper rolls on a bar between posts."""
     for x in (-0.13, 0.0, 0.13):
-        yield rounded("iron", (0.024, 0.08, 0.01), (x, 0.05, -0.066), 0.003, 1)
+        yield rounded_box("iron", (0.024, 0.08, 0.01), (x, 0.05, -0.066), 0.003, 1)
         yield rod("iron", (x, 0.09, -0.064), (x, 0.09, 0.0), 0.007)
     yield rod("iron", (-0.14, 0.09, 0.0), (0.14, 0.09, 0.0), 0.007)
     for s in (-1, 1):
@@ -92,7 +92,7 @@ def _paper_spindle() -> Iterator[Solid]:
     """Build an upright toilet paper roll on a bracket."""
     yield disc("brass", 0.03, 0.01, (0.0, 0.02, -0.075), 18)
     yield tube("brass", fillet([(0.0, 0.02, -0.07), (0.0, 0.02, 0.0), (0.0, 0.05, 0.0)], 0.015), 0.008)
-    yield turned("brass", [(0.045, 0.02), (0.05, 0.026), (0.01, 0.03)], sides=20, steps=1)
+    yield revolve("brass", [(0.045, 0.02), (0.05, 0.026), (0.01, 0.03)], sides=20, steps=1)
     yield _roll(0.0, 0.032, 0.0)
     yield ball("brass", 0.014, (0.0, 0.145, 0.0), 12, 6)
 
@@ -116,7 +116,7 @@ def _paper_box() -> Iterator[Solid]:
     yield from legs("paint", 0.2, 0.16, 0.04, "square", 0.025)
     for k in range(3):
         yield move(rotate(_roll(0.0, -0.05, 0.0), 0, np.pi / 2), (0.0, 0.116 + 0.16 * k, 0.02))
-    yield rounded("wood", (0.22, 0.02, 0.18), (0.0, 0.54, 0.0), 0.006, 1)
+    yield rounded_box("wood", (0.22, 0.02, 0.18), (0.0, 0.54, 0.0), 0.006, 1)
 
 
 _PAPER_KINDS = {
@@ -138,7 +138,7 @@ def soap(kind: str = "pump") -> Iterator[Solid]:
         if kind == "pump"
         else [(0.03, 0.0), (0.04, 0.05), (0.03, 0.1), (0.016, 0.12)]
     )
-    yield turned("glaze" if kind == "pump" else "tint", shape, sides=20, steps=2)
+    yield revolve("glaze" if kind == "pump" else "tint", shape, sides=20, steps=2)
     yield cylinder("chrome", 0.017, 0.02, (0.0, 0.12, 0.0), sides=14)
     yield rod("chrome", (0.0, 0.13, 0.0), (0.0, 0.165, 0.0), 0.006)
     yield tube("chrome", fillet([(0.0, 0.165, -0.012), (0.0, 0.17, 0.03), (0.0, 0.16, 0.05)], 0.01), 0.007)
@@ -147,7 +147,7 @@ def soap(kind: str = "pump") -> Iterator[Solid]:
 def soap_dish() -> Iterator[Solid]:
     """Build a bar of soap on an oval dish."""
     yield vessel("crockery", [(0.035, 0.0), (0.045, 0.008), (0.06, 0.025)], 0.004, sides=26, steps=2, stretch=0.7)
-    yield soft("bright", (0.075, 0.026, 0.045), (0.0, 0.01, 0.0), 3.0, 5)
+    yield padded_block("bright", (0.075, 0.026, 0.045), (0.0, 0.01, 0.0), 3.0, 5)
 
 
 FAMILIES = (

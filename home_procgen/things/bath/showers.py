@@ -6,11 +6,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.bath.bowls import tub
+from home_procgen.things.bath.bathtubs import tub
 from home_procgen.things.family import FurnitureFamily, design
 
 
@@ -19,7 +19,7 @@ def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]
     sx, sz = -np.sign(x), -np.sign(z)
     yield rod("chrome", (x, 0.9, z), (x, top, z), 0.011)
     for y in (0.95, top - 0.05):
-        yield rounded("chrome", (0.03, 0.03, 0.05), (x, y, z - sz * 0.03), 0.008, 1)
+        yield rounded_box("chrome", (0.03, 0.03, 0.05), (x, y, z - sz * 0.03), 0.008, 1)
     yield tube(
         "chrome",
         fillet(
@@ -27,7 +27,7 @@ def _head(x: float, z: float, top: float, rain: bool = False) -> Iterator[Solid]
         ),
         0.01,
     )
-    yield turned(
+    yield revolve(
         "chrome",
         [(0.1 if rain else 0.05, 0.0), (0.1 if rain else 0.055, 0.015), (0.02, 0.035), (0.01, 0.05)],
         (x + sx * 0.22, top - 0.08, z + sz * 0.22),
@@ -85,12 +85,12 @@ def _square_cabin(size: float) -> Iterator[Solid]:
     half = size / 2
     yield from _tray(size)
     for x in (-half + 0.012, half - 0.012):
-        yield rounded("chrome", (0.024, _CABIN_HEIGHT - 0.1, 0.024), (x, 0.1, half - 0.012), 0.004, 1)
-    yield rounded("chrome", (0.024, _CABIN_HEIGHT - 0.1, 0.024), (half - 0.012, 0.1, -half + 0.012), 0.004, 1)
+        yield rounded_box("chrome", (0.024, _CABIN_HEIGHT - 0.1, 0.024), (x, 0.1, half - 0.012), 0.004, 1)
+    yield rounded_box("chrome", (0.024, _CABIN_HEIGHT - 0.1, 0.024), (half - 0.012, 0.1, -half + 0.012), 0.004, 1)
     yield box("glass", (size - 0.05, _CABIN_HEIGHT - 0.14, 0.008), (0.0, 0.12, half - 0.012))
     yield box("glass", (0.008, _CABIN_HEIGHT - 0.14, size - 0.05), (half - 0.012, 0.12, 0.0))
-    yield rounded("chrome", (size, 0.03, 0.024), (0.0, _CABIN_HEIGHT - 0.03, half - 0.012), 0.004, 1)
-    yield rounded("chrome", (0.024, 0.03, size), (half - 0.012, _CABIN_HEIGHT - 0.03, 0.0), 0.004, 1)
+    yield rounded_box("chrome", (size, 0.03, 0.024), (0.0, _CABIN_HEIGHT - 0.03, half - 0.012), 0.004, 1)
+    yield rounded_box("chrome", (0.024, 0.03, size), (half - 0.012, _CABIN_HEIGHT - 0.03, 0.0), 0.004, 1)
     yield rod("chrome", (0.05, 0.9, half + 0.02), (0.05, 1.2, half + 0.02), 0.008)
 
 
@@ -99,7 +99,7 @@ def _screen(size: float) -> Iterator[Solid]:
     yield from _tray(size)
     yield box("glass", (0.01, _CABIN_HEIGHT - 0.1, size - 0.02), (half - 0.02, 0.1, 0.0))
     yield rod("chrome", (half - 0.02, _CABIN_HEIGHT, half - 0.05), (-half + 0.02, _CABIN_HEIGHT, half - 0.05), 0.009)
-    yield rounded("chrome", (0.02, 0.02, size), (half - 0.02, 0.1, 0.0), 0.004, 1)
+    yield rounded_box("chrome", (0.02, 0.02, size), (half - 0.02, 0.1, 0.0), 0.004, 1)
 
 
 def _curtained(size: float) -> Iterator[Solid]:
@@ -139,7 +139,9 @@ def _glass_blocks(size: float) -> Iterator[Solid]:
     yield from _tray(size)
     for i in range(9):
         for j in range(4):
-            yield rounded("glass", (0.08, 0.2, 0.2), (half - 0.04, 0.1 + 0.205 * i, -half + 0.12 + 0.205 * j), 0.02, 1)
+            yield rounded_box(
+                "glass", (0.08, 0.2, 0.2), (half - 0.04, 0.1 + 0.205 * i, -half + 0.12 + 0.205 * j), 0.02, 1
+            )
 
 
 # kind -> walls, whether the head is a rain head, height of the head [m]

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import corners
@@ -15,11 +15,11 @@ from home_procgen.things.joinery import corners
 
 def _bottles() -> Iterator[Solid]:
     for i, (r, h) in enumerate(((0.03, 0.2), (0.034, 0.17), (0.025, 0.13))):
-        yield turned(
+        yield revolve(
             f"bright_{i}", [(r, 0.0), (r, 0.8 * h), (0.5 * r, 0.86 * h)], (-0.075 + 0.075 * i, 0.0, 0.0), 16, 1
         )
-        yield turned("white", [(0.55 * r, 0.85 * h), (0.5 * r, h)], (-0.075 + 0.075 * i, 0.0, 0.0), 14, 1)
-    yield rounded("white", (0.035, 0.13, 0.02), (0.03, 0.0, 0.05), 0.009, 2)
+        yield revolve("white", [(0.55 * r, 0.85 * h), (0.5 * r, h)], (-0.075 + 0.075 * i, 0.0, 0.0), 14, 1)
+    yield rounded_box("white", (0.035, 0.13, 0.02), (0.03, 0.0, 0.05), 0.009, 2)
 
 
 def _brushes() -> Iterator[Solid]:
@@ -28,22 +28,22 @@ def _brushes() -> Iterator[Solid]:
         a = 2 * np.pi * i / 3 + 0.4
         foot, tip = (0.0, 0.012, 0.0), (0.045 * np.cos(a), 0.18, 0.045 * np.sin(a))
         yield rod(f"bright_{i}", foot, tip, 0.0045, 0.0035, 6)
-        yield move(rounded("white", (0.012, 0.024, 0.02), (0.0, -0.012, 0.0), 0.003, 1), tip)
-    yield rounded("blue", (0.035, 0.012, 0.13), (0.085, 0.0, 0.0), 0.005, 2)
+        yield move(rounded_box("white", (0.012, 0.024, 0.02), (0.0, -0.012, 0.0), 0.003, 1), tip)
+    yield rounded_box("blue", (0.035, 0.012, 0.13), (0.085, 0.0, 0.0), 0.005, 2)
 
 
 def _tray() -> Iterator[Solid]:
     yield vessel("brass", [(0.13, 0.0), (0.135, 0.02)], 0.004, sides=28, steps=1, stretch=0.6)
-    yield rounded("tint", (0.05, 0.06, 0.03), (-0.05, 0.005, 0.0), 0.006, 2)
-    yield turned("gold", [(0.012, 0.065), (0.014, 0.09)], (-0.05, 0.0, 0.0), 12, 1)
-    yield turned("glass", [(0.02, 0.005), (0.03, 0.03), (0.012, 0.06)], (0.03, 0.0, 0.01), 16, 2)
+    yield rounded_box("tint", (0.05, 0.06, 0.03), (-0.05, 0.005, 0.0), 0.006, 2)
+    yield revolve("gold", [(0.012, 0.065), (0.014, 0.09)], (-0.05, 0.0, 0.0), 12, 1)
+    yield revolve("glass", [(0.02, 0.005), (0.03, 0.03), (0.012, 0.06)], (0.03, 0.0, 0.01), 16, 2)
     yield ball("gold", 0.014, (0.03, 0.075, 0.01), 10, 6)
-    yield turned("bright", [(0.012, 0.005), (0.012, 0.06)], (0.08, 0.0, -0.01), 12, 1)
+    yield revolve("bright", [(0.012, 0.005), (0.012, 0.06)], (0.08, 0.0, -0.01), 12, 1)
 
 
 def _caddy() -> Iterator[Solid]:
     for y in (0.0, 0.3):
-        yield rounded("chrome", (0.26, 0.008, 0.1), (0.0, y, 0.0), 0.003, 1)
+        yield rounded_box("chrome", (0.26, 0.008, 0.1), (0.0, y, 0.0), 0.003, 1)
         for z in (-0.05, 0.05):
             yield rod("chrome", (-0.13, y + 0.06, z), (0.13, y + 0.06, z), 0.004, sides=6)
     for s in (-1, 1):
@@ -54,7 +54,7 @@ def _caddy() -> Iterator[Solid]:
             6,
         )
     for i in range(4):
-        yield turned(
+        yield revolve(
             f"bright_{i}",
             [(0.025, 0.0), (0.026, 0.13), (0.012, 0.15), (0.012, 0.18)],
             (-0.08 + 0.055 * i, 0.308 if i % 2 else 0.008, 0.0),
@@ -79,7 +79,7 @@ def toiletries(kind: str = "bottles") -> Iterator[Solid]:
 def plunger(kind: str = "plunger") -> Iterator[Solid]:
     """Build a rubber plunger, or a toilet brush in its holder."""
     if kind == "plunger":
-        yield turned("red", [(0.075, 0.0), (0.08, 0.02), (0.06, 0.06), (0.02, 0.09), (0.018, 0.11)], sides=22, steps=2)
+        yield revolve("red", [(0.075, 0.0), (0.08, 0.02), (0.06, 0.06), (0.02, 0.09), (0.018, 0.11)], sides=22, steps=2)
         yield rod("wood", (0.0, 0.1, 0.0), (0.0, 0.5, 0.0), 0.012, sides=10)
     else:
         yield vessel("chrome", [(0.05, 0.0), (0.052, 0.3)], 0.004, sides=22, steps=1)
@@ -90,10 +90,10 @@ def plunger(kind: str = "plunger") -> Iterator[Solid]:
 
 def scale() -> Iterator[Solid]:
     """Build a flat weight scale with a display."""
-    yield rounded("glass", (0.31, 0.02, 0.31), (0.0, 0.014, 0.0), 0.01, 2)
+    yield rounded_box("glass", (0.31, 0.02, 0.31), (0.0, 0.014, 0.0), 0.01, 2)
     for x, z in corners(0.24, 0.24):
         yield cylinder("chrome", 0.02, 0.016, (x, 0.0, z), sides=14)
-    yield rounded("black", (0.1, 0.006, 0.05), (0.0, 0.032, -0.09), 0.002, 1)
+    yield rounded_box("black", (0.1, 0.006, 0.05), (0.0, 0.032, -0.09), 0.002, 1)
     yield cylinder("chrome", 0.04, 0.003, (-0.07, 0.034, 0.03), sides=18)
     yield cylinder("chrome", 0.04, 0.003, (0.07, 0.034, 0.03), sides=18)
 

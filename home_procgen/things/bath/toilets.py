@@ -6,13 +6,13 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, loop
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import between_loops, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import join_loops, rounded_box
 from home_procgen.shapes.sweep import prism, rod, tube
-from home_procgen.things.bath.bowls import tub
+from home_procgen.things.bath.bathtubs import tub
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.kitchen.taps import tap
-from home_procgen.things.parts import assign_part, lid_part
+from home_procgen.things.kitchen.sinks import tap
+from home_procgen.things.movable_parts import assign_part, lid_part
 
 
 def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[Solid]:
@@ -23,7 +23,7 @@ def _seat(y: float, z: float, lid: str = "up", free: bool = False) -> Iterator[S
         part = lid_part(y + 0.026, z - 0.215) if free else None
         yield from assign_part(part, [prism("ceramic", loop(0.37, 0.43, 28, 2.3), 0.026, (0.0, y, z), "top")])
         return
-    yield between_loops("ceramic", [outer[0], outer[1], inner[1], inner[0]], closed=True)
+    yield join_loops("ceramic", [outer[0], outer[1], inner[1], inner[0]], closed=True)
     upright = rotate(prism("ceramic", loop(0.36, 0.42, 28, 2.3), 0.018, (0.0, 0.0, 0.2), "top"), 0, -np.pi / 2 - 0.12)
     yield move(upright, (0.0, y + 0.02, z - 0.215))
 
@@ -34,8 +34,8 @@ def toilet(kind: str = "tank") -> Iterator[Solid]:
         yield tub("ceramic", [(0.08, 0.22, 0.34, 0.0), (0.2, 0.3, 0.48, 0.0), (0.39, 0.36, 0.53, 0.0)], 0.03, 2.4)
         yield from _seat(0.39, 0.02, "down", True)
         yield box("ceramic", (0.34, 0.3, 0.05), (0.0, 0.1, -0.255))
-        yield rounded("white", (0.5, 1.1, 0.12), (0.0, 0.0, -0.34), 0.01, 1)
-        yield rounded("chrome", (0.24, 0.15, 0.012), (0.0, 0.86, -0.278), 0.005, 1)
+        yield rounded_box("white", (0.5, 1.1, 0.12), (0.0, 0.0, -0.34), 0.01, 1)
+        yield rounded_box("chrome", (0.24, 0.15, 0.012), (0.0, 0.86, -0.278), 0.005, 1)
         return
     yield tub(
         "ceramic",
@@ -45,20 +45,20 @@ def toilet(kind: str = "tank") -> Iterator[Solid]:
     )
     yield from _seat(0.4, 0.0, "down" if kind == "one" else "up")
     if kind == "high":
-        yield rounded("wood", (0.46, 0.26, 0.2), (0.0, 1.75, -0.28), 0.012, 1)
+        yield rounded_box("wood", (0.46, 0.26, 0.2), (0.0, 1.75, -0.28), 0.012, 1)
         yield rod("brass", (0.0, 0.36, -0.3), (0.0, 1.76, -0.3), 0.018)
         yield rod("brass", (0.18, 1.3, -0.2), (0.18, 1.76, -0.2), 0.003, sides=5)
-        yield turned("wood", [(0.006, 0.0), (0.016, 0.03), (0.01, 0.09), (0.006, 0.1)], (0.18, 1.21, -0.2), 10, 2)
-        yield rounded("ceramic", (0.18, 0.36, 0.16), (0.0, 0.0, -0.24), 0.02, 2)
+        yield revolve("wood", [(0.006, 0.0), (0.016, 0.03), (0.01, 0.09), (0.006, 0.1)], (0.18, 1.21, -0.2), 10, 2)
+        yield rounded_box("ceramic", (0.18, 0.36, 0.16), (0.0, 0.0, -0.24), 0.02, 2)
         return
-    yield rounded("ceramic", (0.24, 0.4, 0.16), (0.0, 0.0, -0.2), 0.03, 2)
+    yield rounded_box("ceramic", (0.24, 0.4, 0.16), (0.0, 0.0, -0.2), 0.03, 2)
     high = 0.34 if kind == "tank" else 0.22
-    yield rounded("ceramic", (0.4, high, 0.17), (0.0, 0.39, -0.28), 0.035, 3)
-    yield rounded("ceramic", (0.42, 0.035, 0.19), (0.0, 0.39 + high - 0.01, -0.28), 0.014, 2)
+    yield rounded_box("ceramic", (0.4, high, 0.17), (0.0, 0.39, -0.28), 0.035, 3)
+    yield rounded_box("ceramic", (0.42, 0.035, 0.19), (0.0, 0.39 + high - 0.01, -0.28), 0.014, 2)
     if kind == "tank":
-        yield rounded("chrome", (0.06, 0.02, 0.03), (-0.13, 0.66, -0.19), 0.008, 1)
+        yield rounded_box("chrome", (0.06, 0.02, 0.03), (-0.13, 0.66, -0.19), 0.008, 1)
     else:
-        yield turned("chrome", [(0.03, 0.0), (0.03, 0.008), (0.02, 0.012)], (0.0, 0.412 + high, -0.28), 18, 1)
+        yield revolve("chrome", [(0.03, 0.0), (0.03, 0.008), (0.02, 0.012)], (0.0, 0.412 + high, -0.28), 18, 1)
 
 
 def skirted(smart: bool = False) -> Iterator[Solid]:
@@ -67,14 +67,14 @@ def skirted(smart: bool = False) -> Iterator[Solid]:
     yield tub("ceramic", sides, 0.045, 3.2)
     yield from _seat(0.4, 0.03, "down", not smart)
     if smart:
-        yield rounded("ceramic", (0.38, 0.14, 0.17), (0.0, 0.39, -0.22), 0.05, 3)
-        yield rounded("gray", (0.05, 0.03, 0.26), (0.205, 0.42, -0.02), 0.01, 2)
+        yield rounded_box("ceramic", (0.38, 0.14, 0.17), (0.0, 0.39, -0.22), 0.05, 3)
+        yield rounded_box("gray", (0.05, 0.03, 0.26), (0.205, 0.42, -0.02), 0.01, 2)
         for i in range(4):
             yield cylinder("white", 0.012, 0.006, (0.205, 0.448, 0.07 - 0.045 * i), sides=12)
         return
-    yield rounded("ceramic", (0.37, 0.42, 0.13), (0.0, 0.36, -0.25), 0.015, 2)
+    yield rounded_box("ceramic", (0.37, 0.42, 0.13), (0.0, 0.36, -0.25), 0.015, 2)
     for s in (-1, 1):
-        yield rounded("chrome", (0.05, 0.008, 0.05), (s * 0.028, 0.778, -0.25), 0.003, 1)
+        yield rounded_box("chrome", (0.05, 0.008, 0.05), (s * 0.028, 0.778, -0.25), 0.003, 1)
 
 
 def low_tank() -> Iterator[Solid]:
@@ -83,12 +83,12 @@ def low_tank() -> Iterator[Solid]:
     yield tub("ceramic", foot, 0.035, 2.4)
     rims = ((0.37, 0.43, 0.4), (0.37, 0.43, 0.422), (0.24, 0.29, 0.422), (0.24, 0.29, 0.4))
     seat = [np.insert(loop(wide, deep, 28, 2.3), 1, y, axis=1) for wide, deep, y in rims]
-    yield between_loops("wood", seat, closed=True)
-    yield rounded("ceramic", (0.46, 0.34, 0.16), (0.0, 0.62, -0.33), 0.02, 2)
-    yield rounded("ceramic", (0.48, 0.03, 0.18), (0.0, 0.95, -0.33), 0.012, 2)
+    yield join_loops("wood", seat, closed=True)
+    yield rounded_box("ceramic", (0.46, 0.34, 0.16), (0.0, 0.62, -0.33), 0.02, 2)
+    yield rounded_box("ceramic", (0.48, 0.03, 0.18), (0.0, 0.95, -0.33), 0.012, 2)
     yield tube("chrome", fillet([(0.0, 0.64, -0.33), (0.0, 0.4, -0.33), (0.0, 0.34, -0.16)], 0.08, 5), 0.022)
     yield tube("chrome", fillet([(0.2, 0.9, -0.25), (0.2, 0.9, -0.22), (0.13, 0.89, -0.21)], 0.02), 0.007)
-    yield rounded("ceramic", (0.2, 0.3, 0.14), (0.0, 0.0, -0.18), 0.02, 2)
+    yield rounded_box("ceramic", (0.2, 0.3, 0.14), (0.0, 0.0, -0.18), 0.02, 2)
 
 
 def cornered() -> Iterator[Solid]:
@@ -99,8 +99,8 @@ def cornered() -> Iterator[Solid]:
     tank = fillet([(-0.26, -0.22), (0.26, -0.22), (0.26, -0.26), (0.0, -0.48), (-0.26, -0.26)], 0.05, 3, True)
     yield prism("ceramic", tank, 0.36, (0.0, 0.38, 0.0), "top")
     yield prism("ceramic", [(1.05 * x, 1.02 * z + 0.005) for x, z in tank], 0.03, (0.0, 0.73, 0.0), "top")
-    yield turned("chrome", [(0.025, 0.0), (0.025, 0.008), (0.016, 0.012)], (0.0, 0.758, -0.3), 18, 1)
-    yield rounded("ceramic", (0.22, 0.38, 0.16), (0.0, 0.0, -0.2), 0.03, 2)
+    yield revolve("chrome", [(0.025, 0.0), (0.025, 0.008), (0.016, 0.012)], (0.0, 0.758, -0.3), 18, 1)
+    yield rounded_box("ceramic", (0.22, 0.38, 0.16), (0.0, 0.0, -0.2), 0.03, 2)
 
 
 def with_rails() -> Iterator[Solid]:
@@ -109,7 +109,7 @@ def with_rails() -> Iterator[Solid]:
     for s in (-1, 1):
         path = [(s * 0.25, 0.02, -0.28), (s * 0.25, 0.7, -0.28), (s * 0.25, 0.7, 0.2), (s * 0.25, 0.02, 0.2)]
         yield tube("chrome", fillet(path, 0.07, 4), 0.014)
-        yield rounded("black", (0.05, 0.03, 0.28), (s * 0.25, 0.705, -0.04), 0.014, 2)
+        yield rounded_box("black", (0.05, 0.03, 0.28), (s * 0.25, 0.705, -0.04), 0.014, 2)
         for z in (-0.28, 0.2):
             yield cylinder("black", 0.022, 0.03, (s * 0.25, 0.0, z), sides=12)
 

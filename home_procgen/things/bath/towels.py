@@ -7,8 +7,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import sheet
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -38,7 +38,7 @@ def _towel_bar(kind: str) -> Iterator[Solid]:
         yield rod("chrome", (-0.3, y, z), (0.3, y, z), 0.009)
         yield drape_towel(f"towel_{k}" if k else "towel", 0.4 - 0.06 * k, 0.04 * k, y, z, 0.42, 0.36)
     for s in (-1, 1):
-        yield rounded("chrome", (0.045, 0.15, 0.012), (s * 0.3, 0.48, -0.08), 0.005, 1)
+        yield rounded_box("chrome", (0.045, 0.15, 0.012), (s * 0.3, 0.48, -0.08), 0.005, 1)
         for k in range(1 if kind == "bar" else 2):
             y, z = 0.5 + 0.1 * k, -0.01 if kind == "bar" else 0.05 - 0.06 * k
             yield rod("chrome", (s * 0.3, y, -0.075), (s * 0.3, y, z), 0.008)
@@ -87,14 +87,14 @@ def _stand() -> Iterator[Solid]:
 def _shelved() -> Iterator[Solid]:
     """Build a rod shelf with folded towels and a bar below."""
     for s in (-1, 1):
-        yield rounded("chrome", (0.014, 0.12, 0.22), (s * 0.3, 0.42, 0.0), 0.005, 1)
+        yield rounded_box("chrome", (0.014, 0.12, 0.22), (s * 0.3, 0.42, 0.0), 0.005, 1)
     for k in range(5):
         yield rod("chrome", (-0.3, 0.53, 0.09 - 0.045 * k), (0.3, 0.53, 0.09 - 0.045 * k), 0.006)
     for i in range(3):
-        yield soft(f"towel_{i}", (0.3 - 0.02 * i, 0.06, 0.2), (-0.1, 0.536 + 0.055 * i, 0.0), 5.0, 5)
+        yield padded_block(f"towel_{i}", (0.3 - 0.02 * i, 0.06, 0.2), (-0.1, 0.536 + 0.055 * i, 0.0), 5.0, 5)
     yield move(
         rotate(
-            turned("towel", [(0.05, 0.0), (0.055, 0.02), (0.055, 0.17), (0.05, 0.19)], sides=16, steps=1), 0, np.pi / 2
+            revolve("towel", [(0.05, 0.0), (0.055, 0.02), (0.055, 0.17), (0.05, 0.19)], sides=16, steps=1), 0, np.pi / 2
         ),
         (0.17, 0.59, -0.095),
     )
@@ -104,7 +104,7 @@ def _shelved() -> Iterator[Solid]:
 
 def _swinging() -> Iterator[Solid]:
     """Build a towel rack of three arms hinged at the wall."""
-    yield rounded("chrome", (0.04, 0.22, 0.014), (0.0, 0.4, -0.2), 0.005, 1)
+    yield rounded_box("chrome", (0.04, 0.22, 0.014), (0.0, 0.4, -0.2), 0.005, 1)
     yield rod("chrome", (0.0, 0.4, -0.18), (0.0, 0.6, -0.18), 0.009)
     for k, turn in enumerate((-0.55, 0.0, 0.55)):
         y = 0.43 + 0.07 * k
@@ -125,7 +125,7 @@ def _rolls() -> Iterator[Solid]:
         yield rod("brass", (0.0, y - 0.08, -0.06), (0.0, y - 0.08, 0.06), 0.004, sides=6)
         yield move(
             rotate(
-                turned(f"towel_{k % 3}", [(0.06, 0.0), (0.066, 0.02), (0.066, 0.24), (0.06, 0.26)], sides=18, steps=1),
+                revolve(f"towel_{k % 3}", [(0.06, 0.0), (0.066, 0.02), (0.066, 0.24), (0.06, 0.26)], sides=18, steps=1),
                 0,
                 np.pi / 2,
             ),
@@ -135,7 +135,7 @@ def _rolls() -> Iterator[Solid]:
 
 def _pole() -> Iterator[Solid]:
     """Build a pole with bent arms around it on a round foot."""
-    yield turned("iron", [(0.16, 0.0), (0.155, 0.018), (0.02, 0.03)], sides=24, steps=1)
+    yield revolve("iron", [(0.16, 0.0), (0.155, 0.018), (0.02, 0.03)], sides=24, steps=1)
     yield rod("iron", (0.0, 0.02, 0.0), (0.0, 1.05, 0.0), 0.012, sides=10)
     yield ball("iron", 0.022, (0.0, 1.06, 0.0), 12, 8)
     for k in range(3):
@@ -159,7 +159,7 @@ def _pole() -> Iterator[Solid]:
 
 def _warmer() -> Iterator[Solid]:
     """Build a heated flat plate with bars before it."""
-    yield rounded("black", (0.5, 0.95, 0.02), (0.0, 0.0, -0.06), 0.008, 2)
+    yield rounded_box("black", (0.5, 0.95, 0.02), (0.0, 0.0, -0.06), 0.008, 2)
     for y in (0.3, 0.75):
         for s in (-1, 1):
             yield rod("chrome", (s * 0.22, y, -0.05), (s * 0.22, y, 0.02), 0.008)
@@ -193,12 +193,12 @@ def towel_hook(kind: str = "ring") -> Iterator[Solid]:
         yield from _HOOKS[kind]()
         return
     if kind == "ring":
-        yield rounded("chrome", (0.05, 0.05, 0.02), (0.0, 0.4, -0.05), 0.008, 2)
+        yield rounded_box("chrome", (0.05, 0.05, 0.02), (0.0, 0.4, -0.05), 0.008, 2)
         yield rod("chrome", (0.0, 0.425, -0.045), (0.0, 0.425, -0.01), 0.008)
         yield ring("chrome", 0.08, 0.012, (0.0, 0.34, -0.005), 2, 24)
         yield drape_towel("towel", 0.13, 0.0, 0.265, -0.005, 0.26, 0.2)
         return
-    yield rounded("wood", (0.4, 0.07, 0.018), (0.0, 0.62, -0.06), 0.006, 1)
+    yield rounded_box("wood", (0.4, 0.07, 0.018), (0.0, 0.62, -0.06), 0.006, 1)
     for i in range(3):
         x = (i - 1) * 0.13
         yield tube("brass", fillet([(x, 0.66, -0.05), (x, 0.63, -0.01), (x, 0.66, 0.01)], 0.02), 0.006, 6)
@@ -226,9 +226,9 @@ def _strap() -> Iterator[Solid]:
 
 def _knobs() -> Iterator[Solid]:
     """Build a board with four knobs, towels on two of them."""
-    yield rounded("paint", (0.5, 0.09, 0.02), (0.0, 0.5, -0.05), 0.008, 2)
+    yield rounded_box("paint", (0.5, 0.09, 0.02), (0.0, 0.5, -0.05), 0.008, 2)
     for i in range(4):
-        knob = turned("ceramic", [(0.012, 0.0), (0.01, 0.02), (0.026, 0.035), (0.018, 0.05)], sides=14, steps=2)
+        knob = revolve("ceramic", [(0.012, 0.0), (0.01, 0.02), (0.026, 0.035), (0.018, 0.05)], sides=14, steps=2)
         yield move(rotate(knob, 0, np.pi / 2), ((i - 1.5) * 0.13, 0.545, -0.041))
     cloth = fillet(
         [(0.0, 0.56), (0.03, 0.52), (0.06, 0.1), (0.05, 0.06), (-0.05, 0.06), (-0.06, 0.1), (-0.03, 0.52)],
@@ -242,7 +242,7 @@ def _knobs() -> Iterator[Solid]:
 
 def _frame() -> Iterator[Solid]:
     """Build a square ring of flat bars with a towel."""
-    yield rounded("black", (0.06, 0.06, 0.012), (0.0, 0.42, -0.05), 0.004, 1)
+    yield rounded_box("black", (0.06, 0.06, 0.012), (0.0, 0.42, -0.05), 0.004, 1)
     yield box("black", (0.02, 0.02, 0.05), (0.0, 0.44, -0.022))
     for y in (0.24, 0.45):
         yield box("black", (0.22, 0.014, 0.014), (0.0, y, 0.0))

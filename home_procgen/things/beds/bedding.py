@@ -1,14 +1,17 @@
-"""Mattresses, pillows and covers, smooth or rumpled."""
+"""Mattresses in their rails, pillows and covers, smooth or rumpled."""
 
 from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 
-from home_procgen.primitives.solids import Solid, move, rotate
-from home_procgen.shapes.rounded import between, pillow, rounded, soft
+from home_procgen.primitives.solids import Solid, box, move, rotate
+from home_procgen.shapes.rounded import join_grids, padded_block, pillow, rounded_box
+from home_procgen.shapes.transforms import add_mirror_images
 
 Cover = Literal["made", "folded", "rumpled", "aside", "throw", "bare"]
+
+MATTRESS_LENGTH = 2.0  # [m], length of a mattress
 
 
 def bedding(
@@ -34,7 +37,7 @@ def bedding(
         seed: Seed of the folds.
     """
     rng = np.random.default_rng(seed)
-    yield rounded("linen", (width, thick, length), (0.0, base, z), 0.05, 3)
+    yield rounded_box("linen", (width, thick, length), (0.0, base, z), 0.05, 3)
     top, wide = base + thick, width / max(pillows, 1)
     for i in range(pillows):
         turn = float(rng.normal(0, 0.25 if cover in ("rumpled", "aside") else 0.01))
@@ -47,7 +50,7 @@ def bedding(
     if cover != "bare":
         yield _cover(cover, width, length, top, base, z, rng)
     if cover == "folded":
-        yield soft("linen_1", (width + 0.04, 0.05, 0.3), (0.0, top + 0.02, z - length / 2 + 0.72), 9.0, 6)
+        yield padded_block("linen_1", (width + 0.04, 0.05, 0.3), (0.0, top + 0.02, z - length / 2 + 0.72), 9.0, 6)
     if cover == "throw":
         yield _throw(width, top, base, z + length / 2 - 0.5, 0.5)
 
@@ -87,7 +90,7 @@ def _cover(
     x = x + np.sign(u) * ((0.02 + 0.012 * np.sin(16 * v)) * (side > 0) + 0.15 * side)
     upper = np.stack([x, y, zz], -1)
     inward = np.stack([-0.02 * np.sign(u) * (side > 0), -0.035 * (drop == 0) - 0.004, -0.02 * (foot > 0)], -1)
-    return between("linen_2", upper[:, ::-1], (upper + inward)[:, ::-1])
+    return join_grids("linen_2", upper[:, ::-1], (upper + inward)[:, ::-1])
 
 
 def _throw(width: float, top: float, base: float, z: float, deep: float) -> Solid:
@@ -100,4 +103,14 @@ def _throw(width: float, top: float, base: float, z: float, deep: float) -> Soli
     y = top + 0.062 - drop + 0.006 * np.cos(9 * u + 3 * v) * (drop == 0)
     points = np.stack([x, y, z - deep / 2 + v * deep + 0.02 * np.sin(5 * u)], -1)
     under = points - np.stack([0.014 * np.sign(u) * (drop > 0), 0.014 * (drop == 0), 0 * u], -1)
-    return between("textile", points[:, ::-1], under[:, ::-1])
+    return join_grids("textile", points[:, ::-1], under[:, ::-1])
+
+
+def rails(width: float, low: float, high: float, slot: str = "wood") -> Iterator[Solid]:
+    """Build a frame around the mattress and its base board."""
+    z = MATTRESS_LENGTH / 2 + 0.02
+    yield from add_mirror_images(
+        [rounded_box(slot, (0.035, high - low, 2 * z + 0.03), (width / 2 + 0.02, low, 0.0), 0.008, 1)]
+    )
+    yield rounded_box(slot, (width + 0.07, high - low, 0.035), (0.0, low, z), 0.008, 1)
+    yield box(slot, (width, 0.03, 2 * z - 0.01), (0.0, high - 0.08, 0.0))

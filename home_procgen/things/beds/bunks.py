@@ -5,11 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
-from home_procgen.things.beds.bedding import bedding
-from home_procgen.things.beds.rails import MATTRESS_LENGTH
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, bedding
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers
 
@@ -28,7 +27,7 @@ def bunk(width: float = 0.95, slide: bool = False, desk: bool = False) -> Iterat
     yield box("wood", (width, 0.03, 2 * z - 0.04), (0.0, 1.28, 0.0))
     yield from bedding(width - 0.06, MATTRESS_LENGTH - 0.04, 1.31, "made", 1, 0.13, seed=8)
     if desk:
-        yield rounded("wood_1", (width, 0.03, 1.3), (-0.1, 0.72, -0.3), 0.008, 1)
+        yield rounded_box("wood_1", (width, 0.03, 1.3), (-0.1, 0.72, -0.3), 0.008, 1)
         yield from (move(p, (0.0, 0.0, 0.8)) for p in drawers("wood_1", 0.7, 0.9, (-0.35, 0.1, 0.0), 1, 3, opens=0.15))
         yield box("wood", (width - 0.1, 1.0, 0.3), (-0.05, 0.02, 0.65))
     else:

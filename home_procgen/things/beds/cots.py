@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
@@ -31,14 +31,14 @@ def crib(width: float = 0.66, length: float = 1.26, kind: str = "bars") -> Itera
         if kind == "bars":
             for sx in (-x, x):
                 yield beam("wood", (sx, 0.0, s * z), (sx, high, s * z), 0.045)
-            yield rounded("wood", (width, 0.62, 0.022), (0.0, 0.24, s * z), 0.008, 1)
+            yield rounded_box("wood", (width, 0.62, 0.022), (0.0, 0.24, s * z), 0.008, 1)
         else:
             curve = fillet([(s * z, 0.0), (s * z, 0.7), (s * (z + 0.12), 1.02)], 0.3, 5)
             outline = np.concatenate([curve + np.array([0.016, 0.0]), (curve - np.array([0.016, 0.0]))[::-1]])
             yield prism("wood", outline, width + 0.04, (0.0, 0.0, 0.0), "side")
     yield box("wood", (width - 0.02, 0.02, length - 0.02), (0.0, 0.32, 0.0))
-    yield rounded("linen", (width - 0.05, 0.12, length - 0.05), (0.0, 0.34, 0.0), 0.03, 2)
-    yield soft("linen_2", (width - 0.1, 0.06, 0.6), (0.0, 0.45, 0.22), 6.0, 6)
+    yield rounded_box("linen", (width - 0.05, 0.12, length - 0.05), (0.0, 0.34, 0.0), 0.03, 2)
+    yield padded_block("linen_2", (width - 0.1, 0.06, 0.6), (0.0, 0.45, 0.22), 6.0, 6)
     yield ball("fur_coat", (0.06, 0.07, 0.05), (0.1, 0.53, -0.35), 12, 8)
     yield ball("fur_coat", 0.045, (0.1, 0.62, -0.35), 12, 8)
 
@@ -58,8 +58,8 @@ def cradle() -> Iterator[Solid]:
         (0.0, 0.24, 0.0),
         "top",
     )
-    yield soft("linen", (0.36, 0.1, 0.7), (0.0, 0.26, 0.0), 3.0, 6)
-    yield soft("linen_2", (0.4, 0.06, 0.45), (0.0, 0.34, 0.14), 3.0, 5)
+    yield padded_block("linen", (0.36, 0.1, 0.7), (0.0, 0.26, 0.0), 3.0, 6)
+    yield padded_block("linen_2", (0.4, 0.06, 0.45), (0.0, 0.34, 0.14), 3.0, 5)
     yield surface(
         "textile",
         lambda u, v: (

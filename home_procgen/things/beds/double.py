@@ -5,13 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam
-from home_procgen.things.beds.bedding import Cover, bedding
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, Cover, bedding, rails
 from home_procgen.things.beds.frames import futon_floor, iron, platform, sleigh, upholstered
-from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import drawers
 
@@ -23,11 +22,11 @@ def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, can
     for sx in (-x, x):
         for sz in (-z, z):
             shape = [(0.045, 0.0), (0.05, 0.45), (0.028, 0.55), (0.04, 0.9), (0.028, 1.5), (0.03, 2.02)]
-            yield turned("wood", shape, (sx, 0.0, sz), 12, 2)
+            yield revolve("wood", shape, (sx, 0.0, sz), 12, 2)
     for s in (-1, 1):
         yield beam("wood", (s * x, 2.04, -z), (s * x, 2.04, z), 0.05)
         yield beam("wood", (-x, 2.04, s * z), (x, 2.04, s * z), 0.05)
-    yield rounded("wood", (width, 0.7, 0.04), (0.0, 0.42, -z), 0.01, 1)
+    yield rounded_box("wood", (width, 0.7, 0.04), (0.0, 0.42, -z), 0.01, 1)
     yield from bedding(width, MATTRESS_LENGTH, 0.37, cover, pillows)
     if canopy:
         for s in (-1, 1):
@@ -42,7 +41,7 @@ def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, can
 
 def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
     """Build a box bed with drawers below and shelves in its headboard."""
-    yield rounded("wood", (width + 0.06, 0.36, MATTRESS_LENGTH + 0.06), (0.0, 0.02, 0.0), 0.01, 1)
+    yield rounded_box("wood", (width + 0.06, 0.36, MATTRESS_LENGTH + 0.06), (0.0, 0.02, 0.0), 0.01, 1)
     yield box("black", (width - 0.1, 0.03, MATTRESS_LENGTH - 0.1))
     yield from (
         rotate(p, 1, np.pi / 2)
@@ -66,10 +65,10 @@ def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) 
 def round_bed(radius: float = 1.05) -> Iterator[Solid]:
     """Build a round mattress in a padded ring with a curved back."""
     yield cylinder("black", radius - 0.1, 0.08, sides=36)
-    yield turned(
+    yield revolve(
         "upholstery", [(radius - 0.04, 0.06), (radius, 0.1), (radius, 0.26), (radius - 0.04, 0.3)], sides=40, steps=1
     )
-    yield turned(
+    yield revolve(
         "linen",
         [(radius - 0.08, 0.28), (radius - 0.05, 0.34), (radius - 0.05, 0.42), (radius - 0.1, 0.46)],
         sides=40,
@@ -81,7 +80,7 @@ def round_bed(radius: float = 1.05) -> Iterator[Solid]:
         return radius * np.cos(angle), 0.1 + (0.75 + 0.1 * np.sin(np.pi * u)) * v, radius * np.sin(angle)
 
     yield surface("upholstery", back, 24, 5, 0.12)
-    yield turned(
+    yield revolve(
         "linen_2",
         [(radius * 0.9, 0.45), (radius * 0.93, 0.48), (radius * 0.5, 0.5), (0.1, 0.51)],
         (0.0, 0.0, 0.06),
@@ -89,7 +88,7 @@ def round_bed(radius: float = 1.05) -> Iterator[Solid]:
         2,
     )
     for x in (-0.36, 0.36):
-        yield soft("linen_1", (0.6, 0.16, 0.4), (x, 0.48, -0.6), 3.0, 6)
+        yield padded_block("linen_1", (0.6, 0.16, 0.4), (x, 0.48, -0.6), 3.0, 6)
 
 
 DOUBLE = (

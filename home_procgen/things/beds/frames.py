@@ -6,11 +6,10 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import arc, fillet
-from home_procgen.shapes.groups import mirrored
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
-from home_procgen.things.beds.bedding import Cover, bedding
-from home_procgen.things.beds.rails import MATTRESS_LENGTH, rails
+from home_procgen.shapes.transforms import add_mirror_images
+from home_procgen.things.beds.bedding import MATTRESS_LENGTH, Cover, bedding, rails
 from home_procgen.things.joinery import LegKind, legs
 
 
@@ -23,10 +22,10 @@ def platform(
     yield from bedding(width, MATTRESS_LENGTH, 0.29, cover, pillows)
     z = -MATTRESS_LENGTH / 2 - 0.045
     if head == "panel":
-        yield rounded("wood", (width + 0.08, 0.75, 0.035), (0.0, 0.18, z), 0.012, 2)
+        yield rounded_box("wood", (width + 0.08, 0.75, 0.035), (0.0, 0.18, z), 0.012, 2)
     elif head == "slats":
         for y in (0.52, 0.66, 0.8, 0.94):
-            yield rounded("wood", (width + 0.06, 0.08, 0.025), (0.0, y, z), 0.01, 1)
+            yield rounded_box("wood", (width + 0.06, 0.08, 0.025), (0.0, y, z), 0.01, 1)
         for x in (-0.42, 0.42):
             yield box("wood", (0.06, 0.85, 0.03), (x * width, 0.18, z - 0.01))
     else:
@@ -43,14 +42,16 @@ def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted
     yield from legs("wood", width, MATTRESS_LENGTH, 0.1, "block", 0.07)
     z = -MATTRESS_LENGTH / 2 - 0.07
     for s in (-1, 1):
-        yield rounded("upholstery", (0.07, 0.26, MATTRESS_LENGTH + 0.1), (s * (width / 2 + 0.03), 0.1, 0.0), 0.03, 2)
-    yield rounded("upholstery", (width + 0.13, 0.26, 0.07), (0.0, 0.1, MATTRESS_LENGTH / 2 + 0.03), 0.03, 2)
+        yield rounded_box(
+            "upholstery", (0.07, 0.26, MATTRESS_LENGTH + 0.1), (s * (width / 2 + 0.03), 0.1, 0.0), 0.03, 2
+        )
+    yield rounded_box("upholstery", (width + 0.13, 0.26, 0.07), (0.0, 0.1, MATTRESS_LENGTH / 2 + 0.03), 0.03, 2)
     yield box("black", (width, 0.04, MATTRESS_LENGTH), (0.0, 0.22, 0.0))
-    yield rounded("upholstery", (width + 0.14, 1.05, 0.1), (0.0, 0.1, z), 0.04, 2)
+    yield rounded_box("upholstery", (width + 0.14, 1.05, 0.1), (0.0, 0.1, z), 0.04, 2)
     if head == "tufted":
         for row in range(3):
             for i in range(6):
-                yield soft(
+                yield padded_block(
                     "upholstery",
                     ((width + 0.08) / 6, 0.2, 0.07),
                     ((i - 2.5) * (width + 0.08) / 6, 0.5 + 0.2 * row, z + 0.05),
@@ -59,12 +60,14 @@ def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted
                 )
     elif head == "channels":
         for i in range(9):
-            yield soft(
+            yield padded_block(
                 "upholstery", ((width + 0.1) / 9, 0.62, 0.09), ((i - 4) * (width + 0.1) / 9, 0.5, z + 0.05), 4.0, 4
             )
     else:
-        yield soft("upholstery", (width, 0.6, 0.08), (0.0, 0.48, z + 0.05), 9.0, 6)
-        yield from mirrored([rounded("upholstery", (0.08, 1.05, 0.3), (width / 2 + 0.06, 0.1, z + 0.12), 0.035, 2)])
+        yield padded_block("upholstery", (width, 0.6, 0.08), (0.0, 0.48, z + 0.05), 9.0, 6)
+        yield from add_mirror_images(
+            [rounded_box("upholstery", (0.08, 1.05, 0.3), (width / 2 + 0.06, 0.1, z + 0.12), 0.035, 2)]
+        )
     yield from bedding(width, MATTRESS_LENGTH, 0.26, cover, pillows, 0.24)
 
 
@@ -117,7 +120,7 @@ def futon_floor(width: float = 1.4, cover: Cover = "rumpled", pillows: int = 2) 
     for x in np.linspace(-width / 2 - 0.08, width / 2 + 0.08, 4):
         yield box("wood", (0.08, 0.1, MATTRESS_LENGTH + 0.24), (float(x), 0.0, 0.0))
     for i in range(13):
-        yield rounded(
+        yield rounded_box(
             "wood", (width + 0.3, 0.025, 0.1), (0.0, 0.1, (i - 6) * (MATTRESS_LENGTH + 0.12) / 12.5), 0.006, 1
         )
     yield from bedding(width, MATTRESS_LENGTH, 0.125, cover, pillows, 0.16)

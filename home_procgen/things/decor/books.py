@@ -7,7 +7,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import book_row
@@ -46,7 +46,7 @@ def _open_book(seed: int) -> Iterator[Solid]:
         under = [(x, 0.003, z) for x, _, z in page]
         outline = [(x, y) for x, y, _ in page] + [(x, y) for x, y, _ in under[::-1]]
         yield prism("paper", outline, 0.21)
-        yield rounded("cover", (0.155, 0.004, 0.22), (s * 0.0785, 0.0, 0.0), 0.001, 1)
+        yield rounded_box("cover", (0.155, 0.004, 0.22), (s * 0.0785, 0.0, 0.0), 0.001, 1)
         for i in range(6):
             yield box("gray", (0.1, 0.0008, 0.004), (s * 0.075, 0.0315, -0.07 + 0.026 * i))
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
@@ -49,7 +49,7 @@ def _rim_clock(kind: str) -> Iterator[Solid]:
 
 
 def _square_clock() -> Iterator[Solid]:
-    yield rounded("wood", (0.3, 0.3, 0.035), (0.0, 0.0, -0.02), 0.03, 3)
+    yield rounded_box("wood", (0.3, 0.3, 0.035), (0.0, 0.0, -0.02), 0.03, 3)
     yield from face(0.12, 0.15, -0.004, 4)
 
 
@@ -57,12 +57,12 @@ def pendulum_clock(kind: str) -> Iterator[Solid]:
     """Build a pendulum clock in a wooden case: tall, or for a wall."""
     base = 1.45 if kind == "tall" else 0.42
     if kind == "tall":
-        yield rounded("wood", (0.42, 0.3, 0.28), (0.0, 0.0, 0.0), 0.015, 2)
-        yield rounded("wood", (0.28, 0.95, 0.2), (0.0, 0.28, -0.01), 0.01, 1)
-        yield rounded("wood", (0.4, 0.5, 0.26), (0.0, 1.2, 0.0), 0.012, 1)
+        yield rounded_box("wood", (0.42, 0.3, 0.28), (0.0, 0.0, 0.0), 0.015, 2)
+        yield rounded_box("wood", (0.28, 0.95, 0.2), (0.0, 0.28, -0.01), 0.01, 1)
+        yield rounded_box("wood", (0.4, 0.5, 0.26), (0.0, 1.2, 0.0), 0.012, 1)
         yield prism("wood", fillet([(-0.22, 0.0), (0.22, 0.0), (0.0, 0.2)], 0.12, 5, True), 0.26, (0.0, 1.7, 0.0))
     else:
-        yield rounded("wood", (0.26, 0.62, 0.12), (0.0, 0.0, -0.02), 0.012, 1)
+        yield rounded_box("wood", (0.26, 0.62, 0.12), (0.0, 0.0, -0.02), 0.012, 1)
         yield prism("wood", fillet([(-0.16, 0.0), (0.16, 0.0), (0.0, 0.12)], 0.08, 4, True), 0.12, (0.0, 0.62, -0.02))
     z = 0.131 if kind == "tall" else 0.041
     yield from face(0.15 if kind == "tall" else 0.1, base, z)
@@ -74,11 +74,11 @@ def pendulum_clock(kind: str) -> Iterator[Solid]:
 
 
 def _cuckoo() -> Iterator[Solid]:
-    yield rounded("wood", (0.22, 0.22, 0.12), (0.0, 0.06, -0.02), 0.008, 1)
+    yield rounded_box("wood", (0.22, 0.22, 0.12), (0.0, 0.06, -0.02), 0.008, 1)
     for s in (-1, 1):
         yield prism("wood_1", [(0.0, 0.42), (s * 0.18, 0.26), (s * 0.18, 0.24), (0.0, 0.395)], 0.16)
         yield rod("brass", (s * 0.04, -0.22, 0.02), (s * 0.04, 0.06, 0.02), 0.002, sides=4)
-        yield turned("bark", [(0.012, -0.3), (0.02, -0.26), (0.01, -0.21)], (s * 0.04, 0.0, 0.02), 10, 2)
+        yield revolve("bark", [(0.012, -0.3), (0.02, -0.26), (0.01, -0.21)], (s * 0.04, 0.0, 0.02), 10, 2)
     yield prism("wood", [(-0.11, 0.28), (0.11, 0.28), (0.0, 0.38)], 0.11, (0.0, 0.0, -0.02))
     yield from face(0.07, 0.16, 0.041)
     yield box("black", (0.04, 0.05, 0.006), (0.0, 0.285, 0.036))

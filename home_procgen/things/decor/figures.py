@@ -7,8 +7,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -16,18 +16,18 @@ from home_procgen.things.joinery import corners
 
 
 def _cat() -> Iterator[Solid]:
-    yield turned("glaze", [(0.06, 0.0), (0.07, 0.05), (0.045, 0.14), (0.03, 0.17)], sides=18, steps=3)
+    yield revolve("glaze", [(0.06, 0.0), (0.07, 0.05), (0.045, 0.14), (0.03, 0.17)], sides=18, steps=3)
     yield ball("glaze", (0.045, 0.04, 0.045), (0.0, 0.2, 0.01), 16, 10)
     for s in (-1, 1):
-        yield turned("glaze", [(0.016, 0.0), (0.002, 0.035)], (s * 0.024, 0.225, 0.005), 8, 1)
+        yield revolve("glaze", [(0.016, 0.0), (0.002, 0.035)], (s * 0.024, 0.225, 0.005), 8, 1)
         yield ball("black", 0.006, (s * 0.016, 0.205, 0.05), 8, 4)
         yield ball("glaze", (0.016, 0.012, 0.026), (s * 0.025, 0.012, 0.06), 10, 6)
     yield tube("glaze", spline([(0.05, 0.02, -0.03), (0.09, 0.03, 0.01), (0.06, 0.03, 0.07)], 4), 0.012, 8)
 
 
 def _bust() -> Iterator[Solid]:
-    yield turned("marble", [(0.07, 0.0), (0.07, 0.02), (0.03, 0.04), (0.03, 0.07)], sides=20, steps=1)
-    yield soft("white", (0.22, 0.1, 0.12), (0.0, 0.07, 0.0), 3.0, 6)
+    yield revolve("marble", [(0.07, 0.0), (0.07, 0.02), (0.03, 0.04), (0.03, 0.07)], sides=20, steps=1)
+    yield padded_block("white", (0.22, 0.1, 0.12), (0.0, 0.07, 0.0), 3.0, 6)
     yield tube("white", [(0.0, 0.14, 0.0), (0.0, 0.22, 0.005)], 0.034, 12)
     yield ball("white", (0.05, 0.068, 0.058), (0.0, 0.27, 0.01), 18, 12)
     yield ball("white", (0.054, 0.045, 0.062), (0.0, 0.305, -0.006), 18, 10)
@@ -58,17 +58,17 @@ def _beast(kind: str) -> Iterator[Solid]:
 
 
 def _obelisk() -> Iterator[Solid]:
-    yield rounded("marble", (0.1, 0.04, 0.1), (0.0, 0.0, 0.0), 0.006, 1)
-    yield turned("marble", [(0.05, 0.04), (0.032, 0.3), (0.002, 0.34)], sides=4, steps=1)
-    yield rounded("brass", (0.08, 0.012, 0.08), (0.0, 0.035, 0.0), 0.004, 1)
-    yield turned("brass", [(0.051, 0.05), (0.0495, 0.07)], sides=4, steps=1)
+    yield rounded_box("marble", (0.1, 0.04, 0.1), (0.0, 0.0, 0.0), 0.006, 1)
+    yield revolve("marble", [(0.05, 0.04), (0.032, 0.3), (0.002, 0.34)], sides=4, steps=1)
+    yield rounded_box("brass", (0.08, 0.012, 0.08), (0.0, 0.035, 0.0), 0.004, 1)
+    yield revolve("brass", [(0.051, 0.05), (0.0495, 0.07)], sides=4, steps=1)
     yield ball("brass", 0.012, (0.0, 0.348, 0.0), 12, 8)
 
 
 def _seated() -> Iterator[Solid]:
-    yield rounded("wood", (0.2, 0.03, 0.14), (0.0, 0.0, 0.0), 0.008, 1)
+    yield rounded_box("wood", (0.2, 0.03, 0.14), (0.0, 0.0, 0.0), 0.008, 1)
     yield ball("gold", (0.09, 0.03, 0.055), (0.0, 0.055, 0.01), 18, 8)
-    yield turned("gold", [(0.06, 0.05), (0.055, 0.1), (0.06, 0.14), (0.03, 0.17)], (0.0, 0.0, -0.01), 18, 3)
+    yield revolve("gold", [(0.06, 0.05), (0.055, 0.1), (0.06, 0.14), (0.03, 0.17)], (0.0, 0.0, -0.01), 18, 3)
     yield ball("gold", (0.034, 0.042, 0.036), (0.0, 0.21, -0.005), 16, 10)
     yield ball("gold", 0.016, (0.0, 0.255, -0.008), 10, 6)
     for s in (-1, 1):
@@ -78,7 +78,7 @@ def _seated() -> Iterator[Solid]:
 
 
 def _rings() -> Iterator[Solid]:
-    yield rounded("black", (0.16, 0.025, 0.08), (0.0, 0.0, 0.0), 0.005, 1)
+    yield rounded_box("black", (0.16, 0.025, 0.08), (0.0, 0.0, 0.0), 0.005, 1)
     yield ring("brass", 0.12, 0.034, (0.0, 0.16, 0.0), 2, 30)
     yield ring("brass", 0.07, 0.026, (0.0, 0.17, 0.0), 0, 26)
 
@@ -113,7 +113,7 @@ def _dancers() -> Iterator[Solid]:
 
 
 def _globe() -> Iterator[Solid]:
-    yield turned("wood", [(0.09, 0.0), (0.08, 0.02), (0.02, 0.04), (0.015, 0.09)], sides=20, steps=2)
+    yield revolve("wood", [(0.09, 0.0), (0.08, 0.02), (0.02, 0.04), (0.015, 0.09)], sides=20, steps=2)
     yield ball("blue", 0.11, (0.0, 0.22, 0.0), 26, 16)
     for i in range(7):
         a, t = 2.4 * i, 0.6 * np.sin(1.7 * i)
@@ -130,7 +130,7 @@ def _globe() -> Iterator[Solid]:
 
 
 def _ship() -> Iterator[Solid]:
-    yield rounded("wood", (0.3, 0.02, 0.1), (0.0, 0.0, 0.0), 0.005, 1)
+    yield rounded_box("wood", (0.3, 0.02, 0.1), (0.0, 0.0, 0.0), 0.005, 1)
     hull = [(-0.15, 0.07), (0.16, 0.07), (0.12, 0.03), (-0.11, 0.03)]
     yield prism("wood", hull, 0.05)
     for x, h in ((-0.06, 0.24), (0.05, 0.28)):
@@ -161,7 +161,7 @@ def figure(kind: str = "cat") -> Iterator[Solid]:
 
 def base_plate(radius: float) -> Solid:
     """Build a round base plate for an ornament."""
-    return turned("black", [(radius, 0.0), (radius, 0.012), (0.8 * radius, 0.018)], sides=20, steps=1)
+    return revolve("black", [(radius, 0.0), (radius, 0.012), (0.8 * radius, 0.018)], sides=20, steps=1)
 
 
 FIGURES = design_kinds(

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import beam, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -37,11 +37,11 @@ def _wreath() -> Iterator[Solid]:
 
 
 def _casket() -> Iterator[Solid]:
-    yield rounded("wood", (0.22, 0.08, 0.14), (0.0, 0.0, 0.0), 0.006, 1)
-    yield rounded("wood", (0.23, 0.035, 0.15), (0.0, 0.08, 0.0), 0.012, 2)
-    yield rounded("brass", (0.03, 0.04, 0.008), (0.0, 0.065, 0.073), 0.003, 1)
+    yield rounded_box("wood", (0.22, 0.08, 0.14), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("wood", (0.23, 0.035, 0.15), (0.0, 0.08, 0.0), 0.012, 2)
+    yield rounded_box("brass", (0.03, 0.04, 0.008), (0.0, 0.065, 0.073), 0.003, 1)
     for x, z in corners(0.21, 0.13):
-        yield rounded("brass", (0.025, 0.025, 0.025), (x, 0.0, z), 0.004, 1)
+        yield rounded_box("brass", (0.025, 0.025, 0.025), (x, 0.0, z), 0.004, 1)
 
 
 def _jar() -> Iterator[Solid]:
@@ -58,11 +58,11 @@ def _jar() -> Iterator[Solid]:
             8,
             6,
         )
-    yield turned("wood", [(0.062, 0.2), (0.062, 0.215), (0.05, 0.225)], sides=20, steps=1)
+    yield revolve("wood", [(0.062, 0.2), (0.062, 0.215), (0.05, 0.225)], sides=20, steps=1)
 
 
 def _trophy() -> Iterator[Solid]:
-    yield rounded("black", (0.1, 0.06, 0.1), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("black", (0.1, 0.06, 0.1), (0.0, 0.0, 0.0), 0.006, 1)
     yield vessel(
         "gold", [(0.04, 0.06), (0.012, 0.08), (0.012, 0.13), (0.06, 0.19), (0.065, 0.27)], 0.004, sides=20, steps=3
     )
@@ -87,19 +87,19 @@ def _plates() -> Iterator[Solid]:
 
 def _lantern() -> Iterator[Solid]:
     for y in (0.0, 0.24):
-        yield rounded("iron", (0.15, 0.014, 0.15), (0.0, y, 0.0), 0.004, 1)
+        yield rounded_box("iron", (0.15, 0.014, 0.15), (0.0, y, 0.0), 0.004, 1)
     for x, z in corners(0.13, 0.13):
         yield rod("iron", (x, 0.0, z), (x, 0.25, z), 0.005, sides=6)
     for s in (-1, 1):
         yield box("glass", (0.12, 0.22, 0.002), (0.0, 0.016, s * 0.062))
         yield box("glass", (0.002, 0.22, 0.12), (s * 0.062, 0.016, 0.0))
-    yield turned("wax", [(0.03, 0.014), (0.03, 0.11), (0.026, 0.112)], sides=18, steps=1)
-    yield turned("iron", [(0.075, 0.25), (0.04, 0.3), (0.02, 0.31)], sides=4, steps=1)
+    yield revolve("wax", [(0.03, 0.014), (0.03, 0.11), (0.026, 0.112)], sides=18, steps=1)
+    yield revolve("iron", [(0.075, 0.25), (0.04, 0.3), (0.02, 0.31)], sides=4, steps=1)
     yield ring("iron", 0.03, 0.005, (0.0, 0.335, 0.0), 2, 18)
 
 
 def _globe() -> Iterator[Solid]:
-    yield turned("wood", [(0.09, 0.0), (0.085, 0.015), (0.02, 0.03), (0.015, 0.07)], sides=20, steps=2)
+    yield revolve("wood", [(0.09, 0.0), (0.085, 0.015), (0.02, 0.03), (0.015, 0.07)], sides=20, steps=2)
     yield ball("blue", 0.11, (0.0, 0.21, 0.0), 24, 16)
     for a, b, size in ((0.3, 0.4, 0.06), (1.4, -0.2, 0.05), (2.6, 0.5, 0.07), (4.0, 0.0, 0.055), (5.2, -0.5, 0.04)):
         at = (0.085 * np.cos(a) * np.cos(b), 0.21 + 0.085 * np.sin(b), 0.085 * np.sin(a) * np.cos(b))
@@ -110,15 +110,15 @@ def _globe() -> Iterator[Solid]:
 
 def _hourglass() -> Iterator[Solid]:
     for y in (0.0, 0.2):
-        yield turned("wood", [(0.06, y), (0.06, y + 0.016)], sides=20, steps=1)
+        yield revolve("wood", [(0.06, y), (0.06, y + 0.016)], sides=20, steps=1)
     for i in range(3):
         a = 2 * np.pi * i / 3
         yield rod(
             "wood", (0.048 * np.cos(a), 0.01, 0.048 * np.sin(a)), (0.048 * np.cos(a), 0.206, 0.048 * np.sin(a)), 0.006
         )
     bulbs = [(0.02, 0.016), (0.036, 0.04), (0.03, 0.08), (0.005, 0.108), (0.03, 0.136), (0.036, 0.176), (0.02, 0.2)]
-    yield turned("glass", bulbs, sides=20, steps=2)
-    yield turned("cream", [(0.018, 0.018), (0.031, 0.034), (0.02, 0.05), (0.004, 0.06)], sides=16, steps=1)
+    yield revolve("glass", bulbs, sides=20, steps=2)
+    yield revolve("cream", [(0.018, 0.018), (0.031, 0.034), (0.02, 0.05), (0.004, 0.06)], sides=16, steps=1)
 
 
 def _letters() -> Iterator[Solid]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, picture_uv, rotate
 from home_procgen.shapes.curves import loop
-from home_procgen.shapes.rounded import ball, between_loops, rounded
+from home_procgen.shapes.rounded import ball, join_loops, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 
@@ -35,7 +35,7 @@ def moulding(slot: str, width: float, height: float, rim: float) -> Solid:
         np.insert(corner * (width / 2 - share * rim, height / 2 - share * rim), 1, front, axis=1)
         for share, front in profile
     ]
-    flat = between_loops(slot, loops, closed=True)
+    flat = join_loops(slot, loops, closed=True)
     return move(rotate(flat, 0, np.pi / 2), (0.0, height / 2, 0.0))
 
 
@@ -59,7 +59,7 @@ def gallery(count: int = 3) -> Iterator[Solid]:
 
 def canvas(width: float = 0.9, height: float = 0.6) -> Iterator[Solid]:
     """Build an unframed canvas."""
-    yield rounded("paper", (width, height, 0.03), (0.0, 0.0, -0.004), 0.006, 2)
+    yield rounded_box("paper", (width, height, 0.03), (0.0, 0.0, -0.004), 0.006, 2)
     yield picture_uv(box("picture", (width - 0.006, height - 0.006, 0.006), (0.0, 0.003, 0.01)))
     for s in (-1, 1):
         yield rod("chrome", (s * 0.3, height - 0.02, -0.02), (0.0, height + 0.04, -0.016), 0.0015, sides=4)
@@ -91,7 +91,7 @@ def poster(width: float = 0.5, height: float = 0.7) -> Iterator[Solid]:
     yield picture_uv(box("picture", (width, height, 0.003)))
     for y in (0.0, height):
         for z in (-0.008, 0.008):
-            yield rounded("wood", (width + 0.02, 0.024, 0.01), (0.0, y - 0.012, z), 0.003, 1)
+            yield rounded_box("wood", (width + 0.02, 0.024, 0.01), (0.0, y - 0.012, z), 0.003, 1)
     for s in (-1, 1):
         yield rod("black", (s * width / 2.2, height + 0.01, 0.0), (0.0, height + 0.14, -0.006), 0.0015, sides=4)
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.decor.clocks import face, pendulum_clock
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -28,12 +28,12 @@ def _mantel() -> Iterator[Solid]:
         [(-0.2, 0.0), (0.2, 0.0), (0.19, 0.06), (0.1, 0.1), (0.0, 0.28), (-0.1, 0.1), (-0.19, 0.06)], 0.07, 4, True
     )
     yield prism("wood", shape, 0.11)
-    yield rounded("wood", (0.44, 0.03, 0.14), (0.0, 0.0, 0.0), 0.008, 1)
+    yield rounded_box("wood", (0.44, 0.03, 0.14), (0.0, 0.0, 0.0), 0.008, 1)
     yield from face(0.075, 0.13, 0.056)
 
 
 def _digital() -> Iterator[Solid]:
-    yield rounded("black", (0.2, 0.08, 0.06), (0.0, 0.0, 0.0), 0.012, 2)
+    yield rounded_box("black", (0.2, 0.08, 0.06), (0.0, 0.0, 0.0), 0.012, 2)
     yield box("screen", (0.17, 0.055, 0.004), (0.0, 0.012, 0.03))
     for k, x in enumerate((-0.06, -0.025, 0.02, 0.055)):
         for dy, w, h in ((0.0, 0.02, 0.004), (0.018, 0.02, 0.004), (0.036, 0.02, 0.004)):
@@ -45,13 +45,13 @@ def _digital() -> Iterator[Solid]:
 
 def _flip() -> Iterator[Solid]:
     """Build a flip clock with numbers on cards."""
-    yield rounded("bright", (0.22, 0.11, 0.1), (0.0, 0.006, -0.005), 0.03, 3)
+    yield rounded_box("bright", (0.22, 0.11, 0.1), (0.0, 0.006, -0.005), 0.03, 3)
     for s in (-1, 1):
-        yield rounded("black", (0.075, 0.075, 0.012), (s * 0.045, 0.023, 0.042), 0.006, 2)
+        yield rounded_box("black", (0.075, 0.075, 0.012), (s * 0.045, 0.023, 0.042), 0.006, 2)
         for k in (0, 1):
             yield box("cream", (0.062, 0.03, 0.003), (s * 0.045, 0.028 + 0.0325 * k, 0.048))
         for dx in (-0.014, 0.014):
-            yield rounded("black", (0.016, 0.05, 0.002), (s * 0.045 + dx, 0.036, 0.0495), 0.004, 1)
+            yield rounded_box("black", (0.016, 0.05, 0.002), (s * 0.045 + dx, 0.036, 0.0495), 0.004, 1)
         yield rod("black", (s * 0.08, 0.0, -0.02), (s * 0.08, 0.012, -0.02), 0.012, sides=10)
     yield disc("chrome", 0.008, 0.01, (0.1, 0.06, 0.044), 12)
 
@@ -59,9 +59,9 @@ def _flip() -> Iterator[Solid]:
 def _carriage() -> Iterator[Solid]:
     """Build a carriage clock: a brass frame with glass sides and a handle."""
     for y in (0.0, 0.15):
-        yield rounded("brass", (0.11, 0.016, 0.1), (0.0, y, 0.0), 0.005, 2)
+        yield rounded_box("brass", (0.11, 0.016, 0.1), (0.0, y, 0.0), 0.005, 2)
     for x, z in corners(0.094, 0.084):
-        yield turned(
+        yield revolve(
             "brass", [(0.006, 0.014), (0.008, 0.02), (0.005, 0.08), (0.008, 0.144), (0.006, 0.152)], (x, 0.0, z), 8, 1
         )
     yield box("glass", (0.082, 0.136, 0.002), (0.0, 0.015, 0.04))
@@ -72,7 +72,7 @@ def _carriage() -> Iterator[Solid]:
 
 def _dome() -> Iterator[Solid]:
     """Build a clock with turning balls under a glass dome."""
-    yield turned("wood", [(0.1, 0.0), (0.1, 0.015), (0.088, 0.025)], sides=24, steps=1)
+    yield revolve("wood", [(0.1, 0.0), (0.1, 0.015), (0.088, 0.025)], sides=24, steps=1)
     for s in (-1, 1):
         yield rod("brass", (s * 0.035, 0.02, 0.0), (s * 0.035, 0.2, 0.0), 0.005)
     yield from face(0.05, 0.2, 0.01)
@@ -81,7 +81,7 @@ def _dome() -> Iterator[Solid]:
     for a in np.arange(4) * np.pi / 2 + 0.4:
         yield ball("brass", 0.013, (0.03 * np.cos(a), 0.06, 0.03 * np.sin(a)), 10, 6)
         yield rod("brass", (0.0, 0.07, 0.0), (0.03 * np.cos(a), 0.062, 0.03 * np.sin(a)), 0.002, sides=5)
-    yield turned("glass", [(0.085, 0.025), (0.085, 0.22), (0.06, 0.275), (0.02, 0.292)], sides=24, steps=3)
+    yield revolve("glass", [(0.085, 0.025), (0.085, 0.22), (0.06, 0.275), (0.02, 0.292)], sides=24, steps=3)
 
 
 _KINDS: dict[str, Callable[[], Iterator[Solid]]] = {

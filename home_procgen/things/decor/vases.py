@@ -7,7 +7,7 @@ import numpy as np
 from home_procgen.primitives.solids import Solid, cylinder
 from home_procgen.shapes.curves import loop, spline
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import ball, between_loops
+from home_procgen.shapes.rounded import ball, join_loops
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import tube
 from home_procgen.things.family import FurnitureFamily, design
@@ -87,14 +87,14 @@ def ribbed(square: bool = False) -> Iterator[Solid]:
             turn = np.array([[np.cos(t), -np.sin(t)], [np.sin(t), np.cos(t)]])
             loops.append(np.insert(base @ turn.T * (0.8 + 0.3 * np.sin(2.4 * y / 0.3)), 1, y, axis=1))
         inner = [np.stack([0.8 * p[:, 0], np.maximum(p[:, 1], 0.01), 0.8 * p[:, 2]], -1) for p in loops[::-3]]
-        yield between_loops("glaze", [*loops, *inner])
+        yield join_loops("glaze", [*loops, *inner])
         return
     angle = 2 * np.pi * np.arange(36) / 36
     flute = 1 + 0.07 * (np.arange(36) % 2)
     profile = spline([(0.06, 0.0), (0.09, 0.08), (0.08, 0.2), (0.05, 0.26), (0.07, 0.3)], 3)
     loops = [np.stack([r * flute * np.cos(angle), np.full(36, y), r * flute * np.sin(angle)], -1) for r, y in profile]
     inner = [np.stack([0.85 * p[:, 0], np.maximum(p[:, 1], 0.012), 0.85 * p[:, 2]], -1) for p in loops[::-2]]
-    yield between_loops("glaze", [*loops, *inner])
+    yield join_loops("glaze", [*loops, *inner])
 
 
 def twin_handles() -> Iterator[Solid]:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc, roller
@@ -14,27 +14,27 @@ from home_procgen.things.joinery import disc, roller
 def vacuum(kind: str = "canister") -> Iterator[Solid]:
     """Build a vacuum cleaner: canister, upright or robot."""
     if kind == "robot":
-        yield turned("black", [(0.16, 0.0), (0.17, 0.015), (0.17, 0.07), (0.155, 0.085)], sides=36, steps=1)
+        yield revolve("black", [(0.16, 0.0), (0.17, 0.015), (0.17, 0.07), (0.155, 0.085)], sides=36, steps=1)
         yield cylinder("gray", 0.13, 0.003, (0.0, 0.084, 0.0), sides=30)
         yield cylinder("black", 0.04, 0.015, (0.0, 0.086, -0.03), sides=20)
         yield disc("green", 0.01, 0.006, (0.0, 0.05, 0.166), 12)
         return
     if kind == "canister":
-        yield soft("bright", (0.26, 0.2, 0.38), (0.0, 0.05, 0.0), 3.5, 7)
+        yield padded_block("bright", (0.26, 0.2, 0.38), (0.0, 0.05, 0.0), 3.5, 7)
         for s in (-1, 1):
             yield roller("black", 0.09, 0.04, (s * 0.13, 0.09, -0.1), 22)
         yield ball("black", 0.025, (0.0, 0.025, 0.14), 10, 6)
         hose = spline([(0.0, 0.17, 0.17), (0.0, 0.4, 0.4), (0.25, 0.6, 0.35), (0.35, 0.85, 0.1)], 6)
         yield tube("gray", hose, 0.02, 10)
         yield rod("chrome", (0.35, 0.85, 0.1), (0.4, 0.06, 0.4), 0.014)
-        yield rounded("black", (0.28, 0.05, 0.1), (0.4, 0.0, 0.42), 0.015, 2)
+        yield rounded_box("black", (0.28, 0.05, 0.1), (0.4, 0.0, 0.42), 0.015, 2)
         return
-    yield rounded("black", (0.28, 0.07, 0.2), (0.0, 0.0, 0.1), 0.02, 2)
+    yield rounded_box("black", (0.28, 0.07, 0.2), (0.0, 0.0, 0.1), 0.02, 2)
     yield from (
         rotate(p, 0, -0.2, (0.0, 0.05, 0.05))
         for p in (
             rod("bright", (0.0, 0.05, 0.05), (0.0, 0.75, 0.05), 0.02),
-            turned("tint", [(0.05, 0.0), (0.055, 0.02), (0.055, 0.2), (0.04, 0.24)], (0.0, 0.75, 0.07), 20, 1),
+            revolve("tint", [(0.05, 0.0), (0.055, 0.02), (0.055, 0.2), (0.04, 0.24)], (0.0, 0.75, 0.07), 20, 1),
             tube(
                 "bright",
                 fillet([(0.0, 0.98, 0.07), (0.0, 1.12, 0.05), (0.0, 1.12, -0.06), (0.0, 0.95, -0.03)], 0.05),
@@ -53,7 +53,7 @@ def ironing() -> Iterator[Solid]:
         yield rod("chrome", (s * 0.42, 0.01, -0.13), (-s * 0.3, 0.85, -0.1), 0.011)
         yield rod("chrome", (s * 0.42, 0.01, 0.13), (-s * 0.3, 0.85, 0.1), 0.011)
         yield rod("chrome", (s * 0.42, 0.012, -0.2), (s * 0.42, 0.012, 0.2), 0.012)
-    yield rounded("chrome", (0.2, 0.01, 0.24), (-0.7, 0.86, 0.0), 0.004, 1)
+    yield rounded_box("chrome", (0.2, 0.01, 0.24), (-0.7, 0.86, 0.0), 0.004, 1)
     yield from (move(p, (-0.1, 0.89, 0.0)) for p in iron())
 
 

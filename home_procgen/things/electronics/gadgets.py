@@ -5,17 +5,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
-from home_procgen.shapes.groups import around
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 
 
 def headphones() -> Iterator[Solid]:
     """Build headphones on a stand."""
-    yield turned("wood", [(0.07, 0.0), (0.065, 0.015), (0.02, 0.02)], sides=20, steps=1)
+    yield revolve("wood", [(0.07, 0.0), (0.065, 0.015), (0.02, 0.02)], sides=20, steps=1)
     yield rod("wood", (0.0, 0.01, 0.0), (0.0, 0.26, 0.0), 0.01)
     yield tube("wood", [(-0.03, 0.262, 0.0), (0.0, 0.27, 0.0), (0.03, 0.262, 0.0)], 0.016, 10)
     yield tube(
@@ -25,21 +25,21 @@ def headphones() -> Iterator[Solid]:
         8,
     )
     for s in (-1, 1):
-        cup = turned("black", [(0.036, 0.0), (0.042, 0.01), (0.04, 0.03)], sides=18, steps=2)
+        cup = revolve("black", [(0.036, 0.0), (0.042, 0.01), (0.04, 0.03)], sides=18, steps=2)
         yield move(rotate(cup, 2, s * np.pi / 2), (s * 0.085, 0.165, 0.0))
 
 
 def camera(kind: str = "camera") -> Iterator[Solid]:
     """Build a camera, or a telescope on a tripod."""
     if kind == "camera":
-        yield rounded("black", (0.13, 0.08, 0.06), (0.0, 0.0, 0.0), 0.015, 2)
+        yield rounded_box("black", (0.13, 0.08, 0.06), (0.0, 0.0, 0.0), 0.015, 2)
         yield prism("black", [(-0.03, 0.08), (0.03, 0.08), (0.02, 0.105), (-0.02, 0.105)], 0.05)
         for r, z, t in ((0.035, 0.028, 0.03), (0.03, 0.058, 0.03)):
             yield disc("black", r, t, (0.0, 0.04, z), 24)
         yield disc("glass", 0.024, 0.004, (0.0, 0.04, 0.086), 20)
         yield cylinder("chrome", 0.012, 0.012, (0.045, 0.08, 0.0), sides=14)
         return
-    yield from around([rod("black", (0.0, 0.0, 0.42), (0.0, 0.95, 0.03), 0.013, 0.018)], 3)
+    yield from repeat_around([rod("black", (0.0, 0.0, 0.42), (0.0, 0.95, 0.03), 0.013, 0.018)], 3)
     yield cylinder("black", 0.04, 0.09, (0.0, 0.93, 0.0), sides=14)
     for z0, z1, r in ((-0.35, -0.2, 0.018), (-0.2, 0.1, 0.03), (0.1, 0.45, 0.042)):
         yield tube("white", [(0.0, 1.1 + 0.35 * z0, z0), (0.0, 1.1 + 0.35 * z1, z1)], r, 14)

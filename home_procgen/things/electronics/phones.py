@@ -6,14 +6,14 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _dial_telephone() -> Iterator[Solid]:
-    yield turned("bright", [(0.11, 0.0), (0.105, 0.03), (0.06, 0.09), (0.05, 0.1)], sides=20, steps=3)
+    yield revolve("bright", [(0.11, 0.0), (0.105, 0.03), (0.06, 0.09), (0.05, 0.1)], sides=20, steps=3)
     yield rotate(cylinder("cream", 0.05, 0.012, (0.0, 0.07, 0.045), sides=24), 0, 0.75, (0.0, 0.07, 0.045))
     for i in range(10):
         a = 0.5 + 0.5 * i
@@ -34,13 +34,13 @@ def _dial_telephone() -> Iterator[Solid]:
 
 
 def _cordless() -> Iterator[Solid]:
-    yield rounded("black", (0.09, 0.04, 0.1), (0.0, 0.0, 0.0), 0.015, 2)
+    yield rounded_box("black", (0.09, 0.04, 0.1), (0.0, 0.0, 0.0), 0.015, 2)
     handset = [
-        rounded("black", (0.05, 0.17, 0.026), (0.0, 0.02, 0.0), 0.012, 3),
+        rounded_box("black", (0.05, 0.17, 0.026), (0.0, 0.02, 0.0), 0.012, 3),
         box("tint", (0.034, 0.03, 0.002), (0.0, 0.13, 0.013)),
     ]
     handset += [
-        rounded("gray", (0.01, 0.008, 0.004), ((i - 1) * 0.013, 0.055 + 0.016 * j, 0.012), 0.002, 1)
+        rounded_box("gray", (0.01, 0.008, 0.004), ((i - 1) * 0.013, 0.055 + 0.016 * j, 0.012), 0.002, 1)
         for i in range(3)
         for j in range(4)
     ]
@@ -49,11 +49,13 @@ def _cordless() -> Iterator[Solid]:
 
 def _desk_telephone() -> Iterator[Solid]:
     yield prism("black", [(-0.09, 0.0), (0.1, 0.0), (0.1, 0.02), (-0.09, 0.09)], 0.19, (0.0, 0.0, 0.0), "side")
-    yield move(rotate(rounded("black", (0.05, 0.045, 0.2), (0.0, 0.0, 0.0), 0.018, 3), 0, 0.35), (-0.06, 0.065, 0.0))
+    yield move(
+        rotate(rounded_box("black", (0.05, 0.045, 0.2), (0.0, 0.0, 0.0), 0.018, 3), 0, 0.35), (-0.06, 0.065, 0.0)
+    )
     for i in range(3):
         for j in range(4):
             yield rotate(
-                rounded("gray", (0.02, 0.012, 0.016), (0.0 + 0.027 * i, 0.058, -0.005 + 0.022 * j), 0.004, 1),
+                rounded_box("gray", (0.02, 0.012, 0.016), (0.0 + 0.027 * i, 0.058, -0.005 + 0.022 * j), 0.004, 1),
                 0,
                 0.35,
                 (0.0, 0.058, 0.0),
@@ -75,9 +77,9 @@ def telephone(kind: str = "dial") -> Iterator[Solid]:
 def slab(kind: str = "phone") -> Iterator[Solid]:
     """Build a mobile phone or a tablet lying face up."""
     wide, deep = (0.075, 0.155) if kind == "phone" else (0.19, 0.26)
-    yield rounded("black", (wide, 0.008, deep), (0.0, 0.0, 0.0), 0.0035, 3)
-    yield rounded("screen", (wide - 0.006, 0.002, deep - 0.014), (0.0, 0.0068, 0.0), 0.0008, 1)
-    yield rounded("chrome", (0.002, 0.003, 0.02), (wide / 2, 0.0025, -0.2 * deep), 0.0008, 1)
+    yield rounded_box("black", (wide, 0.008, deep), (0.0, 0.0, 0.0), 0.0035, 3)
+    yield rounded_box("screen", (wide - 0.006, 0.002, deep - 0.014), (0.0, 0.0068, 0.0), 0.0008, 1)
+    yield rounded_box("chrome", (0.002, 0.003, 0.02), (wide / 2, 0.0025, -0.2 * deep), 0.0008, 1)
 
 
 FAMILIES = (

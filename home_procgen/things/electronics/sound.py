@@ -7,8 +7,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import shade, turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve, shade
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import bow_handle, disc
@@ -22,7 +22,7 @@ def _cone(r: float, x: float, y: float, z: float) -> Iterator[Solid]:
 
 def _box_speaker(kind: str) -> Iterator[Solid]:
     wide, high, deep = (0.2, 0.95, 0.28) if kind == "tower" else (0.17, 0.28, 0.2)
-    yield rounded("wood", (wide, high, deep), (0.0, 0.02, 0.0), 0.008, 1)
+    yield rounded_box("wood", (wide, high, deep), (0.0, 0.02, 0.0), 0.008, 1)
     for k, r in enumerate((0.07, 0.07, 0.035) if kind == "tower" else (0.06, 0.03)):
         y = (0.45, 0.65, 0.83)[k] if kind == "tower" else (0.11, 0.22)[k]
         yield from _cone(r, 0.0, y, deep / 2 + 0.002)
@@ -32,20 +32,20 @@ def _box_speaker(kind: str) -> Iterator[Solid]:
 
 
 def _sound_bar() -> Iterator[Solid]:
-    yield rounded("black", (0.9, 0.06, 0.08), (0.0, 0.006, 0.0), 0.02, 3)
+    yield rounded_box("black", (0.9, 0.06, 0.08), (0.0, 0.006, 0.0), 0.02, 3)
     for i in range(40):
         yield box("gray", (0.003, 0.045, 0.004), (-0.42 + 0.0215 * i, 0.014, 0.039))
 
 
 def _ball_speaker() -> Iterator[Solid]:
     yield ball("textile", 0.11, (0.0, 0.11, 0.0), 22, 14)
-    yield turned("white", [(0.06, 0.0), (0.08, 0.02), (0.06, 0.03)], sides=20, steps=1)
+    yield revolve("white", [(0.06, 0.0), (0.08, 0.02), (0.06, 0.03)], sides=20, steps=1)
     yield disc("white", 0.05, 0.006, (0.0, 0.11, 0.107), 20)
 
 
 def _radio() -> Iterator[Solid]:
-    yield rounded("wood", (0.34, 0.2, 0.13), (0.0, 0.01, 0.0), 0.025, 3)
-    yield rounded("cream", (0.3, 0.16, 0.01), (0.0, 0.03, 0.062), 0.004, 1)
+    yield rounded_box("wood", (0.34, 0.2, 0.13), (0.0, 0.01, 0.0), 0.025, 3)
+    yield rounded_box("cream", (0.3, 0.16, 0.01), (0.0, 0.03, 0.062), 0.004, 1)
     for i in range(11):
         yield box("brown", (0.006, 0.12, 0.006), (-0.13 + 0.015 * i, 0.05, 0.067))
     for y in (0.07, 0.14):
@@ -55,7 +55,7 @@ def _radio() -> Iterator[Solid]:
 
 
 def _smart_speaker() -> Iterator[Solid]:
-    yield turned("gray", [(0.045, 0.0), (0.05, 0.01), (0.05, 0.14), (0.046, 0.15)], sides=24, steps=1)
+    yield revolve("gray", [(0.045, 0.0), (0.05, 0.01), (0.05, 0.14), (0.046, 0.15)], sides=24, steps=1)
     yield ring("blue", 0.044, 0.005, (0.0, 0.15, 0.0), 1, 24)
     for k in range(7):
         yield ring("black", 0.0505, 0.003, (0.0, 0.025 + 0.015 * k, 0.0), 1, 24)
@@ -63,36 +63,36 @@ def _smart_speaker() -> Iterator[Solid]:
 
 def _flat_tower() -> Iterator[Solid]:
     """Build a tall flat loudspeaker: a framed cloth panel on a broad foot."""
-    yield rounded("black", (0.34, 0.03, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
-    yield rounded("wood", (0.32, 1.2, 0.04), (0.0, 0.03, -0.02), 0.012, 2)
-    yield soft("textile", (0.27, 1.12, 0.02), (0.0, 0.07, 0.004), 9.0, 6)
-    yield rounded("chrome", (0.05, 0.014, 0.004), (0.0, 0.08, 0.016), 0.002, 1)
+    yield rounded_box("black", (0.34, 0.03, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
+    yield rounded_box("wood", (0.32, 1.2, 0.04), (0.0, 0.03, -0.02), 0.012, 2)
+    yield padded_block("textile", (0.27, 1.12, 0.02), (0.0, 0.07, 0.004), 9.0, 6)
+    yield rounded_box("chrome", (0.05, 0.014, 0.004), (0.0, 0.08, 0.016), 0.002, 1)
 
 
 def _pillar() -> Iterator[Solid]:
-    yield turned("black", [(0.13, 0.0), (0.13, 0.02), (0.07, 0.035)], sides=28, steps=1)
-    yield turned("textile", [(0.085, 0.03), (0.085, 0.86)], sides=28, steps=1)
-    yield turned("black", [(0.087, 0.86), (0.08, 0.9), (0.03, 0.91)], sides=28, steps=1)
+    yield revolve("black", [(0.13, 0.0), (0.13, 0.02), (0.07, 0.035)], sides=28, steps=1)
+    yield revolve("textile", [(0.085, 0.03), (0.085, 0.86)], sides=28, steps=1)
+    yield revolve("black", [(0.087, 0.86), (0.08, 0.9), (0.03, 0.91)], sides=28, steps=1)
     for y in (0.03, 0.45, 0.86):
         yield ring("black", 0.086, 0.01, (0.0, y, 0.0), 1, 28)
 
 
 def _boom_box() -> Iterator[Solid]:
     """Build a boom box: two cones, a cassette deck between them and a handle."""
-    yield rounded("plastic", (0.5, 0.2, 0.12), (0.0, 0.01, 0.0), 0.02, 3)
+    yield rounded_box("plastic", (0.5, 0.2, 0.12), (0.0, 0.01, 0.0), 0.02, 3)
     for s in (-1, 1):
         yield from _cone(0.07, s * 0.16, 0.1, 0.062)
     yield box("screen", (0.12, 0.06, 0.004), (0.0, 0.05, 0.061))
     for k in range(6):
-        yield rounded("gray", (0.016, 0.014, 0.02), (-0.05 + 0.02 * k, 0.21, 0.03), 0.003, 1)
+        yield rounded_box("gray", (0.016, 0.014, 0.02), (-0.05 + 0.02 * k, 0.21, 0.03), 0.003, 1)
     yield box("cream", (0.16, 0.02, 0.004), (0.0, 0.16, 0.06))
     yield bow_handle("chrome", 0.2, (0.18, 0.28), 0.0, 0.04, 0.009)
 
 
 def _horn() -> Iterator[Solid]:
     """Build a gramophone: a wooden box, a turntable and a brass horn."""
-    yield rounded("wood", (0.34, 0.14, 0.34), (0.0, 0.0, 0.0), 0.01, 1)
-    yield rounded("wood", (0.37, 0.02, 0.37), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("wood", (0.34, 0.14, 0.34), (0.0, 0.0, 0.0), 0.01, 1)
+    yield rounded_box("wood", (0.37, 0.02, 0.37), (0.0, 0.0, 0.0), 0.006, 1)
     yield cylinder("black", 0.14, 0.01, (0.0, 0.145, 0.02), sides=28)
     yield cylinder("red", 0.04, 0.012, (0.0, 0.145, 0.02), sides=20)
     neck = fillet([(0.1, 0.15, 0.02), (0.0, 0.22, -0.1), (0.0, 0.34, -0.16), (0.0, 0.42, -0.1)], 0.06, 4)
@@ -125,13 +125,13 @@ def stereo(kind: str = "rack") -> Iterator[Solid]:
     if kind == "rack":
         for i, high in enumerate((0.14, 0.1, 0.12)):
             y = 0.01 + sum((0.15, 0.11, 0.13)[:i])
-            yield rounded("black" if i % 2 else "steel", (0.43, high, 0.32), (0.0, y, 0.0), 0.006, 1)
+            yield rounded_box("black" if i % 2 else "steel", (0.43, high, 0.32), (0.0, y, 0.0), 0.006, 1)
             yield disc("chrome", 0.03, 0.025, (0.14, y + high / 2, 0.16), 20)
             yield box("screen", (0.16, 0.04, 0.004), (-0.06, y + high / 2 - 0.01, 0.16))
             for k in range(5):
                 yield disc("gray", 0.007, 0.01, (-0.14 + 0.03 * k, y + 0.02, 0.16), 10)
     base = 0.4 if kind == "rack" else 0.0
-    yield rounded("wood", (0.44, 0.08, 0.34), (0.0, base + 0.012, 0.0), 0.01, 1)
+    yield rounded_box("wood", (0.44, 0.08, 0.34), (0.0, base + 0.012, 0.0), 0.01, 1)
     yield cylinder("black", 0.15, 0.012, (-0.04, base + 0.09, 0.0), sides=32)
     for r in (0.145, 0.12, 0.09):
         yield ring("gray", r, 0.001, (-0.04, base + 0.1025, 0.0), 1, 30)
@@ -144,15 +144,15 @@ def console(kind: str = "upright") -> Iterator[Solid]:
     """Build a game console with its pad."""
     slot = "black" if kind == "upright" else "white"
     if kind == "upright":
-        yield rounded(slot, (0.1, 0.32, 0.22), (0.0, 0.01, 0.0), 0.02, 2)
+        yield rounded_box(slot, (0.1, 0.32, 0.22), (0.0, 0.01, 0.0), 0.02, 2)
         yield box("blue", (0.006, 0.26, 0.004), (0.02, 0.04, 0.11))
-        yield rounded("gray", (0.14, 0.014, 0.2), (0.0, 0.0, 0.0), 0.006, 1)
+        yield rounded_box("gray", (0.14, 0.014, 0.2), (0.0, 0.0, 0.0), 0.006, 1)
     else:
-        yield rounded(slot, (0.3, 0.07, 0.24), (0.0, 0.0, 0.0), 0.015, 2)
+        yield rounded_box(slot, (0.3, 0.07, 0.24), (0.0, 0.0, 0.0), 0.015, 2)
         yield box("black", (0.16, 0.006, 0.004), (-0.03, 0.035, 0.12))
         yield disc("green", 0.014, 0.004, (0.11, 0.035, 0.118), 16)
     x = 0.17 if kind == "upright" else 0.27
-    yield soft("gray", (0.1, 0.035, 0.06), (x, 0.004, 0.05), 4.0, 5)
+    yield padded_block("gray", (0.1, 0.035, 0.06), (x, 0.004, 0.05), 4.0, 5)
     for s in (-1, 1):
         yield tube("gray", [(x + s * 0.045, 0.024, 0.05), (x + s * 0.06, 0.016, 0.11)], [0.02, 0.014], 10)
         yield cylinder("black", 0.01, 0.018, (x + s * 0.022, 0.034, 0.062), sides=12)

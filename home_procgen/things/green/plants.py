@@ -1,10 +1,10 @@
 """Families of all plants."""
 
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.green.flowering import cactus, flowers, orchid, succulents
-from home_procgen.things.green.leafy import monstera, palm, rosette, snake, tree
-from home_procgen.things.green.shaped import bamboo, bonsai, herbs, topiary
-from home_procgen.things.green.trailing import hanging, trailing
+from home_procgen.things.green.flowering_plants import cactus, flowers, orchid, succulents
+from home_procgen.things.green.foliage_plants import monstera, palm, rosette, snake, tree
+from home_procgen.things.green.topiary_plants import bamboo, bonsai, herbs, topiary
+from home_procgen.things.green.trailing_plants import hanging, trailing
 
 PLANTS = (
     design(rosette), design(snake), design(tree), design(palm), design(monstera), design(topiary), design(bamboo),

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.things.joinery import legs
 
 GOLDEN_ANGLE = 2.399963  # [rad], golden angle between successive leaves
@@ -24,8 +24,8 @@ def pot(kind: str = "clay", radius: float = 0.15, height: float = 0.26) -> Itera
         lift = 0.0 if kind == "square" else 0.45 * height
         wall = 0.1 * radius
         for s in (-1, 1):
-            yield rounded(slot, (wall, height - lift, 1.9 * radius), (s * 0.9 * radius, lift, 0.0), 0.006, 1)
-            yield rounded(slot, (1.9 * radius, height - lift, wall), (0.0, lift, s * 0.9 * radius), 0.006, 1)
+            yield rounded_box(slot, (wall, height - lift, 1.9 * radius), (s * 0.9 * radius, lift, 0.0), 0.006, 1)
+            yield rounded_box(slot, (1.9 * radius, height - lift, wall), (0.0, lift, s * 0.9 * radius), 0.006, 1)
         yield box("soil", (1.75 * radius, 0.85 * (height - lift), 1.75 * radius), (0.0, lift, 0.0))
         if kind == "stand":
             yield from legs("wood", 2.0 * radius, 2.0 * radius, 0.6 * height, "taper", 0.03)

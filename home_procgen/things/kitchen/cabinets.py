@@ -1,4 +1,4 @@
-"""Kitchen base cabinets, islands and pantries."""
+"""Kitchen base cabinets, their bodies and worktops, islands and pantries."""
 
 from collections.abc import Iterator
 
@@ -6,14 +6,28 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import doors, drawers, open_case
-from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT, base_body, worktop
 
 DRAWER_TRAVEL = 0.45  # [m], travel of drawers
+
+BASE_DEPTH = 0.6  # [m], depth of base cabinets
+WORKTOP_HEIGHT = 0.88  # [m], height of the worktop's upper surface
+FRONT_Z = BASE_DEPTH / 2 - 0.04  # [m], z of the back of fronts
+
+
+def base_body(width: float, low: float = 0.1) -> Iterator[Solid]:
+    """Build the plinth and body of a base cabinet."""
+    yield box("black", (width, low, BASE_DEPTH - 0.12), (0.0, 0.0, -0.05))
+    yield box("paint", (width, WORKTOP_HEIGHT - 0.04 - low, BASE_DEPTH - 0.04), (0.0, low, -0.02))
+
+
+def worktop(width: float, slot: str = "stone") -> Solid:
+    """Build the worktop slab of a cabinet."""
+    return rounded_box(slot, (width, 0.04, BASE_DEPTH), (0.0, WORKTOP_HEIGHT - 0.04, 0.0), 0.008, 2)
 
 
 def base_unit(
@@ -91,7 +105,7 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
     """Build a kitchen island with drawers, an overhanging top and towel rails."""
     yield box("black", (width - 0.1, 0.1, depth - 0.4))
     yield box("paint", (width - 0.06, WORKTOP_HEIGHT - 0.14, depth - 0.36), (0.0, 0.1, 0.0))
-    yield rounded("stone", (width, 0.045, depth), (0.0, WORKTOP_HEIGHT - 0.04, 0.05), 0.01, 2)
+    yield rounded_box("stone", (width, 0.045, depth), (0.0, WORKTOP_HEIGHT - 0.04, 0.05), 0.01, 2)
     yield from drawers(
         "paint",
         width - 0.07,
@@ -104,7 +118,9 @@ def island(width: float = 1.4, depth: float = 0.9) -> Iterator[Solid]:
         opens=0.12,  # [m], limited by the posts of the top
     )
     for s in (-1, 1):
-        yield rounded("wood", (0.06, WORKTOP_HEIGHT - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1)
+        yield rounded_box(
+            "wood", (0.06, WORKTOP_HEIGHT - 0.04, 0.06), (s * (width / 2 - 0.06), 0.0, depth / 2), 0.008, 1
+        )
         yield rod("brass", (s * (width / 2 - 0.02), 0.7, -0.2), (s * (width / 2 - 0.02), 0.7, 0.2), 0.008)
 
 

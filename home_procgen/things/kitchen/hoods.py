@@ -6,18 +6,18 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import between_loops, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import join_loops, rounded_box
 from home_procgen.shapes.sweep import beam, prism, ring, rod
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc, front
 
 
 def _chimney(width: float) -> Iterator[Solid]:
-    yield rounded("steel", (width, 0.06, 0.48), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("steel", (width, 0.06, 0.48), (0.0, 0.0, 0.0), 0.006, 1)
     slope = [(-0.24, 0.0), (0.24, 0.0), (0.02, 0.22), (-0.24, 0.22)]
     yield prism("steel", slope, width - 0.1, (0.0, 0.06, 0.0), "side")
-    yield rounded("steel", (0.28, 0.5, 0.26), (0.0, 0.27, -0.11), 0.004, 1)
+    yield rounded_box("steel", (0.28, 0.5, 0.26), (0.0, 0.27, -0.11), 0.004, 1)
     yield from _switches(0.0, 0.03, 0.24)
 
 
@@ -29,7 +29,7 @@ def _glass(width: float) -> Iterator[Solid]:
         (0.0, 0.04, 0.0),
         "top",
     )
-    yield rounded("steel", (width - 0.12, 0.05, 0.3), (0.0, 0.0, -0.09), 0.008, 1)
+    yield rounded_box("steel", (width - 0.12, 0.05, 0.3), (0.0, 0.0, -0.09), 0.008, 1)
     yield cylinder("steel", 0.12, 0.6, (0.0, 0.05, -0.12), sides=20)
 
 
@@ -37,14 +37,14 @@ def _slanted(width: float) -> Iterator[Solid]:
     plate = [(-0.2, 0.0), (-0.16, 0.0), (0.2, 0.48), (0.2, 0.52), (-0.2, 0.52)]
     yield prism("black", plate, width, (0.0, 0.0, 0.0), "side")
     yield beam("screen", (0.0, 0.05, -0.115), (0.0, 0.45, 0.185), width - 0.05, 0.012)
-    yield rounded("black", (0.26, 0.4, 0.22), (0.0, 0.5, -0.09), 0.004, 1)
+    yield rounded_box("black", (0.26, 0.4, 0.22), (0.0, 0.5, -0.09), 0.004, 1)
     yield from _switches(0.0, 0.5, 0.2)
 
 
 def _box(width: float) -> Iterator[Solid]:
-    yield rounded("steel", (width, 0.13, 0.46), (0.0, 0.0, 0.0), 0.012, 1)
+    yield rounded_box("steel", (width, 0.13, 0.46), (0.0, 0.0, 0.0), 0.012, 1)
     yield box("black", (width - 0.06, 0.006, 0.3), (0.0, -0.004, 0.02))
-    yield rounded("chrome", (0.3, 0.03, 0.02), (0.0, 0.05, 0.235), 0.008, 2)
+    yield rounded_box("chrome", (0.3, 0.03, 0.02), (0.0, 0.05, 0.235), 0.008, 2)
     yield from _switches(0.0, 0.065, 0.242)
 
 
@@ -56,25 +56,25 @@ def _mantel(width: float) -> Iterator[Solid]:
         (0.0, 0.0, 0.0),
         "side",
     )
-    yield rounded("wood", (width + 0.04, 0.05, 0.54), (0.0, 0.02, 0.0), 0.012, 1)
-    yield rounded("wood", (width + 0.02, 0.04, 0.28), (0.0, 0.5, -0.11), 0.012, 1)
+    yield rounded_box("wood", (width + 0.04, 0.05, 0.54), (0.0, 0.02, 0.0), 0.012, 1)
+    yield rounded_box("wood", (width + 0.02, 0.04, 0.28), (0.0, 0.5, -0.11), 0.012, 1)
     for i in range(5):
         yield rod("chrome", ((i - 2) * 0.16, 0.045, 0.27), ((i - 2) * 0.16, 0.045, 0.3), 0.006)
 
 
 def _drum(width: float) -> Iterator[Solid]:
     """Build a steel drum hood with a ring of light below."""
-    yield turned("steel", [(0.17, 0.0), (0.18, 0.02), (0.18, 0.7), (0.17, 0.72)], sides=28, steps=1)
+    yield revolve("steel", [(0.17, 0.0), (0.18, 0.02), (0.18, 0.7), (0.17, 0.72)], sides=28, steps=1)
     yield ring("bulb", 0.13, 0.02, (0.0, -0.002, 0.0), 1, 24)
-    yield rounded("steel", (0.12, 0.6, 0.03), (0.0, 0.06, -0.185), 0.006, 1)
+    yield rounded_box("steel", (0.12, 0.6, 0.03), (0.0, 0.06, -0.185), 0.006, 1)
     yield from _switches(0.0, 0.05, 0.176)
 
 
 def _slab(width: float) -> Iterator[Solid]:
     """Build a flat slab under a slim shaft, T-shaped."""
-    yield rounded("steel", (width + 0.1, 0.045, 0.46), (0.0, 0.0, 0.0), 0.008, 2)
+    yield rounded_box("steel", (width + 0.1, 0.045, 0.46), (0.0, 0.0, 0.0), 0.008, 2)
     yield box("black", (width - 0.04, 0.004, 0.32), (0.0, -0.003, 0.02))
-    yield rounded("steel", (0.2, 0.62, 0.2), (0.0, 0.045, -0.13), 0.006, 1)
+    yield rounded_box("steel", (0.2, 0.62, 0.2), (0.0, 0.045, -0.13), 0.006, 1)
     yield box("steel", (0.18, 0.2, 0.18), (0.0, 0.66, -0.13))
     for s in (-1, 1):
         yield disc("bulb", 0.03, 0.004, (s * 0.22, 0.022, 0.228), 16)
@@ -86,8 +86,8 @@ def _pyramid(width: float) -> Iterator[Solid]:
     loops = []
     for share, y in ((1.0, 0.0), (1.0, 0.05), (0.94, 0.06), (0.36, 0.34), (0.36, 0.36)):
         loops.append(np.array([(share * x, y, share * (z + 0.24) - 0.24) for x, z in rim]))
-    yield between_loops("steel", loops)
-    yield rounded("steel", (0.2, 0.5, 0.16), (0.0, 0.36, -0.155), 0.004, 1)
+    yield join_loops("steel", loops)
+    yield rounded_box("steel", (0.2, 0.5, 0.16), (0.0, 0.36, -0.155), 0.004, 1)
     yield rod("chrome", (-width / 2 + 0.04, 0.03, 0.25), (width / 2 - 0.04, 0.03, 0.25), 0.006)
     for s in (-1, 1):
         yield rod("chrome", (s * (width / 2 - 0.06), 0.03, 0.235), (s * (width / 2 - 0.06), 0.03, 0.25), 0.005)
@@ -95,7 +95,7 @@ def _pyramid(width: float) -> Iterator[Solid]:
 
 def _visor(width: float) -> Iterator[Solid]:
     """Build a slim hood with a pull-out glass visor below a cupboard."""
-    yield rounded("paint", (width, 0.4, 0.3), (0.0, 0.04, -0.08), 0.006, 1)
+    yield rounded_box("paint", (width, 0.4, 0.3), (0.0, 0.04, -0.08), 0.006, 1)
     yield from front(
         "paint",
         (width - 0.006, 0.39),
@@ -104,20 +104,20 @@ def _visor(width: float) -> Iterator[Solid]:
         ("chrome", "knob", 0.9, 0.12),
         opens="left",
     )
-    yield rounded("steel", (width, 0.035, 0.32), (0.0, 0.0, -0.07), 0.005, 1)
-    yield rounded("glass", (width - 0.02, 0.012, 0.16), (0.0, 0.01, 0.16), 0.004, 1)
-    yield rounded("steel", (width, 0.035, 0.02), (0.0, 0.0, 0.245), 0.006, 1)
+    yield rounded_box("steel", (width, 0.035, 0.32), (0.0, 0.0, -0.07), 0.005, 1)
+    yield rounded_box("glass", (width - 0.02, 0.012, 0.16), (0.0, 0.01, 0.16), 0.004, 1)
+    yield rounded_box("steel", (width, 0.035, 0.02), (0.0, 0.0, 0.245), 0.006, 1)
 
 
 def _dome(width: float) -> Iterator[Solid]:
     """Build a hammered metal dome with bands, and a pipe."""
     ring_of = [(np.cos(a), np.sin(a)) for a in np.linspace(0, 2 * np.pi, 28, endpoint=False)]
     shape = ((1.0, 0.0), (1.0, 0.03), (0.94, 0.1), (0.8, 0.19), (0.55, 0.29), (0.34, 0.36), (0.3, 0.4))
-    yield between_loops("brass", [np.array([(r * 0.42 * x, y, r * 0.24 * z) for x, z in ring_of]) for r, y in shape])
+    yield join_loops("brass", [np.array([(r * 0.42 * x, y, r * 0.24 * z) for x, z in ring_of]) for r, y in shape])
     yield cylinder("brass", 0.075, 0.5, (0.0, 0.38, 0.0), sides=20)
     for y in (0.4, 0.62):
         yield cylinder("brass", 0.082, 0.02, (0.0, y, 0.0), sides=20)
-    yield rounded("iron", (0.1, 0.6, 0.02), (0.0, 0.2, -0.23), 0.004, 1)
+    yield rounded_box("iron", (0.1, 0.6, 0.02), (0.0, 0.2, -0.23), 0.004, 1)
     for y in (0.45, 0.7):
         yield rod("iron", (0.0, y, -0.22), (0.0, y, -0.06), 0.012)
 

@@ -1,13 +1,41 @@
-"""Kitchen sinks."""
+"""Kitchen sinks and taps."""
 
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.curves import fillet
+from home_procgen.shapes.rounded import rounded_box
+from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import BOARD_THICKNESS, doors
-from home_procgen.things.kitchen.cases import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT
-from home_procgen.things.kitchen.taps import tap
+from home_procgen.things.kitchen.cabinets import BASE_DEPTH, FRONT_Z, WORKTOP_HEIGHT
+
+
+def tap(x: float, y: float, z: float, kind: str = "arc") -> Iterator[Solid]:
+    """Build a mixer tap with its spout towards +z."""
+    if kind == "arc":
+        path = fillet([(x, y, z), (x, y + 0.3, z), (x, y + 0.3, z + 0.17), (x, y + 0.2, z + 0.18)], 0.09, 6)
+        yield tube("chrome", path, 0.011)
+        yield cylinder("chrome", 0.022, 0.05, (x, y, z), sides=14)
+        yield rod("chrome", (x + 0.02, y + 0.04, z), (x + 0.075, y + 0.06, z), 0.006)
+    elif kind == "bridge":
+        for s in (-1, 1):
+            yield cylinder("brass", 0.016, 0.06, (x + s * 0.09, y, z), sides=12)
+            for a in range(2):
+                dx, dz = (0.03, 0.0) if a else (0.0, 0.03)
+                yield rod(
+                    "brass", (x + s * 0.09 - dx, y + 0.075, z - dz), (x + s * 0.09 + dx, y + 0.075, z + dz), 0.006
+                )
+        yield rod("brass", (x - 0.09, y + 0.05, z), (x + 0.09, y + 0.05, z), 0.011)
+        yield tube(
+            "brass",
+            fillet([(x, y + 0.05, z), (x, y + 0.22, z), (x, y + 0.22, z + 0.16), (x, y + 0.15, z + 0.16)], 0.07, 5),
+            0.011,
+        )
+    else:
+        yield cylinder("chrome", 0.02, 0.13, (x, y, z), sides=14)
+        yield rounded_box("chrome", (0.03, 0.022, 0.15), (x, y + 0.09, z + 0.06), 0.008, 1)
+        yield rounded_box("chrome", (0.02, 0.012, 0.09), (x, y + 0.132, z + 0.02), 0.005, 1)
 
 
 def basin(
@@ -17,8 +45,10 @@ def basin(
     x, y, z = at
     yield box(slot, (width, 0.01, depth), (x, y - deep, z))
     for s in (-1, 1):
-        yield rounded(slot, (rim, deep + 0.006, depth + 2 * rim), (x + s * (width + rim) / 2, y - deep, z), 0.006, 1)
-        yield rounded(slot, (width, deep + 0.006, rim), (x, y - deep, z + s * (depth + rim) / 2), 0.006, 1)
+        yield rounded_box(
+            slot, (rim, deep + 0.006, depth + 2 * rim), (x + s * (width + rim) / 2, y - deep, z), 0.006, 1
+        )
+        yield rounded_box(slot, (width, deep + 0.006, rim), (x, y - deep, z + s * (depth + rim) / 2), 0.006, 1)
     yield cylinder("chrome", 0.03, 0.006, (x, y - deep + 0.008, z), sides=14)
 
 
@@ -26,10 +56,10 @@ def _frame_top(width: float, hole: tuple[float, float], x: float, slot: str) -> 
     """Build a worktop around a hole centred at x."""
     y, (w, d) = WORKTOP_HEIGHT - 0.04, hole
     left, right = x - w / 2 + width / 2, width / 2 - x - w / 2
-    yield rounded(slot, (left, 0.04, BASE_DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
-    yield rounded(slot, (right, 0.04, BASE_DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
+    yield rounded_box(slot, (left, 0.04, BASE_DEPTH), (left / 2 - width / 2, y, 0.0), 0.006, 1)
+    yield rounded_box(slot, (right, 0.04, BASE_DEPTH), (width / 2 - right / 2, y, 0.0), 0.006, 1)
     for s in (-1, 1):
-        yield rounded(slot, (w, 0.04, (BASE_DEPTH - d) / 2), (x, y, s * (BASE_DEPTH + d) / 4), 0.006, 1)
+        yield rounded_box(slot, (w, 0.04, (BASE_DEPTH - d) / 2), (x, y, s * (BASE_DEPTH + d) / 4), 0.006, 1)
 
 
 def _hollow_body(width: float) -> Iterator[Solid]:
@@ -91,7 +121,7 @@ def drainer_sink(width: float = 1.0) -> Iterator[Solid]:
     yield from _frame_top(width, (0.42, 0.42), -0.22, "steel")
     yield from basin("steel", 0.36, 0.36, 0.17, (-0.22, WORKTOP_HEIGHT - 0.002, 0.0))
     for i in range(8):
-        yield rounded("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP_HEIGHT - 0.003, -0.19 + 0.054 * i), 0.004, 1)
+        yield rounded_box("steel", (0.36, 0.008, 0.018), (0.24, WORKTOP_HEIGHT - 0.003, -0.19 + 0.054 * i), 0.004, 1)
     yield from tap(-0.22, WORKTOP_HEIGHT, -0.24, "lever")
     yield from doors(
         "paint",

@@ -5,18 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.joinery import BOARD_THICKNESS, front, open_case
-from home_procgen.things.parts import assign_part
+from home_procgen.things.movable_parts import assign_part
 
 WALL_UNIT_DEPTH = 0.32  # [m], depth of wall cabinets
 
 
 def bifold(width: float = 0.8, height: float = 0.68) -> Iterator[Solid]:
     """Build a wall cabinet with two lift-up flaps, one above the other, with grip rails."""
-    yield rounded("paint", (width, height, WALL_UNIT_DEPTH - 0.02), (0.0, 0.0, -0.01), 0.006, 1)
+    yield rounded_box("paint", (width, height, WALL_UNIT_DEPTH - 0.02), (0.0, 0.0, -0.01), 0.006, 1)
     for k in (0, 1):
         at = (0.003 - width / 2, 0.003 + k * height / 2, 0.145)
         leaf = list(front("paint", (width - 0.006, height / 2 - 0.006), at, "raised", opens="top"))
@@ -30,19 +30,19 @@ def tambour(width: float = 0.6, height: float = 0.7) -> Iterator[Solid]:
     """Build a wall cabinet with a half-open roll-up shutter of slats."""
     yield from open_case("wood", width, height, WALL_UNIT_DEPTH, (0.36,), (0.0, 0.0, 0.0), (), "wood")
     for i in range(11):
-        yield rounded("paint", (width - 0.05, 0.026, 0.014), (0.0, height - 0.06 - 0.03 * i, 0.145), 0.005, 1)
-    yield rounded("chrome", (width - 0.05, 0.02, 0.03), (0.0, height - 0.4, 0.15), 0.006, 1)
+        yield rounded_box("paint", (width - 0.05, 0.026, 0.014), (0.0, height - 0.06 - 0.03 * i, 0.145), 0.005, 1)
+    yield rounded_box("chrome", (width - 0.05, 0.02, 0.03), (0.0, height - 0.4, 0.15), 0.006, 1)
     for i in range(3):
         jar = [(0.045, 0.0), (0.05, 0.02), (0.05, 0.12), (0.03, 0.14), (0.03, 0.16)]
-        yield turned("glaze", jar, ((i - 1) * 0.16, BOARD_THICKNESS, 0.0), 14, 1)
+        yield revolve("glaze", jar, ((i - 1) * 0.16, BOARD_THICKNESS, 0.0), 14, 1)
 
 
 def plate_rack(width: float = 0.7, height: float = 0.6) -> Iterator[Solid]:
     """Build an open rack with plates on edge and cups on hooks below."""
     for s in (-1, 1):
-        yield rounded("wood", (0.022, height - 0.08, 0.28), (s * (width / 2 - 0.011), 0.08, 0.0), 0.005, 1)
+        yield rounded_box("wood", (0.022, height - 0.08, 0.28), (s * (width / 2 - 0.011), 0.08, 0.0), 0.005, 1)
     for y in (0.1, height - 0.022):
-        yield rounded("wood", (width - 0.05, 0.022, 0.28), (0.0, y, 0.0), 0.005, 1)
+        yield rounded_box("wood", (width - 0.05, 0.022, 0.28), (0.0, y, 0.0), 0.005, 1)
     for z in (-0.1, 0.1):
         yield rod("wood", (-width / 2 + 0.02, 0.36, z), (width / 2 - 0.02, 0.36, z), 0.008, sides=6)
     for i in range(9):
@@ -61,7 +61,7 @@ def sliding_panes(width: float = 0.9, height: float = 0.5) -> Iterator[Solid]:
     yield from open_case("wood", width, height, WALL_UNIT_DEPTH, (0.23,), (0.0, 0.0, 0.0), (0.5,), "wood")
     for s in (-1, 1):
         yield box("glass", (width / 2 + 0.02, height - 0.05, 0.006), (s * (width / 4 - 0.02), 0.022, 0.14 + 0.006 * s))
-        yield rounded("chrome", (0.03, 0.06, 0.008), (s * (width / 2 - 0.06), 0.2, 0.15 + 0.006 * s), 0.003, 1)
+        yield rounded_box("chrome", (0.03, 0.06, 0.008), (s * (width / 2 - 0.06), 0.2, 0.15 + 0.006 * s), 0.003, 1)
         for y in (0.02, 0.25):
             for i in range(4):
                 plate = [(0.06, 0.0), (0.08, 0.005), (0.1, 0.016)]
@@ -82,7 +82,7 @@ def rounded_end(width: float = 0.34, height: float = 0.68) -> Iterator[Solid]:
     for k, y in enumerate((0.02, 0.24, 0.46)):
         for i in range(2 - k % 2):
             body = [(0.04, 0.0), (0.045, 0.03), (0.04, 0.1), (0.02, 0.12)]
-            yield turned(f"glaze_{k}", body, (-0.07 + 0.1 * i, y, -0.06), 12, 2)
+            yield revolve(f"glaze_{k}", body, (-0.07 + 0.1 * i, y, -0.06), 12, 2)
 
 
 def crossed(width: float = 0.6, height: float = 0.6) -> Iterator[Solid]:

@@ -7,17 +7,17 @@ import numpy as np
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import cylinder
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.groups import Piece
-from home_procgen.shapes.revolve import shade, turned
+from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import beam, ring, rod, tube
+from home_procgen.shapes.transforms import Piece
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb
 
 
 def chandelier(kind: str = "arms", drop: float = 0.9, count: int = 6) -> Iterator[Piece]:
     """Build a chandelier: candle arms, crystal drops, a wheel, branches with balls, a row of domes or shades."""
-    yield turned("brass", [(0.02, drop - 0.04), (0.06, drop - 0.02), (0.06, drop)], sides=18, steps=1)
+    yield revolve("brass", [(0.02, drop - 0.04), (0.06, drop - 0.02), (0.06, drop)], sides=18, steps=1)
     if kind == "row":
         yield beam("wood", (-0.5, drop - 0.06, 0.0), (0.5, drop - 0.06, 0.0), 0.05, 0.04)
         for x in (-0.38, 0.0, 0.38):
@@ -37,7 +37,7 @@ def chandelier(kind: str = "arms", drop: float = 0.9, count: int = 6) -> Iterato
             yield cylinder("cream", 0.016, 0.09, (0.38 * np.cos(a), 0.08, 0.38 * np.sin(a)), sides=10)
             yield from bulb(0.2, 10.0, 0.38 * np.cos(a), 0.38 * np.sin(a), 0.018)
         return
-    yield turned(
+    yield revolve(
         "brass",
         [(0.01, 0.0), (0.035, 0.05), (0.015, 0.12), (0.05, 0.2), (0.015, 0.3), (0.03, 0.36), (0.01, 0.42)],
         sides=18,
@@ -55,7 +55,7 @@ def chandelier(kind: str = "arms", drop: float = 0.9, count: int = 6) -> Iterato
             continue
         arm = [(0.02, 0.16), (0.16, 0.04), (0.3, 0.08), (0.32, 0.2)]
         yield tube("brass", [(r * c, y, r * s) for r, y in spline(arm, 4)], 0.009)
-        yield turned("brass", [(0.01, 0.19), (0.04, 0.21), (0.042, 0.22)], (0.32 * c, 0.0, 0.32 * s), 14, 1)
+        yield revolve("brass", [(0.01, 0.19), (0.04, 0.21), (0.042, 0.22)], (0.32 * c, 0.0, 0.32 * s), 14, 1)
         if kind == "shades":
             yield shade("shade", [(0.075, 0.0), (0.045, 0.1)], (0.32 * c, 0.26, 0.32 * s), 0.004, 18)
         yield cylinder("cream", 0.013, 0.09, (0.32 * c, 0.21, 0.32 * s), sides=10)

@@ -8,13 +8,12 @@ import numpy as np
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import box, cylinder
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.groups import Piece, around, moved, turned_about
-from home_procgen.shapes.revolve import shade, turned, vessel
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve, shade, vessel
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import ring, rod, tube
+from home_procgen.shapes.transforms import Piece, repeat_around, rotate_pieces, translate
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.joinery import foot_plate
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb, foot_plate
 
 
 def _shaded_pole(kind: str) -> Iterator[Piece]:
@@ -46,23 +45,23 @@ def _shaded_pole(kind: str) -> Iterator[Piece]:
 
 
 def _tripod() -> Iterator[Piece]:
-    yield from around([rod("wood", (0.0, 0.0, 0.34), (0.0, 1.2, 0.03), 0.02, 0.015, 10)], 3)
+    yield from repeat_around([rod("wood", (0.0, 0.0, 0.34), (0.0, 1.2, 0.03), 0.02, 0.015, 10)], 3)
     yield cylinder("brass", 0.05, 0.06, (0.0, 1.17, 0.0), sides=16)
-    yield from around([rod("brass", (0.0, 0.55, 0.2), (0.0, 0.55, 0.0), 0.005, sides=6)], 3)
+    yield from repeat_around([rod("brass", (0.0, 0.55, 0.2), (0.0, 0.55, 0.0), 0.005, sides=6)], 3)
     yield shade("shade", [(0.26, 0.0), (0.24, 0.3)], (0.0, 1.2, 0.0), sides=28)
     yield from bulb(1.35, 40.0)
 
 
 def _arc() -> Iterator[Piece]:
-    yield rounded("marble", (0.3, 0.1, 0.2), (0.0, 0.0, -0.7), 0.02, 1)
+    yield rounded_box("marble", (0.3, 0.1, 0.2), (0.0, 0.0, -0.7), 0.02, 1)
     yield tube(
         "chrome",
         spline([(0.0, 0.08, -0.7), (0.0, 1.2, -0.75), (0.0, 1.85, -0.4), (0.0, 1.95, 0.1), (0.0, 1.75, 0.5)], 6),
         0.012,
     )
-    yield from moved(
+    yield from translate(
         [
-            turned("chrome", [(0.19, 0.0), (0.17, 0.08), (0.1, 0.15), (0.02, 0.17), (0.02, 0.19)], sides=26, steps=2),
+            revolve("chrome", [(0.19, 0.0), (0.17, 0.08), (0.1, 0.15), (0.02, 0.17), (0.02, 0.19)], sides=26, steps=2),
             *bulb(-0.005, 40.0, light=-0.06),
         ],
         0.0,
@@ -88,7 +87,7 @@ def _paper() -> Iterator[Piece]:
         for s in (-1, 1):
             yield box("wood", (0.24, 0.015, 0.015), (0.0, y, s * 0.12))
             yield box("wood", (0.015, 0.015, 0.24), (s * 0.12, y, 0.0))
-    yield rounded("opal", (0.22, 1.1, 0.22), (0.0, 0.06, 0.0), 0.02, 2)
+    yield rounded_box("opal", (0.22, 1.1, 0.22), (0.0, 0.06, 0.0), 0.02, 2)
     yield Bulb((0.0, 1.26, 0.0), 40.0)
 
 
@@ -101,14 +100,14 @@ def _spots() -> Iterator[Piece]:
             rod("chrome", (0.0, 0.06, 0.0), (0.0, 0.08, 0.09), 0.006),
             *bulb(0.02, 20.0, 0.0, 0.1, light=-0.05),
         ]
-        yield from moved(turned_about(spot, 1, turn), 0.0, 1.1 + 0.2 * i, 0.0)
+        yield from translate(rotate_pieces(spot, 1, turn), 0.0, 1.1 + 0.2 * i, 0.0)
 
 
 def _reading() -> Iterator[Piece]:
     yield foot_plate("brass", 0.13, 0.02)
     yield cylinder("brass", 0.01, 1.1, (0.0, 0.02, 0.0), sides=10)
     yield tube("brass", fillet([(0.0, 1.1, 0.0), (0.0, 1.3, 0.02), (0.0, 1.3, 0.2), (0.0, 1.2, 0.26)], 0.1, 5), 0.008)
-    yield from moved(
+    yield from translate(
         [
             shade("brass", [(0.09, 0.0), (0.08, 0.04), (0.03, 0.1)], (0.0, 0.0, 0.0), 0.004, 22, 2),
             *bulb(0.03, 25.0, light=-0.04),
@@ -135,7 +134,7 @@ def _cones() -> Iterator[Piece]:
 
 
 def _urn() -> Iterator[Piece]:
-    yield turned(
+    yield revolve(
         "glaze",
         [(0.16, 0.0), (0.18, 0.03), (0.1, 0.12), (0.16, 0.4), (0.06, 0.62), (0.03, 0.66)],
         sides=24,

@@ -6,18 +6,17 @@ import numpy as np
 
 from home_procgen.primitives.family import Bulb
 from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.groups import Piece
-from home_procgen.shapes.revolve import shade, turned
+from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import beam, ring, rod, tube
+from home_procgen.shapes.transforms import Piece
 from home_procgen.things.family import FurnitureFamily, design_kinds
-from home_procgen.things.joinery import corners
-from home_procgen.things.lamps.bulbs import bulb
+from home_procgen.things.joinery import bulb, corners
 
 
 def _hang(drop: float, slot: str = "black") -> Iterator[Solid]:
     """Build a ceiling rose at height `drop` and a cord down to 0.2 [m]."""
-    yield turned(slot, [(0.02, drop - 0.035), (0.055, drop - 0.02), (0.055, drop)], sides=18, steps=1)
+    yield revolve(slot, [(0.02, drop - 0.035), (0.055, drop - 0.02), (0.055, drop)], sides=18, steps=1)
     yield cylinder(slot, 0.005, drop - 0.22, (0.0, 0.2, 0.0), sides=6)
 
 
@@ -84,7 +83,7 @@ def _lantern() -> Iterator[Piece]:
         yield from (box("iron", (0.234, 0.014, 0.014), (0.0, y, s * 0.11)) for s in (-1, 1))
         yield from (box("iron", (0.014, 0.014, 0.234), (s * 0.11, y, 0.0)) for s in (-1, 1))
     yield from (box("glass", (0.21, 0.28, 0.004), (0.0, 0.012, s * 0.11)) for s in (-1, 1))
-    yield turned("iron", [(0.155, 0.3), (0.03, 0.4), (0.01, 0.42)], sides=4, steps=1)
+    yield revolve("iron", [(0.155, 0.3), (0.03, 0.4), (0.01, 0.42)], sides=4, steps=1)
     yield from (cylinder("cream", 0.012, 0.1, (x, 0.06, 0.0), sides=10) for x in (-0.04, 0.04))
     yield from bulb(0.19, 60.0, light=-0.03)
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc
@@ -28,17 +28,17 @@ def guitar(kind: str = "folk") -> Iterator[Solid]:
         lean += [
             disc("black", 0.05, 0.002, (0.0, 0.42, z), 24),
             ring("cream", 0.053, 0.006, (0.0, 0.42, z), 2, 24),
-            rounded("black", (0.15, 0.02, 0.012), (0.0, 0.25, z + 0.004), 0.004, 1),
+            rounded_box("black", (0.15, 0.02, 0.012), (0.0, 0.25, z + 0.004), 0.004, 1),
         ]
     else:
-        lean += [rounded("black", (0.08, 0.02, 0.012), (0.0, 0.32 + 0.07 * k, z), 0.004, 1) for k in range(2)]
+        lean += [rounded_box("black", (0.08, 0.02, 0.012), (0.0, 0.32 + 0.07 * k, z), 0.004, 1) for k in range(2)]
         lean += [
-            rounded("white", (0.12, 0.16, 0.004), (0.03, 0.28, z), 0.002, 1),
-            rounded("chrome", (0.09, 0.02, 0.014), (0.0, 0.25, z), 0.004, 1),
+            rounded_box("white", (0.12, 0.16, 0.004), (0.03, 0.28, z), 0.002, 1),
+            rounded_box("chrome", (0.09, 0.02, 0.014), (0.0, 0.25, z), 0.004, 1),
         ]
     lean += [
         box("wood_1", (0.052, 0.48, 0.022), (0.0, 0.52, z - 0.006)),
-        rounded("wood", (0.075, 0.16, 0.016), (0.0, 1.0, z - 0.012), 0.006, 1),
+        rounded_box("wood", (0.075, 0.16, 0.016), (0.0, 1.0, z - 0.012), 0.006, 1),
     ]
     lean += [
         rod("chrome", (s * 0.034, 1.03 + 0.04 * k, z), (s * 0.056, 1.03 + 0.04 * k, z - 0.005), 0.006)
@@ -78,7 +78,7 @@ def drums() -> Iterator[Solid]:
     yield from drum(0.2, 0.36, (0.52, 0.22, -0.3))
     yield from drum(0.17, 0.14, (-0.42, 0.5, -0.32))
     for x, z, y, r in ((-0.62, 0.1, 1.1, 0.2), (0.66, 0.12, 1.2, 0.25), (-0.72, -0.4, 0.85, 0.17)):
-        yield turned("brass", [(r, 0.0), (0.3 * r, 0.02), (0.24 * r, 0.035), (0.01, 0.045)], (x, y, z), 26, 1)
+        yield revolve("brass", [(r, 0.0), (0.3 * r, 0.02), (0.24 * r, 0.035), (0.01, 0.045)], (x, y, z), 26, 1)
         yield rod("chrome", (x, 0.1, z), (x, y + 0.05, z), 0.01)
         yield from (
             p
@@ -103,7 +103,7 @@ def drums() -> Iterator[Solid]:
             )
             for a in (0.2, 2.3, 4.4)
         )
-    yield soft("black", (0.34, 0.1, 0.34), (0.0, 0.5, -0.62), 3.0, 5)
+    yield padded_block("black", (0.34, 0.1, 0.34), (0.0, 0.5, -0.62), 3.0, 5)
     yield rod("chrome", (0.0, 0.06, -0.62), (0.0, 0.52, -0.62), 0.02)
     yield from (
         rod("chrome", (0.0, 0.2, -0.62), (0.24 * np.cos(a), 0.0, -0.62 + 0.24 * np.sin(a)), 0.012)
@@ -113,7 +113,7 @@ def drums() -> Iterator[Solid]:
 
 def microphone() -> Iterator[Solid]:
     """Build a microphone on a stand."""
-    yield turned("black", [(0.14, 0.0), (0.13, 0.02), (0.02, 0.03)], sides=24, steps=1)
+    yield revolve("black", [(0.14, 0.0), (0.13, 0.02), (0.02, 0.03)], sides=24, steps=1)
     yield rod("black", (0.0, 0.02, 0.0), (0.0, 1.3, 0.0), 0.009)
     yield rod("black", (0.0, 1.3, 0.0), (0.0, 1.4, 0.1), 0.014, 0.02)
     yield ball("gray", 0.03, (0.0, 1.42, 0.115), 14, 8)

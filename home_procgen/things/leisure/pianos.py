@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 
@@ -21,12 +21,12 @@ def keys(width: float, y: float, z: float, deep: float = 0.14) -> Iterator[Solid
 
 
 def _upright() -> Iterator[Solid]:
-    yield rounded("wood", (1.5, 1.2, 0.36), (0.0, 0.02, -0.14), 0.012, 2)
-    yield rounded("wood", (1.52, 0.035, 0.4), (0.0, 1.21, -0.13), 0.012, 1)
-    yield rounded("wood", (1.5, 0.12, 0.34), (0.0, 0.6, 0.14), 0.02, 2)
+    yield rounded_box("wood", (1.5, 1.2, 0.36), (0.0, 0.02, -0.14), 0.012, 2)
+    yield rounded_box("wood", (1.52, 0.035, 0.4), (0.0, 1.21, -0.13), 0.012, 1)
+    yield rounded_box("wood", (1.5, 0.12, 0.34), (0.0, 0.6, 0.14), 0.02, 2)
     for s in (-1, 1):
-        yield turned("wood", [(0.05, 0.0), (0.03, 0.05), (0.045, 0.4), (0.05, 0.6)], (s * 0.68, 0.0, 0.26), 14, 2)
-        yield rounded("wood", (0.1, 0.16, 0.32), (s * 0.7, 0.68, 0.14), 0.02, 2)
+        yield revolve("wood", [(0.05, 0.0), (0.03, 0.05), (0.045, 0.4), (0.05, 0.6)], (s * 0.68, 0.0, 0.26), 14, 2)
+        yield rounded_box("wood", (0.1, 0.16, 0.32), (s * 0.7, 0.68, 0.14), 0.02, 2)
         yield rod("brass", (s * 0.04, 0.06, 0.04), (s * 0.04, 0.05, 0.16), 0.014)
     yield from keys(1.26, 0.72, 0.2)
     yield rotate(box("wood", (0.7, 0.26, 0.014), (0.0, 0.86, 0.05)), 0, -0.2, (0.0, 0.86, 0.05))
@@ -52,21 +52,21 @@ def _grand() -> Iterator[Solid]:
     lid = rotate(prism("black", body, 0.02, (0.0, 0.96, 0.0), "top"), 2, 0.55, (-0.74, 0.96, 0.0))
     yield lid
     yield rod("black", (0.55, 0.94, -0.2), (0.44, 1.66, -0.2), 0.01)
-    yield rounded("black", (1.48, 0.1, 0.3), (0.0, 0.62, 0.6), 0.015, 1)
+    yield rounded_box("black", (1.48, 0.1, 0.3), (0.0, 0.62, 0.6), 0.015, 1)
     yield from keys(1.3, 0.715, 0.62)
     for x, z in ((-0.6, 0.45), (0.6, 0.45), (-0.1, -0.95)):
-        yield turned("black", [(0.035, 0.0), (0.05, 0.06), (0.045, 0.4), (0.07, 0.62)], (x, 0.0, z), 14, 2)
+        yield revolve("black", [(0.035, 0.0), (0.05, 0.06), (0.045, 0.4), (0.07, 0.62)], (x, 0.0, z), 14, 2)
     yield rod("black", (0.0, 0.1, 0.4), (0.0, 0.62, 0.36), 0.03)
     for s in (-1, 0, 1):
-        yield rounded("brass", (0.03, 0.015, 0.12), (s * 0.06, 0.06, 0.48), 0.005, 1)
+        yield rounded_box("brass", (0.03, 0.015, 0.12), (s * 0.06, 0.06, 0.48), 0.005, 1)
     yield rotate(box("black", (0.6, 0.22, 0.014), (0.0, 0.95, 0.36)), 0, -0.3, (0.0, 0.95, 0.36))
 
 
 def _electric() -> Iterator[Solid]:
-    yield rounded("black", (1.3, 0.1, 0.3), (0.0, 0.68, 0.0), 0.02, 2)
+    yield rounded_box("black", (1.3, 0.1, 0.3), (0.0, 0.68, 0.0), 0.02, 2)
     yield from keys(1.2, 0.775, 0.06, 0.13)
     for i in range(8):
-        yield rounded("gray", (0.03, 0.01, 0.016), (-0.5 + 0.06 * i, 0.778, -0.09), 0.003, 1)
+        yield rounded_box("gray", (0.03, 0.01, 0.016), (-0.5 + 0.06 * i, 0.778, -0.09), 0.003, 1)
     yield box("screen", (0.16, 0.006, 0.05), (0.1, 0.778, -0.09))
     for s in (-1, 1):
         yield beam("iron", (s * 0.5, 0.02, -0.2), (s * 0.5, 0.68, 0.08), 0.03)

@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.openings.frames import FRAME_DEPTH
+from home_procgen.things.openings.leaves import FRAME_DEPTH
 
 
 def garage(width: float = 2.5, height: float = 2.15, lift: float = 1.0, style: str = "panels") -> Iterator[Solid]:
@@ -26,29 +26,29 @@ def _sections(width: float, height: float, style: str) -> Iterator[Solid]:
     high = height / 4
     for i in range(4):
         y = 0.01 + i * high
-        yield rounded("paint", (width, high - 0.006, 0.035), (0.0, y, -0.05), 0.006, 1)
+        yield rounded_box("paint", (width, high - 0.006, 0.035), (0.0, y, -0.05), 0.006, 1)
         for k in range(4):
             x, glazed = (k - 1.5) * width / 4, style == "glass" and i == 2
             slot = "glass" if glazed else "paint"
-            yield rounded(slot, (width / 4 - 0.12, high - 0.16, 0.047), (x, y + 0.08, -0.05), 0.006, 1)
-    yield rounded("black", (0.16, 0.03, 0.03), (0.0, 0.5, -0.02), 0.01, 1)
+            yield rounded_box(slot, (width / 4 - 0.12, high - 0.16, 0.047), (x, y + 0.08, -0.05), 0.006, 1)
+    yield rounded_box("black", (0.16, 0.03, 0.03), (0.0, 0.5, -0.02), 0.01, 1)
 
 
 def arch(width: float = 1.2, height: float = 2.2, kind: str = "round") -> Iterator[Solid]:
     """Build a lined opening without a door: a round arch, or a square head on pilasters."""
     post = 0.09
     for s in (-1, 1):
-        yield rounded(
+        yield rounded_box(
             "white",
             (post, height - 0.02 if kind == "square" else height - width / 2, 0.16),
             (s * (width - post) / 2, 0.0, 0.0),
             0.01,
             1,
         )
-        yield rounded("white", (post + 0.02, 0.14, 0.18), (s * (width - post) / 2, 0.0, 0.0), 0.008, 1)
+        yield rounded_box("white", (post + 0.02, 0.14, 0.18), (s * (width - post) / 2, 0.0, 0.0), 0.008, 1)
     if kind == "square":
-        yield rounded("white", (width, 0.12, 0.16), (0.0, height - 0.12, 0.0), 0.01, 1)
-        yield rounded("white", (width + 0.04, 0.04, 0.19), (0.0, height - 0.03, 0.0), 0.01, 1)
+        yield rounded_box("white", (width, 0.12, 0.16), (0.0, height - 0.12, 0.0), 0.01, 1)
+        yield rounded_box("white", (width + 0.04, 0.04, 0.19), (0.0, height - 0.03, 0.0), 0.01, 1)
     else:
         spring = height - width / 2
         outer = [(width / 2 * np.cos(a), spring + (width / 2) * np.sin(a)) for a in np.linspace(0, np.pi, 21)]

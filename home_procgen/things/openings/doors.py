@@ -5,13 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, move, rotate
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import disc, lay_towards_front
-from home_procgen.things.openings.frames import FRAME_DEPTH, JAMB_WIDTH, frame
-from home_procgen.things.openings.leaves import LEAF_THICKNESS, leaf
+from home_procgen.things.openings.leaves import FRAME_DEPTH, JAMB_WIDTH, LEAF_THICKNESS, frame, leaf
 
 
 def _handles(x: float, kind: str, direction: float) -> Iterator[Solid]:
@@ -19,11 +18,11 @@ def _handles(x: float, kind: str, direction: float) -> Iterator[Solid]:
     for s in (-1, 1):
         z = s * (LEAF_THICKNESS / 2)
         if kind == "lever":
-            yield rounded("chrome", (0.035, 0.14, 0.01), (x, 0.93, z + s * 0.005), 0.004, 1)
+            yield rounded_box("chrome", (0.035, 0.14, 0.01), (x, 0.93, z + s * 0.005), 0.004, 1)
             yield rod("chrome", (x, 1.02, z), (x, 1.02, z + s * 0.045), 0.008)
             yield rod("chrome", (x, 1.02, z + s * 0.045), (x + direction * 0.12, 1.02, z + s * 0.045), 0.008)
         elif kind == "knob":
-            knob = turned(
+            knob = revolve(
                 "brass", [(0.026, 0.0), (0.012, 0.008), (0.012, 0.03), (0.028, 0.045), (0.02, 0.062)], sides=14, steps=2
             )
             yield from (
@@ -64,7 +63,9 @@ def door(
     pieces = [*leaf(wide, high, style), *_handles(wide / 2 - 0.06, grip, -1.0)]
     if entry:
         for s in (-1, 1):
-            pieces.append(rounded("brass", (0.26, 0.05, 0.01), (0.0, 0.75, s * (LEAF_THICKNESS / 2 + 0.01)), 0.004, 1))
+            pieces.append(
+                rounded_box("brass", (0.26, 0.05, 0.01), (0.0, 0.75, s * (LEAF_THICKNESS / 2 + 0.01)), 0.004, 1)
+            )
             pieces.append(disc("brass", 0.012, 0.012, (0.0, 1.52, s * (LEAF_THICKNESS / 2 + 0.004) - 0.006), 12))
     for piece in pieces:
         yield rotate(move(piece, (0.0, 0.035, -FRAME_DEPTH / 2 + LEAF_THICKNESS / 2)), 1, angle, pivot)

@@ -1,4 +1,4 @@
-"""Door leaves."""
+"""Door leaves, and frames of doors and windows."""
 
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -7,13 +7,30 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import fillet, loop
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, ring, tube
 from home_procgen.things.joinery import disc
 
 LEAF_THICKNESS = 0.04  # [m], thickness of a door's leaf
 
 RAIL_WIDTH = 0.11  # [m], width of the rails around a pane
+
+JAMB_WIDTH = 0.05  # [m], width of a door's frame posts
+FRAME_DEPTH = 0.14  # [m], depth of a frame
+
+
+def frame(width: float, height: float, slot: str = "wood", trim: bool = True) -> Iterator[Solid]:
+    """Build posts and a lintel around an opening."""
+    for s in (-1, 1):
+        yield box(slot, (JAMB_WIDTH, height, FRAME_DEPTH), (s * (width - JAMB_WIDTH) / 2, 0.0, 0.0))
+        if trim:
+            for z in (-1, 1):
+                yield box(
+                    slot,
+                    (JAMB_WIDTH - 0.004, height - 0.002, 0.012),
+                    (s * (width - JAMB_WIDTH) / 2, 0.0, z * (FRAME_DEPTH / 2 + 0.004)),
+                )
+    yield box(slot, (width - 2 * JAMB_WIDTH, JAMB_WIDTH, FRAME_DEPTH), (0.0, height - JAMB_WIDTH, 0.0))
 
 
 def _panelled(columns: int, rows: int, width: float, height: float) -> Iterator[Solid]:
@@ -24,7 +41,7 @@ def _panelled(columns: int, rows: int, width: float, height: float) -> Iterator[
             low = 0.14 if j == 0 else 0.14 + 0.4 * height
             high = 0.36 * height if j == 0 and rows > 1 else height - low - 0.12
             x = (i - (columns - 1) / 2) * (wide + 0.1)
-            yield rounded("wood_1", (wide, high, LEAF_THICKNESS + 0.014), (x, low, 0.0), 0.007, 1)
+            yield rounded_box("wood_1", (wide, high, LEAF_THICKNESS + 0.014), (x, low, 0.0), 0.007, 1)
 
 
 def _pointed(width: float, height: float) -> Iterator[Solid]:
@@ -46,7 +63,7 @@ def _glazed(low: float, width: float, height: float) -> Iterator[Solid]:
 
 def _half_glazed(width: float, height: float) -> Iterator[Solid]:
     yield from _glazed(0.95, width, height)
-    yield rounded("wood_1", (width - 0.3, 0.95 - 0.3, LEAF_THICKNESS + 0.014), (0.0, 0.16, 0.0), 0.007, 1)
+    yield rounded_box("wood_1", (width - 0.3, 0.95 - 0.3, LEAF_THICKNESS + 0.014), (0.0, 0.16, 0.0), 0.007, 1)
 
 
 def _lattice(width: float, height: float) -> Iterator[Solid]:
@@ -64,7 +81,7 @@ def _lattice(width: float, height: float) -> Iterator[Solid]:
 def _boards(width: float, height: float) -> Iterator[Solid]:
     for i in range(6):
         at = ((i - 2.5) * width / 6, 0.0, 0.0)
-        yield rounded("wood_1", (width / 6 - 0.002, height, LEAF_THICKNESS - 0.008), at, 0.005, 1)
+        yield rounded_box("wood_1", (width / 6 - 0.002, height, LEAF_THICKNESS - 0.008), at, 0.005, 1)
     for s in (-1, 1):
         z = s * (LEAF_THICKNESS / 2 - 0.001)
         for y in (0.2, height - 0.35):
@@ -108,7 +125,7 @@ def _ladder(width: float, height: float) -> Iterator[Solid]:
     yield box("wood_1", (width, height, LEAF_THICKNESS))
     high = (height - 0.2 - 0.09 * 5) / 5
     for k in range(5):
-        yield rounded(
+        yield rounded_box(
             "wood_1", (width - 0.2, high, LEAF_THICKNESS + 0.014), (0.0, 0.16 + k * (high + 0.09), 0.0), 0.012, 2
         )
 
@@ -116,7 +133,7 @@ def _ladder(width: float, height: float) -> Iterator[Solid]:
 def _oval(width: float, height: float) -> Iterator[Solid]:
     """Build a leaf with an oval pane in a moulded rim above a panel."""
     yield box("wood_1", (width, height, LEAF_THICKNESS))
-    yield rounded("wood_1", (width - 0.24, 0.5, LEAF_THICKNESS + 0.014), (0.0, 0.14, 0.0), 0.012, 2)
+    yield rounded_box("wood_1", (width - 0.24, 0.5, LEAF_THICKNESS + 0.014), (0.0, 0.14, 0.0), 0.012, 2)
     outline = loop(0.36, 0.9, 28)
     for s in (-1, 1):
         z = s * (LEAF_THICKNESS / 2 + 0.002)

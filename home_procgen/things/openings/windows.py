@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism
 from home_procgen.things.family import FurnitureFamily, design
 
@@ -66,7 +66,7 @@ def _sash(
                 0.02,
                 0.012,
             )
-    yield rounded("chrome", (0.02, 0.1, 0.03), (x + width / 2 - 0.022, y + 0.45 * height, z + 0.04), 0.006, 1)
+    yield rounded_box("chrome", (0.02, 0.1, 0.03), (x + width / 2 - 0.022, y + 0.45 * height, z + 0.04), 0.006, 1)
 
 
 def _sliding(width: float, height: float, y: float, slot: str) -> Iterator[Solid]:
@@ -77,7 +77,7 @@ def _sliding(width: float, height: float, y: float, slot: str) -> Iterator[Solid
         ):
             if piece.material != "chrome":
                 yield piece
-    yield rounded("brass", (0.06, 0.02, 0.03), (0.0, y + height / 2 - 0.005, 0.07), 0.006, 1)
+    yield rounded_box("brass", (0.06, 0.02, 0.03), (0.0, y + height / 2 - 0.005, 0.07), 0.006, 1)
 
 
 def arched_window(width: float = 1.0, height: float = 1.5) -> Iterator[Solid]:
@@ -108,11 +108,11 @@ def louvred_window(width: float = 0.9, height: float = 1.3) -> Iterator[Solid]:
     yield from window(width, height, 0, "plain")
     inner, count = width - 0.16, int((height - 0.16) / 0.11)
     for s in (-1, 1):
-        yield rounded("chrome", (0.02, height - 0.14, 0.06), (s * (width / 2 - 0.07), 0.07, 0.0), 0.005, 1)
+        yield rounded_box("chrome", (0.02, height - 0.14, 0.06), (s * (width / 2 - 0.07), 0.07, 0.0), 0.005, 1)
     for k in range(count):
         y = 0.09 + 0.11 * k
         yield rotate(box("color_1", (inner, 0.12, 0.006), (0.0, y, 0.0)), 0, 0.35, (0.0, y + 0.06, 0.0))
-    yield rounded("chrome", (0.014, 0.12, 0.04), (width / 2 - 0.1, 0.4 * height, 0.04), 0.005, 1)
+    yield rounded_box("chrome", (0.014, 0.12, 0.04), (width / 2 - 0.1, 0.4 * height, 0.04), 0.005, 1)
 
 
 WINDOWS = (

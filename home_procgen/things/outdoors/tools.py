@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -22,8 +22,8 @@ def _step_ladder() -> Iterator[Solid]:
     for i in range(5):
         y = 0.26 + 0.28 * i
         z, w = 0.42 * (1 - y / 1.5), 0.24 - 0.07 * y / 1.5
-        yield rounded("steel", (2 * w - 0.02, 0.025, 0.1), (0.0, y, z), 0.006, 1)
-    yield rounded("red", (0.4, 0.03, 0.26), (0.0, 1.48, 0.0), 0.01, 1)
+        yield rounded_box("steel", (2 * w - 0.02, 0.025, 0.1), (0.0, y, z), 0.006, 1)
+    yield rounded_box("red", (0.4, 0.03, 0.26), (0.0, 1.48, 0.0), 0.01, 1)
     for y in (0.3, 0.9):
         yield rod("steel", (-0.22, y, -0.4 * (1 - y / 1.5)), (0.22, y, -0.4 * (1 - y / 1.5)), 0.01)
 
@@ -38,26 +38,26 @@ def _long_ladder() -> Iterator[Solid]:
 
 
 def _mower() -> Iterator[Solid]:
-    yield rounded("red", (0.5, 0.16, 0.62), (0.0, 0.1, 0.0), 0.06, 3)
-    yield turned("black", [(0.16, 0.26), (0.16, 0.36), (0.1, 0.4), (0.03, 0.42)], (0.0, 0.0, 0.05), 22, 2)
+    yield rounded_box("red", (0.5, 0.16, 0.62), (0.0, 0.1, 0.0), 0.06, 3)
+    yield revolve("black", [(0.16, 0.26), (0.16, 0.36), (0.1, 0.4), (0.03, 0.42)], (0.0, 0.0, 0.05), 22, 2)
     for x, z, r in ((-0.27, 0.22, 0.09), (0.27, 0.22, 0.09), (-0.28, -0.24, 0.13), (0.28, -0.24, 0.13)):
         yield from wheel(x, r, z, r, 0.05)
     yield tube(
         "black", fillet([(-0.2, 0.2, -0.28), (-0.2, 1.0, -0.95), (0.2, 1.0, -0.95), (0.2, 0.2, -0.28)], 0.08), 0.014
     )
-    yield soft("green", (0.4, 0.32, 0.42), (0.0, 0.14, -0.5), 4.0, 6)
+    yield padded_block("green", (0.4, 0.32, 0.42), (0.0, 0.14, -0.5), 4.0, 6)
 
 
 def _tool_box() -> Iterator[Solid]:
-    yield rounded("red", (0.46, 0.18, 0.22), (0.0, 0.0, 0.0), 0.012, 2)
-    yield rounded("black", (0.47, 0.05, 0.23), (0.0, 0.17, 0.0), 0.012, 2)
+    yield rounded_box("red", (0.46, 0.18, 0.22), (0.0, 0.0, 0.0), 0.012, 2)
+    yield rounded_box("black", (0.47, 0.05, 0.23), (0.0, 0.17, 0.0), 0.012, 2)
     yield bow_handle("black", 0.12, (0.21, 0.28), 0.0, 0.04, 0.012)
     for s in (-1, 1):
-        yield rounded("chrome", (0.04, 0.06, 0.01), (s * 0.14, 0.14, 0.115), 0.003, 1)
+        yield rounded_box("chrome", (0.04, 0.06, 0.01), (s * 0.14, 0.14, 0.115), 0.003, 1)
 
 
 def _helmet() -> Iterator[Solid]:
-    yield turned(
+    yield revolve(
         "bright",
         [(0.11, 0.0), (0.135, 0.07), (0.12, 0.16), (0.07, 0.22), (0.01, 0.24)],
         sides=26,
@@ -75,7 +75,7 @@ def _helmet() -> Iterator[Solid]:
         3,
         0.006,
     )
-    yield turned("black", [(0.112, -0.004), (0.118, 0.012)], sides=26, steps=1, stretch=1.15)
+    yield revolve("black", [(0.112, -0.004), (0.118, 0.012)], sides=26, steps=1, stretch=1.15)
 
 
 def _barrow() -> Iterator[Solid]:
@@ -91,8 +91,8 @@ def _barrow() -> Iterator[Solid]:
 
 def _paint() -> Iterator[Solid]:
     for i in range(3):
-        yield turned(("white", "blue", "gray")[i], [(0.085, 0.0), (0.085, 0.19)], (-0.2 + 0.2 * i, 0.0, 0.0), 22, 1)
-        yield turned("chrome", [(0.088, 0.185), (0.088, 0.2), (0.075, 0.205)], (-0.2 + 0.2 * i, 0.0, 0.0), 22, 1)
+        yield revolve(("white", "blue", "gray")[i], [(0.085, 0.0), (0.085, 0.19)], (-0.2 + 0.2 * i, 0.0, 0.0), 22, 1)
+        yield revolve("chrome", [(0.088, 0.185), (0.088, 0.2), (0.075, 0.205)], (-0.2 + 0.2 * i, 0.0, 0.0), 22, 1)
         yield tube(
             "chrome",
             [
@@ -102,8 +102,8 @@ def _paint() -> Iterator[Solid]:
             0.002,
             4,
         )
-    yield rounded("wood", (0.03, 0.02, 0.16), (0.05, 0.205, 0.02), 0.008, 1)
-    yield rounded("black", (0.07, 0.014, 0.06), (0.05, 0.206, -0.09), 0.004, 1)
+    yield rounded_box("wood", (0.03, 0.02, 0.16), (0.05, 0.205, 0.02), 0.008, 1)
+    yield rounded_box("black", (0.07, 0.014, 0.06), (0.05, 0.206, -0.09), 0.004, 1)
 
 
 _TOOLS_KINDS = {

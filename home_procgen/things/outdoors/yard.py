@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, ring, rod
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -16,7 +16,7 @@ from home_procgen.things.outdoors.grills import gas_grill, round_grill, stone_gr
 
 
 def _parasol(kind: str) -> Iterator[Solid]:
-    yield turned("concrete", [(0.26, 0.0), (0.25, 0.08), (0.05, 0.12)], sides=22, steps=1)
+    yield revolve("concrete", [(0.26, 0.0), (0.25, 0.08), (0.05, 0.12)], sides=22, steps=1)
     yield rod("wood", (0.0, 0.05, 0.0), (0.0, 2.45, 0.0), 0.022, sides=10)
     count = 8
     for i in range(count):
@@ -47,13 +47,13 @@ def _parasol(kind: str) -> Iterator[Solid]:
 
 
 def _pool() -> Iterator[Solid]:
-    yield turned("blue", [(1.5, 0.0), (1.56, 0.3), (1.5, 0.62)], sides=44, steps=3)
+    yield revolve("blue", [(1.5, 0.0), (1.56, 0.3), (1.5, 0.62)], sides=44, steps=3)
     yield ring("white", 1.5, 0.12, (0.0, 0.62, 0.0), 1, 44)
     yield cylinder("blue", 1.44, 0.04, (0.0, 0.6, 0.0), sides=44)
     for s in (-1, 1):
         yield rod("chrome", (1.5, 0.0, s * 0.2), (1.45, 1.1, s * 0.2), 0.02)
     for i in range(3):
-        yield rounded("white", (0.08, 0.02, 0.4), (1.63 - 0.04 * i, 0.2 + 0.25 * i, 0.0), 0.006, 1)
+        yield rounded_box("white", (0.08, 0.02, 0.4), (1.63 - 0.04 * i, 0.2 + 0.25 * i, 0.0), 0.006, 1)
 
 
 def _letter_box() -> Iterator[Solid]:
@@ -65,23 +65,23 @@ def _letter_box() -> Iterator[Solid]:
     ]
     yield prism("red", half, 0.46, (0.0, 1.04, 0.05))
     yield prism("black", [(0.9 * x, 0.9 * y) for x, y in half], 0.012, (0.0, 1.05, 0.282))
-    yield rounded("yellow", (0.012, 0.16, 0.05), (0.108, 1.14, 0.0), 0.004, 1)
-    yield rounded("chrome", (0.05, 0.02, 0.02), (0.0, 1.2, 0.29), 0.006, 1)
+    yield rounded_box("yellow", (0.012, 0.16, 0.05), (0.108, 1.14, 0.0), 0.004, 1)
+    yield rounded_box("chrome", (0.05, 0.02, 0.02), (0.0, 1.2, 0.29), 0.006, 1)
 
 
 def _wall_box() -> Iterator[Solid]:
-    yield rounded("black", (0.34, 0.3, 0.12), (0.0, 0.0, 0.0), 0.015, 2)
-    yield rotate(rounded("black", (0.36, 0.02, 0.15), (0.0, 0.29, 0.015), 0.008, 1), 0, 0.15, (0.0, 0.29, 0.0))
+    yield rounded_box("black", (0.34, 0.3, 0.12), (0.0, 0.0, 0.0), 0.015, 2)
+    yield rotate(rounded_box("black", (0.36, 0.02, 0.15), (0.0, 0.29, 0.015), 0.008, 1), 0, 0.15, (0.0, 0.29, 0.0))
     yield box("gray", (0.22, 0.02, 0.006), (0.0, 0.22, 0.061))
     yield disc("brass", 0.012, 0.01, (0.0, 0.1, 0.06), 14)
-    yield rounded("white", (0.16, 0.06, 0.006), (0.0, 0.14, 0.06), 0.003, 1)
+    yield rounded_box("white", (0.16, 0.06, 0.006), (0.0, 0.14, 0.06), 0.003, 1)
 
 
 def _hoop() -> Iterator[Solid]:
-    yield rounded("black", (0.7, 0.14, 0.5), (0.0, 0.0, -0.4), 0.05, 2)
+    yield rounded_box("black", (0.7, 0.14, 0.5), (0.0, 0.0, -0.4), 0.05, 2)
     yield rod("gray", (0.0, 0.12, -0.4), (0.0, 2.3, -0.4), 0.04, sides=12)
     yield beam("gray", (0.0, 2.25, -0.4), (0.0, 2.4, -0.02), 0.05)
-    yield rounded("white", (1.0, 0.7, 0.03), (0.0, 2.1, 0.0), 0.01, 1)
+    yield rounded_box("white", (1.0, 0.7, 0.03), (0.0, 2.1, 0.0), 0.01, 1)
     for y in (2.2, 2.52):
         yield box("red", (0.44, 0.02, 0.006), (0.0, y, 0.017))
     for s in (-1, 1):

@@ -6,11 +6,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.groups import around, mirrored
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, pillow, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, pillow, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, prism, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images, repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
 
@@ -25,16 +25,18 @@ def club(width: float = 0.86, depth: float = 0.84) -> Iterator[Solid]:
         return (width / 2 - 0.08) * np.cos(angle) * bulge, 0.1 + 0.6 * v, (depth / 2 - 0.08) * np.sin(angle) * bulge
 
     yield surface("upholstery", place, 22, 5, 0.13)
-    yield soft("upholstery", (0.58, 0.2, 0.62), (0.0, 0.1, 0.05), 8.0, 4)
-    yield soft("upholstery_1", (0.56, 0.16, 0.62), (0.0, 0.29, 0.06), 6.0, 6)
+    yield padded_block("upholstery", (0.58, 0.2, 0.62), (0.0, 0.1, 0.05), 8.0, 4)
+    yield padded_block("upholstery_1", (0.56, 0.16, 0.62), (0.0, 0.29, 0.06), 6.0, 6)
 
 
 def wing(width: float = 0.78, tufts: bool = True) -> Iterator[Solid]:
     """Build a wing chair with a high back, side wings and rolled arms."""
     yield from legs("wood", 0.68, 0.66, 0.2, "turned", 0.055)
-    yield soft("upholstery", (0.64, 0.2, 0.66), (0.0, 0.19, 0.02), 9.0, 4)
-    yield soft("upholstery", (0.54, 0.14, 0.58), (0.0, 0.36, 0.06), 6.0, 6)
-    yield rotate(soft("upholstery", (0.6, 0.76, 0.14), (0.0, 0.38, -0.28), 8.0, 6), 0, -0.12, (0.0, 0.38, -0.28))
+    yield padded_block("upholstery", (0.64, 0.2, 0.66), (0.0, 0.19, 0.02), 9.0, 4)
+    yield padded_block("upholstery", (0.54, 0.14, 0.58), (0.0, 0.36, 0.06), 6.0, 6)
+    yield rotate(
+        padded_block("upholstery", (0.6, 0.76, 0.14), (0.0, 0.38, -0.28), 8.0, 6), 0, -0.12, (0.0, 0.38, -0.28)
+    )
     panel = [
         (0.36, 0.2),
         (0.36, 0.6),
@@ -46,8 +48,10 @@ def wing(width: float = 0.78, tufts: bool = True) -> Iterator[Solid]:
         (-0.4, 1.04),
         (-0.34, 0.2),
     ]
-    yield from mirrored([prism("upholstery", fillet(panel, 0.05, 3, closed=True), 0.07, (0.33, 0.0, 0.0), "side")])
-    yield from mirrored([tube("upholstery", [(0.35, 0.62, 0.34), (0.35, 0.62, -0.14)], 0.065, 12)])
+    yield from add_mirror_images(
+        [prism("upholstery", fillet(panel, 0.05, 3, closed=True), 0.07, (0.33, 0.0, 0.0), "side")]
+    )
+    yield from add_mirror_images([tube("upholstery", [(0.35, 0.62, 0.34), (0.35, 0.62, -0.14)], 0.065, 12)])
     if tufts:
         for x in (-0.15, 0.0, 0.15):
             for y in (0.7, 0.88):
@@ -66,17 +70,19 @@ def lounge(width: float = 0.7) -> Iterator[Solid]:
     for i in range(6):
         y = 0.36 + 0.085 * i
         yield beam("wood", (-0.28, y, -0.255 - 0.357 * (y - 0.26)), (0.28, y, -0.255 - 0.357 * (y - 0.26)), 0.012, 0.03)
-    yield rotate(soft("upholstery", (0.58, 0.13, 0.58), (0.0, 0.33, 0.03), 6.0, 6), 0, -0.13, (0.0, 0.33, 0.0))
-    yield rotate(soft("upholstery", (0.56, 0.5, 0.13), (0.0, 0.4, -0.22), 6.0, 6), 0, -0.34, (0.0, 0.4, -0.22))
+    yield rotate(padded_block("upholstery", (0.58, 0.13, 0.58), (0.0, 0.33, 0.03), 6.0, 6), 0, -0.13, (0.0, 0.33, 0.0))
+    yield rotate(padded_block("upholstery", (0.56, 0.5, 0.13), (0.0, 0.4, -0.22), 6.0, 6), 0, -0.34, (0.0, 0.4, -0.22))
 
 
 def track_arm(width: float = 0.84, kind: LegKind = "block") -> Iterator[Solid]:
     """Build a boxy armchair with straight arms and two thick cushions."""
     yield from legs("wood", width - 0.06, 0.76, 0.12, kind, 0.05)
-    yield soft("upholstery", (width - 0.26, 0.2, 0.8), (0.0, 0.11, 0.02), 12.0, 4)
-    yield from mirrored([rounded("upholstery", (0.14, 0.5, 0.84), ((width - 0.14) / 2, 0.11, 0.0), 0.03, 2)])
-    yield rounded("upholstery", (width - 0.2, 0.7, 0.16), (0.0, 0.11, -0.34), 0.04, 2)
-    yield soft("upholstery_1", (width - 0.29, 0.17, 0.66), (0.0, 0.29, 0.1), 7.0, 6)
+    yield padded_block("upholstery", (width - 0.26, 0.2, 0.8), (0.0, 0.11, 0.02), 12.0, 4)
+    yield from add_mirror_images(
+        [rounded_box("upholstery", (0.14, 0.5, 0.84), ((width - 0.14) / 2, 0.11, 0.0), 0.03, 2)]
+    )
+    yield rounded_box("upholstery", (width - 0.2, 0.7, 0.16), (0.0, 0.11, -0.34), 0.04, 2)
+    yield padded_block("upholstery_1", (width - 0.29, 0.17, 0.66), (0.0, 0.29, 0.1), 7.0, 6)
     yield _back_cushion(width)
 
 
@@ -98,9 +104,9 @@ def egg(width: float = 0.82) -> Iterator[Solid]:
         return np.sin(1.25 * s) / np.sin(1.25) * half, y + 0.16 * s**4 * (1 - u) - 0.08 * s**4 * u, z + curl
 
     yield surface("upholstery", place, 18, 14, 0.05)
-    yield soft("upholstery", (0.46, 0.11, 0.44), (0.0, 0.36, 0.03), 3.5, 6)
+    yield padded_block("upholstery", (0.46, 0.11, 0.44), (0.0, 0.36, 0.03), 3.5, 6)
     yield cylinder("chrome", 0.03, 0.33, (0.0, 0.02, 0.0), sides=12)
-    yield from around([beam("chrome", (0.0, 0.02, 0.0), (0.0, 0.012, 0.3), 0.05, 0.024)], 4, np.pi / 4)
+    yield from repeat_around([beam("chrome", (0.0, 0.02, 0.0), (0.0, 0.012, 0.3), 0.05, 0.024)], 4, np.pi / 4)
 
 
 def rocker(width: float = 0.62) -> Iterator[Solid]:
@@ -112,8 +118,8 @@ def rocker(width: float = 0.62) -> Iterator[Solid]:
         yield rod("wood", (x, 0.05, 0.22), (x, 0.62, 0.24), 0.016, 0.02, 10)
         yield rod("wood", (x, 0.06, -0.22), (x * 0.9, 1.06, -0.4), 0.02, 0.016, 10)
         yield band("wood", spline([(x, 0.63, 0.3), (x, 0.65, 0.0), (x * 0.95, 0.62, -0.3)], 4), 0.06, 0.022)
-    yield soft("wood", (width + 0.02, 0.04, 0.5), (0.0, 0.4, 0.0), 6.0, 5)
-    yield soft("patterned", (width - 0.1, 0.07, 0.44), (0.0, 0.43, 0.01), 5.0, 5)
+    yield padded_block("wood", (width + 0.02, 0.04, 0.5), (0.0, 0.4, 0.0), 6.0, 5)
+    yield padded_block("patterned", (width - 0.1, 0.07, 0.44), (0.0, 0.43, 0.01), 5.0, 5)
     for y in (1.0, 0.52):
         z = -0.22 - 0.18 * (y - 0.06)
         yield beam("wood", (-0.29, y, z), (0.29, y, z), 0.02, 0.07)
@@ -144,8 +150,8 @@ def sling(width: float = 0.66) -> Iterator[Solid]:
 def barrel(width: float = 0.74) -> Iterator[Solid]:
     """Build a barrel chair: a round tub with upright channels on a round plinth."""
     yield cylinder("black", 0.26, 0.06, sides=24)
-    yield turned("upholstery", [(0.3, 0.06), (0.34, 0.1), (0.34, 0.3), (0.3, 0.34)], sides=24, steps=1)
-    yield turned("upholstery", [(0.27, 0.33), (0.3, 0.36), (0.3, 0.42), (0.24, 0.45)], (0.0, 0.0, 0.03), 24, 2)
+    yield revolve("upholstery", [(0.3, 0.06), (0.34, 0.1), (0.34, 0.3), (0.3, 0.34)], sides=24, steps=1)
+    yield revolve("upholstery", [(0.27, 0.33), (0.3, 0.36), (0.3, 0.42), (0.24, 0.45)], (0.0, 0.0, 0.03), 24, 2)
     for i in range(15):
         angle = np.pi * (0.96 + 1.08 * i / 14)
         x, z = 0.33 * np.cos(angle), 0.33 * np.sin(angle)
@@ -157,13 +163,15 @@ def barrel(width: float = 0.74) -> Iterator[Solid]:
 def bergere(width: float = 0.7) -> Iterator[Solid]:
     """Build a carved wooden frame with an upholstered back, seat and arm pads."""
     yield from legs("wood", 0.62, 0.58, 0.34, "cabriole", 0.05)
-    yield rounded("wood", (0.66, 0.06, 0.6), (0.0, 0.33, 0.0), 0.02, 2)
-    yield soft("patterned", (0.58, 0.14, 0.56), (0.0, 0.37, 0.02), 5.0, 6)
+    yield rounded_box("wood", (0.66, 0.06, 0.6), (0.0, 0.33, 0.0), 0.02, 2)
+    yield padded_block("patterned", (0.58, 0.14, 0.56), (0.0, 0.37, 0.02), 5.0, 6)
     frame = fillet(
         [(-0.3, 0.42, -0.27), (-0.3, 0.98, -0.36), (0.0, 1.06, -0.37), (0.3, 0.98, -0.36), (0.3, 0.42, -0.27)], 0.12, 4
     )
     yield tube("wood", frame, 0.022)
-    yield rotate(soft("patterned", (0.54, 0.56, 0.09), (0.0, 0.42, -0.27), 7.0, 6), 0, -0.15, (0.0, 0.42, -0.27))
+    yield rotate(
+        padded_block("patterned", (0.54, 0.56, 0.09), (0.0, 0.42, -0.27), 7.0, 6), 0, -0.15, (0.0, 0.42, -0.27)
+    )
     arm = [
         tube(
             "wood",
@@ -173,23 +181,23 @@ def bergere(width: float = 0.7) -> Iterator[Solid]:
             0.02,
         )
     ]
-    yield from mirrored([*arm, soft("patterned", (0.055, 0.04, 0.22), (0.335, 0.675, -0.06), 3.0, 4)])
+    yield from add_mirror_images([*arm, padded_block("patterned", (0.055, 0.04, 0.22), (0.335, 0.675, -0.06), 3.0, 4)])
 
 
 def recliner(width: float = 0.9) -> Iterator[Solid]:
     """Build an overstuffed recliner with a raised footrest."""
     yield box("black", (0.7, 0.08, 0.6))
-    yield from mirrored(
+    yield from add_mirror_images(
         [
-            soft("leather", (0.2, 0.56, 0.86), (0.36, 0.06, 0.0), 5.0, 6),
-            soft("leather", (0.22, 0.14, 0.8), (0.36, 0.52, 0.0), 3.0, 5),
+            padded_block("leather", (0.2, 0.56, 0.86), (0.36, 0.06, 0.0), 5.0, 6),
+            padded_block("leather", (0.22, 0.14, 0.8), (0.36, 0.52, 0.0), 3.0, 5),
         ]
     )
-    yield soft("leather", (0.54, 0.22, 0.6), (0.0, 0.26, 0.1), 5.0, 6)
+    yield padded_block("leather", (0.54, 0.22, 0.6), (0.0, 0.26, 0.1), 5.0, 6)
     for y, h in ((0.34, 0.36), (0.66, 0.36)):
-        yield rotate(soft("leather", (0.56, h, 0.22), (0.0, y, -0.3), 4.0, 6), 0, -0.25, (0.0, 0.42, -0.3))
-    yield rotate(soft("leather", (0.54, 0.12, 0.4), (0.0, 0.3, 0.62), 5.0, 5), 0, 0.2, (0.0, 0.3, 0.5))
-    yield from mirrored([beam("iron", (0.2, 0.12, 0.3), (0.2, 0.28, 0.6), 0.02)])
+        yield rotate(padded_block("leather", (0.56, h, 0.22), (0.0, y, -0.3), 4.0, 6), 0, -0.25, (0.0, 0.42, -0.3))
+    yield rotate(padded_block("leather", (0.54, 0.12, 0.4), (0.0, 0.3, 0.62), 5.0, 5), 0, 0.2, (0.0, 0.3, 0.5))
+    yield from add_mirror_images([beam("iron", (0.2, 0.12, 0.3), (0.2, 0.28, 0.6), 0.02)])
 
 
 def bean_bag(width: float = 0.85) -> Iterator[Solid]:
@@ -214,13 +222,13 @@ def bean_bag(width: float = 0.85) -> Iterator[Solid]:
 
 def _closed_skin(material: str, points: np.ndarray) -> Solid:
     """Build a closed solid from columns of points around the vertical axis that share their first and last points."""
-    from home_procgen.shapes.rounded import welded
+    from home_procgen.shapes.rounded import weld
 
     n, m = points.shape[:2]
     i, j = np.arange(n)[:, None], np.arange(m - 1)
     a, b = i * m + j, (i + 1) % n * m + j
     faces = np.concatenate([np.stack([a, a + 1, b], -1).reshape(-1, 3), np.stack([b, a + 1, b + 1], -1).reshape(-1, 3)])
-    return welded(material, points.reshape(-1, 3), faces)
+    return weld(material, points.reshape(-1, 3), faces)
 
 
 ARMCHAIRS = (

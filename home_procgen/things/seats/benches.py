@@ -6,26 +6,26 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import mirrored
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, sweep, tube
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, legs
-from home_procgen.things.parts import assign_part, lid_part
-from home_procgen.things.seats.patio import park_bench
+from home_procgen.things.movable_parts import assign_part, lid_part
+from home_procgen.things.seats.garden_seats import park_bench
 
 
 def plank(width: float = 1.2, kind: LegKind = "square") -> Iterator[Solid]:
     """Build a thick board on legs."""
     yield from legs("wood", width - 0.1, 0.32, 0.42, kind, 0.055)
-    yield rounded("wood_1", (width, 0.045, 0.36), (0.0, 0.41, 0.0), 0.015, 2)
+    yield rounded_box("wood_1", (width, 0.045, 0.36), (0.0, 0.41, 0.0), 0.015, 2)
 
 
 def padded(width: float = 1.15, kind: LegKind = "hairpin") -> Iterator[Solid]:
     """Build a long padded seat on legs."""
     yield from legs("iron", width - 0.06, 0.36, 0.4, kind, 0.05)
-    yield rounded("wood", (width - 0.02, 0.03, 0.38), (0.0, 0.38, 0.0), 0.01, 1)
-    yield soft("upholstery", (width, 0.1, 0.4), (0.0, 0.39, 0.0), 14.0, 6)
+    yield rounded_box("wood", (width - 0.02, 0.03, 0.38), (0.0, 0.38, 0.0), 0.01, 1)
+    yield padded_block("upholstery", (width, 0.1, 0.4), (0.0, 0.39, 0.0), 14.0, 6)
 
 
 def scroll_bench(width: float = 1.2) -> Iterator[Solid]:
@@ -38,7 +38,9 @@ def scroll_bench(width: float = 1.2) -> Iterator[Solid]:
     yield sweep(
         "upholstery", path, np.array([[-0.2, -0.05], [0.2, -0.05], [0.2, 0.05], [-0.2, 0.05]]), up=(0.0, 1.0, 0.0)
     )
-    yield from mirrored([tube("upholstery", [(width / 2 + 0.01, 0.63, -0.2), (width / 2 + 0.01, 0.63, 0.2)], 0.06, 12)])
+    yield from add_mirror_images(
+        [tube("upholstery", [(width / 2 + 0.01, 0.63, -0.2), (width / 2 + 0.01, 0.63, 0.2)], 0.06, 12)]
+    )
     yield from legs("wood", width - 0.2, 0.36, 0.37, "turned", 0.055)
 
 
@@ -48,8 +50,8 @@ def hall_bench(width: float = 1.1) -> Iterator[Solid]:
         x = s * (width / 2 - 0.025)
         yield beam("wood", (x, 0.0, 0.19), (x, 0.64, 0.19), 0.045)
         yield beam("wood", (x, 0.0, -0.19), (x, 0.9, -0.23), 0.045)
-        yield rounded("wood", (0.06, 0.03, 0.48), (x, 0.64, 0.0), 0.01, 1)
-    yield rounded("wood", (width, 0.035, 0.42), (0.0, 0.42, 0.0), 0.01, 1)
+        yield rounded_box("wood", (0.06, 0.03, 0.48), (x, 0.64, 0.0), 0.01, 1)
+    yield rounded_box("wood", (width, 0.035, 0.42), (0.0, 0.42, 0.0), 0.01, 1)
     for y in (0.56, 0.85):
         yield beam("wood", (-width / 2 + 0.04, y, -0.21), (width / 2 - 0.04, y, -0.225), 0.025, 0.06)
     for i in range(9):
@@ -59,17 +61,17 @@ def hall_bench(width: float = 1.1) -> Iterator[Solid]:
 
 def chest_bench(width: float = 1.1, style: str = "panels", back: bool = False) -> Iterator[Solid]:
     """Build a chest with a seat cushion on its lid."""
-    yield rounded("wood", (width, 0.38, 0.42), (0.0, 0.03, 0.0), 0.01, 1)
+    yield rounded_box("wood", (width, 0.38, 0.42), (0.0, 0.03, 0.0), 0.01, 1)
     yield box("wood", (width - 0.06, 0.04, 0.36))
     if style == "panels":
         for i in range(3):
-            yield rounded("wood_1", (width / 3 - 0.1, 0.24, 0.02), ((i - 1) * width / 3, 0.1, 0.21), 0.008, 1)
+            yield rounded_box("wood_1", (width / 3 - 0.1, 0.24, 0.02), ((i - 1) * width / 3, 0.1, 0.21), 0.008, 1)
     else:
         for i in range(3):
-            yield rounded("cane", (width / 3 - 0.04, 0.3, 0.03), ((i - 1) * width / 3, 0.06, 0.205), 0.01, 1)
+            yield rounded_box("cane", (width / 3 - 0.04, 0.3, 0.03), ((i - 1) * width / 3, 0.06, 0.205), 0.01, 1)
             yield box("black", (0.1, 0.025, 0.01), ((i - 1) * width / 3, 0.28, 0.222))
-    lid = [rounded("wood_1", (width + 0.03, 0.03, 0.45), (0.0, 0.41, 0.0), 0.01, 1)]
-    lid.append(soft("textile", (width - 0.04, 0.07, 0.4), (0.0, 0.435, 0.01), 12.0, 6))
+    lid = [rounded_box("wood_1", (width + 0.03, 0.03, 0.45), (0.0, 0.41, 0.0), 0.01, 1)]
+    lid.append(padded_block("textile", (width - 0.04, 0.07, 0.4), (0.0, 0.435, 0.01), 12.0, 6))
     yield from assign_part(None if back else lid_part(0.44, -0.225), lid)
     if back:
         yield prism(
@@ -80,7 +82,7 @@ def chest_bench(width: float = 1.1, style: str = "panels", back: bool = False) -
             0.03,
             (0.0, 0.0, -0.2),
         )
-    yield from mirrored([box("iron", (0.02, 0.03, 0.1), (width / 2 + 0.008, 0.25, 0.0))])
+    yield from add_mirror_images([box("iron", (0.02, 0.03, 0.1), (width / 2 + 0.008, 0.25, 0.0))])
 
 
 BENCHES = (

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.curves import arc, fillet, loop, spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import band, beam, prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
@@ -30,7 +30,7 @@ def _posts(
 def ladder_back(width: float = 0.44, depth: float = 0.44, top: float = 0.95, slats: int = 4) -> Iterator[Solid]:
     """Build a ladder-back chair with curved slats, a rush seat and stretchers."""
     yield from _posts("wood", width, depth, top)
-    yield soft("cane", (width - 0.01, 0.05, depth), (0.0, SEAT_HEIGHT - 0.04, 0.0), 9.0, 4)
+    yield padded_block("cane", (width - 0.01, 0.05, depth), (0.0, SEAT_HEIGHT - 0.04, 0.0), 9.0, 4)
     for i in range(slats):
         share = (i + 1) / slats
         y, z = SEAT_HEIGHT + share * (top - SEAT_HEIGHT) - 0.05, 0.018 - depth / 2 - 0.1 * share
@@ -45,7 +45,7 @@ def ladder_back(width: float = 0.44, depth: float = 0.44, top: float = 0.95, sla
 
 def windsor(width: float = 0.46, top: float = 0.98, spindles: int = 7) -> Iterator[Solid]:
     """Build a Windsor chair: a saddle seat on splayed turned legs, with spindles inside a bent hoop."""
-    yield soft("wood", (width, 0.045, 0.44), (0.0, SEAT_HEIGHT - 0.045, 0.0), 4.0, 6)
+    yield padded_block("wood", (width, 0.045, 0.44), (0.0, SEAT_HEIGHT - 0.045, 0.0), 4.0, 6)
     for x, z in corners(0.28, 0.28):
         yield rod("wood", (1.45 * x, 0.0, 1.45 * z), (x, SEAT_HEIGHT - 0.02, z), 0.012, 0.019, 10)
     for x in (-0.17, 0.17):
@@ -69,9 +69,9 @@ def windsor(width: float = 0.46, top: float = 0.98, spindles: int = 7) -> Iterat
 def parsons(width: float = 0.48, top: float = 1.0) -> Iterator[Solid]:
     """Build a fully upholstered chair on square legs."""
     yield from legs("wood", width, 0.5, 0.36, "square", 0.045)
-    yield soft("upholstery", (width, 0.15, 0.54), (0.0, 0.33, 0.0), 9.0, 6)
+    yield padded_block("upholstery", (width, 0.15, 0.54), (0.0, 0.33, 0.0), 9.0, 6)
     yield rotate(
-        soft("upholstery", (width, top - 0.36, 0.09), (0.0, 0.38, -0.235), 9.0, 6), 0, -0.1, (0.0, 0.4, -0.235)
+        padded_block("upholstery", (width, top - 0.36, 0.09), (0.0, 0.38, -0.235), 9.0, 6), 0, -0.1, (0.0, 0.4, -0.235)
     )
 
 
@@ -90,7 +90,7 @@ def shell(width: float = 0.48, base: str = "dowel", padded: bool = False) -> Ite
 
     yield surface("bright" if not padded else "upholstery", place, 14, 8, 0.012)
     if padded:
-        yield soft("upholstery_1", (width - 0.08, 0.05, 0.36), (0.0, 0.425, 0.0), 5.0, 4)
+        yield padded_block("upholstery_1", (width - 0.08, 0.05, 0.36), (0.0, 0.425, 0.0), 5.0, 4)
     yield from _shell_base(base)
 
 
@@ -101,7 +101,7 @@ def _shell_base(base: str) -> Iterator[Solid]:
         for a in (-1, 1):
             yield rod("iron", (-0.16 * a, 0.18, -0.15), (0.13 * a, 0.4, 0.12), 0.005, sides=6)
     elif base == "column":
-        yield turned(
+        yield revolve(
             "chrome", [(0.23, 0.0), (0.22, 0.015), (0.05, 0.03), (0.03, 0.08), (0.028, 0.4), (0.1, 0.43)], sides=20
         )
     else:
@@ -118,16 +118,16 @@ def cantilever(width: float = 0.46) -> Iterator[Solid]:
     side = [(0.2, 0.86, -0.24), (x, 0.5, -0.2), (x, 0.44, 0.22), (x, 0.012, 0.26), (x, 0.012, -0.24)]
     path = [*side, *[(-a, b, c) for a, b, c in side[::-1]]]
     yield tube("chrome", fillet([(0.0, 0.86, -0.24), *path[:5], *path[5:], (0.0, 0.86, -0.24)], 0.07), 0.012)
-    yield rounded("wood", (width - 0.01, 0.024, 0.42), (0.0, 0.44, 0.01), 0.01, 1)
+    yield rounded_box("wood", (width - 0.01, 0.024, 0.42), (0.0, 0.44, 0.01), 0.01, 1)
     yield box("cane", (width - 0.08, 0.028, 0.35), (0.0, 0.438, 0.01))
-    back = rounded("wood", (0.42, 0.2, 0.02), (0.0, 0.62, -0.22), 0.009, 1)
+    back = rounded_box("wood", (0.42, 0.2, 0.02), (0.0, 0.62, -0.22), 0.009, 1)
     yield rotate(back, 0, -0.12, (0.0, 0.62, -0.22))
     yield rotate(box("cane", (0.36, 0.14, 0.024), (0.0, 0.65, -0.22)), 0, -0.12, (0.0, 0.62, -0.22))
 
 
 def wishbone(width: float = 0.54) -> Iterator[Solid]:
     """Build a chair with a round top rail on curved back legs and a Y-shaped splat."""
-    yield rounded("cane", (0.48, 0.035, 0.42), (0.0, SEAT_HEIGHT - 0.03, 0.02), 0.015, 2)
+    yield rounded_box("cane", (0.48, 0.035, 0.42), (0.0, SEAT_HEIGHT - 0.03, 0.02), 0.015, 2)
     rail = [(a, 0.75, b - 0.05) for a, b in arc(1.0, np.pi * 1.02, np.pi * 1.98, 14) * (width / 2, 0.2)]
     rail = [(a, 0.72 + 0.04 * np.sin(np.pi * i / 14), b) for i, (a, _, b) in enumerate(rail)]
     yield tube("wood", rail, 0.014)
@@ -171,7 +171,7 @@ def folding(width: float = 0.44) -> Iterator[Solid]:
         yield beam("wood_1", (x, 0.0, 0.22), (x, 0.82, -0.24), 0.02, 0.035)
         yield beam("wood_1", (x - s * 0.024, 0.0, -0.2), (x - s * 0.024, SEAT_HEIGHT, 0.2), 0.02, 0.035)
     for i in range(6):
-        yield rounded("wood", (width + 0.02, 0.014, 0.055), (0.0, SEAT_HEIGHT, -0.17 + 0.068 * i), 0.006, 1)
+        yield rounded_box("wood", (width + 0.02, 0.014, 0.055), (0.0, SEAT_HEIGHT, -0.17 + 0.068 * i), 0.006, 1)
     for y in (0.66, 0.73, 0.8):
         z = 0.22 - 0.46 * y / 0.82 + 0.01
         yield beam("wood", (-width / 2, y - 0.02, z), (width / 2, y - 0.02, z), 0.012, 0.05)
@@ -182,8 +182,8 @@ def folding(width: float = 0.44) -> Iterator[Solid]:
 def medallion(width: float = 0.5) -> Iterator[Solid]:
     """Build a chair with an oval padded back in a carved frame, on turned legs."""
     yield from legs("wood", 0.48, 0.46, SEAT_HEIGHT - 0.1, "turned", 0.055)
-    yield rounded("wood", (width, 0.06, 0.48), (0.0, SEAT_HEIGHT - 0.11, 0.0), 0.02, 2)
-    yield soft("patterned", (width - 0.03, 0.11, 0.45), (0.0, SEAT_HEIGHT - 0.06, 0.01), 5.0, 6)
+    yield rounded_box("wood", (width, 0.06, 0.48), (0.0, SEAT_HEIGHT - 0.11, 0.0), 0.02, 2)
+    yield padded_block("patterned", (width - 0.03, 0.11, 0.45), (0.0, SEAT_HEIGHT - 0.06, 0.01), 5.0, 6)
     frame = [(x, 0.76 + y, -0.245 - 0.12 * y) for x, y in loop(0.42, 0.46, 20)]
     yield tube("wood", frame, 0.02, 8, closed=True)
     oval = [(x, y) for x, y in loop(0.39, 0.43, 20)]
@@ -194,8 +194,8 @@ def medallion(width: float = 0.5) -> Iterator[Solid]:
 
 def industrial(width: float = 0.42) -> Iterator[Solid]:
     """Build a pressed sheet metal chair with splayed legs."""
-    yield rounded("paint", (0.36, 0.025, 0.36), (0.0, SEAT_HEIGHT - 0.025, 0.0), 0.01, 2)
-    yield rounded("paint", (0.37, 0.05, 0.37), (0.0, SEAT_HEIGHT - 0.07, 0.0), 0.01, 1)
+    yield rounded_box("paint", (0.36, 0.025, 0.36), (0.0, SEAT_HEIGHT - 0.025, 0.0), 0.01, 2)
+    yield rounded_box("paint", (0.37, 0.05, 0.37), (0.0, SEAT_HEIGHT - 0.07, 0.0), 0.01, 1)
     for x, z in corners(0.32, 0.32):
         yield beam("paint", (1.35 * x, 0.0, 1.35 * z), (x, SEAT_HEIGHT - 0.02, z), 0.035)
     hoop = [(s * 0.17, SEAT_HEIGHT - 0.05, -0.16) for s in (-1,)]
@@ -232,7 +232,7 @@ def plywood(width: float = 0.42) -> Iterator[Solid]:
 def slipper(width: float = 0.5, kind: LegKind = "taper", top: float = 0.86) -> Iterator[Solid]:
     """Build a chair with a padded seat and a curved, wrap-around padded back."""
     yield from legs("wood", 0.46, 0.44, 0.34, kind, 0.045)
-    yield soft("upholstery", (width, 0.13, 0.5), (0.0, 0.33, 0.0), 5.0, 6)
+    yield padded_block("upholstery", (width, 0.13, 0.5), (0.0, 0.33, 0.0), 5.0, 6)
 
     def place(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, ...]:
         angle = np.pi * (1.12 + 0.76 * u)

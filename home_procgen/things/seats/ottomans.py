@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
@@ -17,7 +17,7 @@ from home_procgen.things.joinery import LegKind, legs
 def cube() -> Iterator[Solid]:
     """Build a padded cube with piped edges."""
     yield box("black", (0.4, 0.02, 0.4))
-    yield rounded("upholstery", (0.46, 0.42, 0.46), (0.0, 0.015, 0.0), 0.03, 3)
+    yield rounded_box("upholstery", (0.46, 0.42, 0.46), (0.0, 0.015, 0.0), 0.03, 3)
     for y in (0.05, 0.42):
         yield tube(
             "black",
@@ -42,31 +42,31 @@ def pouf(radius: float = 0.3, ribs: int = 12) -> Iterator[Solid]:
             (0.7 * radius * x, 0.045, 0.7 * radius * z),
         ]
         yield tube("textile", spline(gore, 3), np.interp(np.arange(10), [0, 3, 6, 9], [0.03, 0.052, 0.075, 0.045]), 8)
-    yield turned("textile", [(0.2, 0.02), (0.26, 0.1), (0.27, 0.2), (0.2, 0.34), (0.05, 0.37)], sides=20, steps=2)
+    yield revolve("textile", [(0.2, 0.02), (0.26, 0.1), (0.27, 0.2), (0.2, 0.34), (0.05, 0.37)], sides=20, steps=2)
     yield ball("textile", (0.05, 0.02, 0.05), (0.0, 0.39, 0.0), 10, 4)
 
 
 def footstool(kind: LegKind = "turned", width: float = 0.6, fabric: str = "patterned") -> Iterator[Solid]:
     """Build a padded top on four legs."""
     yield from legs("wood", width - 0.06, 0.38, 0.26, kind, 0.05)
-    yield rounded("wood", (width - 0.02, 0.05, 0.42), (0.0, 0.23, 0.0), 0.01, 1)
-    yield soft(fabric, (width, 0.15, 0.44), (0.0, 0.27, 0.0), 6.0, 6)
+    yield rounded_box("wood", (width - 0.02, 0.05, 0.42), (0.0, 0.23, 0.0), 0.01, 1)
+    yield padded_block(fabric, (width, 0.15, 0.44), (0.0, 0.27, 0.0), 6.0, 6)
 
 
 def drum() -> Iterator[Solid]:
     """Build a round padded drum with a metal foot ring."""
     yield cylinder("brass", 0.27, 0.04, sides=28)
-    yield turned("upholstery", [(0.26, 0.04), (0.28, 0.08), (0.28, 0.36), (0.25, 0.41)], sides=28, steps=2)
+    yield revolve("upholstery", [(0.26, 0.04), (0.28, 0.08), (0.28, 0.36), (0.25, 0.41)], sides=28, steps=2)
 
 
 def tufted(width: float = 0.9) -> Iterator[Solid]:
     """Build a large square ottoman with a grid of pads."""
     yield from legs("wood", width - 0.1, width - 0.1, 0.12, "block", 0.06)
-    yield rounded("leather", (width, 0.2, width), (0.0, 0.11, 0.0), 0.03, 1)
+    yield rounded_box("leather", (width, 0.2, width), (0.0, 0.11, 0.0), 0.03, 1)
     step = width / 4
     for i in range(4):
         for j in range(4):
-            yield soft("leather", (step, 0.14, step), ((i - 1.5) * step, 0.29, (j - 1.5) * step), 3.5, 4)
+            yield padded_block("leather", (step, 0.14, step), ((i - 1.5) * step, 0.29, (j - 1.5) * step), 3.5, 4)
 
 
 def x_stool() -> Iterator[Solid]:
@@ -75,14 +75,14 @@ def x_stool() -> Iterator[Solid]:
         for a in (-1, 1):
             yield beam("brass", (a * 0.24, 0.0, s * 0.16), (-a * 0.24, 0.4, s * 0.16), 0.022)
     yield rod("brass", (0.0, 0.2, -0.16), (0.0, 0.2, 0.16), 0.012)
-    yield soft("upholstery", (0.58, 0.12, 0.42), (0.0, 0.38, 0.0), 5.0, 6)
+    yield padded_block("upholstery", (0.58, 0.12, 0.42), (0.0, 0.38, 0.0), 5.0, 6)
 
 
 def storage_pouf() -> Iterator[Solid]:
     """Build a round tub with a padded lid above a gap."""
     yield cylinder("cane", 0.24, 0.3, (0.0, 0.02, 0.0), 0.26, 24)
     yield cylinder("black", 0.24, 0.03, (0.0, 0.31, 0.0), sides=24)
-    yield turned("upholstery", [(0.25, 0.0), (0.27, 0.02), (0.26, 0.07), (0.2, 0.1)], (0.0, 0.335, 0.0), 24, 2)
+    yield revolve("upholstery", [(0.25, 0.0), (0.27, 0.02), (0.26, 0.07), (0.2, 0.1)], (0.0, 0.335, 0.0), 24, 2)
     for angle in (0.4, 2.5, 4.6):
         yield cylinder("wood", 0.025, 0.03, (0.18 * np.cos(angle), 0.0, 0.18 * np.sin(angle)), sides=10)
 

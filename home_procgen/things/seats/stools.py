@@ -5,18 +5,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder
-from home_procgen.shapes.groups import around
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import padded_block
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import ring, rod
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, foot_plate
 
 
 def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> Iterator[Solid]:
     """Build a high stool on four legs, or on one column with a footrest."""
-    yield soft("upholstery", (0.38, 0.08, 0.38), (0.0, height - 0.07, 0.0), 3.0, 5)
+    yield padded_block("upholstery", (0.38, 0.08, 0.38), (0.0, height - 0.07, 0.0), 3.0, 5)
     if base == "legs":
         for x, z in corners(0.24, 0.24):
             yield rod("wood", (1.7 * x, 0.0, 1.7 * z), (x, height - 0.05, z), 0.014, 0.018)
@@ -45,8 +45,8 @@ def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> I
 
 def milking_stool() -> Iterator[Solid]:
     """Build a round wooden top on three splayed legs."""
-    yield turned("wood", [(0.15, 0.0), (0.17, 0.01), (0.17, 0.03), (0.155, 0.04)], (0.0, 0.41, 0.0), 24, 1)
-    yield from around([rod("wood", (0.0, 0.0, 0.19), (0.0, 0.42, 0.1), 0.013, 0.019, 10)], 3)
+    yield revolve("wood", [(0.15, 0.0), (0.17, 0.01), (0.17, 0.03), (0.155, 0.04)], (0.0, 0.41, 0.0), 24, 1)
+    yield from repeat_around([rod("wood", (0.0, 0.0, 0.19), (0.0, 0.42, 0.1), 0.013, 0.019, 10)], 3)
     yield ring("wood", 0.14, 0.016, (0.0, 0.17, 0.0), 1, 18)
 
 

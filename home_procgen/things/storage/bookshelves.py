@@ -5,13 +5,13 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import beam, prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import book_row, disc, doors, foot_plate, open_case
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def shelf_contents(width: float, bottom: float, height: float, z: float, seed: int, x: float = 0.0) -> Iterator[Solid]:
@@ -23,7 +23,7 @@ def shelf_contents(width: float, bottom: float, height: float, z: float, seed: i
         yield from book_row(left, bottom, 0.9 * width, height - 0.03, z, seed)
     elif kind == 2:
         yield from book_row(left, bottom, 0.5 * width, height - 0.03, z, seed)
-        yield turned(
+        yield revolve(
             "glaze",
             [(0.03, 0.0), (0.055, 0.05), (0.025, 0.12), (0.035, 0.15)],
             (x + 0.27 * width, bottom, z + 0.03),
@@ -31,13 +31,13 @@ def shelf_contents(width: float, bottom: float, height: float, z: float, seed: i
             2,
         )
     elif kind == 3:
-        yield rounded("cane", (min(0.3, 0.8 * width), min(0.2, 0.7 * height), 0.22), (x, bottom, z + 0.01), 0.02, 1)
+        yield rounded_box("cane", (min(0.3, 0.8 * width), min(0.2, 0.7 * height), 0.22), (x, bottom, z + 0.01), 0.02, 1)
     elif kind == 4:
         for i in range(3):
             yield box(f"cover_{i + 2}", (0.2 - 0.01 * i, 0.03, 0.16), (x - 0.1 * width, bottom + 0.031 * i, z + 0.02))
         yield ball("brass", 0.04, (x - 0.1 * width, bottom + 0.131, z + 0.02), 10, 6)
     else:
-        yield turned("terracotta", [(0.035, 0.0), (0.05, 0.07), (0.052, 0.09)], (x, bottom, z + 0.02), 12, 1)
+        yield revolve("terracotta", [(0.035, 0.0), (0.05, 0.07), (0.052, 0.09)], (x, bottom, z + 0.02), 12, 1)
         for i in range(7):
             yield leaf("leaf", 0.13, 0.035, (x, bottom + 0.08, z + 0.02), 0.9 * i, 1.1, 1.5, pieces=3)
 
@@ -82,7 +82,7 @@ def glazed(width: float = 1.0, height: float = 2.0, depth: float = 0.36) -> Iter
                 s * width / 4 - width / 4 + 0.03, 0.70 + 0.32 * row, width / 2 - 0.06, 0.28, -0.03, 3 * row + s + 1
             )
     yield from doors("wood", width, height - 0.72, (-width / 2, 0.69, depth / 2 - 0.06), 2, "glass", ("brass", "knob"))
-    yield rounded("wood", (width + 0.06, 0.05, depth + 0.02), (0.0, height - 0.02, 0.0), 0.015, 1)
+    yield rounded_box("wood", (width + 0.06, 0.05, depth + 0.02), (0.0, height - 0.02, 0.0), 0.015, 1)
 
 
 def ladder(width: float = 0.7, height: float = 1.8) -> Iterator[Solid]:
@@ -109,7 +109,7 @@ def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
         for i in range(columns):
             x, y, kind = (i - (columns - 1) / 2) * size, j * size + thick, (2 * i + 3 * j) % 5
             if kind == 0:
-                basket = rounded("textile", (0.31, 0.29, 0.34), (x, y, 0.01), 0.02, 1)
+                basket = rounded_box("textile", (0.31, 0.29, 0.34), (x, y, 0.01), 0.02, 1)
                 yield from panel(0.28, basket, box("black", (0.08, 0.02, 0.006), (x, y + 0.2, 0.182)))
             elif kind == 3:
                 knob = disc("brass", 0.012, 0.02, (x + 0.12, y + 0.16, 0.19), 10)
@@ -138,7 +138,7 @@ def pipes(width: float = 1.0, height: float = 1.9) -> Iterator[Solid]:
         yield rod("iron", (x, height - 0.014, -0.11), (x, height - 0.014, 0.11), 0.014)
     for i in range(5):
         y = 0.12 + 0.4 * i
-        yield rounded("wood", (width, 0.03, 0.3), (0.0, y, 0.0), 0.006, 1)
+        yield rounded_box("wood", (width, 0.03, 0.3), (0.0, y, 0.0), 0.006, 1)
         yield from shelf_contents(width - 0.24, y + 0.03, 0.34, 0.0, 90 + i)
 
 
@@ -146,7 +146,7 @@ def revolving(height: float = 1.3) -> Iterator[Solid]:
     """Build a square book tower on a revolving foot."""
     yield foot_plate("wood", 0.26, 0.04)
     for i in range(5):
-        yield rounded("wood", (0.46, 0.022, 0.46), (0.0, 0.06 + i * 0.3, 0.0), 0.006, 1)
+        yield rounded_box("wood", (0.46, 0.022, 0.46), (0.0, 0.06 + i * 0.3, 0.0), 0.006, 1)
     yield box("wood_1", (0.03, height - 0.08, 0.03), (0.0, 0.06, 0.0))
     for row in range(4):
         for turn in range(4):
@@ -156,7 +156,7 @@ def revolving(height: float = 1.3) -> Iterator[Solid]:
 
 def spine(height: float = 1.5) -> Iterator[Solid]:
     """Build a column with books lying on short blades."""
-    yield rounded("iron", (0.3, 0.02, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
+    yield rounded_box("iron", (0.3, 0.02, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
     yield box("iron", (0.08, height, 0.02), (0.0, 0.02, -0.1))
     rng = np.random.default_rng(8)
     y = 0.1
@@ -178,12 +178,12 @@ def children(width: float = 1.0) -> Iterator[Solid]:
     for y in (0.02, 0.34, 0.66, 0.94):
         yield box("wood", (width - 0.02, 0.022, 0.29), (0.0, y, 0.0))
     for i in range(3):
-        yield rounded(f"bright_{i}", (0.28, 0.2, 0.26), ((i - 1) * 0.31, 0.042, 0.01), 0.03, 2)
+        yield rounded_box(f"bright_{i}", (0.28, 0.2, 0.26), ((i - 1) * 0.31, 0.042, 0.01), 0.03, 2)
     yield from book_row(-0.44, 0.362, 0.5, 0.27, 0.0, 21)
     yield ball("bright_1", 0.09, (0.28, 0.452, 0.02), 14, 8)
     for i in range(3):
-        yield rounded(f"bright_{i}", (0.09, 0.09, 0.09), (-0.3 + 0.1 * i, 0.682, 0.02), 0.008, 1)
-    yield rounded("bright_2", (0.09, 0.09, 0.09), (-0.25, 0.772, 0.02), 0.008, 1)
+        yield rounded_box(f"bright_{i}", (0.09, 0.09, 0.09), (-0.3 + 0.1 * i, 0.682, 0.02), 0.008, 1)
+    yield rounded_box("bright_2", (0.09, 0.09, 0.09), (-0.25, 0.772, 0.02), 0.008, 1)
 
 
 BOOKSHELVES = (

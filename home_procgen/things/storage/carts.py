@@ -6,12 +6,12 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, disc, roller
-from home_procgen.things.parts import panel
+from home_procgen.things.movable_parts import panel
 
 
 def _trolley(slot: str, board: str, wide: float, deep: float, levels: tuple[float, ...]) -> Iterator[Solid]:
@@ -19,7 +19,7 @@ def _trolley(slot: str, board: str, wide: float, deep: float, levels: tuple[floa
         yield rod(slot, (x, 0.05, z), (x, levels[-1] + 0.08, z), 0.013)
         yield roller("rubber", 0.03, 0.02, (x, 0.03, z), 12)
     for y in levels:
-        yield rounded(board, (wide, 0.015, deep), (0.0, y, 0.0), 0.004, 1)
+        yield rounded_box(board, (wide, 0.015, deep), (0.0, y, 0.0), 0.004, 1)
         for s in (-1, 1):
             yield rod(slot, (-wide / 2, y + 0.06, s * deep / 2), (wide / 2, y + 0.06, s * deep / 2), 0.007, sides=6)
             yield rod(slot, (s * wide / 2, y + 0.06, -deep / 2), (s * wide / 2, y + 0.06, deep / 2), 0.007, sides=6)
@@ -43,7 +43,7 @@ def bar_trolley() -> Iterator[Solid]:
     yield from _trolley("brass", "glass", 0.7, 0.42, (0.2, 0.72))
     top = 0.72 + 0.015
     for i in range(4):
-        yield turned(
+        yield revolve(
             ("green", "tint", "brown", "tint_1")[i],
             [(0.035, 0.0), (0.037, 0.16), (0.013, 0.21), (0.013, 0.28)],
             (-0.22 + 0.1 * i, top, -0.08),
@@ -69,7 +69,7 @@ def tea_trolley() -> Iterator[Solid]:
         yield vessel(
             "crockery", [(0.022, 0.0), (0.04, 0.03), (0.042, 0.06)], 0.004, (0.08 + 0.16 * i, top, 0.06), 14, 2
         )
-    yield turned(
+    yield revolve(
         "crockery",
         [(0.05, 0.0), (0.085, 0.05), (0.06, 0.11), (0.02, 0.12), (0.012, 0.14)],
         (-0.15, top, 0.0),
@@ -83,7 +83,7 @@ def basket_trolley() -> Iterator[Solid]:
     levels = (0.12, 0.42, 0.72)
     yield from _trolley("paint", "paint", 0.42, 0.34, levels)
     for k, y in enumerate(levels):
-        yield rounded(f"bright_{k}", (0.3, 0.12, 0.24), (0.0, y + 0.016, 0.0), 0.03, 1)
+        yield rounded_box(f"bright_{k}", (0.3, 0.12, 0.24), (0.0, y + 0.016, 0.0), 0.03, 1)
 
 
 def _lock(height: float) -> Iterator[Solid]:
@@ -98,10 +98,10 @@ def _lock(height: float) -> Iterator[Solid]:
 
 def safe(height: float = 0.5) -> Iterator[Solid]:
     """Build a steel box with a thick door, a dial and a handle."""
-    yield rounded("gray", (0.46, height - 0.03, 0.42), (0.0, 0.03, 0.0), 0.015, 2)
+    yield rounded_box("gray", (0.46, height - 0.03, 0.42), (0.0, 0.03, 0.0), 0.015, 2)
     for x, z in corners(0.36, 0.32):
         yield cylinder("black", 0.03, 0.035, (x, 0.0, z), sides=12)
-    door = rounded("iron", (0.38, height - 0.12, 0.03), (0.0, 0.08, 0.205), 0.01, 1)
+    door = rounded_box("iron", (0.38, height - 0.12, 0.03), (0.0, 0.08, 0.205), 0.01, 1)
     yield from panel("right", door, *_lock(height))
     for y in (0.14, height - 0.14):
         yield cylinder("chrome", 0.012, 0.07, (0.205, y, 0.22), sides=10)

@@ -6,12 +6,11 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, Vector, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.joinery import BOARD_THICKNESS, drawers, legs, open_case
-from home_procgen.things.parts import panel
-from home_procgen.things.storage.cases import carcass
+from home_procgen.things.joinery import BOARD_THICKNESS, carcass, drawers, legs, open_case
+from home_procgen.things.movable_parts import panel
 
 
 def dresser(
@@ -63,7 +62,7 @@ def bow_front(width: float = 1.0, height: float = 0.85, depth: float = 0.5) -> I
 
 def _pull(at: Vector) -> Iterator[Solid]:
     x, y, z = at
-    yield rounded("brass", (0.09, 0.05, 0.008), (x, y - 0.025, z - 0.002), 0.004, 1)
+    yield rounded_box("brass", (0.09, 0.05, 0.008), (x, y - 0.025, z - 0.002), 0.004, 1)
     yield tube(
         "brass",
         fillet(
@@ -81,7 +80,7 @@ def basket_chest(width: float = 0.9, height: float = 0.9, depth: float = 0.4) ->
     for row in range(3):
         for s in (-1, 1):
             x, y, size = s * width / 4, 0.28 * row, (width / 2 - 0.05, 0.22, depth - 0.02)
-            basket = rounded("cane", size, (x, 0.09 + y, 0.01), 0.025, 2)
+            basket = rounded_box("cane", size, (x, 0.09 + y, 0.01), 0.025, 2)
             yield from panel(0.3, basket, box("black", (0.09, 0.022, 0.006), (x, 0.24 + y, depth / 2 - 0.0)))
 
 

@@ -6,12 +6,12 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import around
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.storage.cases import garment
+from home_procgen.things.joinery import garment
 
 
 def clothes_rail() -> Iterator[Solid]:
@@ -28,7 +28,7 @@ def clothes_rail() -> Iterator[Solid]:
 
 def coat_tree() -> Iterator[Solid]:
     """Build a post with bent hooks and a coat."""
-    yield turned(
+    yield revolve(
         "wood",
         [(0.2, 0.0), (0.19, 0.03), (0.04, 0.06), (0.025, 0.2), (0.022, 1.6), (0.03, 1.68), (0.005, 1.74)],
         sides=14,
@@ -37,8 +37,8 @@ def coat_tree() -> Iterator[Solid]:
         tube("wood", fillet([(0.0, 1.52, 0.0), (0.0, 1.5, 0.12), (0.0, 1.62, 0.17)], 0.05), 0.01),
         ball("brass", 0.016, (0.0, 1.63, 0.17), 8, 4),
     ]
-    yield from around(hook, 6)
-    yield from around(
+    yield from repeat_around(hook, 6)
+    yield from repeat_around(
         [tube("wood", fillet([(0.0, 1.2, 0.0), (0.0, 1.18, 0.1), (0.0, 1.27, 0.14)], 0.04), 0.009)], 4, 0.4
     )
     yield _coat()
@@ -46,8 +46,8 @@ def coat_tree() -> Iterator[Solid]:
 
 def coat_tripod() -> Iterator[Solid]:
     """Build three crossed poles and a coat."""
-    yield from around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
-    yield from around(
+    yield from repeat_around([rod("wood", (0.0, 0.0, 0.26), (0.1, 1.72, -0.12), 0.018, 0.013)], 3)
+    yield from repeat_around(
         [
             rod("wood", (0.0, 1.3, 0.0), (0.02, 1.38, 0.14), 0.009),
             rod("wood", (0.0, 1.52, 0.0), (0.02, 1.58, 0.12), 0.009),
@@ -76,13 +76,13 @@ def _coat() -> Solid:
 
 def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
     """Build a wall board with hooks, a hat, a bag and a scarf."""
-    yield rounded("wood", (width, 0.12, 0.02), (0.0, 0.62, -0.08), 0.006, 1)
+    yield rounded_box("wood", (width, 0.12, 0.02), (0.0, 0.62, -0.08), 0.006, 1)
     for i in range(5):
         x = (i - 2) * width / 5.5
         yield tube("iron", fillet([(x, 0.68, -0.07), (x, 0.65, -0.03), (x, 0.68, -0.005)], 0.02), 0.006, 6)
     if shelf:
-        yield rounded("wood", (width, 0.022, 0.2), (0.0, 0.74, 0.0), 0.006, 1)
-        yield rounded("cane", (0.28, 0.14, 0.18), (0.2, 0.762, 0.0), 0.02, 1)
+        yield rounded_box("wood", (width, 0.022, 0.2), (0.0, 0.74, 0.0), 0.006, 1)
+        yield rounded_box("cane", (0.28, 0.14, 0.18), (0.2, 0.762, 0.0), 0.02, 1)
     x = -width / 5.5
     yield prism(
         "textile",
@@ -90,7 +90,7 @@ def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
         0.04,
         (0.0, 0.0, -0.03),
     )
-    yield rounded("leather", (0.28, 0.24, 0.09), (width / 5.5, 0.22, -0.02), 0.03, 2)
+    yield rounded_box("leather", (0.28, 0.24, 0.09), (width / 5.5, 0.22, -0.02), 0.03, 2)
     yield tube(
         "leather",
         fillet([(width / 5.5 - 0.1, 0.44, -0.02), (width / 5.5, 0.68, -0.02), (width / 5.5 + 0.1, 0.44, -0.02)], 0.06),
@@ -106,7 +106,7 @@ def valet() -> Iterator[Solid]:
         yield rod("wood", (s * 0.2, 0.02, 0.0), (s * 0.12, 1.05, 0.0), 0.016, 0.013, 10)
     for y, x in ((0.3, 0.18), (0.62, 0.155)):
         yield rod("wood", (-x, y, 0.0), (x, y, 0.0), 0.011)
-    yield rounded("wood", (0.26, 0.02, 0.14), (0.0, 0.86, 0.06), 0.008, 2)
+    yield rounded_box("wood", (0.26, 0.02, 0.14), (0.0, 0.86, 0.06), 0.008, 2)
     yield tube(
         "wood", fillet([(-0.24, 1.05, 0.0), (-0.08, 1.13, 0.0), (0.08, 1.13, 0.0), (0.24, 1.05, 0.0)], 0.06), 0.018
     )
@@ -126,7 +126,7 @@ def valet() -> Iterator[Solid]:
 
 def branches() -> Iterator[Solid]:
     """Build a trunk with branches on a round foot, with a scarf and a hat."""
-    yield turned("wood", [(0.2, 0.0), (0.2, 0.02), (0.16, 0.035)], sides=26, steps=1)
+    yield revolve("wood", [(0.2, 0.0), (0.2, 0.02), (0.16, 0.035)], sides=26, steps=1)
     yield tube(
         "wood", [(0.0, 0.03, 0.0), (0.01, 0.6, 0.0), (0.0, 1.2, 0.01), (0.01, 1.7, 0.0)], [0.03, 0.026, 0.02, 0.012], 10
     )
@@ -136,19 +136,19 @@ def branches() -> Iterator[Solid]:
         path = [(0.0, y, 0.0), (0.1 * c, y + 0.04, 0.1 * s), (0.17 * c, y + 0.13, 0.17 * s)]
         yield tube("wood", path, [0.013, 0.011, 0.008], 8)
     hat = [(0.14, 0.0), (0.13, 0.008), (0.085, 0.01), (0.08, 0.08), (0.05, 0.1)]
-    yield turned("cane", hat, (0.01, 1.7, 0.0), 20, 2)
+    yield revolve("cane", hat, (0.01, 1.7, 0.0), 20, 2)
     scarf = [(0.1, 0.4), (0.18, 0.4), (0.17, 1.02), (0.11, 1.02)]
     yield prism("textile", scarf, 0.03, (-0.22, 0.0, 0.07))
 
 
 def peg_rail(width: float = 0.9) -> Iterator[Solid]:
     """Build a rail with turned pegs, a straw hat and a bag."""
-    yield rounded("wood", (width, 0.09, 0.022), (0.0, 0.5, -0.06), 0.008, 2)
+    yield rounded_box("wood", (width, 0.09, 0.022), (0.0, 0.5, -0.06), 0.008, 2)
     for i in range(6):
         x = (i - 2.5) * width / 6.4
-        peg = turned("wood", [(0.008, 0.0), (0.007, 0.05), (0.013, 0.065), (0.006, 0.075)], sides=10, steps=2)
+        peg = revolve("wood", [(0.008, 0.0), (0.007, 0.05), (0.013, 0.065), (0.006, 0.075)], sides=10, steps=2)
         yield move(rotate(peg, 0, np.pi / 2 - 0.15), (x, 0.54, -0.05))
-    hat = turned("cane", [(0.16, 0.0), (0.15, 0.01), (0.09, 0.012), (0.085, 0.07), (0.05, 0.085)], sides=22, steps=2)
+    hat = revolve("cane", [(0.16, 0.0), (0.15, 0.01), (0.09, 0.012), (0.085, 0.07), (0.05, 0.085)], sides=22, steps=2)
     yield move(rotate(hat, 0, np.pi / 2 - 0.2), (-width / 4, 0.46, -0.035))
     bag = fillet([(-0.14, 0.06), (0.14, 0.06), (0.12, 0.3), (-0.12, 0.3)], 0.05, 3, True)
     x = 0.5 * width / 6.4
@@ -169,15 +169,15 @@ def scissors(width: float = 0.8) -> Iterator[Solid]:
             x, y = i * step - width / 2, 0.3 + s * half
             yield rod("wood", (x, y, -0.05), (x, y, 0.03), 0.008)
             yield ball("wood", 0.016, (x, y, 0.035), 10, 6)
-    yield rounded("leather", (0.22, 0.3, 0.05), (step, 0.1, 0.02), 0.02, 2)
+    yield rounded_box("leather", (0.22, 0.3, 0.05), (step, 0.1, 0.02), 0.02, 2)
 
 
 def panel(width: float = 0.9) -> Iterator[Solid]:
     """Build a padded panel with a hat shelf, brass hooks and an umbrella."""
     for i in range(5):
         wide = width / 5
-        yield rounded("upholstery", (wide - 0.006, 0.95, 0.035), ((i - 2) * wide, 0.0, -0.1), 0.014, 2)
-    yield rounded("wood", (width, 0.024, 0.26), (0.0, 0.95, 0.01), 0.008, 2)
+        yield rounded_box("upholstery", (wide - 0.006, 0.95, 0.035), ((i - 2) * wide, 0.0, -0.1), 0.014, 2)
+    yield rounded_box("wood", (width, 0.024, 0.26), (0.0, 0.95, 0.01), 0.008, 2)
     for s in (-1, 1):
         yield tube(
             "brass", fillet([(s * 0.36, 0.74, -0.085), (s * 0.36, 0.9, -0.07), (s * 0.36, 0.95, 0.1)], 0.08, 4), 0.009
@@ -195,12 +195,12 @@ def panel(width: float = 0.9) -> Iterator[Solid]:
 
 def ringed() -> Iterator[Solid]:
     """Build a post with a ring of hooks above and an umbrella ring below."""
-    yield turned("iron", [(0.19, 0.0), (0.18, 0.025), (0.03, 0.04)], sides=24, steps=1)
+    yield revolve("iron", [(0.19, 0.0), (0.18, 0.025), (0.03, 0.04)], sides=24, steps=1)
     yield rod("iron", (0.0, 0.03, 0.0), (0.0, 1.72, 0.0), 0.014, sides=12)
     for y, r in ((1.66, 0.15), (1.42, 0.12), (0.55, 0.15)):
         yield ring("iron", r, 0.014, (0.0, y, 0.0), 1, 28)
-        yield from around([rod("iron", (0.0, y, 0.0), (0.0, y, r), 0.006)], 4)
-    yield from around(
+        yield from repeat_around([rod("iron", (0.0, y, 0.0), (0.0, y, r), 0.006)], 4)
+    yield from repeat_around(
         [tube("iron", fillet([(0.0, 1.66, 0.15), (0.0, 1.6, 0.2), (0.0, 1.68, 0.22)], 0.02), 0.007, 6)], 8
     )
     yield ball("brass", 0.03, (0.0, 1.74, 0.0), 14, 8)

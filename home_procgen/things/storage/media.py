@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import BOARD_THICKNESS, book_row, corners, drawers, front, legs, open_case
@@ -33,9 +33,9 @@ def tv_low(
     )
     third = width / 3
     if layout == "niches":
-        yield rounded("black", (0.4, 0.05, 0.26), (0.0, foot + 0.022, 0.0), 0.008, 1)
+        yield rounded_box("black", (0.4, 0.05, 0.26), (0.0, foot + 0.022, 0.0), 0.008, 1)
         yield from book_row(third / 2 + 0.04, foot + 0.022, third - 0.08, 0.14, 0.0, 2)
-        yield rounded("cane", (third - 0.08, 0.13, 0.3), (-third, foot + 0.022, 0.0), 0.02, 1)
+        yield rounded_box("cane", (third - 0.08, 0.13, 0.3), (-third, foot + 0.022, 0.0), 0.02, 1)
     else:
         style = {"doors": "flat", "slats": "slats", "cane": "cane", "shaker": "shaker"}[layout]
         for i in (0, 2):
@@ -57,7 +57,7 @@ def tv_low(
             "flat",
             ("brass", "knob"),
         )
-        yield rounded("black", (0.36, 0.05, 0.26), (0.0, foot + 0.022, 0.0), 0.008, 1)
+        yield rounded_box("black", (0.36, 0.05, 0.26), (0.0, foot + 0.022, 0.0), 0.008, 1)
 
 
 def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
@@ -68,7 +68,7 @@ def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
             "wood", 0.42, height - 0.48, 0.32, (0.36, 0.72, 1.06), (s * (width / 2 - 0.21), 0.48, -0.05), (), "wood_1"
         )
         yield from book_row(s * (width / 2 - 0.21) - 0.17, 0.86, 0.32, 0.28, -0.05, 4 + s)
-        yield turned(
+        yield revolve(
             "glaze", [(0.04, 0.0), (0.07, 0.06), (0.03, 0.16), (0.04, 0.2)], (s * (width / 2 - 0.21), 0.5, -0.03), 14, 2
         )
     yield box("wood", (width, 0.03, 0.34), (0.0, height, -0.05))
@@ -77,11 +77,11 @@ def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
 def glass_media(width: float = 1.2) -> Iterator[Solid]:
     """Build glass shelves on chrome tubes."""
     for y in (0.1, 0.3, 0.5):
-        yield rounded("glass", (width, 0.012, 0.42), (0.0, y, 0.0), 0.004, 1)
+        yield rounded_box("glass", (width, 0.012, 0.42), (0.0, y, 0.0), 0.004, 1)
     for x, z in corners(width - 0.16, 0.32):
         yield rod("chrome", (x, 0.0, z), (x, 0.52, z), 0.022, sides=12)
-    yield rounded("black", (0.43, 0.06, 0.28), (-0.2, 0.113, 0.0), 0.008, 1)
-    yield rounded("black", (0.3, 0.05, 0.24), (0.25, 0.313, 0.0), 0.008, 1)
+    yield rounded_box("black", (0.43, 0.06, 0.28), (-0.2, 0.113, 0.0), 0.008, 1)
+    yield rounded_box("black", (0.3, 0.05, 0.24), (0.25, 0.313, 0.0), 0.008, 1)
 
 
 def corner_tv(width: float = 1.2) -> Iterator[Solid]:
@@ -90,9 +90,9 @@ def corner_tv(width: float = 1.2) -> Iterator[Solid]:
     for y, t in ((0.05, 0.03), (0.28, 0.02), (0.5, 0.03)):
         yield prism("wood", outline, t, (0.0, y, 0.0), "top")
     for x, z in ((-0.57, 0.25), (0.57, 0.25), (-0.33, -0.23), (0.33, -0.23)):
-        yield rounded("wood", (0.05, 0.5, 0.05), (x, 0.0, z), 0.008, 1)
+        yield rounded_box("wood", (0.05, 0.5, 0.05), (x, 0.0, z), 0.008, 1)
     yield box("wood_1", (0.66, 0.45, 0.015), (0.0, 0.06, -0.245))
-    yield rounded("black", (0.43, 0.06, 0.28), (0.0, 0.082, 0.02), 0.008, 1)
+    yield rounded_box("black", (0.43, 0.06, 0.28), (0.0, 0.082, 0.02), 0.008, 1)
     yield from front("wood_1", (0.54, 0.19), (-0.55, 0.305, 0.26), "flat", ("chrome", "knob", 0.9, 0.5), opens="left")
     yield from front("wood_1", (0.54, 0.19), (0.01, 0.305, 0.26), "flat", ("chrome", "knob", 0.1, 0.5), opens="right")
 
@@ -100,13 +100,13 @@ def corner_tv(width: float = 1.2) -> Iterator[Solid]:
 def pipe_media(width: float = 1.4) -> Iterator[Solid]:
     """Build boards on an iron pipe frame."""
     for y in (0.14, 0.46):
-        yield rounded("wood", (width, 0.04, 0.4), (0.0, y, 0.0), 0.008, 1)
+        yield rounded_box("wood", (width, 0.04, 0.4), (0.0, y, 0.0), 0.008, 1)
     for x in (-width / 2 + 0.12, 0.0, width / 2 - 0.12):
         for z in (-0.14, 0.14):
             yield rod("iron", (x, 0.0, z), (x, 0.46, z), 0.016, sides=10)
             yield cylinder("iron", 0.035, 0.012, (x, 0.0, z), sides=14)
             yield cylinder("iron", 0.03, 0.012, (x, 0.18, z), sides=12)
-    yield rounded("black", (0.43, 0.06, 0.28), (0.34, 0.18, 0.0), 0.008, 1)
+    yield rounded_box("black", (0.43, 0.06, 0.28), (0.34, 0.18, 0.0), 0.008, 1)
     yield from book_row(-0.5, 0.18, 0.4, 0.24, 0.0, 12)
 
 
@@ -123,7 +123,7 @@ def shuttered(width: float = 1.7, height: float = 0.52) -> Iterator[Solid]:
         x = (i + 0.5 - count / 2) * 0.036
         yield rod("wood_1", (x, foot + 0.024, 0.2), (x, height - 0.024, 0.2), 0.014, sides=6)
     for x in (-0.06, 0.06):
-        yield rounded("brass", (0.02, 0.1, 0.016), (x, foot + 0.12, 0.212), 0.006, 1)
+        yield rounded_box("brass", (0.02, 0.1, 0.016), (x, foot + 0.12, 0.212), 0.006, 1)
 
 
 def cubes(width: float = 1.2) -> Iterator[Solid]:
@@ -136,8 +136,8 @@ def cubes(width: float = 1.2) -> Iterator[Solid]:
             yield cylinder("black", 0.02, 0.03, (x + s * (third / 2 - 0.05), 0.0, 0.14), sides=12)
             yield cylinder("black", 0.02, 0.03, (x + s * (third / 2 - 0.05), 0.0, -0.14), sides=12)
     yield from book_row(-third * 1.5 + 0.04, 0.052, third - 0.09, 0.26, 0.02, 5)
-    yield rounded("cane", (third - 0.08, 0.22, 0.32), (third, 0.052, 0.02), 0.03, 2)
-    yield rounded("black", (third - 0.06, 0.07, 0.28), (0.0, 0.052, 0.02), 0.008, 1)
+    yield rounded_box("cane", (third - 0.08, 0.22, 0.32), (third, 0.052, 0.02), 0.03, 2)
+    yield rounded_box("black", (third - 0.06, 0.07, 0.28), (0.0, 0.052, 0.02), 0.008, 1)
 
 
 MEDIA = (

@@ -4,14 +4,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.parts import Part
-from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded
+from home_procgen.primitives.solids import MovablePart, Solid, box, cylinder
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, disc, drawers, legs
-from home_procgen.things.parts import QUARTER_TURN, assign_part
+from home_procgen.things.movable_parts import QUARTER_TURN, assign_part
 from home_procgen.things.storage.dressers import dresser
 
 
@@ -34,7 +33,7 @@ def open_stand(
 ) -> Iterator[Solid]:
     """Build a drawer above an open shelf with books."""
     yield from legs("wood", width, depth, height - 0.02, kind, 0.04)
-    yield rounded("wood", (width + 0.02, 0.022, depth + 0.02), (0.0, height - 0.022, 0.0), 0.007, 1)
+    yield rounded_box("wood", (width + 0.02, 0.022, depth + 0.02), (0.0, height - 0.022, 0.0), 0.007, 1)
     yield box("wood", (width - 0.03, 0.14, depth - 0.04), (0.0, height - 0.165, -0.01))
     yield from drawers(
         "wood_1",
@@ -48,15 +47,15 @@ def open_stand(
         opens=0.24,
     )
     yield box("wood", (width - 0.03, 0.018, depth - 0.03), (0.0, 0.14, 0.0))
-    yield rounded("cover_1", (0.2, 0.03, 0.27), (-0.04, 0.158, 0.0), 0.004, 1)
-    yield rounded("cover_2", (0.18, 0.024, 0.24), (-0.03, 0.188, 0.0), 0.004, 1)
+    yield rounded_box("cover_1", (0.2, 0.03, 0.27), (-0.04, 0.158, 0.0), 0.004, 1)
+    yield rounded_box("cover_2", (0.18, 0.024, 0.24), (-0.03, 0.188, 0.0), 0.004, 1)
 
 
 def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
     """Build a cylindrical nightstand with a curved door."""
     yield cylinder("black", radius - 0.03, 0.05, sides=24)
     yield cylinder("wood", radius, height - 0.08, (0.0, 0.05, 0.0), sides=32)
-    yield turned(
+    yield revolve(
         "marble",
         [(radius, 0.0), (radius + 0.012, 0.008), (radius + 0.012, 0.022), (radius, 0.03)],
         (0.0, height - 0.03, 0.0),
@@ -70,7 +69,7 @@ def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
         staves.append(rod("wood_1", (x, 0.07, z), (x, height - 0.05, z), 0.012, sides=6))
     grip = rod("brass", (0.03, 0.3, radius + 0.02), (0.03, 0.42, radius + 0.02), 0.006)
     hinge = (float(x), 0.07, float(z))  # [m], at the last stave, the leftmost one
-    yield from assign_part(Part("door", "hinge", (0.0, -1.0, 0.0), hinge, QUARTER_TURN), [*staves, grip])
+    yield from assign_part(MovablePart("door", "hinge", (0.0, -1.0, 0.0), hinge, QUARTER_TURN), [*staves, grip])
 
 
 def crate_stand() -> Iterator[Solid]:
@@ -88,13 +87,13 @@ def crate_stand() -> Iterator[Solid]:
             yield box("wood", (0.014, 0.065, 0.32), (-0.2, 0.01 + 0.28 * k + 0.085 * i, 0.0))
         for x, z in corners(0.38, 0.28):
             yield box("wood_1", (0.03, 0.26, 0.03), (x, 0.01 + 0.28 * k, z))
-    yield rounded("cover_1", (0.2, 0.035, 0.26), (0.0, 0.014, 0.0), 0.004, 1)
+    yield rounded_box("cover_1", (0.2, 0.035, 0.26), (0.0, 0.014, 0.0), 0.004, 1)
 
 
 def barley(width: float = 0.42) -> Iterator[Solid]:
     """Build a tripod stand with a drawer in a round top."""
     yield cylinder("wood", 0.21, 0.11, (0.0, 0.44, 0.0), sides=28)
-    yield turned("wood", [(0.22, 0.0), (0.235, 0.012), (0.22, 0.024)], (0.0, 0.55, 0.0), 28, 1)
+    yield revolve("wood", [(0.22, 0.0), (0.235, 0.012), (0.22, 0.024)], (0.0, 0.55, 0.0), 28, 1)
     yield disc("brass", 0.014, 0.03, (0.0, 0.495, 0.2), 10)
     for i in range(3):
         a = 2 * np.pi * i / 3 + 0.5
@@ -111,12 +110,12 @@ def barley(width: float = 0.42) -> Iterator[Solid]:
 
 def floating(width: float = 0.48) -> Iterator[Solid]:
     """Build a drawer box on a wall bracket post."""
-    yield rounded("wood", (width, 0.2, 0.34), (0.0, 0.34, 0.0), 0.012, 2)
+    yield rounded_box("wood", (width, 0.2, 0.34), (0.0, 0.34, 0.0), 0.012, 2)
     yield from drawers(
         "wood_1", width - 0.03, 0.16, (0.015 - width / 2, 0.36, 0.165), 1, 1, "flat", ("black", "slot"), opens=0.24
     )
-    yield rounded("wood", (0.12, 0.36, 0.06), (0.0, 0.0, -0.13), 0.01, 1)
-    yield rounded("wood", (0.34, 0.02, 0.3), (0.0, 0.0, -0.02), 0.008, 1)
+    yield rounded_box("wood", (0.12, 0.36, 0.06), (0.0, 0.0, -0.13), 0.01, 1)
+    yield rounded_box("wood", (0.34, 0.02, 0.3), (0.0, 0.0, -0.02), 0.008, 1)
 
 
 STANDS = (

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import corners, open_case
@@ -17,7 +17,7 @@ def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Ite
     """Build wall-mounted boards on brackets or ropes, with objects on them."""
     for i in range(count):
         y = 0.36 * i + 0.12
-        yield rounded("wood", (width, 0.026, 0.22), (0.0, y, 0.0), 0.006, 1)
+        yield rounded_box("wood", (width, 0.026, 0.22), (0.0, y, 0.0), 0.006, 1)
         yield from shelf_contents(width - 0.1, y + 0.026, 0.27, 0.0, 130 + 3 * i + count)
         for s in (-1, 1):
             x = s * (width / 2 - 0.12)
@@ -43,9 +43,9 @@ def metal_rack(width: float = 0.9, height: float = 1.8, depth: float = 0.42) -> 
         yield box("steel", (0.03, height, 0.03), (x, 0.0, z))
     for i in range(5):
         y = 0.08 + i * (height - 0.12) / 4
-        yield rounded("steel", (width - 0.01, 0.03, depth - 0.01), (0.0, y, 0.0), 0.005, 1)
+        yield rounded_box("steel", (width - 0.01, 0.03, depth - 0.01), (0.0, y, 0.0), 0.005, 1)
         if i < 4:
-            yield rounded("crust", (0.34, 0.26, 0.32), (-0.22 + 0.05 * (i % 2), y + 0.03, 0.0), 0.005, 1)
+            yield rounded_box("crust", (0.34, 0.26, 0.32), (-0.22 + 0.05 * (i % 2), y + 0.03, 0.0), 0.005, 1)
             yield cylinder(f"bright_{i % 3}", 0.08, 0.2, (0.14, y + 0.03, 0.04), sides=16)
             yield cylinder("white", 0.07, 0.16, (0.31, y + 0.03, -0.03), sides=16)
 
@@ -61,8 +61,8 @@ def wire_rack(width: float = 0.6, height: float = 1.3) -> Iterator[Solid]:
             x = (i - 6) * width / 12
             yield rod("chrome", (x, y, -0.17), (x, y, 0.17), 0.003, sides=5)
     for i in range(3):
-        yield soft("towel", (0.42, 0.07, 0.26), (0.0, 0.507 + 0.065 * i, 0.0), 5.0, 4)
-    yield rounded("cane", (0.4, 0.22, 0.28), (0.0, 0.127, 0.0), 0.03, 1)
+        yield padded_block("towel", (0.42, 0.07, 0.26), (0.0, 0.507 + 0.065 * i, 0.0), 5.0, 4)
+    yield rounded_box("cane", (0.4, 0.22, 0.28), (0.0, 0.127, 0.0), 0.03, 1)
     for i in range(3):
         yield cylinder(f"glaze_{i}", 0.03, 0.16, (-0.15 + 0.12 * i, 0.886, 0.0), sides=12)
 
@@ -74,11 +74,11 @@ def corner_etagere(height: float = 1.6) -> Iterator[Solid]:
         y = 0.06 + i * (height - 0.1) / 4
         yield prism("wood", [(-0.16, -0.16), *arc], 0.02, (0.0, y, 0.0), "top")
         if i < 4:
-            yield turned(
+            yield revolve(
                 "glaze", [(0.03, 0.0), (0.05, 0.05), (0.02, 0.11), (0.03, 0.14)], (-0.04, y + 0.02, -0.04), 12, 2
             )
     for x, z in ((-0.14, -0.14), (0.18, -0.14), (-0.14, 0.18)):
-        yield turned(
+        yield revolve(
             "wood",
             [(0.014, 0.0), (0.02, 0.3), (0.012, 0.6), (0.02, 1.0), (0.012, 1.3), (0.016, height)],
             (x, 0.0, z),
@@ -89,18 +89,18 @@ def corner_etagere(height: float = 1.6) -> Iterator[Solid]:
 
 def pegboard(width: float = 1.2) -> Iterator[Solid]:
     """Build a wall board with tools."""
-    yield rounded("wood", (width, 0.8, 0.02), (0.0, 0.0, -0.06), 0.006, 1)
+    yield rounded_box("wood", (width, 0.8, 0.02), (0.0, 0.0, -0.06), 0.006, 1)
     for i in range(4):
         x = -0.48 + 0.13 * i
         yield rod(f"bright_{i % 3}", (x, 0.52, -0.03), (x, 0.66, -0.03), 0.016)
         yield rod("chrome", (x, 0.36, -0.03), (x, 0.52, -0.03), 0.005)
     yield box("wood_1", (0.035, 0.3, 0.03), (0.12, 0.3, -0.034))
-    yield rounded("iron", (0.13, 0.05, 0.04), (0.12, 0.6, -0.03), 0.01, 1)
+    yield rounded_box("iron", (0.13, 0.05, 0.04), (0.12, 0.6, -0.03), 0.01, 1)
     yield prism("gray", [(0.25, 0.42), (0.55, 0.5), (0.55, 0.58), (0.25, 0.6)], 0.006, (0.0, 0.0, -0.045))
-    yield rounded("red", (0.1, 0.14, 0.03), (0.3, 0.45, -0.034), 0.02, 1)
+    yield rounded_box("red", (0.1, 0.14, 0.03), (0.3, 0.45, -0.034), 0.02, 1)
     yield ring("orange", 0.12, 0.035, (-0.3, 0.18, -0.032), 2, 20)
     yield ring("iron", 0.05, 0.02, (0.05, 0.16, -0.036), 2, 16)
-    yield rounded("wood_1", (0.5, 0.06, 0.14), (0.3, 0.04, 0.02), 0.01, 1)
+    yield rounded_box("wood_1", (0.5, 0.06, 0.14), (0.3, 0.04, 0.02), 0.01, 1)
     for i in range(4):
         yield cylinder("tint", 0.03, 0.08, (0.14 + 0.1 * i, 0.1, 0.02), sides=12)
 

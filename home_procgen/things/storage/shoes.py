@@ -3,12 +3,11 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, rod
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.joinery import HandleKind, doors, drawers, open_case
-from home_procgen.things.parts import assign_part, collect_parts, panel
-from home_procgen.things.storage.cases import carcass
+from home_procgen.things.joinery import HandleKind, carcass, doors, drawers, open_case
+from home_procgen.things.movable_parts import assign_part, collect_parts, panel
 from home_procgen.things.textiles.wear import shoe
 
 
@@ -33,7 +32,7 @@ def shoe_rack(width: float = 0.8, cushioned: bool = False) -> Iterator[Solid]:
             for k, y in enumerate((0.094, 0.274)):
                 yield from (move(p, (-0.25 + 0.25 * i + dx, y, 0.0)) for p in shoe(f"leather_{(i + k) % 3}"))
     if cushioned:
-        yield soft("textile", (width, 0.08, 0.32), (0.0, 0.474, 0.0), 9.0, 5)
+        yield padded_block("textile", (width, 0.08, 0.32), (0.0, 0.474, 0.0), 9.0, 5)
 
 
 def louvred(width: float = 0.8, height: float = 0.95) -> Iterator[Solid]:
@@ -51,7 +50,7 @@ def louvred(width: float = 0.8, height: float = 0.95) -> Iterator[Solid]:
 def cubbies(width: float = 0.9) -> Iterator[Solid]:
     """Build a grid of open boxes, some with shoes, below a bench."""
     yield from open_case("wood", width, 0.46, 0.34, (0.22,), (0.0, 0.02, 0.0), (0.25, 0.5, 0.75), "wood_1")
-    yield soft("textile", (width, 0.07, 0.34), (0.0, 0.475, 0.0), 9.0, 6)
+    yield padded_block("textile", (width, 0.07, 0.34), (0.0, 0.475, 0.0), 9.0, 6)
     for i, (column, y) in enumerate(((0, 0.04), (1, 0.26), (2, 0.04), (3, 0.26))):
         x = (column - 1.5) * width / 4
         for s in (-1, 1):
@@ -81,8 +80,8 @@ def lifted_bench(width: float = 0.9) -> Iterator[Solid]:
     yield from drawers("paint", width - 0.03, 0.32, corner, 2, 1, "shaker", ("brass", "cup"), opens="tips")
     for i in range(5):
         x = (i - 2) * (width - 0.1) / 4
-        yield rounded("wood", (0.07, 0.34, 0.02), (x, 0.48, -0.165), 0.006, 1)
-    yield rounded("wood", (width, 0.07, 0.03), (0.0, 0.82, -0.165), 0.01, 2)
+        yield rounded_box("wood", (0.07, 0.34, 0.02), (x, 0.48, -0.165), 0.006, 1)
+    yield rounded_box("wood", (width, 0.07, 0.03), (0.0, 0.82, -0.165), 0.01, 2)
 
 
 def tall_flaps(width: float = 0.6, height: float = 1.7) -> Iterator[Solid]:
@@ -91,9 +90,9 @@ def tall_flaps(width: float = 0.6, height: float = 1.7) -> Iterator[Solid]:
     high = (height - 0.09) / 4
     for k in range(4):
         y = 0.066 + k * high
-        board = rounded("wood_1", (width - 0.012, high - 0.008, 0.02), (0.0, y, 0.1), 0.004, 1)
-        pane = rounded("glass", (width - 0.08, high - 0.08, 0.006), (0.0, y + 0.036, 0.113), 0.002, 1)
-        grip = rounded("chrome", (0.12, 0.014, 0.02), (0.0, y + high - 0.03, 0.115), 0.005, 2)
+        board = rounded_box("wood_1", (width - 0.012, high - 0.008, 0.02), (0.0, y, 0.1), 0.004, 1)
+        pane = rounded_box("glass", (width - 0.08, high - 0.08, 0.006), (0.0, y + 0.036, 0.113), 0.002, 1)
+        grip = rounded_box("chrome", (0.12, 0.014, 0.02), (0.0, y + high - 0.03, 0.115), 0.005, 2)
         yield from panel("tips", board, pane, grip)
 
 

@@ -6,13 +6,22 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.joinery import BOARD_THICKNESS, cabinet_body, corners, disc, doors, drawers, open_case
-from home_procgen.things.parts import assign_part, collect_parts
-from home_procgen.things.storage.cases import carcass, garment
+from home_procgen.things.joinery import (
+    BOARD_THICKNESS,
+    cabinet_body,
+    carcass,
+    corners,
+    disc,
+    doors,
+    drawers,
+    garment,
+    open_case,
+)
+from home_procgen.things.movable_parts import assign_part, collect_parts
 
 
 def wardrobe(
@@ -63,11 +72,11 @@ def sliding(width: float = 1.8, height: float = 2.1, depth: float = 0.62) -> Ite
 def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Iterator[Solid]:
     """Build an antique wardrobe with a cornice, arched panels and bun feet."""
     for x, z in corners(width - 0.1, depth - 0.1):
-        yield turned("wood", [(0.03, 0.0), (0.055, 0.04), (0.035, 0.09)], (x, 0.0, z), 12, 2)
-    yield rounded("wood", (width + 0.04, 0.08, depth + 0.03), (0.0, 0.08, 0.0), 0.02, 2)
+        yield revolve("wood", [(0.03, 0.0), (0.055, 0.04), (0.035, 0.09)], (x, 0.0, z), 12, 2)
+    yield rounded_box("wood", (width + 0.04, 0.08, depth + 0.03), (0.0, 0.08, 0.0), 0.02, 2)
     yield cabinet_body("wood", width, height - 0.3, depth, (0.0, 0.15, 0.0))
     for k, grow in enumerate((0.02, 0.06, 0.12)):
-        yield rounded("wood", (width + grow, 0.045, depth + grow), (0.0, height - 0.16 + 0.04 * k, 0.0), 0.012, 1)
+        yield rounded_box("wood", (width + grow, 0.045, depth + grow), (0.0, height - 0.16 + 0.04 * k, 0.0), 0.012, 1)
     yield prism(
         "wood",
         fillet([(-width / 2, 0.0), (width / 2, 0.0), (0.0, 0.16)], 0.3, 6, True),
@@ -93,8 +102,8 @@ def open_wardrobe(width: float = 1.2, height: float = 1.95, depth: float = 0.5) 
         x = -0.48 + 0.095 * i
         yield from garment(f"textile_{i % 5}", x, height - 0.45, float(rng.uniform(0.55, 0.95)))
     for i in range(3):
-        yield soft(f"textile_{i}", (0.3, 0.16, 0.34), (-0.4 + 0.4 * i, height - 0.34, 0.0), 5.0, 4)
-        yield rounded("cane", (0.34, 0.22, 0.38), (-0.38 + 0.38 * i, 0.03, 0.0), 0.03, 1)
+        yield padded_block(f"textile_{i}", (0.3, 0.16, 0.34), (-0.4 + 0.4 * i, height - 0.34, 0.0), 5.0, 4)
+        yield rounded_box("cane", (0.34, 0.22, 0.38), (-0.38 + 0.38 * i, 0.03, 0.0), 0.03, 1)
 
 
 def corner_wardrobe(size: float = 1.0, height: float = 2.0) -> Iterator[Solid]:
@@ -146,7 +155,7 @@ def cupboard_top(width: float = 1.0, height: float = 2.0, depth: float = 0.42) -
         for i in range(3):
             yield disc("crockery", 0.1, 0.012, (-0.3 + 0.3 * i, 1.0 + 0.35 * row, -0.16), 20)
     yield from doors("wood", width - 0.04, height - 0.92, (0.02 - width / 2, 0.88, 0.08), 2, "glass", ("brass", "knob"))
-    yield rounded("wood", (width + 0.04, 0.05, 0.34), (0.0, height - 0.03, -0.05), 0.015, 1)
+    yield rounded_box("wood", (width + 0.04, 0.05, 0.34), (0.0, height - 0.03, -0.05), 0.015, 1)
 
 
 WARDROBES = (

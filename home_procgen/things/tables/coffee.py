@@ -6,13 +6,13 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet, loop
-from home_procgen.shapes.groups import around
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import rounded, soft
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import band, beam, prism, ring, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, drawers, legs
-from home_procgen.things.parts import assign_part, lid_part
+from home_procgen.things.movable_parts import assign_part, lid_part
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, pedestal, top, wire_base
 
 
@@ -69,7 +69,7 @@ def nest(count: int = 3) -> Iterator[Solid]:
     """Build a nest of tables of decreasing size."""
     for i in range(count):
         size, height, z = 0.56 - 0.1 * i, 0.48 - 0.06 * i, 0.1 * i
-        yield rounded("wood", (size, 0.022, 0.4), (0.0, height - 0.022, z), 0.008, 1)
+        yield rounded_box("wood", (size, 0.022, 0.4), (0.0, height - 0.022, z), 0.008, 1)
         for s in (-1, 1):
             x = s * (size / 2 - 0.03)
             for dz in (-0.16, 0.16):
@@ -79,12 +79,12 @@ def nest(count: int = 3) -> Iterator[Solid]:
 
 def chest(width: float = 1.0, depth: float = 0.55) -> Iterator[Solid]:
     """Build an old trunk with iron bands."""
-    yield rounded("wood", (width, 0.3, depth), (0.0, 0.03, 0.0), 0.015, 1)
+    yield rounded_box("wood", (width, 0.3, depth), (0.0, 0.03, 0.0), 0.015, 1)
     lid = lid_part(0.33, -depth / 2 - 0.01)
-    yield from assign_part(lid, [rounded("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)])
+    yield from assign_part(lid, [rounded_box("wood", (width + 0.02, 0.12, depth + 0.02), (0.0, 0.33, 0.0), 0.04, 3)])
     for x in (-0.34, 0.0, 0.34):
         yield box("iron", (0.05, 0.31, depth + 0.012), (x * width, 0.026, 0.0))
-        yield from assign_part(lid, [rounded("iron", (0.05, 0.13, depth + 0.03), (x * width, 0.327, 0.0), 0.04, 3)])
+        yield from assign_part(lid, [rounded_box("iron", (0.05, 0.13, depth + 0.03), (x * width, 0.327, 0.0), 0.04, 3)])
     yield box("brass", (0.09, 0.1, 0.02), (0.0, 0.27, depth / 2 + 0.006))
     for s in (-1, 1):
         yield ring("iron", 0.05, 0.014, (s * (width / 2 + 0.012), 0.2, 0.0), 0, 12)
@@ -112,16 +112,16 @@ def drawer_table(width: float = 1.1, depth: float = 0.6, kind: LegKind = "taper"
 def plinth(width: float = 0.9, depth: float = 0.9) -> Iterator[Solid]:
     """Build a heavy block with a shadow gap."""
     yield box("black", (width - 0.12, 0.05, depth - 0.12))
-    yield rounded("stone", (width, 0.24, depth), (0.0, 0.05, 0.0), 0.012, 2)
+    yield rounded_box("stone", (width, 0.24, depth), (0.0, 0.05, 0.0), 0.012, 2)
     yield box("black", (width - 0.06, 0.012, depth - 0.06), (0.0, 0.29, 0.0))
-    yield rounded("stone", (width, 0.05, depth), (0.0, 0.302, 0.0), 0.012, 2)
+    yield rounded_box("stone", (width, 0.05, depth), (0.0, 0.302, 0.0), 0.012, 2)
 
 
 def round_coffee(width: float = 0.9, base: str = "legs") -> Iterator[Solid]:
     """Build a round top on legs, slats or wires."""
     yield from top("wood" if base != "wire" else "marble", width, width, 0.42, "round", 0.03)
     if base == "legs":
-        yield from around([rod("wood", (0.0, 0.0, 0.42 * width), (0.0, 0.39, 0.3 * width), 0.013, 0.02, 10)], 3)
+        yield from repeat_around([rod("wood", (0.0, 0.0, 0.42 * width), (0.0, 0.39, 0.3 * width), 0.013, 0.02, 10)], 3)
         yield cylinder("wood", 0.26, 0.018, (0.0, 0.14, 0.0), sides=28)
     elif base == "slats":
         yield from drum_base(0.34 * width, 0.39, 24)
@@ -170,7 +170,7 @@ def lift_box(width: float = 1.05, depth: float = 0.6) -> Iterator[Solid]:
     yield box("wood_1", (width * 0.46, 0.12, 0.4), (0.24 * width, 0.07, 0.0))
     yield from top("wood_1", width, depth, 0.41, "board", 0.05)
     yield from legs("black", width - 0.1, depth - 0.1, 0.04, "block", 0.06)
-    yield soft("cane", (0.36, 0.18, 0.36), (-0.24 * width, 0.06, 0.0), 8.0, 4)
+    yield padded_block("cane", (0.36, 0.18, 0.36), (-0.24 * width, 0.06, 0.0), 8.0, 4)
 
 
 def side_column(width: float = 0.42, feet: int = 3) -> Iterator[Solid]:
@@ -190,7 +190,7 @@ def c_table(width: float = 0.42) -> Iterator[Solid]:
 
 def garden_stool() -> Iterator[Solid]:
     """Build a glazed barrel with round openings."""
-    yield turned("glaze", [(0.14, 0.0), (0.17, 0.04), (0.2, 0.22), (0.17, 0.41), (0.13, 0.45)], sides=24, steps=3)
+    yield revolve("glaze", [(0.14, 0.0), (0.17, 0.04), (0.2, 0.22), (0.17, 0.41), (0.13, 0.45)], sides=24, steps=3)
     for y in (0.06, 0.39):
         yield ring("glaze", 0.174, 0.014, (0.0, y, 0.0), 1, 24)
     for i in range(10):
@@ -215,7 +215,7 @@ def demilune(width: float = 0.9, depth: float = 0.4) -> Iterator[Solid]:
     yield prism("wood", half, 0.028, (0.0, 0.77, 0.0), "top")
     yield prism("wood", [(0.9 * x, -0.17 + 0.88 * (z + 0.18)) for x, z in half], 0.09, (0.0, 0.68, 0.0), "top")
     for x, z in ((-0.38, -0.15), (0.38, -0.15), (-0.2, 0.14), (0.2, 0.14)):
-        yield turned(
+        yield revolve(
             "wood", [(0.012, 0.0), (0.018, 0.1), (0.014, 0.4), (0.026, 0.62), (0.026, 0.69)], (x, 0.0, z), 10, 2
         )
 

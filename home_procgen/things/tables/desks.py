@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box
-from home_procgen.shapes.groups import mirrored
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, book_row, drawers, legs, open_case
 from home_procgen.things.tables.bases import top
@@ -85,8 +85,8 @@ def secretary(width: float = 0.9, depth: float = 0.45) -> Iterator[Solid]:
     yield from open_case(
         "wood", width, 0.4, depth - 0.06, (0.13, 0.26), (0.0, 0.76, -0.03), (0.25, 0.5, 0.75), "wood_1"
     )
-    yield rounded("wood_1", (width - 0.02, 0.022, 0.34), (0.0, 0.765, depth / 2 + 0.13), 0.006, 1)
-    yield from mirrored(
+    yield rounded_box("wood_1", (width - 0.02, 0.022, 0.34), (0.0, 0.765, depth / 2 + 0.13), 0.006, 1)
+    yield from add_mirror_images(
         [
             rod(
                 "brass",
@@ -104,8 +104,8 @@ def corner_desk(size: float = 1.5, depth: float = 0.6) -> Iterator[Solid]:
     """Build an L-shaped corner desk."""
     half = size / 2
     inner, y = depth - half, DESK_HEIGHT - 0.03
-    yield rounded("wood_1", (size, 0.03, depth), (0.0, y, depth / 2 - half), 0.006, 2)
-    yield rounded("wood_1", (depth, 0.03, size - depth), (depth / 2 - half, y, depth / 2), 0.006, 2)
+    yield rounded_box("wood_1", (size, 0.03, depth), (0.0, y, depth / 2 - half), 0.006, 2)
+    yield rounded_box("wood_1", (depth, 0.03, size - depth), (depth / 2 - half, y, depth / 2), 0.006, 2)
     yield prism("wood_1", [(inner, inner), (inner + 0.2, inner), (inner, inner + 0.2)], 0.03, (0.0, y, 0.0), "top")
     for x, z in (
         (0.05 - half, 0.05 - half),
@@ -114,7 +114,7 @@ def corner_desk(size: float = 1.5, depth: float = 0.6) -> Iterator[Solid]:
         (0.05 - half, half - 0.05),
         (depth - half - 0.06, half - 0.05),
     ):
-        yield rounded("iron", (0.05, DESK_HEIGHT - 0.03, 0.05), (x, 0.0, z), 0.008, 1)
+        yield rounded_box("iron", (0.05, DESK_HEIGHT - 0.03, 0.05), (x, 0.0, z), 0.008, 1)
     yield box("wood", (size - 0.2, 0.3, 0.018), (0.0, DESK_HEIGHT - 0.34, 0.04 - half))
     yield box("wood", (0.018, 0.3, size - 0.2), (0.04 - half, DESK_HEIGHT - 0.34, 0.0))
 
@@ -124,12 +124,12 @@ def standing_desk(width: float = 1.4, depth: float = 0.7, height: float = 0.98) 
     yield from top("wood", width, depth, height, "board", 0.026)
     for s in (-1, 1):
         x = s * (width / 2 - 0.24)
-        yield rounded("gray", (0.08, 0.03, depth - 0.06), (x, 0.0, 0.0), 0.01, 1)
-        yield rounded("gray", (0.08, 0.6, 0.06), (x, 0.02, 0.0), 0.008, 1)
-        yield rounded("gray", (0.06, height - 0.08, 0.045), (x, 0.03, 0.0), 0.006, 1)
+        yield rounded_box("gray", (0.08, 0.03, depth - 0.06), (x, 0.0, 0.0), 0.01, 1)
+        yield rounded_box("gray", (0.08, 0.6, 0.06), (x, 0.02, 0.0), 0.008, 1)
+        yield rounded_box("gray", (0.06, height - 0.08, 0.045), (x, 0.03, 0.0), 0.006, 1)
         yield box("gray", (0.05, 0.025, depth - 0.12), (x, height - 0.05, 0.0))
     yield box("gray", (width - 0.5, 0.05, 0.04), (0.0, height - 0.07, 0.0))
-    yield rounded("black", (0.12, 0.02, 0.03), (0.4, height - 0.045, depth / 2 - 0.02), 0.005, 1)
+    yield rounded_box("black", (0.12, 0.02, 0.03), (0.4, height - 0.045, depth / 2 - 0.02), 0.005, 1)
 
 
 def sawhorse(width: float = 1.5, depth: float = 0.7) -> Iterator[Solid]:
@@ -173,7 +173,7 @@ def executive_desk(width: float = 1.7, depth: float = 0.85) -> Iterator[Solid]:
     for s in (-1, 1):
         x = s * (width / 2 - 0.3)
         yield box("wood", (0.5, DESK_HEIGHT - 0.05, depth - 0.12), (x, 0.02, 0.0))
-        yield rounded("wood", (0.54, 0.07, depth - 0.06), (x, 0.0, 0.0), 0.015, 1)
+        yield rounded_box("wood", (0.54, 0.07, depth - 0.06), (x, 0.0, 0.0), 0.015, 1)
         yield from drawers(
             "wood_1", 0.46, 0.58, (x - 0.23, 0.1, depth / 2 - 0.07), 1, 3, "raised", ("brass", "ring"), opens=0.5
         )
@@ -197,7 +197,9 @@ def wall_desk(width: float = 0.9) -> Iterator[Solid]:
     """Build a shallow wall box with a fold-down writing front."""
     yield from open_case("wood", width, 0.5, 0.2, (0.16, 0.32), (0.0, 0.72, -0.2), (0.5,), "wood_1")
     yield box("wood_1", (width - 0.03, 0.022, 0.44), (0.0, 0.725, 0.12))
-    yield from mirrored([rod("iron", (width / 2 - 0.03, 0.74, 0.2), (width / 2 - 0.03, 1.0, -0.1), 0.004, sides=5)])
+    yield from add_mirror_images(
+        [rod("iron", (width / 2 - 0.03, 0.74, 0.2), (width / 2 - 0.03, 1.0, -0.1), 0.004, sides=5)]
+    )
     yield from book_row(-0.4, 0.9, 0.3, 0.15, -0.2, 5)
     for s in (-1, 1):
         yield beam("wood", (s * 0.4, 0.0, 0.26), (s * 0.4, 0.725, 0.26), 0.03)

@@ -7,9 +7,9 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import around, mirrored
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, prism, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images, repeat_around
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, corners, legs
 from home_procgen.things.tables.bases import TopKind, crossed, drum_base, four_legs, panels, pedestal, top, trestle
@@ -21,15 +21,15 @@ def farmhouse(width: float = 1.6, depth: float = 0.9, kind: LegKind = "turned") 
     """Build a plank top on an apron with four legs."""
     count = 5
     for i in range(count):
-        yield rounded(
+        yield rounded_box(
             "wood_1",
             (width - 0.16, 0.03, depth / count - 0.002),
             (0.0, TABLE_HEIGHT - 0.03, (i - 2) * depth / count),
             0.006,
             1,
         )
-    yield from mirrored(
-        [rounded("wood_1", (0.08, 0.03, depth), (width / 2 - 0.04, TABLE_HEIGHT - 0.03, 0.0), 0.006, 1)]
+    yield from add_mirror_images(
+        [rounded_box("wood_1", (0.08, 0.03, depth), (width / 2 - 0.04, TABLE_HEIGHT - 0.03, 0.0), 0.006, 1)]
     )
     yield from four_legs(width, depth, TABLE_HEIGHT - 0.03, kind, 0.09)
 
@@ -104,8 +104,8 @@ def slatted_drum(width: float = 1.2) -> Iterator[Solid]:
 def drop_leaf(width: float = 1.0, depth: float = 0.9) -> Iterator[Solid]:
     """Build a narrow drop-leaf table, one leaf up on a gate leg and one hanging."""
     yield from top("wood", 0.42, depth, TABLE_HEIGHT, "board", 0.024)
-    yield rounded("wood", (0.4, 0.024, depth), (0.415, TABLE_HEIGHT - 0.024, 0.0), 0.008, 1)
-    yield rounded("wood", (0.024, 0.42, depth), (-0.225, TABLE_HEIGHT - 0.45, 0.0), 0.008, 1)
+    yield rounded_box("wood", (0.4, 0.024, depth), (0.415, TABLE_HEIGHT - 0.024, 0.0), 0.008, 1)
+    yield rounded_box("wood", (0.024, 0.42, depth), (-0.225, TABLE_HEIGHT - 0.45, 0.0), 0.008, 1)
     yield from four_legs(0.44, depth - 0.06, TABLE_HEIGHT - 0.024, "turned", 0.055)
     yield from (move(p, (0.48, 0.0, 0.0)) for p in legs("wood", 0.05, 0.05, TABLE_HEIGHT - 0.024, "turned", 0.05))
     yield beam("wood", (0.15, 0.16, 0.0), (0.48, 0.16, 0.0), 0.03)
@@ -136,7 +136,7 @@ def bistro(width: float = 0.65, height: float = 0.74, shape: TopKind = "round") 
         tube("iron", fillet([(0.0, 0.16, 0.02), (0.0, 0.1, 0.2), (0.0, 0.014, 0.3)], 0.08), 0.014),
         ball("iron", 0.018, (0.0, 0.018, 0.3), 8, 4),
     ]
-    yield from around(foot, 3 if shape == "round" else 4)
+    yield from repeat_around(foot, 3 if shape == "round" else 4)
 
 
 def folding_table(width: float = 1.2, depth: float = 0.6) -> Iterator[Solid]:
@@ -153,8 +153,8 @@ def billiards(width: float = 2.4, depth: float = 1.35) -> Iterator[Solid]:
     """Build a billiard table with cushions, pockets, balls and turned legs."""
     yield box("felt", (width - 0.2, 0.03, depth - 0.2), (0.0, 0.76, 0.0))
     for s in (-1, 1):
-        yield rounded("wood", (width, 0.09, 0.13), (0.0, 0.74, s * (depth / 2 - 0.065)), 0.02, 2)
-        yield rounded("wood", (0.13, 0.09, depth - 0.26), (s * (width / 2 - 0.065), 0.74, 0.0), 0.02, 2)
+        yield rounded_box("wood", (width, 0.09, 0.13), (0.0, 0.74, s * (depth / 2 - 0.065)), 0.02, 2)
+        yield rounded_box("wood", (0.13, 0.09, depth - 0.26), (s * (width / 2 - 0.065), 0.74, 0.0), 0.02, 2)
         for x in (-0.5, 0.5):
             yield box("felt", (width / 2 - 0.24, 0.03, 0.04), (x * (width / 2 - 0.03), 0.788, s * (depth / 2 - 0.15)))
     for x in (-1, 0, 1):
@@ -171,7 +171,7 @@ def billiards(width: float = 2.4, depth: float = 1.35) -> Iterator[Solid]:
 
 def ping_pong(width: float = 2.74, depth: float = 1.52) -> Iterator[Solid]:
     """Build a table tennis table with white lines, a net and bats."""
-    yield rounded("blue", (width, 0.03, depth), (0.0, 0.73, 0.0), 0.008, 1)
+    yield rounded_box("blue", (width, 0.03, depth), (0.0, 0.73, 0.0), 0.008, 1)
     for s in (-1, 1):
         yield box("white", (width, 0.002, 0.02), (0.0, 0.7595, s * (depth / 2 - 0.012)))
         yield box("white", (0.02, 0.002, depth - 0.05), (s * (width / 2 - 0.012), 0.7595, 0.0))
@@ -191,8 +191,8 @@ def foosball(width: float = 1.4, depth: float = 0.75) -> Iterator[Solid]:
     """Build a table football box with rods of players."""
     yield box("green", (width - 0.06, 0.02, depth - 0.06), (0.0, 0.76, 0.0))
     for s in (-1, 1):
-        yield rounded("wood", (width, 0.28, 0.035), (0.0, 0.62, s * (depth / 2 - 0.018)), 0.008, 1)
-        yield rounded("wood", (0.035, 0.28, depth - 0.06), (s * (width / 2 - 0.018), 0.62, 0.0), 0.008, 1)
+        yield rounded_box("wood", (width, 0.28, 0.035), (0.0, 0.62, s * (depth / 2 - 0.018)), 0.008, 1)
+        yield rounded_box("wood", (0.035, 0.28, depth - 0.06), (s * (width / 2 - 0.018), 0.62, 0.0), 0.008, 1)
         yield box("black", (0.012, 0.08, 0.2), (s * (width / 2 - 0.034), 0.78, 0.0))
     yield from legs("wood", width, depth, 0.64, "taper", 0.1)
     for i in range(8):
@@ -206,7 +206,7 @@ def foosball(width: float = 1.4, depth: float = 0.75) -> Iterator[Solid]:
             sides=8,
         )
         for z in np.linspace(-0.24, 0.24, (1, 2, 3, 5)[min(i, 7 - i)]) if i not in (0, 7) else [0.0]:
-            yield rounded(color, (0.02, 0.1, 0.03), (x, 0.79, float(z)), 0.006, 1)
+            yield rounded_box(color, (0.02, 0.1, 0.03), (x, 0.79, float(z)), 0.006, 1)
 
 
 DINING = (

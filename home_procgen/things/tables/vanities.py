@@ -6,10 +6,10 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
 from home_procgen.shapes.curves import loop
-from home_procgen.shapes.groups import mirrored
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import beam, prism, rod, tube
+from home_procgen.shapes.transforms import add_mirror_images
 from home_procgen.things.family import FurnitureFamily, design
 from home_procgen.things.joinery import LegKind, drawers, legs
 from home_procgen.things.tables.bases import top
@@ -50,7 +50,7 @@ def tri_mirror(width: float = 1.1, depth: float = 0.44) -> Iterator[Solid]:
         )
     yield from top("wood", width + 0.02, depth, 0.73, "board", 0.03)
     z = 0.05 - depth / 2
-    yield rounded("wood", (0.46, 0.72, 0.025), (0.0, 0.74, z), 0.01, 1)
+    yield rounded_box("wood", (0.46, 0.72, 0.025), (0.0, 0.74, z), 0.01, 1)
     yield box("mirror", (0.4, 0.64, 0.01), (0.0, 0.78, z + 0.012))
     for s in (-1, 1):
         x = s * 0.24
@@ -70,10 +70,10 @@ def hollywood(width: float = 1.1, depth: float = 0.42) -> Iterator[Solid]:
     )
     yield from top("glass", width, depth, 0.75, "board", 0.01)
     z = 0.05 - depth / 2
-    yield rounded("white", (width - 0.1, 0.8, 0.04), (0.0, 0.75, z), 0.02, 2)
+    yield rounded_box("white", (width - 0.1, 0.8, 0.04), (0.0, 0.75, z), 0.02, 2)
     yield box("mirror", (width - 0.3, 0.62, 0.01), (0.0, 0.84, z + 0.018))
     for i in range(5):
-        yield from mirrored([ball("bulb", 0.03, (width / 2 - 0.1, 0.85 + 0.15 * i, z + 0.04), 10, 6)])
+        yield from add_mirror_images([ball("bulb", 0.03, (width / 2 - 0.1, 0.85 + 0.15 * i, z + 0.04), 10, 6)])
         yield ball("bulb", 0.03, ((i - 2) * (width - 0.4) / 5, 1.5, z + 0.04), 10, 6)
 
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, cylinder, move
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -42,7 +42,7 @@ def _enamel() -> Iterator[Solid]:
 def _bowl() -> Iterator[Solid]:
     yield vessel("glaze", [(0.03, 0.0), (0.032, 0.008), (0.06, 0.03), (0.068, 0.06)], 0.004, sides=22, steps=3)
     for s in (-1, 1):
-        yield rounded("glaze", (0.03, 0.012, 0.03), (s * 0.075, 0.045, 0.0), 0.005, 2)
+        yield rounded_box("glaze", (0.03, 0.012, 0.03), (s * 0.075, 0.045, 0.0), 0.005, 2)
 
 
 def _footed() -> Iterator[Solid]:
@@ -53,9 +53,9 @@ def _footed() -> Iterator[Solid]:
 
 
 def _travel() -> Iterator[Solid]:
-    yield turned("bright", [(0.032, 0.0), (0.035, 0.01), (0.042, 0.15)], sides=20, steps=1)
-    yield turned("black", [(0.043, 0.15), (0.043, 0.165), (0.036, 0.178)], sides=20, steps=1)
-    yield turned("rubber", [(0.0395, 0.06), (0.042, 0.1)], sides=20, steps=1)
+    yield revolve("bright", [(0.032, 0.0), (0.035, 0.01), (0.042, 0.15)], sides=20, steps=1)
+    yield revolve("black", [(0.043, 0.15), (0.043, 0.165), (0.036, 0.178)], sides=20, steps=1)
+    yield revolve("rubber", [(0.0395, 0.06), (0.042, 0.1)], sides=20, steps=1)
 
 
 def _espresso() -> Iterator[Solid]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -14,7 +14,7 @@ from home_procgen.things.family import FurnitureFamily, design_kinds
 def knives(kind: str = "block") -> Iterator[Solid]:
     """Build knives in a block, on a magnet bar or in a holder."""
     if kind == "bar":
-        yield rounded("wood", (0.42, 0.05, 0.02), (0.0, 0.2, -0.02), 0.005, 1)
+        yield rounded_box("wood", (0.42, 0.05, 0.02), (0.0, 0.2, -0.02), 0.005, 1)
         for i in range(5):
             x, long = -0.16 + 0.08 * i, 0.2 - 0.025 * i
             yield prism(
@@ -23,19 +23,19 @@ def knives(kind: str = "block") -> Iterator[Solid]:
                 0.003,
                 (0.0, 0.0, -0.008),
             )
-            yield rounded("black", (0.024, 0.11, 0.016), (x, 0.25, -0.008), 0.006, 2)
+            yield rounded_box("black", (0.024, 0.11, 0.016), (x, 0.25, -0.008), 0.006, 2)
         return
     if kind == "block":
         yield prism(
             "wood", [(-0.1, 0.0), (0.1, 0.0), (0.1, 0.05), (-0.02, 0.23), (-0.1, 0.18)], 0.11, (0.0, 0.0, 0.0), "side"
         )
     else:
-        yield rounded("bright", (0.16, 0.2, 0.09), (0.0, 0.0, 0.0), 0.02, 3)
+        yield rounded_box("bright", (0.16, 0.2, 0.09), (0.0, 0.0, 0.0), 0.02, 3)
     for row in range(2):
         for i in range(3):
             x, z, y = (i - 1) * 0.034, 0.02 - 0.055 * row, 0.19 - 0.03 * row
             grip = [
-                rounded("black", (0.018, 0.12, 0.024), (x, y, z), 0.007, 2),
+                rounded_box("black", (0.018, 0.12, 0.024), (x, y, z), 0.007, 2),
                 box("steel", (0.02, 0.02, 0.026), (x, y - 0.01, z)),
             ]
             yield from (rotate(p, 0, 0.72 if kind == "block" else 0.0, (x, 0.1, 0.0)) for p in grip)
@@ -45,7 +45,7 @@ def board(kind: str = "plain") -> Iterator[Solid]:
     """Build a chopping board with bread or with vegetables, or boards on edge in a stand."""
     if kind == "stand":
         for i in range(3):
-            piece = rounded(
+            piece = rounded_box(
                 ("wood", "bright", "white")[i],
                 (0.32 - 0.03 * i, 0.24 - 0.02 * i, 0.016),
                 (0.0, 0.012, -0.04 + 0.035 * i),
@@ -53,15 +53,15 @@ def board(kind: str = "plain") -> Iterator[Solid]:
                 2,
             )
             yield rotate(piece, 0, -0.12, (0.0, 0.012, -0.04 + 0.035 * i))
-        yield rounded("black", (0.2, 0.014, 0.14), (0.0, 0.0, -0.01), 0.005, 1)
+        yield rounded_box("black", (0.2, 0.014, 0.14), (0.0, 0.0, -0.01), 0.005, 1)
         return
-    yield rounded("wood", (0.38, 0.022, 0.25), (0.0, 0.0, 0.0), 0.009, 2)
+    yield rounded_box("wood", (0.38, 0.022, 0.25), (0.0, 0.0, 0.0), 0.009, 2)
     if kind == "plain":
         yield ring("black", 0.022, 0.008, (0.16, 0.022, 0.0), 1, 16)
-        yield soft("crust", (0.22, 0.1, 0.11), (-0.06, 0.022, 0.0), 2.6, 6)
+        yield padded_block("crust", (0.22, 0.1, 0.11), (-0.06, 0.022, 0.0), 2.6, 6)
         for i in range(2):
             yield rotate(
-                soft("cream", (0.016, 0.09, 0.1), (0.07 + 0.025 * i, 0.024, 0.0), 3.0, 4),
+                padded_block("cream", (0.016, 0.09, 0.1), (0.07 + 0.025 * i, 0.024, 0.0), 3.0, 4),
                 2,
                 -0.3 - 0.5 * i,
                 (0.07 + 0.025 * i, 0.024, 0.0),
@@ -76,7 +76,7 @@ def board(kind: str = "plain") -> Iterator[Solid]:
         yield prism(
             "steel", [(0.0, -0.1), (0.15, -0.1), (0.15, -0.07), (0.02, -0.075)], 0.003, (0.0, 0.022, 0.0), "top"
         )
-        yield rounded("black", (0.11, 0.016, 0.024), (0.2, 0.018, -0.085), 0.007, 2)
+        yield rounded_box("black", (0.11, 0.016, 0.024), (0.2, 0.018, -0.085), 0.007, 2)
 
 
 def utensils(kind: str = "jar") -> Iterator[Solid]:
@@ -87,7 +87,7 @@ def utensils(kind: str = "jar") -> Iterator[Solid]:
     else:
         yield rod("chrome", (-0.22, 0.3, -0.03), (0.22, 0.3, -0.03), 0.007)
         for s in (-1, 1):
-            yield rounded("chrome", (0.03, 0.03, 0.02), (s * 0.2, 0.285, -0.045), 0.006, 1)
+            yield rounded_box("chrome", (0.03, 0.03, 0.02), (s * 0.2, 0.285, -0.045), 0.006, 1)
     for i in range(5):
         if kind == "jar":
             a = 2 * np.pi * i / 5
@@ -115,9 +115,9 @@ def utensils(kind: str = "jar") -> Iterator[Solid]:
                     5,
                 )
         elif i == 2:
-            yield rounded("black", (0.06, 0.07, 0.006), (x, y - 0.01, z), 0.003, 1)
+            yield rounded_box("black", (0.06, 0.07, 0.006), (x, y - 0.01, z), 0.003, 1)
         elif i == 3:
-            yield rounded("wood", (0.045, 0.075, 0.008), (x, y - 0.01, z), 0.004, 2)
+            yield rounded_box("wood", (0.045, 0.075, 0.008), (x, y - 0.01, z), 0.004, 2)
         else:
             yield vessel("steel", [(0.012, 0.0), (0.03, 0.01), (0.034, 0.03)], 0.003, (x, y - 0.01, z), 16, 2)
 

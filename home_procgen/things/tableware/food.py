@@ -1,19 +1,20 @@
-"""Cakes, bread, meals."""
+"""Cakes, bread, meals; a mortar."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, rotate
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import leaf
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.shapes.sweep import tube
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 
 
 def cake(kind: str = "whole") -> Iterator[Solid]:
     """Build a cake or muffins on a stand, or a cake under a glass bell."""
-    yield turned(
+    yield revolve(
         "crockery",
         [(0.06, 0.0), (0.02, 0.015), (0.018, 0.06), (0.04, 0.075), (0.14, 0.08), (0.145, 0.09)],
         sides=28,
@@ -23,11 +24,11 @@ def cake(kind: str = "whole") -> Iterator[Solid]:
         for i in range(5):
             a = 2 * np.pi * i / 5
             x, z = 0.085 * np.cos(a), 0.085 * np.sin(a)
-            yield turned("paper", [(0.024, 0.09), (0.032, 0.125)], (x, 0.0, z), 12, 1)
+            yield revolve("paper", [(0.024, 0.09), (0.032, 0.125)], (x, 0.0, z), 12, 1)
             yield ball("crust", (0.036, 0.024, 0.036), (x, 0.128, z), 12, 6)
         return
-    yield turned("cream", [(0.11, 0.09), (0.11, 0.17), (0.1, 0.175)], sides=28, steps=1)
-    yield turned("brown", [(0.1112, 0.12), (0.1112, 0.135)], sides=28, steps=1)
+    yield revolve("cream", [(0.11, 0.09), (0.11, 0.17), (0.1, 0.175)], sides=28, steps=1)
+    yield revolve("brown", [(0.1112, 0.12), (0.1112, 0.135)], sides=28, steps=1)
     for i in range(8):
         a = 2 * np.pi * i / 8
         yield ball("red", 0.013, (0.085 * np.cos(a), 0.186, 0.085 * np.sin(a)), 10, 6)
@@ -39,10 +40,10 @@ def cake(kind: str = "whole") -> Iterator[Solid]:
 def bread(kind: str = "loaf") -> Iterator[Solid]:
     """Build a loaf, or rolls in a basket."""
     if kind == "loaf":
-        yield soft("crust", (0.28, 0.11, 0.13), (0.0, 0.0, 0.0), 2.8, 7)
+        yield padded_block("crust", (0.28, 0.11, 0.13), (0.0, 0.0, 0.0), 2.8, 7)
         for i in range(4):
             yield rotate(
-                soft("cream", (0.014, 0.008, 0.09), (-0.08 + 0.055 * i, 0.105, 0.0), 2.5, 3),
+                padded_block("cream", (0.014, 0.008, 0.09), (-0.08 + 0.055 * i, 0.105, 0.0), 2.5, 3),
                 1,
                 0.5,
                 (-0.08 + 0.055 * i, 0.1, 0.0),
@@ -61,7 +62,7 @@ def bread(kind: str = "loaf") -> Iterator[Solid]:
 
 def _pizza() -> Iterator[Solid]:
     yield cylinder("wood", 0.17, 0.012, sides=30)
-    yield turned("crust", [(0.15, 0.012), (0.155, 0.02), (0.145, 0.028), (0.13, 0.02)], sides=30, steps=2)
+    yield revolve("crust", [(0.15, 0.012), (0.155, 0.02), (0.145, 0.028), (0.13, 0.02)], sides=30, steps=2)
     yield cylinder("yellow", 0.132, 0.004, (0.0, 0.019, 0.0), sides=30)
     for i in range(9):
         a = 2.4 * i
@@ -88,11 +89,11 @@ def _salad() -> Iterator[Solid]:
 
 
 def _sushi() -> Iterator[Solid]:
-    yield rounded("black", (0.3, 0.014, 0.16), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("black", (0.3, 0.014, 0.16), (0.0, 0.0, 0.0), 0.006, 1)
     for i in range(6):
         x, z = -0.1 + 0.1 * (i % 3), -0.035 + 0.07 * (i // 3)
-        yield soft("white", (0.06, 0.026, 0.032), (x, 0.014, z), 3.0, 4)
-        yield soft(("orange", "red")[i % 2], (0.066, 0.012, 0.036), (x, 0.038, z), 3.0, 4)
+        yield padded_block("white", (0.06, 0.026, 0.032), (x, 0.014, z), 3.0, 4)
+        yield padded_block(("orange", "red")[i % 2], (0.066, 0.012, 0.036), (x, 0.038, z), 3.0, 4)
 
 
 _MEAL_KINDS = {
@@ -107,8 +108,17 @@ def meal(kind: str = "pizza") -> Iterator[Solid]:
     yield from _MEAL_KINDS[kind]()
 
 
+def mortar() -> Iterator[Solid]:
+    """Build a stone mortar with its pestle."""
+    yield vessel(
+        "stone", [(0.05, 0.0), (0.055, 0.015), (0.045, 0.03), (0.07, 0.06), (0.075, 0.1)], 0.014, sides=24, steps=2
+    )
+    yield tube("stone", [(0.0, 0.045, 0.0), (0.03, 0.09, 0.01), (0.075, 0.15, 0.02)], [0.02, 0.013, 0.018], 10)
+
+
 FAMILIES = (
     FurnitureFamily("cake", "cake", design_kinds(cake, "whole", "muffins", "bell")),
     FurnitureFamily("bread", "bread", design_kinds(bread, "loaf", "rolls")),
     FurnitureFamily("food", "food", design_kinds(meal, "pizza", "salad", "sushi")),
+    FurnitureFamily("mortar", "mortar_and_pestle", (design(mortar),)),
 )

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder
-from home_procgen.shapes.revolve import turned, vessel
+from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import ball
 from home_procgen.shapes.sweep import ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
@@ -22,7 +22,7 @@ def fruit(kind: str = "bowl") -> Iterator[Solid]:
             "cane", [(0.145 * np.cos(a), 0.08 + 0.16 * np.sin(a), 0.0) for a in np.linspace(0, np.pi, 13)], 0.008
         )
     elif kind == "stand":
-        yield turned("wood", [(0.09, 0.0), (0.03, 0.02), (0.02, 0.08), (0.04, 0.15)], sides=20, steps=3)
+        yield revolve("wood", [(0.09, 0.0), (0.03, 0.02), (0.02, 0.08), (0.04, 0.15)], sides=20, steps=3)
         yield vessel("wood", [(0.05, 0.145), (0.14, 0.16), (0.16, 0.19)], 0.008, sides=28, steps=2)
     else:
         for y, r in ((0.005, 0.07), (0.04, 0.12), (0.085, 0.15)):

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -46,7 +46,7 @@ def glass(kind: str = "wine") -> Iterator[Solid]:
     yield vessel("glass" if kind != "goblet" else "tint", PROFILES[kind], 0.002, sides=22, steps=3)
     if kind == "mug":
         yield cylinder("yellow", 0.036, 0.1, (0.0, 0.008, 0.0), sides=22)
-        yield turned("cream", [(0.036, 0.107), (0.037, 0.138), (0.02, 0.15)], sides=20, steps=2)
+        yield revolve("cream", [(0.036, 0.107), (0.037, 0.138), (0.02, 0.15)], sides=20, steps=2)
         yield tube(
             "glass",
             fillet([(0.038, 0.12, 0.0), (0.075, 0.12, 0.0), (0.075, 0.03, 0.0), (0.038, 0.03, 0.0)], 0.025),
@@ -65,7 +65,7 @@ def glass(kind: str = "wine") -> Iterator[Solid]:
         yield rod("wood", (-0.03, 0.13, 0.0), (0.06, 0.185, 0.0), 0.0015, sides=5)
         yield ball("green", 0.01, (0.0, 0.148, 0.0), 10, 6)
     elif kind == "snifter":
-        yield turned("tint", [(0.02, 0.036), (0.042, 0.06), (0.046, 0.075)], sides=18, steps=2)
+        yield revolve("tint", [(0.02, 0.036), (0.042, 0.06), (0.046, 0.075)], sides=18, steps=2)
     elif kind == "shot":
         yield cylinder("tint", 0.021, 0.035, (0.0, 0.012, 0.0), sides=16)
     elif kind == "highball":
@@ -73,25 +73,25 @@ def glass(kind: str = "wine") -> Iterator[Solid]:
         yield rod("red", (-0.02, 0.02, 0.0), (0.035, 0.2, 0.0), 0.003, sides=6)
         yield move(rotate(cylinder("yellow", 0.026, 0.005, sides=16), 2, 1.5), (0.036, 0.15, 0.0))
     elif kind == "wine":
-        yield turned("red", [(0.006, 0.102), (0.03, 0.118), (0.036, 0.14)], sides=18, steps=2)
+        yield revolve("red", [(0.006, 0.102), (0.03, 0.118), (0.036, 0.14)], sides=18, steps=2)
     elif kind == "tumbler":
         for i, (x, z) in enumerate(((0.008, 0.006), (-0.012, -0.004))):
-            yield rotate(rounded("water", (0.024, 0.024, 0.024), (x, 0.02 + 0.026 * i, z), 0.004, 1), 1, 0.6 * i)
+            yield rotate(rounded_box("water", (0.024, 0.024, 0.024), (x, 0.02 + 0.026 * i, z), 0.004, 1), 1, 0.6 * i)
 
 
 def _wine_bottle() -> Iterator[Solid]:
-    yield turned(
+    yield revolve(
         "green",
         [(0.034, 0.0), (0.038, 0.006), (0.038, 0.17), (0.03, 0.21), (0.014, 0.235), (0.013, 0.3)],
         sides=18,
         steps=1,
     )
-    yield turned("red", [(0.0145, 0.27), (0.0145, 0.302)], sides=14, steps=1)
-    yield turned("cream", [(0.0385, 0.05), (0.0385, 0.13)], sides=18, steps=1)
+    yield revolve("red", [(0.0145, 0.27), (0.0145, 0.302)], sides=14, steps=1)
+    yield revolve("cream", [(0.0385, 0.05), (0.0385, 0.13)], sides=18, steps=1)
 
 
 def _water_bottle() -> Iterator[Solid]:
-    yield turned(
+    yield revolve(
         "water",
         [
             (0.03, 0.0),
@@ -107,29 +107,29 @@ def _water_bottle() -> Iterator[Solid]:
         steps=2,
     )
     yield cylinder("blue", 0.015, 0.018, (0.0, 0.222, 0.0), sides=14)
-    yield turned("blue", [(0.0345, 0.105), (0.0345, 0.15)], sides=18, steps=1)
+    yield revolve("blue", [(0.0345, 0.105), (0.0345, 0.15)], sides=18, steps=1)
 
 
 def _oil_bottle() -> Iterator[Solid]:
-    yield turned("tint", [(0.035, 0.0), (0.038, 0.02), (0.034, 0.15), (0.012, 0.2), (0.011, 0.25)], sides=8, steps=2)
+    yield revolve("tint", [(0.035, 0.0), (0.038, 0.02), (0.034, 0.15), (0.012, 0.2), (0.011, 0.25)], sides=8, steps=2)
     yield tube("chrome", [(0.0, 0.25, 0.0), (0.0, 0.28, 0.0), (0.02, 0.3, 0.0)], [0.008, 0.006, 0.003])
-    yield rounded("cream", (0.03, 0.06, 0.002), (0.0, 0.05, 0.029), 0.001, 1)
+    yield rounded_box("cream", (0.03, 0.06, 0.002), (0.0, 0.05, 0.029), 0.001, 1)
 
 
 def _milk_bottle() -> Iterator[Solid]:
-    yield turned(
+    yield revolve(
         "white",
         [(0.038, 0.0), (0.042, 0.01), (0.042, 0.14), (0.022, 0.19), (0.02, 0.22), (0.024, 0.225)],
         sides=20,
         steps=2,
     )
-    yield turned("red", [(0.025, 0.222), (0.024, 0.235)], sides=16, steps=1)
+    yield revolve("red", [(0.025, 0.222), (0.024, 0.235)], sides=16, steps=1)
 
 
 def _jar_bottle() -> Iterator[Solid]:
-    yield turned("tint", [(0.04, 0.0), (0.044, 0.012), (0.044, 0.1), (0.036, 0.115)], sides=20, steps=1)
-    yield turned("red", [(0.039, 0.115), (0.039, 0.13)], sides=20, steps=1)
-    yield turned("paper", [(0.0445, 0.03), (0.0445, 0.085)], sides=20, steps=1)
+    yield revolve("tint", [(0.04, 0.0), (0.044, 0.012), (0.044, 0.1), (0.036, 0.115)], sides=20, steps=1)
+    yield revolve("red", [(0.039, 0.115), (0.039, 0.13)], sides=20, steps=1)
+    yield revolve("paper", [(0.0445, 0.03), (0.0445, 0.085)], sides=20, steps=1)
 
 
 _BOTTLE_KINDS = {

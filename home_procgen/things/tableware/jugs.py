@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.revolve import turned, vessel
+from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -27,12 +27,12 @@ def _carafe() -> Iterator[Solid]:
         sides=24,
         steps=3,
     )
-    yield turned("water", [(0.057, 0.006), (0.071, 0.03), (0.06, 0.085)], sides=20, steps=2)
+    yield revolve("water", [(0.057, 0.006), (0.071, 0.03), (0.06, 0.085)], sides=20, steps=2)
 
 
 def _thermos() -> Iterator[Solid]:
-    yield turned("bright", [(0.055, 0.0), (0.06, 0.01), (0.06, 0.18), (0.04, 0.22), (0.038, 0.25)], sides=22, steps=2)
-    yield turned("black", [(0.042, 0.25), (0.045, 0.26), (0.03, 0.29), (0.01, 0.295)], sides=18, steps=1)
+    yield revolve("bright", [(0.055, 0.0), (0.06, 0.01), (0.06, 0.18), (0.04, 0.22), (0.038, 0.25)], sides=22, steps=2)
+    yield revolve("black", [(0.042, 0.25), (0.045, 0.26), (0.03, 0.29), (0.01, 0.295)], sides=18, steps=1)
     yield tube("black", fillet([(0.04, 0.24, 0.0), (0.11, 0.23, 0.0), (0.1, 0.08, 0.0), (0.06, 0.07, 0.0)], 0.04), 0.01)
 
 
@@ -57,8 +57,8 @@ def teapot(kind: str = "round") -> Iterator[Solid]:
         else [(0.05, 0.0), (0.055, 0.02), (0.05, 0.13), (0.035, 0.16)]
     )
     top = body[-1][1]
-    yield turned(slot, body, sides=24, steps=3)
-    yield turned(
+    yield revolve(slot, body, sides=24, steps=3)
+    yield revolve(
         "glaze",
         [(0.037, top - 0.003), (0.03, top + 0.008), (0.01, top + 0.014), (0.012, top + 0.026), (0.004, top + 0.032)],
         sides=16,

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -17,8 +17,8 @@ def _frying_pan() -> Iterator[Solid]:
 
 def _cooking_pot() -> Iterator[Solid]:
     yield vessel("steel", [(0.11, 0.0), (0.115, 0.01), (0.115, 0.14)], 0.004, sides=28, steps=1)
-    yield turned("steel", [(0.118, 0.14), (0.11, 0.15), (0.03, 0.168), (0.012, 0.17)], sides=28, steps=1)
-    yield turned("black", [(0.01, 0.17), (0.01, 0.18), (0.022, 0.19), (0.012, 0.2)], sides=14, steps=1)
+    yield revolve("steel", [(0.118, 0.14), (0.11, 0.15), (0.03, 0.168), (0.012, 0.17)], sides=28, steps=1)
+    yield revolve("black", [(0.01, 0.17), (0.01, 0.18), (0.022, 0.19), (0.012, 0.2)], sides=14, steps=1)
     for s in (-1, 1):
         yield tube(
             "black",
@@ -46,11 +46,13 @@ def _wok() -> Iterator[Solid]:
 
 
 def _casserole() -> Iterator[Solid]:
-    yield turned("bright", [(0.11, 0.0), (0.125, 0.02), (0.13, 0.11)], sides=28, steps=2, stretch=0.8)
-    yield turned("bright", [(0.135, 0.11), (0.13, 0.125), (0.06, 0.145), (0.015, 0.15)], sides=28, steps=2, stretch=0.8)
-    yield turned("brass", [(0.01, 0.148), (0.01, 0.16), (0.02, 0.17), (0.01, 0.178)], sides=14, steps=1)
+    yield revolve("bright", [(0.11, 0.0), (0.125, 0.02), (0.13, 0.11)], sides=28, steps=2, stretch=0.8)
+    yield revolve(
+        "bright", [(0.135, 0.11), (0.13, 0.125), (0.06, 0.145), (0.015, 0.15)], sides=28, steps=2, stretch=0.8
+    )
+    yield revolve("brass", [(0.01, 0.148), (0.01, 0.16), (0.02, 0.17), (0.01, 0.178)], sides=14, steps=1)
     for s in (-1, 1):
-        yield rounded("bright", (0.045, 0.018, 0.08), (s * 0.14, 0.085, 0.0), 0.008, 2)
+        yield rounded_box("bright", (0.045, 0.018, 0.08), (s * 0.14, 0.085, 0.0), 0.008, 2)
 
 
 _PAN_KINDS = {

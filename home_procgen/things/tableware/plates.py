@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 
@@ -79,18 +79,18 @@ def plates(kind: str = "stack") -> Iterator[Solid]:
 
 def _cutlery(left: float, right: float) -> Iterator[Solid]:
     """Build a fork to the left, and a knife and a spoon to the right."""
-    yield rounded("steel", (0.011, 0.003, 0.12), (left, 0.0, 0.03), 0.001, 1)
-    yield rounded("steel", (0.024, 0.003, 0.03), (left, 0.0, -0.045), 0.001, 1)
+    yield rounded_box("steel", (0.011, 0.003, 0.12), (left, 0.0, 0.03), 0.001, 1)
+    yield rounded_box("steel", (0.024, 0.003, 0.03), (left, 0.0, -0.045), 0.001, 1)
     for i in range(4):
         yield box("steel", (0.003, 0.002, 0.04), (left - 0.0095 + 0.0063 * i, 0.0005, -0.078))
-    yield rounded("steel", (0.014, 0.005, 0.1), (right, 0.0, 0.05), 0.002, 1)
+    yield rounded_box("steel", (0.014, 0.005, 0.1), (right, 0.0, 0.05), 0.002, 1)
     yield prism(
         "steel",
         [(right - 0.008, 0.0), (right + 0.008, 0.0), (right + 0.008, -0.08), (right, -0.11), (right - 0.006, -0.09)],
         0.002,
         plane="top",
     )
-    yield rounded("steel", (0.01, 0.003, 0.12), (right + 0.035, 0.0, 0.03), 0.001, 1)
+    yield rounded_box("steel", (0.01, 0.003, 0.12), (right + 0.035, 0.0, 0.03), 0.001, 1)
     yield ball("steel", (0.019, 0.004, 0.03), (right + 0.035, 0.004, -0.055), 12, 6)
 
 
@@ -99,13 +99,13 @@ def setting(mat: str = "round") -> Iterator[Solid]:
     if mat == "round":
         yield cylinder("cane", 0.19, 0.004, sides=30)
     else:
-        yield rounded("textile", (0.44, 0.004, 0.32), (0.0, 0.0, 0.0), 0.002, 1)
+        yield rounded_box("textile", (0.44, 0.004, 0.32), (0.0, 0.0, 0.0), 0.002, 1)
     yield from (move(p, (0.0, 0.004, 0.0)) for p in plates("set"))
     yield vessel("glass", [(0.028, 0.0), (0.032, 0.04), (0.036, 0.11)], 0.002, (0.14, 0.004, -0.13), 16, 1)
     yield (
-        rounded("linen", (0.07, 0.008, 0.16), (-0.03, 0.024, 0.0), 0.003, 1)
+        rounded_box("linen", (0.07, 0.008, 0.16), (-0.03, 0.024, 0.0), 0.003, 1)
         if mat == "round"
-        else soft("textile_1", (0.09, 0.016, 0.09), (0.0, 0.024, 0.0), 3.0, 3)
+        else padded_block("textile_1", (0.09, 0.016, 0.09), (0.0, 0.024, 0.0), 3.0, 3)
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, rotate
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design
@@ -42,7 +42,7 @@ def _pole(width: float, y: float, slot: str = "wood", ends: str = "ball") -> Ite
         if ends == "ball":
             yield ball(slot, 0.03, (x, y, 0.0), 12, 8)
         else:
-            yield rounded(slot, (0.03, 0.05, 0.05), (x, y - 0.025, 0.0), 0.006, 1)
+            yield rounded_box(slot, (0.03, 0.05, 0.05), (x, y - 0.025, 0.0), 0.006, 1)
         yield rod(slot, (s * width / 2, y, -0.1), (s * width / 2, y, 0.0), 0.008)
     for i in range(10):
         yield ring(slot, 0.02, 0.006, (-width / 2 + 0.02 + i * (width - 0.04) / 9, y - 0.008, 0.0), 0, 10)
@@ -91,7 +91,7 @@ def cafe(width: float = 1.3, height: float = 0.75) -> Iterator[Solid]:
 
 def valance(width: float = 1.7, height: float = 1.6) -> Iterator[Solid]:
     """Build a box with a scalloped cloth above short curtains."""
-    yield rounded("wood", (width + 0.1, 0.05, 0.16), (0.0, height - 0.05, -0.01), 0.008, 1)
+    yield rounded_box("wood", (width + 0.1, 0.05, 0.16), (0.0, height - 0.05, -0.01), 0.008, 1)
     t = np.linspace(-1, 1, 41)
     edge = [(x * (width / 2 + 0.03), height - 0.26 - 0.07 * abs(np.sin(2.5 * np.pi * x))) for x in t]
     yield prism(
@@ -107,7 +107,7 @@ def valance(width: float = 1.7, height: float = 1.6) -> Iterator[Solid]:
 
 def roman(width: float = 1.2, height: float = 1.5, drawn: float = 0.55) -> Iterator[Solid]:
     """Build a Roman blind that folds up in broad pleats."""
-    yield rounded("wood", (width, 0.04, 0.05), (0.0, height - 0.04, 0.0), 0.006, 1)
+    yield rounded_box("wood", (width, 0.04, 0.05), (0.0, height - 0.04, 0.0), 0.006, 1)
     low, folds = height * (1 - drawn), 4
     yield surface(
         "curtain",
@@ -133,15 +133,15 @@ def roller(width: float = 1.1, height: float = 1.5, drawn: float = 0.6) -> Itera
         4,
         0.003,
     )
-    yield rounded("wood", (width - 0.04, 0.03, 0.014), (0.0, low - 0.02, -0.03), 0.005, 1)
+    yield rounded_box("wood", (width - 0.04, 0.03, 0.014), (0.0, low - 0.02, -0.03), 0.005, 1)
     for s in (-1, 1):
-        yield rounded("white", (0.015, 0.09, 0.09), (s * (width / 2 + 0.008), height - 0.085, -0.01), 0.006, 1)
+        yield rounded_box("white", (0.015, 0.09, 0.09), (s * (width / 2 + 0.008), height - 0.085, -0.01), 0.006, 1)
     yield rod("cream", (width / 2 - 0.02, low + 0.1, 0.03), (width / 2 - 0.02, height - 0.05, 0.03), 0.003, sides=5)
 
 
 def slats(width: float = 1.2, height: float = 1.5, upright: bool = False) -> Iterator[Solid]:
     """Build a Venetian blind, or vertical slats on a rail."""
-    yield rounded("white", (width, 0.05, 0.06), (0.0, height - 0.05, 0.0), 0.008, 1)
+    yield rounded_box("white", (width, 0.05, 0.06), (0.0, height - 0.05, 0.0), 0.008, 1)
     if upright:
         count = int(width / 0.09)
         for i in range(count):
@@ -151,7 +151,7 @@ def slats(width: float = 1.2, height: float = 1.5, upright: bool = False) -> Ite
         for i in range(int((height - 0.1) / 0.045)):
             y = 0.04 + 0.045 * i
             yield rotate(box("white", (width - 0.02, 0.003, 0.045), (0.0, y, 0.0)), 0, 0.5, (0.0, y, 0.0))
-        yield rounded("white", (width - 0.02, 0.02, 0.05), (0.0, 0.0, 0.0), 0.006, 1)
+        yield rounded_box("white", (width - 0.02, 0.02, 0.05), (0.0, 0.0, 0.0), 0.006, 1)
         for x in (-0.35 * width, 0.35 * width):
             yield rod("white", (x, 0.01, 0.024), (x, height - 0.03, 0.024), 0.002, sides=4)
     yield rod("white", (0.45 * width, 0.5 * height, 0.04), (0.45 * width, height - 0.03, 0.04), 0.004, sides=5)

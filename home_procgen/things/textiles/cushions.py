@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, rotate
-from home_procgen.shapes.rounded import ball, between_loops, pillow
+from home_procgen.shapes.rounded import ball, join_loops, pillow
 from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design
 
@@ -44,7 +44,7 @@ def _heart() -> Iterator[Solid]:
         * 0.0135
     )
     bulge = ((0.0, 0.7), (0.012, 0.88), (0.04, 1.0), (0.08, 1.0), (0.108, 0.88), (0.12, 0.7))
-    yield between_loops("bright", [np.insert(outline * size, 1, y, axis=1) for y, size in bulge])
+    yield join_loops("bright", [np.insert(outline * size, 1, y, axis=1) for y, size in bulge])
 
 
 def _pile() -> Iterator[Solid]:

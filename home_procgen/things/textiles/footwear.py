@@ -1,15 +1,31 @@
-"""More shoes: rain boots, clogs, ballerinas, high-tops, sandals."""
+"""More shoes: rain boots, clogs, ballerinas, high-tops, sandals; the outline of a sole."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
 from home_procgen.primitives.solids import Solid
-from home_procgen.shapes.curves import fillet
+from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.revolve import vessel
-from home_procgen.shapes.rounded import ball, soft
+from home_procgen.shapes.rounded import ball, padded_block
 from home_procgen.shapes.sweep import band, prism, ring, rod, sweep, tube
-from home_procgen.things.textiles.soles import SOLE
+
+# (x, z) [m], outline of a shoe sole with its toe towards +z.
+SOLE = spline(
+    [
+        (0.0, 0.14),
+        (0.038, 0.1),
+        (0.042, 0.04),
+        (0.03, -0.04),
+        (0.034, -0.1),
+        (0.0, -0.13),
+        (-0.03, -0.1),
+        (-0.028, -0.04),
+        (-0.038, 0.05),
+        (-0.034, 0.11),
+    ],
+    2,
+)
 
 
 def rain_boots() -> Iterator[Solid]:
@@ -29,7 +45,7 @@ def clogs() -> Iterator[Solid]:
     for s in (-1, 1):
         x = s * 0.065
         yield prism("wood", SOLE, 0.035, (x, 0.0, 0.0), "top")
-        yield soft("leather", (0.088, 0.06, 0.13), (x, 0.03, 0.062), 3.0, 6)
+        yield padded_block("leather", (0.088, 0.06, 0.13), (x, 0.03, 0.062), 3.0, 6)
         strap = [(x - 0.042, 0.05, 0.0), (x - 0.03, 0.075, -0.09), (x + 0.03, 0.075, -0.09), (x + 0.042, 0.05, 0.0)]
         yield tube("leather", fillet(strap, 0.03), 0.007, 6)
         for k in (-1, 1):

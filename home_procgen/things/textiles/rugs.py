@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, lathe
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import prism, rod
 from home_procgen.things.family import FurnitureFamily, design
 
@@ -20,7 +20,7 @@ def _map_texture_once(piece: Solid) -> Solid:
 
 def rug(width: float = 2.0, depth: float = 1.4, fringe: bool = False) -> Iterator[Solid]:
     """Build a woven rug with optional fringes at its short ends."""
-    yield _map_texture_once(rounded("carpet", (width, 0.01, depth), (0.0, 0.0, 0.0), 0.004, 2))
+    yield _map_texture_once(rounded_box("carpet", (width, 0.01, depth), (0.0, 0.0, 0.0), 0.004, 2))
     if fringe:
         for s in (-1, 1):
             for i in range(int(depth / 0.03)):
@@ -95,14 +95,14 @@ def tasselled(width: float = 1.9, depth: float = 1.3) -> Iterator[Solid]:
 def mat(kind: str = "bath") -> Iterator[Solid]:
     """Build a bath mat, a doormat or a half-round mat."""
     if kind == "bath":
-        yield rounded("towel", (0.75, 0.016, 0.5), (0.0, 0.0, 0.0), 0.007, 2)
+        yield rounded_box("towel", (0.75, 0.016, 0.5), (0.0, 0.0, 0.0), 0.007, 2)
         for i in range(5):
-            yield rounded("towel", (0.66, 0.008, 0.05), (0.0, 0.013, (i - 2) * 0.08), 0.004, 1)
+            yield rounded_box("towel", (0.66, 0.008, 0.05), (0.0, 0.013, (i - 2) * 0.08), 0.004, 1)
     elif kind == "door":
-        yield rounded("rubber", (0.75, 0.01, 0.45), (0.0, 0.0, 0.0), 0.004, 1)
-        yield rounded("soil", (0.7, 0.014, 0.4), (0.0, 0.004, 0.0), 0.004, 2)
+        yield rounded_box("rubber", (0.75, 0.01, 0.45), (0.0, 0.0, 0.0), 0.004, 1)
+        yield rounded_box("soil", (0.7, 0.014, 0.4), (0.0, 0.004, 0.0), 0.004, 2)
         for i in range(3):
-            yield rounded("rubber", (0.5 - 0.1 * i, 0.003, 0.02), (0.0, 0.0165, (i - 1) * 0.08), 0.001, 1)
+            yield rounded_box("rubber", (0.5 - 0.1 * i, 0.003, 0.02), (0.0, 0.0165, (i - 1) * 0.08), 0.001, 1)
     else:
         half = [(0.42 * np.cos(a), -0.2 + 0.46 * np.sin(a)) for a in np.linspace(0, np.pi, 20)]
         yield prism("textile", half, 0.014, plane="top")

@@ -6,13 +6,12 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import moved, turned_about
-from home_procgen.shapes.rounded import soft
+from home_procgen.shapes.rounded import padded_block
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, sweep, tube
+from home_procgen.shapes.transforms import rotate_pieces, translate
 from home_procgen.things.family import FurnitureFamily, design
-from home_procgen.things.textiles.footwear import ballerinas, clogs, high_tops, rain_boots, sandals
-from home_procgen.things.textiles.soles import SOLE
+from home_procgen.things.textiles.footwear import SOLE, ballerinas, clogs, high_tops, rain_boots, sandals
 
 
 def shoe(slot: str = "leather", kind: str = "low") -> Iterator[Solid]:
@@ -42,9 +41,11 @@ def shoe(slot: str = "leather", kind: str = "low") -> Iterator[Solid]:
 def pair(kind: str = "low", slot: str = "leather", astray: float = 0.0) -> Iterator[Solid]:
     """Build two shoes side by side, one turned by `astray` [rad]."""
     for s in (-1, 1):
-        one = turned_about(shoe(slot, kind), 1, astray * (s > 0) + 0.06 * s)
+        one = rotate_pieces(shoe(slot, kind), 1, astray * (s > 0) + 0.06 * s)
         yield from (
-            p for p in moved(one, s * (0.06 + 0.02 * abs(astray)), 0.0, 0.05 * astray * (s > 0)) if isinstance(p, Solid)
+            p
+            for p in translate(one, s * (0.06 + 0.02 * abs(astray)), 0.0, 0.05 * astray * (s > 0))
+            if isinstance(p, Solid)
         )
 
 
@@ -89,7 +90,9 @@ def flip_flops() -> Iterator[Solid]:
 def folded(count: int = 3) -> Iterator[Solid]:
     """Build a pile of folded clothes."""
     for i in range(count):
-        yield soft(f"textile_{i}", (0.32 - 0.01 * (i % 2), 0.05, 0.26), (0.005 * (i % 2), 0.045 * i, 0.0), 5.0, 5)
+        yield padded_block(
+            f"textile_{i}", (0.32 - 0.01 * (i % 2), 0.05, 0.26), (0.005 * (i % 2), 0.045 * i, 0.0), 5.0, 5
+        )
 
 
 def heap() -> Iterator[Solid]:

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import beam, ring, rod, tube
 from home_procgen.things.joinery import disc
 
@@ -18,7 +18,7 @@ def _ball() -> Iterator[Solid]:
 
 
 def _rings() -> Iterator[Solid]:
-    yield turned("wood", [(0.09, 0.0), (0.09, 0.015), (0.02, 0.02)], sides=22, steps=1)
+    yield revolve("wood", [(0.09, 0.0), (0.09, 0.015), (0.02, 0.02)], sides=22, steps=1)
     yield rod("wood", (0.0, 0.01, 0.0), (0.0, 0.23, 0.0), 0.012)
     for i in range(5):
         yield ring(f"bright_{i}", 0.058 - 0.006 * i, 0.038, (0.0, 0.038 + 0.037 * i, 0.0), 1, 22)
@@ -29,17 +29,17 @@ def _xylophone() -> Iterator[Solid]:
     for s in (-1, 1):
         yield beam("wood", (-0.17, 0.02, s * 0.07), (0.17, 0.02, s * 0.035), 0.02, 0.03)
     for i in range(8):
-        yield rounded(f"bright_{i % 6}", (0.034, 0.012, 0.2 - 0.013 * i), (-0.15 + 0.043 * i, 0.036, 0.0), 0.004, 1)
+        yield rounded_box(f"bright_{i % 6}", (0.034, 0.012, 0.2 - 0.013 * i), (-0.15 + 0.043 * i, 0.036, 0.0), 0.004, 1)
     yield rod("wood", (-0.1, 0.056, 0.05), (0.1, 0.056, -0.01), 0.004, sides=6)
     yield ball("bright_2", 0.014, (0.1, 0.06, -0.01), 10, 6)
 
 
 def _robot() -> Iterator[Solid]:
-    yield rounded("bright", (0.14, 0.15, 0.09), (0.0, 0.1, 0.0), 0.015, 2)
-    yield rounded("gray", (0.11, 0.09, 0.08), (0.0, 0.265, 0.0), 0.015, 2)
+    yield rounded_box("bright", (0.14, 0.15, 0.09), (0.0, 0.1, 0.0), 0.015, 2)
+    yield rounded_box("gray", (0.11, 0.09, 0.08), (0.0, 0.265, 0.0), 0.015, 2)
     for s in (-1, 1):
-        yield rounded("gray", (0.045, 0.1, 0.06), (s * 0.035, 0.01, 0.0), 0.008, 1)
-        yield rounded("black", (0.055, 0.025, 0.09), (s * 0.037, 0.0, 0.01), 0.008, 1)
+        yield rounded_box("gray", (0.045, 0.1, 0.06), (s * 0.035, 0.01, 0.0), 0.008, 1)
+        yield rounded_box("black", (0.055, 0.025, 0.09), (s * 0.037, 0.0, 0.01), 0.008, 1)
         yield tube("gray", [(s * 0.075, 0.22, 0.0), (s * 0.11, 0.19, 0.0), (s * 0.11, 0.11, 0.03)], 0.016, 8)
         yield disc("yellow", 0.016, 0.012, (s * 0.024, 0.315, 0.036), 14)
     yield rod("chrome", (0.0, 0.355, 0.0), (0.0, 0.4, 0.0), 0.003, sides=5)

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
 from home_procgen.shapes.curves import fillet, loop, star
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, between_loops, rounded
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, join_loops, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import bow_handle, corners, disc
@@ -32,7 +32,7 @@ def _laundry() -> Iterator[Solid]:
 
 def _hamper() -> Iterator[Solid]:
     yield vessel("cane", [(0.2, 0.0), (0.23, 0.3), (0.21, 0.6)], 0.012, sides=26, steps=2)
-    yield turned("cane", [(0.225, 0.6), (0.22, 0.63), (0.08, 0.67), (0.02, 0.675)], sides=26, steps=2)
+    yield revolve("cane", [(0.225, 0.6), (0.22, 0.63), (0.08, 0.67), (0.02, 0.675)], sides=26, steps=2)
     yield bow_handle("leather", 0.05, (0.66, 0.71), 0.0, 0.02, 0.008, 6)
 
 
@@ -75,8 +75,8 @@ def _umbrellas() -> Iterator[Solid]:
 
 
 def _chest() -> Iterator[Solid]:
-    yield rounded("bright", (0.7, 0.36, 0.4), (0.0, 0.02, 0.0), 0.02, 2)
-    yield rotate(rounded("bright_1", (0.72, 0.03, 0.42), (0.0, 0.37, 0.0), 0.012, 1), 0, -1.1, (0.0, 0.38, -0.2))
+    yield rounded_box("bright", (0.7, 0.36, 0.4), (0.0, 0.02, 0.0), 0.02, 2)
+    yield rotate(rounded_box("bright_1", (0.72, 0.03, 0.42), (0.0, 0.37, 0.0), 0.012, 1), 0, -1.1, (0.0, 0.38, -0.2))
     for i in range(5):
         yield ball(f"bright_{i}", 0.075, (-0.24 + 0.12 * i, 0.4, 0.05 * (-1) ** i), 12, 8)
     yield ball("fur_coat", 0.08, (0.1, 0.44, -0.06), 14, 8)
@@ -94,7 +94,7 @@ def _crate() -> Iterator[Solid]:
             yield box("wood", (0.012, 0.06, 0.332), (s * 0.254, y, 0.0))
     yield box("wood", (0.5, 0.012, 0.33), (0.0, 0.01, 0.0))
     for i in range(3):
-        roll = turned(f"textile_{i}", [(0.06, 0.0), (0.07, 0.02), (0.07, 0.24), (0.06, 0.26)], sides=14, steps=1)
+        roll = revolve(f"textile_{i}", [(0.06, 0.0), (0.07, 0.02), (0.07, 0.24), (0.06, 0.26)], sides=14, steps=1)
         yield move(rotate(roll, 0, np.pi / 2), ((i - 1) * 0.145, 0.2 + 0.015 * (i % 2), -0.13))
 
 
@@ -107,7 +107,7 @@ def _wires() -> Iterator[Solid]:
         a = 2 * np.pi * i / 24
         low, high = (np.array([np.cos(a), np.sin(a)]) / max(abs(np.cos(a)), abs(np.sin(a))) * h for h in (0.14, 0.185))
         yield rod("iron", (float(low[0]), 0.01, float(low[1])), (float(high[0]), 0.31, float(high[1])), 0.003, sides=5)
-    yield rounded("iron", (0.28, 0.008, 0.28), (0.0, 0.0, 0.0), 0.003, 1)
+    yield rounded_box("iron", (0.28, 0.008, 0.28), (0.0, 0.0, 0.0), 0.003, 1)
     for s in (-1, 1):
         yield rod("wood", (s * 0.21, 0.34, -0.07), (s * 0.21, 0.34, 0.07), 0.014)
         for z in (-0.06, 0.06):
@@ -137,7 +137,7 @@ def _sack() -> Iterator[Solid]:
     loops = []
     for y, x, z in ((0.12, 0.06, 0.11), (0.15, 0.1, 0.14), (0.3, 0.12, 0.155), (0.5, 0.17, 0.15), (0.62, 0.19, 0.15)):
         loops.append(np.insert(loop(2 * x, 2 * z, 24, 4.0), 1, y, axis=1))
-    yield between_loops("linen", loops)
+    yield join_loops("linen", loops)
     for i in range(3):
         yield ball(f"textile_{i}", (0.1, 0.05, 0.08), (0.06 * (i - 1), 0.63 + 0.012 * i, 0.05 * (-1) ** i), 12, 6)
 

@@ -6,18 +6,18 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import spline
-from home_procgen.shapes.revolve import turned, vessel
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve, vessel
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import leaf
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
 
 def _cat() -> Iterator[Solid]:
-    yield turned("fur_coat", [(0.09, 0.0), (0.1, 0.06), (0.07, 0.17), (0.05, 0.23)], (0.0, 0.0, -0.02), 18, 3)
+    yield revolve("fur_coat", [(0.09, 0.0), (0.1, 0.06), (0.07, 0.17), (0.05, 0.23)], (0.0, 0.0, -0.02), 18, 3)
     yield ball("fur_coat", (0.055, 0.05, 0.055), (0.0, 0.28, 0.02), 16, 10)
     for s in (-1, 1):
-        yield turned("fur_coat", [(0.02, 0.0), (0.002, 0.045)], (s * 0.03, 0.31, 0.01), 8, 1)
+        yield revolve("fur_coat", [(0.02, 0.0), (0.002, 0.045)], (s * 0.03, 0.31, 0.01), 8, 1)
         yield tube(
             "fur_coat",
             [(s * 0.03, 0.16, 0.04), (s * 0.032, 0.02, 0.07), (s * 0.032, 0.015, 0.1)],
@@ -67,7 +67,7 @@ def _dog() -> Iterator[Solid]:
 
 def _dog_basket() -> Iterator[Solid]:
     yield vessel("cane", [(0.28, 0.0), (0.33, 0.06), (0.35, 0.16)], 0.03, sides=30, steps=2, stretch=0.8)
-    yield soft("textile", (0.56, 0.1, 0.44), (0.0, 0.03, 0.0), 2.5, 6)
+    yield padded_block("textile", (0.56, 0.1, 0.44), (0.0, 0.03, 0.0), 2.5, 6)
     curl = [(0.16 * np.cos(a), 0.15, 0.12 * np.sin(a)) for a in np.linspace(0.6, 5.2, 12)]
     yield tube("fur_coat", curl, np.concatenate([np.linspace(0.03, 0.075, 8), [0.07, 0.06, 0.05, 0.03]]), 10)
     yield ball("fur_coat", (0.06, 0.05, 0.065), (0.13, 0.17, 0.06), 14, 8)
@@ -115,22 +115,22 @@ def fish(kind: str = "tank") -> Iterator[Solid]:
     """Build a fish tank on a cabinet, or a bowl with a goldfish."""
     if kind == "bowl":
         yield vessel("glass", [(0.08, 0.0), (0.14, 0.08), (0.13, 0.16), (0.09, 0.2)], 0.003, sides=26, steps=3)
-        yield turned("water", [(0.08, 0.006), (0.134, 0.08), (0.128, 0.15)], sides=24, steps=2)
-        yield turned("cream", [(0.075, 0.006), (0.09, 0.02), (0.05, 0.03)], sides=20, steps=2)
+        yield revolve("water", [(0.08, 0.006), (0.134, 0.08), (0.128, 0.15)], sides=24, steps=2)
+        yield revolve("cream", [(0.075, 0.006), (0.09, 0.02), (0.05, 0.03)], sides=20, steps=2)
         yield from _one(0.02, 0.09, 0.0, "orange", 1.2)
         for i in range(4):
             yield leaf("leaf", 0.1, 0.012, (-0.04, 0.02, 0.02), 1.6 * i, 1.4, 0.4, pieces=3)
         return
-    yield rounded("wood", (1.0, 0.7, 0.4), (0.0, 0.02, 0.0), 0.006, 1)
+    yield rounded_box("wood", (1.0, 0.7, 0.4), (0.0, 0.02, 0.0), 0.006, 1)
     for i in range(2):
-        yield rounded("wood_1", (0.48, 0.62, 0.02), ((i - 0.5) * 0.5, 0.06, 0.205), 0.004, 1)
+        yield rounded_box("wood_1", (0.48, 0.62, 0.02), ((i - 0.5) * 0.5, 0.06, 0.205), 0.004, 1)
         yield ball("chrome", 0.012, ((i - 0.5) * 0.1, 0.4, 0.225), 10, 6)
     yield box("cream", (0.96, 0.05, 0.36), (0.0, 0.725, 0.0))
     yield box("water", (0.95, 0.36, 0.35), (0.0, 0.776, 0.0))
     for s in (-1, 1):
         yield box("glass", (0.98, 0.46, 0.008), (0.0, 0.72, s * 0.186))
         yield box("glass", (0.008, 0.46, 0.364), (s * 0.486, 0.72, 0.0))
-    yield rounded("black", (1.0, 0.05, 0.4), (0.0, 1.18, 0.0), 0.01, 1)
+    yield rounded_box("black", (1.0, 0.05, 0.4), (0.0, 1.18, 0.0), 0.01, 1)
     for i in range(5):
         yield from _one(-0.3 + 0.15 * i, 0.86 + 0.06 * (i % 3), 0.08 * (-1) ** i, ("orange", "yellow", "blue")[i % 3])
     for k, x in enumerate((-0.36, -0.1, 0.3)):

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, rod, tube
 from home_procgen.things.joinery import roller
 
@@ -44,7 +44,7 @@ def blocks() -> Iterator[Solid]:
             (0.16, 0.0, 0.1, 0.4),
         )
     ):
-        yield rotate(rounded(f"bright_{i % 4}", (0.07, 0.07, 0.07), (x, y, z), 0.006, 1), 1, turn, (x, 0.0, z))
+        yield rotate(rounded_box(f"bright_{i % 4}", (0.07, 0.07, 0.07), (x, y, z), 0.006, 1), 1, turn, (x, 0.0, z))
     yield prism("bright_2", [(-0.01, 0.21), (0.07, 0.21), (0.03, 0.26)], 0.06)
     yield cylinder("bright_1", 0.03, 0.08, (-0.04, 0.0, 0.14), sides=16)
 
@@ -53,20 +53,20 @@ def train() -> Iterator[Solid]:
     """Build a wooden train of three cars."""
     for k in range(3):
         z = -0.17 * k
-        yield rounded(f"bright_{k}", (0.07, 0.025, 0.14), (0.0, 0.03, z), 0.008, 1)
+        yield rounded_box(f"bright_{k}", (0.07, 0.025, 0.14), (0.0, 0.03, z), 0.008, 1)
         for s in (-1, 1):
             for dz in (-0.045, 0.045):
                 yield roller("wood", 0.024, 0.014, (s * 0.04, 0.024, z + dz), 14)
         if k:
             yield (
-                rounded("wood", (0.06, 0.035, 0.11), (0.0, 0.055, z), 0.006, 1)
+                rounded_box("wood", (0.06, 0.035, 0.11), (0.0, 0.055, z), 0.006, 1)
                 if k == 1
                 else cylinder("wood", 0.03, 0.05, (0.0, 0.055, z), sides=16)
             )
             yield rod("black", (0.0, 0.04, z + 0.06), (0.0, 0.04, z + 0.11), 0.005, sides=6)
     yield tube("bright", [(0.0, 0.085, -0.01), (0.0, 0.085, 0.065)], 0.03, 16)
-    yield rounded("bright_1", (0.07, 0.08, 0.045), (0.0, 0.055, -0.045), 0.008, 1)
-    yield turned("black", [(0.01, 0.0), (0.01, 0.03), (0.018, 0.05)], (0.0, 0.11, 0.045), 12, 1)
+    yield rounded_box("bright_1", (0.07, 0.08, 0.045), (0.0, 0.055, -0.045), 0.008, 1)
+    yield revolve("black", [(0.01, 0.0), (0.01, 0.03), (0.018, 0.05)], (0.0, 0.11, 0.045), 12, 1)
 
 
 def toy_car(kind: str = "car") -> Iterator[Solid]:
@@ -96,10 +96,10 @@ def toy_car(kind: str = "car") -> Iterator[Solid]:
             "side",
         )
     else:
-        yield rounded("bright", (0.12, 0.1, 0.09), (0.0, 0.04, 0.1), 0.015, 2)
+        yield rounded_box("bright", (0.12, 0.1, 0.09), (0.0, 0.04, 0.1), 0.015, 2)
         yield box("screen", (0.1, 0.035, 0.006), (0.0, 0.09, 0.144))
-        yield rounded("black", (0.1, 0.025, 0.3), (0.0, 0.03, -0.02), 0.005, 1)
-        yield rounded("bright_1", (0.13, 0.09, 0.2), (0.0, 0.055, -0.06), 0.008, 1)
+        yield rounded_box("black", (0.1, 0.025, 0.3), (0.0, 0.03, -0.02), 0.005, 1)
+        yield rounded_box("bright_1", (0.13, 0.09, 0.2), (0.0, 0.055, -0.06), 0.008, 1)
         if kind == "fire":
             for s in (-1, 1):
                 yield rod("white", (s * 0.03, 0.16, -0.16), (s * 0.03, 0.18, 0.1), 0.006, sides=6)

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, rod, tube
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
@@ -28,7 +28,7 @@ def rocking_horse() -> Iterator[Solid]:
     yield ball("wood", (0.11, 0.11, 0.28), (0.0, 0.46, 0.0), 18, 10)
     yield tube("wood", [(0.0, 0.5, 0.2), (0.0, 0.72, 0.32), (0.0, 0.76, 0.36)], [0.09, 0.06, 0.05], 12)
     yield tube("wood", [(0.0, 0.77, 0.32), (0.0, 0.66, 0.5)], [0.06, 0.035], 12)
-    yield soft("bright", (0.2, 0.06, 0.24), (0.0, 0.53, -0.02), 4.0, 5)
+    yield padded_block("bright", (0.2, 0.06, 0.24), (0.0, 0.53, -0.02), 4.0, 5)
     yield rod("wood", (-0.14, 0.7, 0.32), (0.14, 0.7, 0.32), 0.013)
     yield prism(
         "cream",
@@ -52,8 +52,8 @@ def doll_house() -> Iterator[Solid]:
     yield box("white", (0.014, 0.22, 0.26), (-0.1, 0.258, 0.0))
     for x, y in ((-0.2, 0.1), (0.2, 0.1), (-0.22, 0.34), (0.12, 0.34)):
         yield box("blue", (0.08, 0.09, 0.006), (x, y, -0.127))
-    yield rounded("bright_2", (0.12, 0.05, 0.16), (0.22, 0.258, 0.0), 0.01, 1)
-    yield rounded("bright_3", (0.14, 0.06, 0.07), (-0.2, 0.018, -0.05), 0.015, 2)
+    yield rounded_box("bright_2", (0.12, 0.05, 0.16), (0.22, 0.258, 0.0), 0.01, 1)
+    yield rounded_box("bright_3", (0.14, 0.06, 0.07), (-0.2, 0.018, -0.05), 0.015, 2)
     yield cylinder("wood", 0.05, 0.06, (0.2, 0.018, 0.02), sides=16)
 
 
@@ -72,12 +72,12 @@ def play_tent() -> Iterator[Solid]:
             return r * ((1 - t) * np.cos(a) + t * np.cos(b)), 0.03 + 1.42 * v, r * ((1 - t) * np.sin(a) + t * np.sin(b))
 
         yield surface("patterned", wall, 6, 6, 0.008)
-    yield rounded("textile", (0.9, 0.05, 0.9), (0.0, 0.0, 0.0), 0.02, 2)
+    yield rounded_box("textile", (0.9, 0.05, 0.9), (0.0, 0.0, 0.0), 0.02, 2)
 
 
 def chess() -> Iterator[Solid]:
     """Build a chessboard with pieces."""
-    yield rounded("wood", (0.44, 0.025, 0.44), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("wood", (0.44, 0.025, 0.44), (0.0, 0.0, 0.0), 0.006, 1)
     for i in range(8):
         for j in range(8):
             if (i + j) % 2 == 0:
@@ -88,7 +88,7 @@ def chess() -> Iterator[Solid]:
                 if (i * 7 + int(row) * 3) % 5 == 0:
                     continue
                 at = ((i - 3.5) * 0.048, 0.025, side * row * 0.048)
-                yield turned(
+                yield revolve(
                     slot,
                     [(0.017, 0.0), (0.008, 0.012), (0.006, 0.6 * high), (0.012, 0.75 * high), (0.004, high)],
                     at,

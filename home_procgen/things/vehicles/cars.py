@@ -6,7 +6,7 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, prism
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.vehicles.wheels import wheel
@@ -49,7 +49,7 @@ def _cabin(belt: float, high: float, roof: tuple[float, float], back: float) -> 
     ]
     outline = fillet(cabin, 0.12, 3, True)
     yield prism("screen", outline, 1.42, (0.0, 0.0, 0.0), "side")
-    yield rounded("car", (1.4, 0.06, roof[1] - roof[0]), (0.0, high - 0.035, (roof[0] + roof[1]) / 2), 0.025, 2)
+    yield rounded_box("car", (1.4, 0.06, roof[1] - roof[0]), (0.0, high - 0.035, (roof[0] + roof[1]) / 2), 0.025, 2)
 
 
 def _flank(s: int, half: float, belt: float, high: float, roof: tuple[float, float], back: float) -> Iterator[Solid]:
@@ -58,10 +58,10 @@ def _flank(s: int, half: float, belt: float, high: float, roof: tuple[float, flo
     middle = (roof[0] + roof[1]) / 2
     yield beam("car", (s * 0.712, belt - 0.04, middle), (s * 0.69, high - 0.02, middle), 0.03, 0.09)
     for z in (middle + 0.42, middle - 0.42):
-        yield rounded("chrome", (0.03, 0.03, 0.14), (s * 0.87, belt - 0.14, z - 0.1), 0.01, 1)
+        yield rounded_box("chrome", (0.03, 0.03, 0.14), (s * 0.87, belt - 0.14, z - 0.1), 0.01, 1)
     yield ball("car", (0.09, 0.07, 0.06), (s * 0.92, belt + 0.08, roof[1] + 0.42), 12, 8)
-    yield soft("white", (0.36, 0.14, 0.08), (s * 0.6, 0.55, half - 0.05), 3.0, 5)
-    yield soft("red", (0.3, 0.14, 0.06), (s * 0.65, 0.66, 0.03 - half), 3.0, 5)
+    yield padded_block("white", (0.36, 0.14, 0.08), (s * 0.6, 0.55, half - 0.05), 3.0, 5)
+    yield padded_block("red", (0.3, 0.14, 0.06), (s * 0.65, 0.66, 0.03 - half), 3.0, 5)
     for z in (half - 0.82, 0.82 - half):
         yield from wheel(s * 0.76, 0.33, z, 0.33, 0.22)
         arch = [(z + 0.4 * np.cos(a), 0.34 + 0.4 * np.sin(a)) for a in np.linspace(0, np.pi, 14)]
@@ -70,10 +70,10 @@ def _flank(s: int, half: float, belt: float, high: float, roof: tuple[float, flo
 
 
 def _bumpers(half: float) -> Iterator[Solid]:
-    yield rounded("black", (1.7, 0.16, 0.14), (0.0, 0.3, half - 0.02), 0.05, 2)
-    yield rounded("black", (1.7, 0.16, 0.14), (0.0, 0.32, 0.02 - half), 0.05, 2)
-    yield rounded("black", (0.8, 0.12, 0.03), (0.0, 0.56, half - 0.005), 0.01, 1)
-    yield rounded("white", (0.5, 0.1, 0.01), (0.0, 0.37, half + 0.052), 0.004, 1)
+    yield rounded_box("black", (1.7, 0.16, 0.14), (0.0, 0.3, half - 0.02), 0.05, 2)
+    yield rounded_box("black", (1.7, 0.16, 0.14), (0.0, 0.32, 0.02 - half), 0.05, 2)
+    yield rounded_box("black", (0.8, 0.12, 0.03), (0.0, 0.56, half - 0.005), 0.01, 1)
+    yield rounded_box("white", (0.5, 0.1, 0.01), (0.0, 0.37, half + 0.052), 0.004, 1)
 
 
 # kind -> length, height, z range of the roof [m]

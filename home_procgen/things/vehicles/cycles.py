@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.rounded import ball, rounded, soft
+from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.vehicles.wheels import wheel
@@ -20,9 +20,9 @@ def _scooter() -> Iterator[Solid]:
         (0.0, 0.0, 0.0),
         "side",
     )
-    yield rounded("bright", (0.34, 0.06, 0.6), (0.0, 0.24, 0.1), 0.025, 2)
-    yield rotate(rounded("bright", (0.42, 0.66, 0.06), (0.0, 0.26, 0.42), 0.028, 3), 0, -0.22, (0.0, 0.26, 0.42))
-    yield soft("black", (0.3, 0.12, 0.72), (0.0, 0.74, -0.5), 4.0, 6)
+    yield rounded_box("bright", (0.34, 0.06, 0.6), (0.0, 0.24, 0.1), 0.025, 2)
+    yield rotate(rounded_box("bright", (0.42, 0.66, 0.06), (0.0, 0.26, 0.42), 0.028, 3), 0, -0.22, (0.0, 0.26, 0.42))
+    yield padded_block("black", (0.3, 0.12, 0.72), (0.0, 0.74, -0.5), 4.0, 6)
     yield tube("chrome", [(0.0, 0.24, 0.62), (0.0, 0.95, 0.34)], 0.03, 10)
     yield ball("bright", (0.12, 0.13, 0.13), (0.0, 1.0, 0.34), 16, 10)
     yield ball("white", (0.08, 0.08, 0.04), (0.0, 1.0, 0.45), 14, 8)
@@ -51,11 +51,11 @@ def _road() -> Iterator[Solid]:
             10,
         )
         yield rod("chrome", (s * 0.1, 0.5, -0.55), (s * 0.1, 0.75, -0.45), 0.025)
-    yield rounded("gray", (0.3, 0.34, 0.44), (0.0, 0.28, 0.05), 0.06, 2)
+    yield rounded_box("gray", (0.3, 0.34, 0.44), (0.0, 0.28, 0.05), 0.06, 2)
     for i in range(5):
-        yield rounded("gray", (0.28, 0.015, 0.24), (0.0, 0.6 + 0.03 * i, 0.08), 0.006, 1)
+        yield rounded_box("gray", (0.28, 0.015, 0.24), (0.0, 0.6 + 0.03 * i, 0.08), 0.006, 1)
     yield ball("car", (0.16, 0.15, 0.3), (0.0, 0.82, 0.16), 20, 12)
-    yield soft("black", (0.26, 0.12, 0.66), (0.0, 0.74, -0.42), 3.0, 6)
+    yield padded_block("black", (0.26, 0.12, 0.66), (0.0, 0.74, -0.42), 3.0, 6)
     yield prism(
         "car",
         fillet([(-0.5, 0.72), (-1.0, 0.78), (-0.98, 0.7), (-0.6, 0.62)], 0.06, 3, True),
@@ -97,10 +97,10 @@ def bicycle(kind: str = "bike") -> Iterator[Solid]:
         yield tube("red", fillet([(0.0, 0.12, -0.22), (0.0, 0.24, -0.05), (0.0, 0.36, 0.22)], 0.1), 0.018)
         yield rod("red", (0.0, 0.16, 0.3), (0.0, 0.56, 0.19), 0.014)
         yield tube("chrome", fillet([(-0.17, 0.54, 0.1), (0.0, 0.58, 0.19), (0.17, 0.54, 0.1)], 0.06), 0.011)
-        yield soft("black", (0.16, 0.05, 0.2), (0.0, 0.28, -0.1), 3.0, 5)
+        yield padded_block("black", (0.16, 0.05, 0.2), (0.0, 0.28, -0.1), 3.0, 5)
         for s in (-1, 1):
             yield rod("chrome", (0.0, 0.16, 0.3), (s * 0.1, 0.16 + 0.06 * s, 0.3), 0.006)
-            yield rounded("black", (0.07, 0.02, 0.05), (s * 0.12, 0.15 + 0.06 * s, 0.3), 0.006, 1)
+            yield rounded_box("black", (0.07, 0.02, 0.05), (s * 0.12, 0.15 + 0.06 * s, 0.3), 0.006, 1)
         return
     r, back, front_ = 0.34, -0.52, 0.54
     for z in (back, front_):
@@ -113,10 +113,10 @@ def bicycle(kind: str = "bike") -> Iterator[Solid]:
         yield rod("bright", (0.0, 0.76, -0.22), (s * 0.05, r, back), 0.008)
         yield rod("bright", (s * 0.03, 0.68, 0.4), (s * 0.05, r, front_), 0.01)
         yield rod("chrome", (s * 0.04, 0.29, -0.08), (s * 0.08, 0.29 + s * 0.16, -0.06), 0.008)
-        yield rounded("black", (0.09, 0.02, 0.08), (s * 0.13, 0.28 + s * 0.16, -0.06), 0.006, 1)
+        yield rounded_box("black", (0.09, 0.02, 0.08), (s * 0.13, 0.28 + s * 0.16, -0.06), 0.006, 1)
     yield rod("bright", (0.0, 0.66, 0.4), (0.0, 0.94, 0.33), 0.018)
     yield rod("chrome", seat, (0.0, 0.94, -0.28), 0.012)
-    yield soft("black", (0.15, 0.06, 0.26), (0.0, 0.93, -0.26), 2.6, 6)
+    yield padded_block("black", (0.15, 0.06, 0.26), (0.0, 0.93, -0.26), 2.6, 6)
     yield tube(
         "chrome", fillet([(-0.28, 0.97, 0.16), (-0.2, 0.98, 0.33), (0.2, 0.98, 0.33), (0.28, 0.97, 0.16)], 0.1), 0.011
     )

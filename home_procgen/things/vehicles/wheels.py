@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
-from home_procgen.shapes.revolve import turned
+from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.sweep import ring, rod
 
 
@@ -35,9 +35,9 @@ def wheel(
         (0.95 * radius, wide / 2),
         (0.72 * radius, wide / 2),
     ]
-    yield move(rotate(turned("rubber", profile, sides=24, steps=1), 2, np.pi / 2), (x, y, z))
+    yield move(rotate(revolve("rubber", profile, sides=24, steps=1), 2, np.pi / 2), (x, y, z))
     rim = [(0.72 * radius, -0.46 * wide), (0.72 * radius, 0.46 * wide)]
-    yield move(rotate(turned(hub, rim, sides=24, steps=1), 2, np.pi / 2), (x, y, z))
+    yield move(rotate(revolve(hub, rim, sides=24, steps=1), 2, np.pi / 2), (x, y, z))
     for i in range(5):
         a = 2 * np.pi * i / 5
         for s in (-1, 1):

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import fillet, spline
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners, disc
@@ -13,7 +13,7 @@ from home_procgen.things.joinery import corners, disc
 def _split() -> Iterator[Solid]:
     side = fillet([(-0.1, 0.0), (0.06, 0.0), (0.1, 0.08), (0.1, 0.26), (0.06, 0.29), (-0.1, 0.29)], 0.04, 4, True)
     yield prism("white", side, 0.84, (0.0, 0.0, 0.0), "side")
-    yield rotate(rounded("white", (0.76, 0.01, 0.09), (0.0, 0.02, 0.085), 0.004, 1), 0, 0.5, (0.0, 0.02, 0.085))
+    yield rotate(rounded_box("white", (0.76, 0.01, 0.09), (0.0, 0.02, 0.085), 0.004, 1), 0, 0.5, (0.0, 0.02, 0.085))
     yield box("black", (0.74, 0.03, 0.01), (0.0, 0.012, 0.066))
     for i in range(10):
         yield box("gray", (0.76, 0.004, 0.01), (0.0, 0.289, -0.085 + 0.014 * i))
@@ -22,8 +22,8 @@ def _split() -> Iterator[Solid]:
 
 
 def _window() -> Iterator[Solid]:
-    yield rounded("white", (0.6, 0.4, 0.5), (0.0, 0.0, -0.1), 0.012, 1)
-    yield rounded("cream", (0.62, 0.42, 0.06), (0.0, -0.01, 0.16), 0.015, 2)
+    yield rounded_box("white", (0.6, 0.4, 0.5), (0.0, 0.0, -0.1), 0.012, 1)
+    yield rounded_box("cream", (0.62, 0.42, 0.06), (0.0, -0.01, 0.16), 0.015, 2)
     for i in range(14):
         yield box("gray", (0.4, 0.008, 0.01), (-0.07, 0.03 + 0.025 * i, 0.188))
     for y in (0.28, 0.18):
@@ -31,7 +31,7 @@ def _window() -> Iterator[Solid]:
 
 
 def _mobile() -> Iterator[Solid]:
-    yield rounded("white", (0.36, 0.68, 0.34), (0.0, 0.05, 0.0), 0.05, 3)
+    yield rounded_box("white", (0.36, 0.68, 0.34), (0.0, 0.05, 0.0), 0.05, 3)
     for x, z in corners(0.26, 0.24):
         yield ball("black", 0.028, (x, 0.028, z), 10, 6)
     for i in range(6):

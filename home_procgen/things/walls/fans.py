@@ -7,18 +7,18 @@ import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet
-from home_procgen.shapes.groups import around
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
+from home_procgen.shapes.transforms import repeat_around
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import disc
 
 
 def _under_ceiling(wood: bool) -> Iterator[Solid]:
-    yield turned("brass", [(0.06, 0.46), (0.06, 0.5)], sides=18, steps=1)
+    yield revolve("brass", [(0.06, 0.46), (0.06, 0.5)], sides=18, steps=1)
     yield cylinder("brass", 0.012, 0.34, (0.0, 0.14, 0.0), sides=10)
-    yield turned(
+    yield revolve(
         "brass" if wood else "white",
         [(0.05, 0.04), (0.11, 0.07), (0.11, 0.13), (0.05, 0.16)],
         sides=24,
@@ -37,12 +37,12 @@ def _under_ceiling(wood: bool) -> Iterator[Solid]:
         0.16,
         (0.0, 0.1, 0.0),
     )
-    yield from around([blade], count)
+    yield from repeat_around([blade], count)
     yield ball("opal", (0.1, 0.06, 0.1), (0.0, 0.045, 0.0), 18, 10)
 
 
 def _on_foot(y: float, foot: float, rim: float, size: float) -> Iterator[Solid]:
-    yield turned(
+    yield revolve(
         "white",
         [(foot, 0.0), (rim, 0.02), (0.04, 0.05)],
         sides=24,
@@ -91,7 +91,7 @@ def fan(kind: str = "ceiling") -> Iterator[Solid]:
 
 def whiteboard() -> Iterator[Solid]:
     """Build a whiteboard with writing and a pen tray."""
-    yield rounded("white", (1.2, 0.8, 0.018), (0.0, 0.05, -0.006), 0.004, 1)
+    yield rounded_box("white", (1.2, 0.8, 0.018), (0.0, 0.05, -0.006), 0.004, 1)
     for s in (-1, 1):
         yield box("gray", (0.02, 0.84, 0.026), (s * 0.61, 0.03, -0.004))
         yield box("gray", (1.2, 0.02, 0.026), (0.0, 0.03 + 0.82 * (s + 1) / 2, -0.004))

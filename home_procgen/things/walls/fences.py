@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box
-from home_procgen.shapes.revolve import turned
-from home_procgen.shapes.rounded import ball, rounded
+from home_procgen.shapes.revolve import revolve
+from home_procgen.shapes.rounded import ball, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -16,7 +16,7 @@ RAIL_HEIGHT = 1.0  # [m], height of a rail
 def _planks(kind: str, width: float) -> Iterator[Solid]:
     high = 1.0 if kind == "pickets" else 1.6
     for x in (-width / 2 + 0.04, width / 2 - 0.04):
-        yield rounded("wood", (0.08, high, 0.08), (x, 0.0, -0.03), 0.01, 1)
+        yield rounded_box("wood", (0.08, high, 0.08), (x, 0.0, -0.03), 0.01, 1)
     for y in (0.2, high - 0.3):
         yield box("wood", (width, 0.08, 0.03), (0.0, y, 0.0))
     count = int(width / (0.13 if kind == "pickets" else 0.11))
@@ -35,7 +35,7 @@ def _balusters(width: float) -> Iterator[Solid]:
     yield box("wood", (width, 0.04, 0.08), (0.0, 0.06, 0.0))
     for i in range(int(width / 0.14)):
         x = (i + 0.5) / int(width / 0.14) * (width - 0.16) - (width - 0.16) / 2
-        yield turned(
+        yield revolve(
             "wood",
             [(0.02, 0.1), (0.03, 0.2), (0.016, 0.3), (0.032, 0.5), (0.016, 0.78), (0.02, 0.98)],
             (x, 0.0, 0.0),
@@ -56,7 +56,7 @@ def _bars(width: float) -> Iterator[Solid]:
 def _panes(width: float) -> Iterator[Solid]:
     for s in (-1, 1):
         yield box("glass", (width / 2 - 0.07, 0.8, 0.012), (s * (width / 4 - 0.0), 0.1, 0.0))
-    yield rounded("chrome", (0.045, RAIL_HEIGHT, 0.045), (0.0, 0.0, 0.0), 0.006, 1)
+    yield rounded_box("chrome", (0.045, RAIL_HEIGHT, 0.045), (0.0, 0.0, 0.0), 0.006, 1)
 
 
 def _ropes(width: float) -> Iterator[Solid]:
@@ -76,10 +76,12 @@ _BETWEEN_POSTS = {"balusters": _balusters, "bars": _bars, "glass": _panes, "rope
 def _railing(kind: str, width: float) -> Iterator[Solid]:
     for x in (-width / 2 + 0.03, width / 2 - 0.03):
         if kind == "balusters":
-            yield rounded("wood", (0.09, RAIL_HEIGHT + 0.06, 0.09), (x, 0.0, 0.0), 0.012, 1)
+            yield rounded_box("wood", (0.09, RAIL_HEIGHT + 0.06, 0.09), (x, 0.0, 0.0), 0.012, 1)
             yield ball("wood", 0.055, (x, RAIL_HEIGHT + 0.1, 0.0), 14, 8)
         else:
-            yield rounded("chrome" if kind != "bars" else "iron", (0.045, RAIL_HEIGHT, 0.045), (x, 0.0, 0.0), 0.006, 1)
+            yield rounded_box(
+                "chrome" if kind != "bars" else "iron", (0.045, RAIL_HEIGHT, 0.045), (x, 0.0, 0.0), 0.006, 1
+            )
     rail = "wood" if kind in ("balusters", "ropes") else "chrome" if kind == "glass" else "iron"
     yield tube(rail, [(-width / 2, RAIL_HEIGHT, 0.0), (width / 2, RAIL_HEIGHT, 0.0)], 0.028, 12)
     yield from _BETWEEN_POSTS[kind](width)
@@ -92,13 +94,13 @@ def fence(kind: str = "pickets", width: float = 2.0) -> Iterator[Solid]:
 
 def column(kind: str = "round", height: float = 2.6) -> Iterator[Solid]:
     """Build a structural column: round with a capital, fluted or square."""
-    yield rounded("white", (0.36, 0.12, 0.36), (0.0, 0.0, 0.0), 0.01, 1)
-    yield rounded("white", (0.36, 0.1, 0.36), (0.0, height - 0.1, 0.0), 0.01, 1)
+    yield rounded_box("white", (0.36, 0.12, 0.36), (0.0, 0.0, 0.0), 0.01, 1)
+    yield rounded_box("white", (0.36, 0.1, 0.36), (0.0, height - 0.1, 0.0), 0.01, 1)
     if kind == "square":
-        yield rounded("masonry", (0.28, height - 0.2, 0.28), (0.0, 0.1, 0.0), 0.006, 1)
-        yield rounded("white", (0.32, 0.05, 0.32), (0.0, height - 0.18, 0.0), 0.01, 1)
+        yield rounded_box("masonry", (0.28, height - 0.2, 0.28), (0.0, 0.1, 0.0), 0.006, 1)
+        yield rounded_box("white", (0.32, 0.05, 0.32), (0.0, height - 0.18, 0.0), 0.01, 1)
         return
-    yield turned(
+    yield revolve(
         "white",
         [
             (0.16, 0.12),

@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from home_procgen.primitives.solids import Solid, box, move, rotate
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import ring
 from home_procgen.things.family import FurnitureFamily, design_kinds
 
@@ -30,10 +30,10 @@ def _folding_screen(kind: str) -> Iterator[Solid]:
 
 def _slats() -> Iterator[Solid]:
     for y in (0.0, 2.2):
-        yield rounded("wood", (1.5, 0.06, 0.08), (0.0, y, 0.0), 0.01, 1)
+        yield rounded_box("wood", (1.5, 0.06, 0.08), (0.0, y, 0.0), 0.01, 1)
     for i in range(16):
         yield rotate(
-            rounded("wood", (0.02, 2.16, 0.07), ((i - 7.5) * 0.092, 0.05, 0.0), 0.004, 1),
+            rounded_box("wood", (0.02, 2.16, 0.07), ((i - 7.5) * 0.092, 0.05, 0.0), 0.004, 1),
             1,
             0.35,
             ((i - 7.5) * 0.092, 0.0, 0.0),
@@ -46,9 +46,9 @@ def _rings() -> Iterator[Solid]:
             x, y = (i - 1.5) * 0.38, 0.05 + 0.42 * j
             yield ring("wood", 0.19, 0.035, (x, y + 0.2, 0.0), 2, 20)
     for s in (-1, 1):
-        yield rounded("wood", (0.05, 1.78, 0.06), (s * 0.775, 0.0, 0.0), 0.01, 1)
-        yield rounded("wood", (1.5, 0.05, 0.06), (0.0, 1.73 * (s + 1) / 2, 0.0), 0.01, 1)
-        yield rounded("wood", (0.08, 0.04, 0.36), (s * 0.775, 0.0, 0.0), 0.012, 1)
+        yield rounded_box("wood", (0.05, 1.78, 0.06), (s * 0.775, 0.0, 0.0), 0.01, 1)
+        yield rounded_box("wood", (1.5, 0.05, 0.06), (0.0, 1.73 * (s + 1) / 2, 0.0), 0.01, 1)
+        yield rounded_box("wood", (0.08, 0.04, 0.36), (s * 0.775, 0.0, 0.0), 0.012, 1)
 
 
 _SCREEN_KINDS = {

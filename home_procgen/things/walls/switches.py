@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 from home_procgen.primitives.solids import Solid, box, rotate
-from home_procgen.shapes.rounded import rounded
+from home_procgen.shapes.rounded import rounded_box
 from home_procgen.shapes.sweep import ring
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc
@@ -13,8 +13,8 @@ from home_procgen.things.joinery import disc
 def _rockers(count: int) -> Iterator[Solid]:
     for i in range(count):
         x = (i - (count - 1) / 2) * 0.071
-        yield rounded("white", (0.058, 0.062, 0.004), (x, 0.01, 0.003), 0.002, 2)
-        tilted = rounded("white", (0.05, 0.056, 0.008), (x, 0.013, 0.003), 0.002, 2)
+        yield rounded_box("white", (0.058, 0.062, 0.004), (x, 0.01, 0.003), 0.002, 2)
+        tilted = rounded_box("white", (0.05, 0.056, 0.008), (x, 0.013, 0.003), 0.002, 2)
         yield rotate(tilted, 0, 0.06 * (-1) ** i, (x, 0.041, 0.003))
         yield box("blue", (0.006, 0.002, 0.001), (x, 0.018, 0.0085))
 
@@ -42,8 +42,10 @@ def _thermostat() -> Iterator[Solid]:
 
 
 def _toggle() -> Iterator[Solid]:
-    yield rounded("white", (0.014, 0.03, 0.004), (0.0, 0.026, 0.002), 0.002, 1)
-    yield rotate(rounded("white", (0.008, 0.022, 0.01), (0.0, 0.036, 0.004), 0.003, 2), 0, -0.5, (0.0, 0.041, 0.004))
+    yield rounded_box("white", (0.014, 0.03, 0.004), (0.0, 0.026, 0.002), 0.002, 1)
+    yield rotate(
+        rounded_box("white", (0.008, 0.022, 0.01), (0.0, 0.036, 0.004), 0.003, 2), 0, -0.5, (0.0, 0.041, 0.004)
+    )
     for y in (0.012, 0.066):
         yield disc("chrome", 0.004, 0.003, (0.0, y + 0.002, 0.002), 12)
 
@@ -52,11 +54,11 @@ def _turning() -> Iterator[Solid]:
     """Build an old-fashioned rotary switch: a round base and a wing knob."""
     yield disc("cream", 0.036, 0.014, (0.0, 0.041, -0.004), 28)
     yield disc("black", 0.014, 0.008, (0.0, 0.041, 0.01), 18)
-    yield rotate(rounded("black", (0.01, 0.034, 0.02), (0.0, 0.024, 0.02), 0.004, 2), 2, 0.6, (0.0, 0.041, 0.02))
+    yield rotate(rounded_box("black", (0.01, 0.034, 0.02), (0.0, 0.024, 0.02), 0.004, 2), 2, 0.6, (0.0, 0.041, 0.02))
 
 
 def _touch() -> Iterator[Solid]:
-    yield rounded("black", (0.08, 0.08, 0.004), (0.0, 0.001, 0.003), 0.0015, 1)
+    yield rounded_box("black", (0.08, 0.08, 0.004), (0.0, 0.001, 0.003), 0.0015, 1)
     for x in (-0.018, 0.018):
         for y in (0.024, 0.058):
             yield ring("gray", 0.008, 0.001, (x, y, 0.005), 2, 20)
@@ -81,7 +83,7 @@ _KINDS: dict[str, Callable[[], Iterator[Solid]]] = {
 def switch(kind: str = "switch") -> Iterator[Solid]:
     """Build switches, a dimmer, a thermostat, or sockets and chargers, on a plate."""
     if kind != "turning":
-        yield rounded("white", (_PLATE_WIDTHS.get(kind, 0.082), 0.082, 0.01), (0.0, 0.0, -0.003), 0.004, 2)
+        yield rounded_box("white", (_PLATE_WIDTHS.get(kind, 0.082), 0.082, 0.01), (0.0, 0.0, -0.003), 0.004, 2)
     yield from _KINDS[kind]()
 
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Sequence
 
-from home_procgen.floor_plan.openings import HousePlan
-from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.v1.furnish.dining import dining_room
 from home_procgen.v1.furnish.kitchen import kitchen
 from home_procgen.v1.furnish.layout import RoomLayout
@@ -41,7 +41,7 @@ ESSENTIALS = {
 RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
 
 
-def furnish(plan: HousePlan, style: Style) -> list[list[PlacedFurniture]] | None:
+def furnish(plan: LevelPlan, style: Style) -> list[list[PlacedModel]] | None:
     """The furniture of every room, or None if the plan does not serve.
 
     That is if open doors block one another, or a room has no place for what it is for, or none has for the radio.

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.v1.furnish.layout import RoomLayout
 
 
@@ -11,9 +11,7 @@ def chance(room: RoomLayout, probability: float) -> bool:
     return bool(room.rng.random() < probability)
 
 
-def fit(
-    room: RoomLayout, family: str, place: Callable[[PlacedFurniture], PlacedFurniture | None]
-) -> PlacedFurniture | None:
+def fit(room: RoomLayout, family: str, place: Callable[[PlacedModel], PlacedModel | None]) -> PlacedModel | None:
     """Places the favourite model of a family, or else the first other one that fits."""
     return next((placed for item in room.style.choices(family) if (placed := place(item))), None)
 

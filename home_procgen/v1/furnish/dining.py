@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import FLOOR_TOP
 from home_procgen.v1.furnish.common import add
 from home_procgen.v1.furnish.layout import RoomLayout
@@ -18,19 +18,19 @@ def dining_set(room: RoomLayout, seats: int) -> None:
             return
 
 
-def _chairs(table: PlacedFurniture, chair: PlacedFurniture, seats: int) -> Iterator[PlacedFurniture]:
+def _chairs(table: PlacedModel, chair: PlacedModel, seats: int) -> Iterator[PlacedModel]:
     """Chairs that face a table from its long sides (right and left of a round one too)."""
     wide, deep = float(table.size[0]), float(table.size[2])
     away = deep / 2 + float(chair.size[2]) / 2 + 0.04
     per_side = 1 if table.model.family == "round_table" else max(1, min(seats // 2, int(wide / 0.62)))
     for side in (-1, 1):
         for i in range(per_side):
-            x, z = table.beside((i - (per_side - 1) / 2) * wide / per_side, side * away)
-            yield chair.at(x, FLOOR_TOP, z, table.quarter + (2 if side > 0 else 0))
+            x, z = table.local_point((i - (per_side - 1) / 2) * wide / per_side, side * away)
+            yield chair.moved_to(x, FLOOR_TOP, z, table.quarter + (2 if side > 0 else 0))
     if seats > 2 * per_side:
         for side in (-1, 1):
-            x, z = table.beside(side * (wide / 2 + float(chair.size[2]) / 2 + 0.04), 0.0)
-            yield chair.at(x, FLOOR_TOP, z, table.quarter - side)
+            x, z = table.local_point(side * (wide / 2 + float(chair.size[2]) / 2 + 0.04), 0.0)
+            yield chair.moved_to(x, FLOOR_TOP, z, table.quarter - side)
 
 
 def dining_room(room: RoomLayout) -> None:

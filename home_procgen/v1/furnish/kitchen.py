@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from home_procgen.floor_plan.placed import PlacedFurniture
-from home_procgen.floor_plan.walls import HALF
+from home_procgen.floor_plan.placed_model import PlacedModel
+from home_procgen.floor_plan.walls import PRISM_THICKNESS
 from home_procgen.v1.furnish.common import add, chance
 from home_procgen.v1.furnish.dining import dining_set
 from home_procgen.v1.furnish.layout import GAP, RoomLayout, zone_before
@@ -34,18 +34,18 @@ def kitchen(room: RoomLayout) -> None:
     add(room, "trash_can", probability=0.8)
 
 
-def _row(room: RoomLayout, families: Sequence[str]) -> list[PlacedFurniture] | None:
+def _row(room: RoomLayout, families: Sequence[str]) -> list[PlacedModel] | None:
     """Objects side by side along one wall, in the given or the reverse order, with free floor before them."""
     items = [room.style.object(family) for family in families]
     if chance(room, 0.5):
         items.reverse()
     total = float(sum(item.size[0] for item in items))
-    walls = [wall for wall in room.room.walls if wall.length >= total + 2 * (HALF + GAP)]
+    walls = [wall for wall in room.room.walls if wall.length >= total + 2 * (PRISM_THICKNESS + GAP)]
     for index in room.rng.permutation(len(walls)):
         wall = walls[index]
-        slack = wall.length - total - 2 * (HALF + GAP)
+        slack = wall.length - total - 2 * (PRISM_THICKNESS + GAP)
         for share in (0.0, 1.0, 0.5, 0.25, 0.75):
-            along = wall.span[0] + HALF + GAP + share * slack
+            along = wall.span[0] + PRISM_THICKNESS + GAP + share * slack
             row = []
             for item in items:
                 row.append(room.backed(item, wall, along + float(item.size[0]) / 2))
@@ -55,7 +55,7 @@ def _row(room: RoomLayout, families: Sequence[str]) -> list[PlacedFurniture] | N
     return None
 
 
-def _above(room: RoomLayout, row: Sequence[PlacedFurniture]) -> None:
+def _above(room: RoomLayout, row: Sequence[PlacedModel]) -> None:
     """A hood over the cooker and cabinets over the rest, where no window is."""
     for unit in row:
         if unit.model.family == "refrigerator":
@@ -64,5 +64,5 @@ def _above(room: RoomLayout, row: Sequence[PlacedFurniture]) -> None:
         item = room.style.object("range_hood" if hood else "hanging_cabinet")
         if item.size[0] > unit.size[0] + 0.01:
             continue
-        x, z = unit.beside(0.0, float(item.size[2] - unit.size[2]) / 2)
-        room.place(item.at(x, HANGING_Y + 0.1 * hood, z, unit.quarter))
+        x, z = unit.local_point(0.0, float(item.size[2] - unit.size[2]) / 2)
+        room.place(item.moved_to(x, HANGING_Y + 0.1 * hood, z, unit.quarter))

@@ -4,20 +4,26 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from home_procgen.floor_plan.bounds import sight, wall_box
-from home_procgen.floor_plan.openings import HousePlan
-from home_procgen.floor_plan.placed import FACING, Box, PlacedFurniture, overlaps, quarter_towards, stack
-from home_procgen.floor_plan.rooms import Wall
-from home_procgen.floor_plan.walking import WalkingGrid
-from home_procgen.floor_plan.walls import CEILING_LOW, FLOOR_TOP, HALF
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.placed_model import (
+    FRONT_DIRECTIONS,
+    Box,
+    PlacedModel,
+    overlap_mask,
+    quarter_towards,
+    stack_boxes,
+)
+from home_procgen.floor_plan.rooms import PlanWall
+from home_procgen.floor_plan.walking_grid import WalkingGrid
+from home_procgen.floor_plan.walls import CEILING_DROP, FLOOR_TOP, PRISM_THICKNESS, wall_box, window_view_box
 from home_procgen.v1.furnish.style import Style
 
 GAP = 0.01  # [m], between furniture and a wall
 
-Companions = Callable[[PlacedFurniture], Iterable[PlacedFurniture]]
+Companions = Callable[[PlacedModel], Iterable[PlacedModel]]
 
 
-def _alone(_: PlacedFurniture) -> Iterable[PlacedFurniture]:
+def _alone(_: PlacedModel) -> Iterable[PlacedModel]:
     return ()
 
 
@@ -33,18 +39,18 @@ class RoomLayout:
         items: What has been placed.
     """
 
-    def __init__(self, plan: HousePlan, index: int, style: Style) -> None:
+    def __init__(self, plan: LevelPlan, index: int, style: Style) -> None:
         self.room = plan.rooms[index]
         self.height = plan.height
         self.style = style
         self.rng = style.rng
-        self.items: list[PlacedFurniture] = []
+        self.items: list[PlacedModel] = []
         openings = plan.openings_of(index)
         walls = [wall_box(wall, plan.height) for wall in self.room.walls]
         self._flat = [_upright(box) for box in walls]
-        self._solid = walls + [part for opening in openings for part in opening.placed.parts]
-        self._clear = [o.passage if o.is_door else sight(o.placed.box) for o in openings]
-        before = [o.placed.beside(0.0, side * 0.5) for o in openings if o.is_door for side in (-1, 1)]
+        self._solid = walls + [part for opening in openings for part in opening.object.parts]
+        self._clear = [o.passage if o.is_door else window_view_box(o.object.box) for o in openings]
+        before = [o.object.local_point(0.0, side * 0.5) for o in openings if o.is_door for side in (-1, 1)]
         self._grid = WalkingGrid(self.room, self._solid, before)
 
     @property
@@ -52,17 +58,17 @@ class RoomLayout:
         """Whether one gets from every door to every other; open leaves may block even an empty room."""
         return self._grid.stays_connected([])
 
-    def put(self, items: Sequence[PlacedFurniture], zones: Sequence[Box] = ()) -> bool:
+    def put(self, items: Sequence[PlacedModel], zones: Sequence[Box] = ()) -> bool:
         """Places things together if they fit; `zones` must be free and stay free of furniture."""
         boxes = [item.box for item in items]
-        solid, clear = stack(self._solid), stack(self._clear)
-        if any(overlaps(box, solid).any() for box in (*boxes, *zones)):
+        solid, clear = stack_boxes(self._solid), stack_boxes(self._clear)
+        if any(overlap_mask(box, solid).any() for box in (*boxes, *zones)):
             return False
-        if any(overlaps(box, clear).any() or not self._holds(box) for box in boxes):
+        if any(overlap_mask(box, clear).any() or not self._holds(box) for box in boxes):
             return False
         if not self._grid.stays_connected(boxes):
             return False
-        self._grid.block(boxes)
+        self._grid.remove_blocked(boxes)
         self._solid += boxes
         self._clear += zones
         self._flat += [_upright(box) for box in boxes if _is_flat(box)]
@@ -70,18 +76,18 @@ class RoomLayout:
         return True
 
     def _holds(self, box: Box) -> bool:
-        """Whether a box is inside the room, and, if it is a rug, on no other: both are too thin for `overlaps`."""
+        """Whether a box is inside the room, and, if it is a rug, on no other: both are too thin for `overlap_mask`."""
         x, _, z = box.mean(0)
         inside = any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.room.rects)
-        return inside and not (_is_flat(box) and overlaps(_upright(box), stack(self._flat)).any())
+        return inside and not (_is_flat(box) and overlap_mask(_upright(box), stack_boxes(self._flat)).any())
 
     def reserve(self, zone: Box) -> None:
         """Keeps a space free of what comes later."""
         self._clear.append(zone)
 
     def against_wall(
-        self, item: PlacedFurniture, front: float = 0.0, companions: Companions = _alone, y: float = FLOOR_TOP
-    ) -> PlacedFurniture | None:
+        self, item: PlacedModel, front: float = 0.0, companions: Companions = _alone, y: float = FLOOR_TOP
+    ) -> PlacedModel | None:
         """Backs an object against a wall at random, in a corner rather than elsewhere.
 
         Args:
@@ -99,35 +105,33 @@ class RoomLayout:
         return self._first([spot for _, spot in spots], front, companions)
 
     def _first(
-        self, spots: list[PlacedFurniture], front: float = 0.0, companions: Companions = _alone
-    ) -> PlacedFurniture | None:
+        self, spots: list[PlacedModel], front: float = 0.0, companions: Companions = _alone
+    ) -> PlacedModel | None:
         """The first spot where an object and its companions fit."""
         if not spots:
             return None
-        taken = np.concatenate([stack(self._solid), stack(self._clear)])
-        turned = {quarter: spots[0].at(0.0, 0.0, 0.0, quarter).box for quarter in range(4)}
+        taken = np.concatenate([stack_boxes(self._solid), stack_boxes(self._clear)])
+        turned = {quarter: spots[0].moved_to(0.0, 0.0, 0.0, quarter).box for quarter in range(4)}
         boxes = np.stack([turned[spot.quarter] + spot.position for spot in spots])
-        busy = overlaps(boxes[:, None], taken).any(-1)
+        busy = overlap_mask(boxes[:, None], taken).any(-1)
         candidates = (spots[i] for i in np.flatnonzero(~busy))
         return next((spot for spot in candidates if self.place(spot, front, companions)), None)
 
-    def backed(self, item: PlacedFurniture, wall: Wall, along: float, y: float = FLOOR_TOP) -> PlacedFurniture:
+    def backed(self, item: PlacedModel, wall: PlanWall, along: float, y: float = FLOOR_TOP) -> PlacedModel:
         """The object with its back to a wall, its middle at a coordinate along the wall."""
-        x, z = wall.point(along, HALF + GAP + float(item.size[2]) / 2)
-        return item.at(x, y, z, quarter_towards(*wall.normal))
+        x, z = wall.point(along, PRISM_THICKNESS + GAP + float(item.size[2]) / 2)
+        return item.moved_to(x, y, z, quarter_towards(*wall.normal))
 
-    def place(
-        self, item: PlacedFurniture, front: float = 0.0, companions: Companions = _alone
-    ) -> PlacedFurniture | None:
+    def place(self, item: PlacedModel, front: float = 0.0, companions: Companions = _alone) -> PlacedModel | None:
         """Places an object where it is, with its companions and a free zone in front of it."""
         zones = [zone_before(item, front)] if front else []
         return item if self.put([item, *companions(item)], zones) else None
 
     def opposite(
-        self, anchor: PlacedFurniture, item: PlacedFurniture, front: float = 0.0, companions: Companions = _alone
-    ) -> PlacedFurniture | None:
+        self, anchor: PlacedModel, item: PlacedModel, front: float = 0.0, companions: Companions = _alone
+    ) -> PlacedModel | None:
         """Backs an object against a wall that the anchor faces, as nearly opposite as it fits."""
-        x, z = FACING[anchor.quarter]
+        x, z = FRONT_DIRECTIONS[anchor.quarter]
         middle = anchor.position[0 if x == 0 else 2]
         spots = [
             self.backed(item, wall, middle + shift)
@@ -137,10 +141,10 @@ class RoomLayout:
         ]
         return self._first(spots, front, companions)
 
-    def freely(self, item: PlacedFurniture, companions: Companions = _alone) -> PlacedFurniture | None:
+    def freely(self, item: PlacedModel, companions: Companions = _alone) -> PlacedModel | None:
         """Stands an object anywhere, square to the walls."""
         spots = [
-            item.at(float(x), FLOOR_TOP, float(z), quarter)
+            item.moved_to(float(x), FLOOR_TOP, float(z), quarter)
             for x in self._grid.x[3:-3:3]
             for z in self._grid.z[3:-3:3]
             for quarter in (0, 1)
@@ -148,23 +152,23 @@ class RoomLayout:
         order = self.rng.permutation(len(spots))
         return self._first([spots[i] for i in order], 0.0, companions)
 
-    def hang(self, item: PlacedFurniture, y: float) -> PlacedFurniture | None:
+    def hang(self, item: PlacedModel, y: float) -> PlacedModel | None:
         """Hangs an object on a wall with its bottom at height `y` [m]."""
         return self.against_wall(item, y=FLOOR_TOP + y)
 
-    def on_top(self, anchor: PlacedFurniture, item: PlacedFurniture) -> PlacedFurniture | None:
+    def on_top(self, anchor: PlacedModel, item: PlacedModel) -> PlacedModel | None:
         """Stands an object somewhere on another."""
         slack = np.maximum(anchor.size - item.size, 0.0)[[0, 2]] / 2 * 0.9
         for _ in range(8):
             right, front = self.rng.uniform(-slack, slack)
-            x, z = anchor.beside(right, front)
-            if placed := self.place(item.at(x, float(anchor.box[1, 1]), z, anchor.quarter)):
+            x, z = anchor.local_point(right, front)
+            if placed := self.place(item.moved_to(x, float(anchor.box[1, 1]), z, anchor.quarter)):
                 return placed
         return None
 
-    def under_ceiling(self, item: PlacedFurniture, x: float, z: float) -> PlacedFurniture | None:
+    def under_ceiling(self, item: PlacedModel, x: float, z: float) -> PlacedModel | None:
         """Hangs a lamp from the ceiling."""
-        return self.place(item.at(x, self.height - CEILING_LOW - float(item.size[1]), z))
+        return self.place(item.moved_to(x, self.height - CEILING_DROP - float(item.size[1]), z))
 
 
 def _is_flat(box: Box) -> bool:
@@ -178,14 +182,14 @@ def _upright(box: Box) -> Box:
 
 def _steps(span: tuple[float, float], width: float) -> Iterator[tuple[float, bool]]:
     """Where the middle of an object may be along a wall, every quarter metre, and whether that is in a corner."""
-    low, high = span[0] + HALF + GAP + width / 2, span[1] - HALF - GAP - width / 2
+    low, high = span[0] + PRISM_THICKNESS + GAP + width / 2, span[1] - PRISM_THICKNESS - GAP - width / 2
     if high >= low:
         count = int((high - low) / 0.25) + 2
         yield from ((float(along), i in (0, count - 1)) for i, along in enumerate(np.linspace(low, high, count)))
 
 
-def zone_before(item: PlacedFurniture, depth: float) -> Box:
+def zone_before(item: PlacedModel, depth: float) -> Box:
     """The floor in front of an object, as deep as said and as wide as the object [m]."""
-    x, z = item.beside(0.0, float(item.size[2]) / 2 + depth / 2)
+    x, z = item.local_point(0.0, float(item.size[2]) / 2 + depth / 2)
     half = np.array([item.size[0] / 2 - 0.02, depth / 2 - 0.02])[:: 1 if item.quarter % 2 == 0 else -1]
     return np.array([[x - half[0], FLOOR_TOP + 0.03, z - half[1]], [x + half[0], 1.2, z + half[1]]])

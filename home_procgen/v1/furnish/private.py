@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from functools import partial
 
-from home_procgen.floor_plan.placed import PlacedFurniture
+from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import FLOOR_TOP
 from home_procgen.v1.furnish.common import add, chance, fit
 from home_procgen.v1.furnish.layout import RoomLayout
@@ -28,16 +28,16 @@ def _bed(room: RoomLayout, family: str) -> None:
         if bed:
             for item in [item for item in room.items if item.model is stand.model]:
                 room.on_top(item, room.style.object("table_lamp"))
-            x, z = bed.beside(0.0, 0.55 * float(bed.size[2]))
-            room.place(room.style.object("rug").at(x, FLOOR_TOP, z, bed.quarter))
+            x, z = bed.local_point(0.0, 0.55 * float(bed.size[2]))
+            room.place(room.style.object("rug").moved_to(x, FLOOR_TOP, z, bed.quarter))
             return
 
 
-def _stands(bed: PlacedFurniture, stand: PlacedFurniture, sides: Sequence[int]) -> Iterator[PlacedFurniture]:
+def _stands(bed: PlacedModel, stand: PlacedModel, sides: Sequence[int]) -> Iterator[PlacedModel]:
     for side in sides:
         right = side * float(bed.size[0] / 2 + stand.size[0] / 2 + 0.04)
-        x, z = bed.beside(right, float(stand.size[2] - bed.size[2]) / 2)
-        yield stand.at(x, FLOOR_TOP, z, bed.quarter)
+        x, z = bed.local_point(right, float(stand.size[2] - bed.size[2]) / 2)
+        yield stand.moved_to(x, FLOOR_TOP, z, bed.quarter)
 
 
 def _desk(room: RoomLayout, probability: float = 1.0) -> None:
@@ -46,9 +46,9 @@ def _desk(room: RoomLayout, probability: float = 1.0) -> None:
         return
     chair = room.style.object("office_chair")
 
-    def companions(desk: PlacedFurniture) -> Iterator[PlacedFurniture]:
-        x, z = desk.beside(-0.1, float(desk.size[2] + chair.size[2]) / 2 + 0.04)
-        yield chair.at(x, FLOOR_TOP, z, desk.quarter + 2)
+    def companions(desk: PlacedModel) -> Iterator[PlacedModel]:
+        x, z = desk.local_point(-0.1, float(desk.size[2] + chair.size[2]) / 2 + 0.04)
+        yield chair.moved_to(x, FLOOR_TOP, z, desk.quarter + 2)
 
     if desk := fit(room, "desk", lambda item: room.against_wall(item, companions=companions)):
         for family in ("laptop", "table_lamp"):

@@ -25,8 +25,8 @@ def _basin(room: RoomLayout, family: str) -> None:
     basin = fit(room, family, lambda item: room.against_wall(item, 0.4))
     if basin:
         mirror = room.style.object("mirror")
-        x, z = basin.beside(0.0, float(mirror.size[2] - basin.size[2]) / 2)
-        room.place(mirror.at(x, 1.2, z, basin.quarter))
+        x, z = basin.local_point(0.0, float(mirror.size[2] - basin.size[2]) / 2)
+        room.place(mirror.moved_to(x, 1.2, z, basin.quarter))
 
 
 def hallway(room: RoomLayout) -> None:

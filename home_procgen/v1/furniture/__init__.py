@@ -3,16 +3,16 @@
 from collections.abc import Mapping, Sequence
 from functools import cache
 
-from home_procgen.primitives.family import Bulb, Family, Furniture, models_by_family, models_by_id
+from home_procgen.primitives.family import Bulb, FurnitureModel, VariantFamily, models_by_family, models_by_id
 from home_procgen.v1.furniture import bathroom, beds, kitchen, living, openings, seats, storage, tables
 
-__all__ = ["Bulb", "Family", "Furniture", "family_models", "library"]
+__all__ = ["Bulb", "FurnitureModel", "VariantFamily", "family_models", "library"]
 
 _MODULES = (beds, seats, tables, storage, kitchen, bathroom, living, openings)
 
 
 @cache
-def library() -> Mapping[str, Furniture]:
+def library() -> Mapping[str, FurnitureModel]:
     """Every model by id, in the order of the metadata rows.
 
     Example:
@@ -23,6 +23,6 @@ def library() -> Mapping[str, Furniture]:
 
 
 @cache
-def family_models() -> Mapping[str, Sequence[Furniture]]:
+def family_models() -> Mapping[str, Sequence[FurnitureModel]]:
     """The library models of every family."""
     return models_by_family(library().values())

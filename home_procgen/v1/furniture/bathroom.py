@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.family import Family, slots, variant
-from home_procgen.primitives.joinery import fronts
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
+from home_procgen.primitives.joinery import make_fronts
 from home_procgen.primitives.solids import Solid, box, cushion, cylinder, lathe, move, rotate
 from home_procgen.v1.furniture.kitchen import tap
 
@@ -33,7 +33,7 @@ def vanity(width: float, depth: float) -> Iterator[Solid]:
     """A basin on a cabinet."""
     yield box("black", (width - 0.08, 0.08, depth - 0.12), (0.0, 0.0, -0.04))
     yield box("wood", (width - 0.02, 0.62, depth - 0.04), (0.0, 0.08, -0.02))
-    yield from fronts("wood", "chrome", width - 0.02, 0.6, 0.09, depth / 2 - 0.02, 2)
+    yield from make_fronts("wood", "chrome", width - 0.02, 0.6, 0.09, depth / 2 - 0.02, 2)
     yield from basin(width, depth, 0.7)
 
 
@@ -94,40 +94,52 @@ def mirror(width: float, height: float) -> Iterator[Solid]:
         yield box("wood", (width - 2 * rim, rim, 0.024), (0.0, (height - rim) * (side + 1) / 2, 0.0))
 
 
-_FITTING = slots("ceramic", "chrome")
+_FITTING = make_slots("ceramic", "chrome")
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "toilet",
         "toilet",
         toilet,
-        slots("ceramic", "chrome"),
-        (variant(width=0.38, tank=0.36), variant(width=0.4, tank=0.42)),
+        make_slots("ceramic", "chrome"),
+        (make_variant(width=0.38, tank=0.36), make_variant(width=0.4, tank=0.42)),
     ),
-    Family(
-        "basin", "sink", pedestal_basin, _FITTING, (variant(width=0.56, depth=0.46), variant(width=0.46, depth=0.38))
+    VariantFamily(
+        "basin",
+        "sink",
+        pedestal_basin,
+        _FITTING,
+        (make_variant(width=0.56, depth=0.46), make_variant(width=0.46, depth=0.38)),
     ),
-    Family("vanity", "sink", vanity, slots("ceramic", "chrome", "wood", "black"), (variant(width=0.8, depth=0.48),)),
-    Family(
+    VariantFamily(
+        "vanity",
+        "sink",
+        vanity,
+        make_slots("ceramic", "chrome", "wood", "black"),
+        (make_variant(width=0.8, depth=0.48),),
+    ),
+    VariantFamily(
         "bathtub",
         "bathtub",
         bathtub,
         _FITTING,
-        (variant(width=1.7, depth=0.75, height=0.56), variant(width=1.5, depth=0.7, height=0.54)),
+        (make_variant(width=1.7, depth=0.75, height=0.56), make_variant(width=1.5, depth=0.7, height=0.54)),
     ),
-    Family("shower", "shower", shower, slots("ceramic", "chrome", "glass"), (variant(size=0.9, height=2.0),)),
-    Family(
+    VariantFamily(
+        "shower", "shower", shower, make_slots("ceramic", "chrome", "glass"), (make_variant(size=0.9, height=2.0),)
+    ),
+    VariantFamily(
         "washer",
         "washer",
         washer,
-        slots("ceramic", "chrome", "screen", "black"),
-        (variant(width=0.6, height=0.85, depth=0.56),),
+        make_slots("ceramic", "chrome", "screen", "black"),
+        (make_variant(width=0.6, height=0.85, depth=0.56),),
     ),
-    Family(
+    VariantFamily(
         "mirror",
         "mirror",
         mirror,
-        slots("wood", "mirror"),
-        (variant(width=0.6, height=0.8), variant(width=0.5, height=1.2)),
+        make_slots("wood", "mirror"),
+        (make_variant(width=0.6, height=0.8), make_variant(width=0.5, height=1.2)),
     ),
 )

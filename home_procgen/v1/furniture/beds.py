@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from home_procgen.primitives.family import Family, slots, variant
-from home_procgen.primitives.joinery import legs
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
+from home_procgen.primitives.joinery import make_legs
 from home_procgen.primitives.solids import Solid, box, cushion, rotate
 
 
@@ -18,7 +18,7 @@ def bed(width: float, length: float, headboard: float, pillows: int, soft: bool 
         soft: Upholstered headboard and frame on low feet instead of wood on legs.
     """
     foot = 0.06 if soft else 0.14
-    yield from legs("wood", width, length, foot, 0.07)
+    yield from make_legs("wood", width, length, foot, 0.07)
     if soft:
         yield cushion("upholstery", (width, 0.26, length), (0.0, foot, 0.0), 0.03)
         yield cushion("upholstery", (width, headboard - foot, 0.12), (0.0, foot, -length / 2 + 0.06), 0.04)
@@ -39,25 +39,25 @@ def bed(width: float, length: float, headboard: float, pillows: int, soft: bool 
 
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "double_bed",
         "double_bed",
         bed,
-        slots("wood", "textile", "linen", "upholstery"),
+        make_slots("wood", "textile", "linen", "upholstery"),
         (
-            variant(width=1.7, length=2.08, headboard=1.0, pillows=2),
-            variant(width=1.5, length=2.05, headboard=0.85, pillows=2),
-            variant(width=1.86, length=2.16, headboard=1.15, pillows=2, soft=True),
+            make_variant(width=1.7, length=2.08, headboard=1.0, pillows=2),
+            make_variant(width=1.5, length=2.05, headboard=0.85, pillows=2),
+            make_variant(width=1.86, length=2.16, headboard=1.15, pillows=2, soft=True),
         ),
     ),
-    Family(
+    VariantFamily(
         "single_bed",
         "single_bed",
         bed,
-        slots("wood", "textile", "linen", "upholstery"),
+        make_slots("wood", "textile", "linen", "upholstery"),
         (
-            variant(width=0.98, length=2.04, headboard=0.8, pillows=1),
-            variant(width=1.1, length=2.02, headboard=0.95, pillows=1, soft=True),
+            make_variant(width=0.98, length=2.04, headboard=0.8, pillows=1),
+            make_variant(width=1.1, length=2.02, headboard=0.95, pillows=1, soft=True),
         ),
     ),
 )

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.family import Family, slots, variant
-from home_procgen.primitives.joinery import BOARD, fronts
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
+from home_procgen.primitives.joinery import BOARD_THICKNESS, make_fronts
 from home_procgen.primitives.solids import Solid, box, cylinder, move, rotate
 
 DEPTH, WORKTOP = 0.6, 0.86  # [m]
@@ -19,8 +19,8 @@ def base_cabinet(width: float, columns: int, rows: int = 1) -> Iterator[Solid]:
 
 def _body(width: float, columns: int, rows: int) -> Iterator[Solid]:
     yield box("black", (width, 0.1, DEPTH - 0.1), (0.0, 0.0, -0.05))
-    yield box("color", (width, WORKTOP - 0.14, DEPTH - BOARD - 0.02), (0.0, 0.1, -BOARD / 2 - 0.01))
-    yield from fronts("color", "chrome", width, WORKTOP - 0.16, 0.11, DEPTH / 2 - 0.02, columns, rows, rows == 1)
+    yield box("color", (width, WORKTOP - 0.14, DEPTH - BOARD_THICKNESS - 0.02), (0.0, 0.1, -BOARD_THICKNESS / 2 - 0.01))
+    yield from make_fronts("color", "chrome", width, WORKTOP - 0.16, 0.11, DEPTH / 2 - 0.02, columns, rows, rows == 1)
 
 
 def sink_cabinet(width: float) -> Iterator[Solid]:
@@ -66,8 +66,8 @@ def refrigerator(width: float, height: float, split: float) -> Iterator[Solid]:
 def hanging_cabinet(width: float, height: float, columns: int) -> Iterator[Solid]:
     """A wall cabinet."""
     depth = 0.34
-    yield box("color", (width, height, depth - BOARD), (0.0, 0.0, -BOARD / 2))
-    yield from fronts("color", "chrome", width, height, 0.0, depth / 2, columns)
+    yield box("color", (width, height, depth - BOARD_THICKNESS), (0.0, 0.0, -BOARD_THICKNESS / 2))
+    yield from make_fronts("color", "chrome", width, height, 0.0, depth / 2, columns)
 
 
 def range_hood(width: float) -> Iterator[Solid]:
@@ -85,33 +85,37 @@ def microwave(width: float) -> Iterator[Solid]:
     yield box("chrome", (0.02, 0.18, 0.03), (width / 2 - 0.1, 0.055, 0.17))
 
 
-_UNIT = slots("color", "chrome", "black", "stone")
-_METAL = slots("steel", "chrome", "black", "screen")
+_UNIT = make_slots("color", "chrome", "black", "stone")
+_METAL = make_slots("steel", "chrome", "black", "screen")
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "kitchen_cabinet",
         "kitchen_cabinet",
         base_cabinet,
         _UNIT,
-        (variant(width=0.6, columns=1), variant(width=0.8, columns=2), variant(width=0.6, columns=1, rows=3)),
+        (
+            make_variant(width=0.6, columns=1),
+            make_variant(width=0.8, columns=2),
+            make_variant(width=0.6, columns=1, rows=3),
+        ),
     ),
-    Family("kitchen_sink", "sink", sink_cabinet, _UNIT, (variant(width=0.8),)),
-    Family("cooker", "range_oven", cooker, _METAL, (variant(width=0.6, burners=4),)),
-    Family(
+    VariantFamily("kitchen_sink", "sink", sink_cabinet, _UNIT, (make_variant(width=0.8),)),
+    VariantFamily("cooker", "range_oven", cooker, _METAL, (make_variant(width=0.6, burners=4),)),
+    VariantFamily(
         "refrigerator",
         "refrigerator",
         refrigerator,
-        slots("steel", "chrome", "black"),
-        (variant(width=0.6, height=1.85, split=0.72), variant(width=0.68, height=1.72, split=1.15)),
+        make_slots("steel", "chrome", "black"),
+        (make_variant(width=0.6, height=1.85, split=0.72), make_variant(width=0.68, height=1.72, split=1.15)),
     ),
-    Family(
+    VariantFamily(
         "hanging_cabinet",
         "hanging_kitchen_cabinet",
         hanging_cabinet,
-        slots("color", "chrome"),
-        (variant(width=0.6, height=0.66, columns=1), variant(width=0.8, height=0.66, columns=2)),
+        make_slots("color", "chrome"),
+        (make_variant(width=0.6, height=0.66, columns=1), make_variant(width=0.8, height=0.66, columns=2)),
     ),
-    Family("range_hood", "range_hood", range_hood, slots("steel"), (variant(width=0.6),)),
-    Family("microwave", "microwave", microwave, _METAL, (variant(width=0.48),)),
+    VariantFamily("range_hood", "range_hood", range_hood, make_slots("steel"), (make_variant(width=0.6),)),
+    VariantFamily("microwave", "microwave", microwave, _METAL, (make_variant(width=0.48),)),
 )

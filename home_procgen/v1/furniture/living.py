@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.family import Bulb, Family, slots, variant
+from home_procgen.primitives.family import Bulb, VariantFamily, make_slots, make_variant
 from home_procgen.primitives.solids import Solid, box, cushion, cylinder, lathe, move, picture_uv, rotate
 
 
@@ -135,47 +135,73 @@ def trash_can(radius: float, height: float) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family("television", "television", television, slots("black", "screen"), (variant(width=0.95), variant(width=1.2))),
-    Family("radio", "loudspeaker", radio, slots("wood", "chrome", "black"), (variant(width=0.32), variant(width=0.4))),
-    Family("speaker", "loudspeaker", speaker, slots("wood", "black"), (variant(width=0.24, height=0.9, depth=0.28),)),
-    Family("laptop", "laptop", laptop, slots("steel", "black", "screen"), (variant(width=0.34),)),
-    Family(
+    VariantFamily(
+        "television",
+        "television",
+        television,
+        make_slots("black", "screen"),
+        (make_variant(width=0.95), make_variant(width=1.2)),
+    ),
+    VariantFamily(
+        "radio",
+        "loudspeaker",
+        radio,
+        make_slots("wood", "chrome", "black"),
+        (make_variant(width=0.32), make_variant(width=0.4)),
+    ),
+    VariantFamily(
+        "speaker",
+        "loudspeaker",
+        speaker,
+        make_slots("wood", "black"),
+        (make_variant(width=0.24, height=0.9, depth=0.28),),
+    ),
+    VariantFamily("laptop", "laptop", laptop, make_slots("steel", "black", "screen"), (make_variant(width=0.34),)),
+    VariantFamily(
         "floor_lamp",
         "floor_lamp",
         floor_lamp,
-        slots("chrome", "shade", "bulb"),
-        (variant(height=1.6, shade=0.22), variant(height=1.45, shade=0.18)),
+        make_slots("chrome", "shade", "bulb"),
+        (make_variant(height=1.6, shade=0.22), make_variant(height=1.45, shade=0.18)),
     ),
-    Family(
+    VariantFamily(
         "table_lamp",
         "table_lamp",
         table_lamp,
-        slots("ceramic", "chrome", "shade", "bulb"),
-        (variant(height=0.45, base=0.08), variant(height=0.36, base=0.065)),
+        make_slots("ceramic", "chrome", "shade", "bulb"),
+        (make_variant(height=0.45, base=0.08), make_variant(height=0.36, base=0.065)),
     ),
-    Family("pendant", "chandelier", pendant, slots("chrome", "shade", "bulb"), (variant(drop=0.6, radius=0.22),)),
-    Family(
+    VariantFamily(
+        "pendant", "chandelier", pendant, make_slots("chrome", "shade", "bulb"), (make_variant(drop=0.6, radius=0.22),)
+    ),
+    VariantFamily(
         "ceiling_lamp",
         "chandelier",
         ceiling_lamp,
-        slots("chrome", "shade"),
-        (variant(radius=0.2), variant(radius=0.16)),
+        make_slots("chrome", "shade"),
+        (make_variant(radius=0.2), make_variant(radius=0.16)),
     ),
-    Family(
+    VariantFamily(
         "rug",
         "rug",
         rug,
-        slots("carpet", "carpet_1"),
-        (variant(width=2.0, depth=1.4), variant(width=2.4, depth=1.7), variant(width=0.9, depth=0.6)),
+        make_slots("carpet", "carpet_1"),
+        (make_variant(width=2.0, depth=1.4), make_variant(width=2.4, depth=1.7), make_variant(width=0.9, depth=0.6)),
     ),
-    Family("round_rug", "rug", round_rug, slots("carpet", "carpet_1"), (variant(radius=0.8),)),
-    Family(
+    VariantFamily("round_rug", "rug", round_rug, make_slots("carpet", "carpet_1"), (make_variant(radius=0.8),)),
+    VariantFamily(
         "picture",
         "picture_frame",
         picture,
-        slots("wood", "picture"),
-        (variant(width=0.8, height=0.6), variant(width=0.5, height=0.7), variant(width=0.45, height=0.45)),
+        make_slots("wood", "picture"),
+        (
+            make_variant(width=0.8, height=0.6),
+            make_variant(width=0.5, height=0.7),
+            make_variant(width=0.45, height=0.45),
+        ),
     ),
-    Family("vase", "vase", vase, slots("ceramic"), (variant(height=0.32), variant(height=0.22))),
-    Family("trash_can", "trash_can", trash_can, slots("plastic", "black"), (variant(radius=0.14, height=0.4),)),
+    VariantFamily("vase", "vase", vase, make_slots("ceramic"), (make_variant(height=0.32), make_variant(height=0.22))),
+    VariantFamily(
+        "trash_can", "trash_can", trash_can, make_slots("plastic", "black"), (make_variant(radius=0.14, height=0.4),)
+    ),
 )

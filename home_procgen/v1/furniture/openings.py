@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.family import Family, slots, variant
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
 from home_procgen.primitives.solids import Solid, box, cushion, move, rotate
 
 JAMB = 0.05  # [m], width of a door's frame posts
@@ -76,29 +76,29 @@ def window(width: float, height: float, sashes: int) -> Iterator[Solid]:
 
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "door",
         "door",
         door,
-        slots("wood", "wood_1", "chrome", "glass"),
+        make_slots("wood", "wood_1", "chrome", "glass"),
         (
-            variant(width=0.9, height=2.1, angle=np.pi / 2, panels=2),
-            variant(width=0.9, height=2.12, angle=np.pi / 2),
-            variant(width=0.86, height=2.08, angle=np.pi / 2, glazed=True),
+            make_variant(width=0.9, height=2.1, angle=np.pi / 2, panels=2),
+            make_variant(width=0.9, height=2.12, angle=np.pi / 2),
+            make_variant(width=0.86, height=2.08, angle=np.pi / 2, glazed=True),
         ),
-        closed=variant(angle=0.0),
+        closed=make_variant(angle=0.0),
         centred=False,
     ),
-    Family(
+    VariantFamily(
         "window",
         "window",
         window,
         {"color": "color", "color_1": "glass"},
         (
-            variant(width=0.7, height=0.8, sashes=1),
-            variant(width=1.0, height=1.4, sashes=1),
-            variant(width=1.4, height=1.4, sashes=2),
-            variant(width=2.0, height=1.4, sashes=3),
+            make_variant(width=0.7, height=0.8, sashes=1),
+            make_variant(width=1.0, height=1.4, sashes=1),
+            make_variant(width=1.4, height=1.4, sashes=2),
+            make_variant(width=2.0, height=1.4, sashes=3),
         ),
         centred=False,
     ),

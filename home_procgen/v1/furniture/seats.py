@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from home_procgen.primitives.family import Family, slots, variant
-from home_procgen.primitives.joinery import legs
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
+from home_procgen.primitives.joinery import make_legs
 from home_procgen.primitives.solids import Solid, box, cushion, cylinder, rotate
 
 
@@ -23,7 +23,7 @@ def sofa(
         chaise: How far the last seat reaches further forward [m].
     """
     foot, back = 0.08, 0.22
-    yield from legs("wood", width - 0.06, depth - 0.06, foot, 0.06)
+    yield from make_legs("wood", width - 0.06, depth - 0.06, foot, 0.06)
     yield cushion("upholstery", (width, 0.24, depth), (0.0, foot, 0.0), 0.03)
     yield cushion("upholstery", (width, height - foot - 0.06, back), (0.0, foot, (back - depth) / 2), 0.05)
     for side in (-1, 1):
@@ -46,7 +46,7 @@ def sofa(
 def chair(width: float, depth: float, height: float, slats: int = 0, turned: bool = False) -> Iterator[Solid]:
     """A dining chair; its back has slats, or a padded panel if there are none."""
     seat, leg = 0.45, 0.04
-    yield from legs("wood", width, depth, seat - 0.03, leg, turned)
+    yield from make_legs("wood", width, depth, seat - 0.03, leg, turned)
     yield box("wood", (width, 0.03, depth), (0.0, seat - 0.05, 0.0))
     yield cushion("upholstery", (width - 0.03, 0.05, depth - 0.04), (0.0, seat - 0.02, 0.01), 0.018)
     hinge = (0.0, seat, leg / 2 - depth / 2)
@@ -83,59 +83,65 @@ def office_chair(width: float, height: float) -> Iterator[Solid]:
 
 def ottoman(width: float, height: float, depth: float) -> Iterator[Solid]:
     """A padded footstool."""
-    yield from legs("wood", width - 0.08, depth - 0.08, 0.1, 0.05, turned=True)
+    yield from make_legs("wood", width - 0.08, depth - 0.08, 0.1, 0.05, turned=True)
     yield cushion("upholstery", (width, height - 0.1, depth), (0.0, 0.1, 0.0), 0.05)
 
 
 def bench(width: float, depth: float) -> Iterator[Solid]:
     """A low bench with a padded seat, as at an entrance or a bed's foot."""
-    yield from legs("wood", width, depth, 0.38, 0.05)
+    yield from make_legs("wood", width, depth, 0.38, 0.05)
     yield box("wood", (width, 0.04, depth), (0.0, 0.36, 0.0))
     yield cushion("upholstery", (width - 0.02, 0.06, depth - 0.02), (0.0, 0.4, 0.0), 0.025)
 
 
-_PADDED = slots("wood", "upholstery")
+_PADDED = make_slots("wood", "upholstery")
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "sofa",
         "sofa",
         sofa,
-        slots("wood", "upholstery", "upholstery_1"),
+        make_slots("wood", "upholstery", "upholstery_1"),
         (
-            variant(width=1.7, depth=0.9, height=0.85, seats=2),
-            variant(width=2.2, depth=0.95, height=0.85, seats=3),
-            variant(width=2.5, depth=0.95, height=0.8, seats=3, arm=0.16, chaise=0.65),
+            make_variant(width=1.7, depth=0.9, height=0.85, seats=2),
+            make_variant(width=2.2, depth=0.95, height=0.85, seats=3),
+            make_variant(width=2.5, depth=0.95, height=0.8, seats=3, arm=0.16, chaise=0.65),
         ),
     ),
-    Family(
+    VariantFamily(
         "armchair",
         "armchair",
         sofa,
-        slots("wood", "upholstery", "upholstery_1"),
+        make_slots("wood", "upholstery", "upholstery_1"),
         (
-            variant(width=0.9, depth=0.88, height=0.86, seats=1, arm=0.15),
-            variant(width=0.78, depth=0.8, height=0.95, seats=1, arm=0.1),
+            make_variant(width=0.9, depth=0.88, height=0.86, seats=1, arm=0.15),
+            make_variant(width=0.78, depth=0.8, height=0.95, seats=1, arm=0.1),
         ),
     ),
-    Family(
+    VariantFamily(
         "chair",
         "chair",
         chair,
         _PADDED,
         (
-            variant(width=0.44, depth=0.46, height=0.88, slats=3),
-            variant(width=0.46, depth=0.48, height=0.95),
-            variant(width=0.42, depth=0.44, height=0.84, slats=1, turned=True),
+            make_variant(width=0.44, depth=0.46, height=0.88, slats=3),
+            make_variant(width=0.46, depth=0.48, height=0.95),
+            make_variant(width=0.42, depth=0.44, height=0.84, slats=1, turned=True),
         ),
     ),
-    Family(
+    VariantFamily(
         "office_chair",
         "office_chair",
         office_chair,
-        slots("black", "chrome", "upholstery"),
-        (variant(width=0.5, height=1.06), variant(width=0.48, height=0.94)),
+        make_slots("black", "chrome", "upholstery"),
+        (make_variant(width=0.5, height=1.06), make_variant(width=0.48, height=0.94)),
     ),
-    Family("ottoman", "ottoman", ottoman, _PADDED, (variant(width=0.66, height=0.42, depth=0.5),)),
-    Family("bench", "bench_chair", bench, _PADDED, (variant(width=1.1, depth=0.36), variant(width=1.4, depth=0.4))),
+    VariantFamily("ottoman", "ottoman", ottoman, _PADDED, (make_variant(width=0.66, height=0.42, depth=0.5),)),
+    VariantFamily(
+        "bench",
+        "bench_chair",
+        bench,
+        _PADDED,
+        (make_variant(width=1.1, depth=0.36), make_variant(width=1.4, depth=0.4)),
+    ),
 )

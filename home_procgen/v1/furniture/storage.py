@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
-from home_procgen.primitives.family import Family, slots, variant
-from home_procgen.primitives.joinery import BOARD, case, fronts, legs
+from home_procgen.primitives.family import VariantFamily, make_slots, make_variant
+from home_procgen.primitives.joinery import BOARD_THICKNESS, make_case, make_fronts, make_legs
 from home_procgen.primitives.solids import Solid, box
 
 
@@ -12,12 +12,16 @@ def cabinet(
 ) -> Iterator[Solid]:
     """A closed body on a plinth (or on legs if `foot` >= 0.1 m) with doors or drawers and a top board."""
     if foot >= 0.1:
-        yield from legs("wood", width - 0.04, depth - 0.04, foot, 0.04, turned=True)
+        yield from make_legs("wood", width - 0.04, depth - 0.04, foot, 0.04, turned=True)
     else:
         yield box("wood", (width - 0.06, foot, depth - 0.08), (0.0, 0.0, -0.02))
-    yield box("wood", (width, height - foot - BOARD, depth - BOARD), (0.0, foot, -BOARD / 2))
-    yield box("wood", (width, BOARD, depth), (0.0, height - BOARD, 0.0))
-    yield from fronts("wood_1", "chrome", width, height - foot - BOARD, foot, depth / 2, columns, rows, upright)
+    yield box(
+        "wood", (width, height - foot - BOARD_THICKNESS, depth - BOARD_THICKNESS), (0.0, foot, -BOARD_THICKNESS / 2)
+    )
+    yield box("wood", (width, BOARD_THICKNESS, depth), (0.0, height - BOARD_THICKNESS, 0.0))
+    yield from make_fronts(
+        "wood_1", "chrome", width, height - foot - BOARD_THICKNESS, foot, depth / 2, columns, rows, upright
+    )
 
 
 def wardrobe(width: float, height: float, depth: float, doors: int, mirrored: bool = False) -> Iterator[Solid]:
@@ -32,16 +36,16 @@ def bookcase(
     width: float, height: float, depth: float, shelves: int, columns: int = 1, filled: int = 3
 ) -> Iterator[Solid]:
     """An open case with rows of books; `filled` is how many of four places per shelf hold some."""
-    yield from case("wood", width, height, depth, shelves, columns)
-    pitch = (height - 0.04 - BOARD) / (shelves + 1)
-    wide = (width - BOARD * (columns + 1)) / columns
+    yield from make_case("wood", width, height, depth, shelves, columns)
+    pitch = (height - 0.04 - BOARD_THICKNESS) / (shelves + 1)
+    wide = (width - BOARD_THICKNESS * (columns + 1)) / columns
     for level in range(shelves + 1):
         for column in range(columns):
             if (3 * level + column) % 4 >= filled:
                 continue
-            left = -width / 2 + BOARD + column * (wide + BOARD)
-            base = 0.04 + BOARD + level * pitch
-            yield from _books(left, base, wide, pitch - BOARD, depth, level + 2 * column)
+            left = -width / 2 + BOARD_THICKNESS + column * (wide + BOARD_THICKNESS)
+            base = 0.04 + BOARD_THICKNESS + level * pitch
+            yield from _books(left, base, wide, pitch - BOARD_THICKNESS, depth, level + 2 * column)
 
 
 def _books(left: float, base: float, wide: float, high: float, depth: float, shift: int) -> Iterator[Solid]:
@@ -54,10 +58,10 @@ def _books(left: float, base: float, wide: float, high: float, depth: float, shi
 
 def rack(width: float, height: float, depth: float, shelves: int) -> Iterator[Solid]:
     """Open shelves between four posts."""
-    yield from legs("chrome", width, depth, height, 0.03)
+    yield from make_legs("chrome", width, depth, height, 0.03)
     for level in range(shelves):
-        y = 0.08 + level * (height - 0.08 - BOARD) / (shelves - 1)
-        yield box("wood", (width - 0.01, BOARD, depth - 0.01), (0.0, y, 0.0))
+        y = 0.08 + level * (height - 0.08 - BOARD_THICKNESS) / (shelves - 1)
+        yield box("wood", (width - 0.01, BOARD_THICKNESS, depth - 0.01), (0.0, y, 0.0))
 
 
 def coat_stand(height: float, arms: int) -> Iterator[Solid]:
@@ -70,78 +74,78 @@ def coat_stand(height: float, arms: int) -> Iterator[Solid]:
         yield box("wood", (0.34, 0.03, 0.025) if i % 2 else (0.025, 0.03, 0.34), (0.0, y, 0.0))
 
 
-_BODY = slots("wood", "wood_1", "chrome")
+_BODY = make_slots("wood", "wood_1", "chrome")
 
 FAMILIES = (
-    Family(
+    VariantFamily(
         "wardrobe",
         "wardrobe_cabinet",
         wardrobe,
-        slots("wood", "wood_1", "chrome", "mirror"),
+        make_slots("wood", "wood_1", "chrome", "mirror"),
         (
-            variant(width=0.9, height=2.05, depth=0.58, doors=2),
-            variant(width=1.2, height=2.2, depth=0.6, doors=3, mirrored=True),
-            variant(width=1.6, height=2.1, depth=0.6, doors=4),
+            make_variant(width=0.9, height=2.05, depth=0.58, doors=2),
+            make_variant(width=1.2, height=2.2, depth=0.6, doors=3, mirrored=True),
+            make_variant(width=1.6, height=2.1, depth=0.6, doors=4),
         ),
     ),
-    Family(
+    VariantFamily(
         "nightstand",
         "stand",
         cabinet,
         _BODY,
         (
-            variant(width=0.45, height=0.5, depth=0.4, columns=1, rows=2),
-            variant(width=0.5, height=0.55, depth=0.42, columns=1, rows=3),
-            variant(width=0.42, height=0.52, depth=0.38, columns=1, rows=1, foot=0.2),
+            make_variant(width=0.45, height=0.5, depth=0.4, columns=1, rows=2),
+            make_variant(width=0.5, height=0.55, depth=0.42, columns=1, rows=3),
+            make_variant(width=0.42, height=0.52, depth=0.38, columns=1, rows=1, foot=0.2),
         ),
     ),
-    Family(
+    VariantFamily(
         "dresser",
         "dresser",
         cabinet,
         _BODY,
         (
-            variant(width=1.2, height=0.85, depth=0.48, columns=2, rows=3),
-            variant(width=0.9, height=1.0, depth=0.46, columns=1, rows=4, foot=0.12),
+            make_variant(width=1.2, height=0.85, depth=0.48, columns=2, rows=3),
+            make_variant(width=0.9, height=1.0, depth=0.46, columns=1, rows=4, foot=0.12),
         ),
     ),
-    Family(
+    VariantFamily(
         "tv_stand",
         "tv_stand",
         cabinet,
         _BODY,
         (
-            variant(width=1.5, height=0.5, depth=0.42, columns=3, rows=1, upright=True),
-            variant(width=1.8, height=0.45, depth=0.45, columns=2, rows=2, foot=0.12),
+            make_variant(width=1.5, height=0.5, depth=0.42, columns=3, rows=1, upright=True),
+            make_variant(width=1.8, height=0.45, depth=0.45, columns=2, rows=2, foot=0.12),
         ),
     ),
-    Family(
+    VariantFamily(
         "shoes_cabinet",
         "shoes_cabinet",
         cabinet,
         _BODY,
-        (variant(width=0.8, height=0.95, depth=0.32, columns=1, rows=3),),
+        (make_variant(width=0.8, height=0.95, depth=0.32, columns=1, rows=3),),
     ),
-    Family(
+    VariantFamily(
         "bookshelf",
         "bookshelf",
         bookcase,
-        slots("wood", "book_1", "book_2", "book_3"),
+        make_slots("wood", "book_1", "book_2", "book_3"),
         (
-            variant(width=0.8, height=1.95, depth=0.3, shelves=4),
-            variant(width=1.2, height=1.3, depth=0.34, shelves=2, columns=2),
-            variant(width=1.6, height=2.1, depth=0.34, shelves=4, columns=3),
+            make_variant(width=0.8, height=1.95, depth=0.3, shelves=4),
+            make_variant(width=1.2, height=1.3, depth=0.34, shelves=2, columns=2),
+            make_variant(width=1.6, height=2.1, depth=0.34, shelves=4, columns=3),
         ),
     ),
-    Family(
+    VariantFamily(
         "shelving",
         "shelving",
         rack,
-        slots("wood", "chrome"),
+        make_slots("wood", "chrome"),
         (
-            variant(width=0.9, height=1.7, depth=0.36, shelves=5),
-            variant(width=0.6, height=1.2, depth=0.34, shelves=4),
+            make_variant(width=0.9, height=1.7, depth=0.36, shelves=5),
+            make_variant(width=0.6, height=1.2, depth=0.34, shelves=4),
         ),
     ),
-    Family("coat_stand", "hanger", coat_stand, slots("wood"), (variant(height=1.72, arms=4),)),
+    VariantFamily("coat_stand", "hanger", coat_stand, make_slots("wood"), (make_variant(height=1.72, arms=4),)),
 )

@@ -17,9 +17,10 @@ from PIL import Image
 from processes import processes_of, wait_for
 
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.datasets.seeds import MAX_LOOKUP_SEED, house_id, sort_house_ids
+from home_mjx.datasets.seeds import GENERATED_MARKER, MAX_LOOKUP_SEED, house_id, sort_house_ids
 from home_mjx.datasets.suncg.write import house as writer
 from home_mjx.errors import ConfigError, DatasetError
+from home_procgen import dataset_writer
 from home_procgen.v1 import dataset
 from home_procgen.v1.dataset import generate_dataset
 from home_procgen.v1.furniture import library
@@ -248,7 +249,7 @@ def test_same_seed_same_bytes_in_any_order_and_subset(root, tmp_path):
 
 
 def test_worker_processes_write_the_same_bytes(root, tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset, "POOL_FROM", 2)
+    monkeypatch.setattr(dataset_writer, "MIN_POOL_HOUSES", 2)
     ids = generate_dataset(tmp_path / "pool", SEEDS)
     assert ids == tuple(house_id(seed) for seed in SEEDS)
     assert digests(tmp_path / "pool") == digests(root)
@@ -289,12 +290,12 @@ def test_a_crash_can_be_resumed(root, tmp_path, monkeypatch):
 @pytest.mark.parametrize("seed", [-1, 2**63, 1.5, "1", True, None])
 def test_bad_seed(tmp_path, seed):
     with pytest.raises(ConfigError, match="seed must be an integer"):
-        dataset._checked(seed)
+        dataset_writer._check_seed(seed)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_numpy_seeds_are_seeds():
-    assert dataset._checked(np.int64(5)) == 5
+    assert dataset_writer._check_seed(np.int64(5)) == 5
 
 
 def test_root_with_something_else_in_it(tmp_path):
@@ -305,24 +306,22 @@ def test_root_with_something_else_in_it(tmp_path):
 
 
 def test_root_of_another_version(tmp_path):
-    (tmp_path / dataset.GENERATED_MARKER).write_text('{"generator": "home_mjx", "version": 0}')
+    (tmp_path / GENERATED_MARKER).write_text('{"generator": "home_mjx", "version": 0}')
     with pytest.raises(DatasetError, match="'version': 0"):
         generate_dataset(tmp_path, [0])
 
 
 @pytest.mark.parametrize("broken", ["", "[", "null"])
 def test_broken_marker(tmp_path, broken):
-    (tmp_path / dataset.GENERATED_MARKER).write_text(broken)
+    (tmp_path / GENERATED_MARKER).write_text(broken)
     with pytest.raises(DatasetError):
         generate_dataset(tmp_path, [0])
 
 
 def test_two_processes_may_mark_the_same_new_folder(tmp_path):
-    (tmp_path / f".{dataset.GENERATED_MARKER}.1").write_text(
-        ""
-    )  # the other one is between writing its marker and renaming it
-    dataset._claim(tmp_path)
-    assert json.loads((tmp_path / dataset.GENERATED_MARKER).read_text())["generator"] == "home_mjx"
+    (tmp_path / f".{GENERATED_MARKER}.1").write_text("")  # the other one is between writing its marker and renaming it
+    dataset_writer._claim_root(tmp_path, 1)
+    assert json.loads((tmp_path / GENERATED_MARKER).read_text())["generator"] == "home_mjx"
 
 
 CUT = (
@@ -359,7 +358,7 @@ def test_a_house_of_a_former_version_is_kept(root, copied):
 
 
 def test_what_killed_writers_left_is_swept(copied):
-    leftovers = [copied / f"{writer.PARTIAL_PREFIX}old", copied / f".{dataset.GENERATED_MARKER}.77"]
+    leftovers = [copied / f"{writer.PARTIAL_PREFIX}old", copied / f".{GENERATED_MARKER}.77"]
     leftovers[0].mkdir()
     leftovers[1].write_text("{")
     young = copied / f"{writer.PARTIAL_PREFIX}young"
@@ -373,22 +372,22 @@ def test_what_killed_writers_left_is_swept(copied):
 def test_a_broken_marker_in_the_cache_says_what_to_remove(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     (tmp_path / "generated-v1").mkdir()
-    (tmp_path / "generated-v1" / dataset.GENERATED_MARKER).write_text('{"gener')
+    (tmp_path / "generated-v1" / GENERATED_MARKER).write_text('{"gener')
     with pytest.raises(DatasetError, match=r"broken generated.json.*Remove that folder: it is made again"):
-        dataset._claim(tmp_path / "generated-v1")
+        dataset_writer._claim_root(tmp_path / "generated-v1", 1)
 
 
 def test_a_folder_of_the_cache_without_its_marker_may_be_removed(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     (tmp_path / "generated-v1" / "house").mkdir(parents=True)
     with pytest.raises(DatasetError, match=r"generated-v1.*Remove that folder: it is made again"):
-        dataset._claim(tmp_path / "generated-v1")
+        dataset_writer._claim_root(tmp_path / "generated-v1", 1)
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which nobody can make another")
 def test_a_folder_that_cannot_be_made_is_told_of():
     with pytest.raises(DatasetError, match=r"cannot be used.*Choose another folder"):
-        dataset._claim(Path("/proc/nowhere/houses"))
+        dataset_writer._claim_root(Path("/proc/nowhere/houses"), 1)
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for orphans in /proc")

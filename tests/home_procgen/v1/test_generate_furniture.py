@@ -7,10 +7,10 @@ import trimesh
 from home_mjx.geometry.wall_prisms import extrude_grid
 from home_mjx.schema.categories import COARSE, FINE, NYU40, texture_family
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
+from home_procgen.primitives.categories import CATEGORIES
 from home_procgen.primitives.palette import FINISHES
 from home_procgen.primitives.solids import box, cushion, cylinder, lathe, project_uv, rotate
-from home_procgen.primitives.textures import RECIPES, texture
-from home_procgen.v1.categories import CATEGORIES
+from home_procgen.primitives.textures import BASE_RECIPES, base_texture
 from home_procgen.v1.furniture import family_models, library
 
 # Medians of SUNCG per fine class (width, height, depth in m), from the format's reference.
@@ -178,8 +178,8 @@ def test_a_panel_with_holes_is_watertight_and_has_their_number_of_handles(rng):
 
 
 def test_textures_are_of_known_families_and_seamless():
-    for name in RECIPES:
-        image = texture(name).astype(float)
+    for name in BASE_RECIPES:
+        image = base_texture(name).astype(float)
         assert image.shape == (128, 128, 3)
         if texture_family(name) == "picture":
             continue

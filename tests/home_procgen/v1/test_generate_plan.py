@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import connected_components
 
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
 from home_mjx.schema.categories import ROOM_TYPES
-from home_procgen.floor_plan.openings import draw_plan
-from home_procgen.floor_plan.rooms import Rect, RoomPlan, Wall, outer_spans, outline, shared_span
+from home_procgen.floor_plan.rooms import PlanWall, Rect, RoomPlan, outer_spans, outline, shared_span
+from home_procgen.v1.openings import draw_plan
 from home_procgen.v1.plan import WANTS
 
 PLANS = 50
@@ -77,7 +77,7 @@ def test_every_room_can_be_reached_and_one_door_leads_out(plans):
         assert connected_components(graph, directed=False)[0] == 1
         outer = [door for door in doors if len(door.rooms) == 1]
         assert len(outer) == 1
-        assert outer[0].placed.closed
+        assert outer[0].object.closed
         assert len(doors) >= len(plan.rooms)
 
 
@@ -87,7 +87,7 @@ def test_openings_lie_between_the_rooms_that_they_name(plans):
         for opening in plan.openings:
             found = set()
             for side in (-0.5, 0.5):
-                point = np.array(opening.placed.beside(0.0, side))
+                point = np.array(opening.object.local_point(0.0, side))
                 found |= {i for i, room in enumerate(plan.rooms) if is_inside_polygon(room.polygon, point)}
             assert found == set(opening.rooms)
 
@@ -98,8 +98,8 @@ def test_door_leaves_keep_clear_of_other_passages(plans):
         for door in doors:
             for other in doors:
                 if door is not other:
-                    low = np.maximum(door.placed.box[0], other.passage[0])
-                    high = np.minimum(door.placed.box[1], other.passage[1])
+                    low = np.maximum(door.object.box[0], other.passage[0])
+                    high = np.minimum(door.object.box[1], other.passage[1])
                     assert (high - low).min() <= 0.02
 
 
@@ -153,18 +153,18 @@ def test_holes_are_the_openings_boxes_less_two_centimetres(houses):
     for seed, house in zip(HOUSES, houses, strict=True):
         walls = trimesh.util.concatenate([as_trimesh(room.walls) for room in house.levels[0].rooms])
         for opening in designed(seed).plan.openings:
-            low, high = opening.placed.box
-            along, across = (0, 2) if opening.placed.quarter % 2 == 0 else (2, 0)
+            low, high = opening.object.box
+            along, across = (0, 2) if opening.object.quarter % 2 == 0 else (2, 0)
             for inset, passes in ((0.03, True), (0.01, False)):
                 ends = [(low[along] + inset, (low[1] + high[1]) / 2), (high[along] - inset, (low[1] + high[1]) / 2)]
                 ends += [((low[along] + high[along]) / 2, y) for y in (low[1] + inset, high[1] - inset)]
                 origin = np.zeros((4, 3))
                 origin[:, along], origin[:, 1] = np.array(ends).T
-                origin[:, across] = opening.placed.position[across] - 0.3
+                origin[:, across] = opening.object.position[across] - 0.3
                 direction = np.zeros((4, 3))
                 direction[:, across] = 1.0
                 hits, rays = walls.ray.intersects_location(origin, direction)[:2]
-                near = np.abs(hits[:, across] - opening.placed.position[across]) < 0.1
+                near = np.abs(hits[:, across] - opening.object.position[across]) < 0.1
                 assert set(rays[near]) == (set() if passes else {0, 1, 2, 3})
 
 
@@ -191,4 +191,4 @@ def test_spans_of_walls():
     bottom = next(wall for wall in one.walls if wall.line == 3.0 and wall.axis == 0)
     assert outer_spans(bottom, two.walls) == [(0.0, 1.0), (2.5, 4.0)]
     assert [span for wall in two.walls if (span := shared_span(bottom, wall))] == [(1.0, 2.5)]
-    assert outer_spans(Wall((0.0, 0.0), (4.0, 0.0)), two.walls) == [(0.0, 4.0)]
+    assert outer_spans(PlanWall((0.0, 0.0), (4.0, 0.0)), two.walls) == [(0.0, 4.0)]

@@ -1,0 +1,142 @@
+"""A room under furnishing: no overlaps, free passages and walkable floor."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import numpy as np
+
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.placed_model import Box, PlacedModel
+from home_procgen.floor_plan.walking_grid import AGENT_HEIGHT, MAX_STEP_HEIGHT
+from home_procgen.floor_plan.walls import FLOOR_TOP, window_view_box
+from home_procgen.furnish.space.collision_boxes import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
+from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid, stairwell_box
+from home_procgen.plan.openings.windows import SlantedWindow
+from home_procgen.plan.shape.storeys import Stairwell
+from home_procgen.style import HomeStyle
+
+STAIR_ACCESS_DEPTH = 0.9  # [m], depth of the free floor in front of stairs
+RUG_THICKNESS = 0.0018  # [m]; objects on a rug overlap it by less than `MAX_TOUCH_OVERLAP`, which counts as touching
+
+Companions = Callable[[PlacedModel], Iterable[PlacedModel]]
+
+
+def no_companions(_: PlacedModel) -> Iterable[PlacedModel]:
+    """Return no companions."""
+    return ()
+
+
+class RoomSpace:
+    """A room under furnishing.
+
+    Args:
+        plan: The storey.
+        index: Index of the room in the storey.
+        style: Style of the home.
+        stairs: Place of stairs in this room; None if it has none.
+
+    Attributes:
+        items: Objects placed so far.
+    """
+
+    def __init__(self, plan: LevelPlan, index: int, style: HomeStyle, stairs: Stairwell | None = None) -> None:
+        self.plan, self.kind = plan.rooms[index], plan.rooms[index].type
+        self.height, self.style, self.rng, self.look = plan.height, style, style.rng, style.draw_room_materials()
+        self.items: list[PlacedModel] = []
+        self.openings = plan.openings_of(index)
+        self.windows = [o.object for o in self.openings if not o.is_door and not isinstance(o.object, SlantedWindow)]
+        self.doors = [o.object for o in self.openings if o.is_door]
+        walls = boundary_boxes(self.plan, plan.height, stairs)
+        parts = [part for opening in self.openings for part in opening.object.parts]
+        self.solid = BoxStore([*walls, *parts])
+        before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, plan.height)]
+        passages = [o.passage for o in self.openings if o.is_door]
+        self.clear = BoxStore([*passages, *before])
+        self.views = BoxStore([window_view_box(o.object.box) for o in self.openings if not o.is_door])
+        self._flat = BoxStore([extrude_footprint(box) for box in (*walls, *passages)])
+        self.grid = build_floor_grid(self.plan, self.openings, stairs)
+
+    def draw_chance(self, probability: float) -> bool:
+        """Draw True with a probability."""
+        return bool(self.rng.random() < probability)
+
+    def draw_interest(self, interest: str, yes: float = 1.0, no: float = 0.0) -> bool:
+        """Draw True with probability `yes` if the residents have an interest, else with probability `no`."""
+        return self.draw_chance(yes if interest in self.style.interests else no)
+
+    def draw_clutter(self, probability: float) -> bool:
+        """Draw True with a probability that scales with the style's amount of clutter."""
+        return self.draw_chance(min(1.0, probability * self.style.clutter))
+
+    def draw_object(self, kind: str) -> PlacedModel:
+        """Return an object of a kind at the origin, with the materials of the room."""
+        return _flatten_rug(self.style.draw_object(kind, self.look))
+
+    def object_candidates(self, kind: str) -> Iterator[PlacedModel]:
+        """Generate an object as by `draw_object`, then objects of the smallest models of the kind."""
+        return map(_flatten_rug, self.style.object_candidates(kind, self.look))
+
+    @property
+    def blocked_boxes(self) -> Boxes:
+        """All boxes that are solid or kept free."""
+        return np.concatenate([self.solid.boxes, self.clear.boxes])
+
+    def try_place(self, items: Sequence[PlacedModel], zones: Sequence[Box] = (), views: bool = True) -> bool:
+        """Place objects together if they fit; return whether they do. `zones` must be free and stay free of furniture.
+
+        Args:
+            items: The objects. They are not tested against one another.
+            zones: Free boxes [m].
+            views: Keep windows clear.
+        """
+        boxes = np.concatenate([collision_boxes(item) for item in items])
+        extra = np.array(zones, float).reshape(-1, 2, 3)
+        if self.solid.overlaps_any(np.concatenate([boxes, extra])) or self.clear.overlaps_any(boxes):
+            return False
+        if (views and self.views.overlaps_any(boxes)) or not all(self._holds(item.box) for item in items):
+            return False
+        tall = [
+            i.box
+            for i in items
+            if i.box[0, 1] < AGENT_HEIGHT and i.box[1, 1] > FLOOR_TOP + MAX_STEP_HEIGHT and self.is_on_floor(i)
+        ]
+        if tall and not self.grid.stays_connected(tall):
+            return False
+        self.grid.remove_blocked(tall)
+        self.solid.add(boxes)
+        self.clear.add(extra)
+        self._flat.add(np.array([extrude_footprint(i.box) for i in items if is_flat(i.box)], float).reshape(-1, 2, 3))
+        self.items += items
+        return True
+
+    def is_on_floor(self, item: PlacedModel) -> bool:
+        """Return whether an object is low enough to obstruct the floor."""
+        return bool(item.box[0, 1] < FLOOR_TOP + 0.35)
+
+    def contains(self, x: float, z: float) -> bool:
+        """Return whether a point is in the plan of the room."""
+        return any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.plan.rects)
+
+    def _holds(self, box: Box) -> bool:
+        """Return whether a box is inside the room; a rug must also be clear of walls, passages and other rugs.
+
+        Rugs have a test of their own because they are too thin for box tests.
+        """
+        x, _, z = box.mean(0)
+        rug = is_flat(box) and bool(box[0, 1] < FLOOR_TOP + 0.01)
+        return self.contains(x, z) and not (rug and self._flat.overlaps_any(extrude_footprint(box)[None]))
+
+    def reserve(self, zone: Box) -> None:
+        """Keep a space free of later objects."""
+        self.clear.add(zone[None])
+
+
+def _flatten_rug(item: PlacedModel) -> PlacedModel:
+    """Scale rugs and mats to the thickness at which other objects can be placed on them."""
+    if item.model.fine != "rug":
+        return item
+    return PlacedModel(
+        item.model,
+        item.position,
+        scale=(1.0, round(RUG_THICKNESS / float(item.model.size[1]), 4), 1.0),
+        materials=item.materials,
+    )

@@ -1,1 +1,0 @@
-"""Room programs: types of rooms to build, and the requirements of each type."""
