@@ -23,8 +23,6 @@ GREY = Material("material_0", (0.7, 0.7, 0.7), None, 1.0)
 SQUARE_WEIGHT = 1e-3  # weight of "length = width", which decides for objects at 45 degrees, where both are undetermined
 MIN_EDGE = 0.005  # [m], minimum length of an edge
 
-Bounds = Float[np.ndarray, "2 3"]
-
 
 @runtime_checkable
 class FallbackModels(Protocol):
