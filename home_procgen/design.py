@@ -12,7 +12,7 @@ from home_procgen.floor_plan.openings import LevelPlan
 from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.furnish import furnish_home
 from home_procgen.plan.home import HomePlan, draw_home
-from home_procgen.plan.program import RoomProgram, draw_program
+from home_procgen.plan.shape.program import RoomProgram, draw_program
 from home_procgen.primitives.palette import FACADES, choose_random
 from home_procgen.style import HomeStyle
 from home_procgen.style.room_surfaces import HomeSurfaces

@@ -9,7 +9,7 @@ from home_procgen.floor_plan.rooms import PlanWall, RoomPlan, outer_spans
 from home_procgen.floor_plan.structure import RAILING_DEPTH, STAIR_LENGTH, STAIR_RISE, STAIR_WIDTH, structure_models
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
 from home_procgen.plan.home import HomePlan
-from home_procgen.plan.program import OUTDOOR_TYPES
+from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.style import HomeStyle

@@ -23,8 +23,8 @@ from home_procgen.floor_plan.walls import (
     find_wall_hole,
 )
 from home_procgen.plan.openings.windows import SlantedWindow
-from home_procgen.plan.program import OUTDOOR_TYPES
 from home_procgen.plan.shape.cut_rooms import Point, outline_sides
+from home_procgen.plan.shape.program import OUTDOOR_TYPES
 
 SKIRTING_TOP = FLOOR_TOP + 0.09  # [m], height of the top of skirting boards
 RoomMeshes = tuple[Mesh, Mesh | None, Mesh | None]  # floor, ceiling, walls

@@ -9,7 +9,7 @@ from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.top_placement import place_on_top
 from home_procgen.furnish.space.wall_placement import hang_from_ceiling, place_sockets, place_switches
 from home_procgen.plan.home import HomePlan
-from home_procgen.plan.program import OUTDOOR_TYPES
+from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.style import HomeStyle
 
 MAX_ROOM_ATTEMPTS = 3  # maximum attempts to furnish one room

@@ -19,7 +19,7 @@ from home_procgen.outside.neighbours import NeighbourBlock, draw_neighbours
 from home_procgen.outside.roof import build_roofs
 from home_procgen.outside.site import Plot
 from home_procgen.plan.home import HomePlan
-from home_procgen.plan.program import OUTDOOR_TYPES
+from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.primitives.palette import choose_random, plain, textured
 
 PITCH_RANGE = (0.45, 0.85)  # rise per run

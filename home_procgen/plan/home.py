@@ -13,8 +13,8 @@ from home_procgen.plan.openings.doors import OpeningModels, draw_doors, draw_ent
 from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.openings.windows import draw_windows
 from home_procgen.plan.outdoors import add_outdoors
-from home_procgen.plan.program import RoomProgram, draw_program
 from home_procgen.plan.quality import meets_quality_limits
+from home_procgen.plan.shape.program import RoomProgram, draw_program
 from home_procgen.plan.shape.storeys import Stairwell, Storey, draw_storeys
 from home_procgen.plan.slants import add_slants
 from home_procgen.primitives.palette import choose_random

@@ -6,8 +6,8 @@ import numpy as np
 
 from home_procgen.floor_plan.openings import find_outer_sites
 from home_procgen.floor_plan.rooms import PlanWall, Rect, RoomPlan, outer_spans
-from home_procgen.plan.program import MAX_ROOMS
 from home_procgen.plan.shape.cut_rooms import is_beside_cut
+from home_procgen.plan.shape.program import MAX_ROOMS
 from home_procgen.plan.shape.rows import snap_to_grid
 
 HOSTS = ("Living_Room", "Dining_Room", "Kitchen", "Hallway", "Hall")

@@ -7,8 +7,8 @@ import numpy as np
 
 from home_procgen.floor_plan.openings import find_outer_sites
 from home_procgen.floor_plan.rooms import PlanWall, Rect, RoomPlan, outer_spans
-from home_procgen.plan.program import ROOMY_TYPES
 from home_procgen.plan.shape.cut_rooms import CutRoom, Point
+from home_procgen.plan.shape.program import ROOMY_TYPES
 from home_procgen.plan.shape.rows import snap_to_grid
 from home_procgen.plan.shape.storeys import Storey
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from home_mjx.schema.house import Material
 from home_procgen.floor_plan.walls import RoomSurfaces
-from home_procgen.plan.program import OUTDOOR_TYPES, WET_TYPES
+from home_procgen.plan.shape.program import OUTDOOR_TYPES, WET_TYPES
 from home_procgen.primitives.palette import CEILINGS, DRY_WALLS, WET_WALLS, choose_random, plain, textured
 
 

@@ -11,7 +11,7 @@ from home_procgen.floor_plan.placed_model import PlacedModel, YawedObject, yaw_b
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
 from home_procgen.furnish.space.collision_boxes import BoxStore, boxes_overlap
 from home_procgen.furnish.space.support_surfaces import can_support, find_support_surfaces
-from home_procgen.plan.program import CONNECTING_TYPES, OUTDOOR_TYPES, ROOM_REQUIREMENTS
+from home_procgen.plan.shape.program import CONNECTING_TYPES, OUTDOOR_TYPES, ROOM_REQUIREMENTS
 from home_procgen.style import HomeStyle
 from home_procgen.style.object_kinds import _KINDS, resolve_kind
 from home_procgen.style.style import FITTED_FAMILIES, FRONT_FINISHES, METAL_FINISHES

@@ -20,7 +20,8 @@ from home_procgen.floor_plan.placed_model import PlacedModel, quarter_towards
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.plan.home import HomePlan, draw_home
 from home_procgen.plan.openings.passage import is_passable, stairwell_box
-from home_procgen.plan.program import (
+from home_procgen.plan.shape.compound_plan import draw_split
+from home_procgen.plan.shape.program import (
     CONNECTING_TYPES,
     MAX_ROOMS,
     OUTDOOR_TYPES,
@@ -29,7 +30,6 @@ from home_procgen.plan.program import (
     draw_ground_types,
     draw_program,
 )
-from home_procgen.plan.shape.compound_plan import draw_split
 from home_procgen.plan.shape.storeys import has_simple_outline
 from home_procgen.plugin import ProceduralName
 from home_procgen.primitives.family import FurnitureModel

@@ -17,7 +17,7 @@ from home_procgen.floor_plan.rooms import Rect
 from home_procgen.outside import Surroundings, draw_surroundings
 from home_procgen.outside.models import outside_models
 from home_procgen.outside.roof import cover_with_rects
-from home_procgen.plan.program import OUTDOOR_TYPES
+from home_procgen.plan.shape.program import OUTDOOR_TYPES
 
 SEEDS = (3, 11)  # of one storey, and of two
 

@@ -17,8 +17,8 @@ from home_procgen.floor_plan.openings import (
 from home_procgen.floor_plan.placed_model import PlacedModel, overlap_mask, quarter_towards, stack_boxes
 from home_procgen.floor_plan.rooms import PlanWall, RoomPlan
 from home_procgen.plan.openings.passage import BOX_HEIGHT, is_passable, stairwell_box
-from home_procgen.plan.program import CONNECTING_TYPES, OUTDOOR_TYPES, PRIVATE_ACCESS_TYPES
 from home_procgen.plan.shape.cut_rooms import is_beside_cut
+from home_procgen.plan.shape.program import CONNECTING_TYPES, OUTDOOR_TYPES, PRIVATE_ACCESS_TYPES
 from home_procgen.plan.shape.storeys import Stairwell, Storey
 from home_procgen.primitives.family import FurnitureModel
 

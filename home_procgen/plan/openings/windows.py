@@ -24,8 +24,8 @@ from home_procgen.floor_plan.placed_model import (
     stack_boxes,
 )
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
-from home_procgen.plan.program import WET_TYPES, WINDOWLESS_TYPES
 from home_procgen.plan.shape.cut_rooms import slanted_sides
+from home_procgen.plan.shape.program import WET_TYPES, WINDOWLESS_TYPES
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import choose_random
 from home_procgen.things import get_model

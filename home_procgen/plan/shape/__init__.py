@@ -1,1 +1,1 @@
-"""Shape of homes: rows of rooms along halls, storeys, and rooms with cut-off corners."""
+"""Room program and shape of homes: rows of rooms along halls, storeys, and rooms with cut-off corners."""

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.plan.program import ROOM_REQUIREMENTS
+from home_procgen.plan.shape.program import ROOM_REQUIREMENTS
 from home_procgen.plan.shape.rows import FOYER, PlacedRoom, RoomRow, RowCell, compute_widths, snap_to_grid
 from home_procgen.plan.shape.shell import (
     STAIRS,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.plan.program import ROOM_REQUIREMENTS, ROOMY_TYPES, SMALL_TYPES
+from home_procgen.plan.shape.program import ROOM_REQUIREMENTS, ROOMY_TYPES, SMALL_TYPES
 
 GRID_STEP = 0.1  # [m], grid of the wall lines
 MIN_NOOK_DEPTH = 1.5  # [m], minimum depth of a nook

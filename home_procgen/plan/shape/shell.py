@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from home_procgen.floor_plan.rooms import Rect
-from home_procgen.plan.program import ROOM_REQUIREMENTS, SMALL_TYPES
+from home_procgen.plan.shape.program import ROOM_REQUIREMENTS, SMALL_TYPES
 from home_procgen.plan.shape.rows import (
     FOYER,
     PlacedRoom,

@@ -6,7 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
-from home_procgen.plan.program import (
+from home_procgen.plan.shape.compound_plan import draw_split, draw_winged
+from home_procgen.plan.shape.hub_plan import draw_hub
+from home_procgen.plan.shape.program import (
     MAX_ROOMS,
     OPTIONAL_UPPER_TYPES,
     ROOM_REQUIREMENTS,
@@ -15,8 +17,6 @@ from home_procgen.plan.program import (
     RoomProgram,
     draw_types,
 )
-from home_procgen.plan.shape.compound_plan import draw_split, draw_winged
-from home_procgen.plan.shape.hub_plan import draw_hub
 from home_procgen.plan.shape.rows import FOYER, PlacedRoom, RoomRow, is_suitable, place_cells
 from home_procgen.plan.shape.shell import HomeShell, StoreyDraft, draw_cell, draw_straight
 
