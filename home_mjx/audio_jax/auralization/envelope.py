@@ -29,9 +29,8 @@ class EnergyEnvelope(Pytree):
     """Energy envelope of an impulse response."""
 
     energy: Float[Array, "k e bands"]  # per time bin, channel and octave, re the free field of the source at 1 m
-    left_ear_lead: Float[
-        Array, " bands"
-    ]  # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless `Binaural`
+    # [s], energy-weighted mean arrival-time lead of the left ear; 0 unless `Binaural`
+    left_ear_lead: Float[Array, " bands"]
 
 
 def energy_envelope(

@@ -30,14 +30,12 @@ class EdgePaths(Pytree):
 
     wedge: WedgeGeometry
     infinite_edge_detour: Float[Array, " e"]  # [m], excess over the straight line for an infinite edge
-    finite_edge_detour: Float[
-        Array, " e"
-    ]  # [m], excess over the straight line for the finite edge; inf if there is no such path
+    # [m], excess over the straight line for the finite edge; inf if there is no such path
+    finite_edge_detour: Float[Array, " e"]
     blocked: Bool[Array, " e"]  # whether the straight line intersects the box
     source_side_point: Float[Array, "e 3"]  # [m], world, diffraction point on the source's side, offset from the box
-    listener_side_point: Float[
-        Array, "e 3"
-    ]  # [m], world, diffraction point on the listener's side, offset from the box
+    # [m], world, diffraction point on the listener's side, offset from the box
+    listener_side_point: Float[Array, "e 3"]
     apex: Float[Array, "e 3"]  # [m], world, diffraction point of an infinite edge
     edge_extent: Float[Array, "e 2"]  # [m], along the edge from the apex of an infinite edge to both ends of the edge
     second_turn: Float[Array, " e"]  # [rad], at the second edge

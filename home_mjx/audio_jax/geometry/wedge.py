@@ -19,9 +19,8 @@ class WedgeGeometry(NamedTuple):
     source_distance: Float[Array, " e"]  # [m], from the source to the edge
     listener_distance: Float[Array, " e"]  # [m], from the edge to the listener
     face_angle: Float[Array, " e"]  # [rad], from the wedge's face to the source
-    shadow_angle: Float[
-        Array, " e"
-    ]  # [rad], diffraction angle into the shadow; negative where the straight path is free
+    # [rad], diffraction angle into the shadow; negative where the straight path is free
+    shadow_angle: Float[Array, " e"]
     exterior_angle: Float[Array, " e"]  # exterior angle in units of pi: 2 half-plane, 1.5 right-angled edge
     sin_incidence: Float[Array, " e"]  # sine of the angle between path and edge
 

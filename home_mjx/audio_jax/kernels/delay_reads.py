@@ -30,9 +30,8 @@ class PathDelays(Pytree):
     start_length: Float[Array, " p"]  # [m]
     end_length: Float[Array, " p"]  # [m]
     curvature: Float[Array, " p"]  # [m²], squared transverse displacement of the image source
-    ear_delays: Float[
-        Array, "p three d"
-    ]  # [samples], delays re the centre of the head at the start, the middle and the end
+    # [samples], delays re the centre of the head at the start, the middle and the end
+    ear_delays: Float[Array, "p three d"]
 
 
 class DelayReads(Pytree):

@@ -63,9 +63,8 @@ class StraightLine(NamedTuple):
 
     distance: Float[Array, ""]  # [m]
     direction: Float[Array, "3"]  # unit vector from the listener, world
-    partition_transmission: Float[
-        Array, " bands"
-    ]  # energy transmission of all partitions on the line, each counted once
+    # energy transmission of all partitions on the line, each counted once
+    partition_transmission: Float[Array, " bands"]
     object_transmission: Float[Array, " bands"]  # energy transmission of all objects on the line, each counted once
     is_partition_free: Bool[Array, ""]  # whether no partition is on the line
     is_clear: Bool[Array, ""]  # whether the line is unobstructed

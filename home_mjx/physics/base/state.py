@@ -28,9 +28,8 @@ class PhysicsState(Pytree):
     Field names follow MuJoCo. Dynamic bodies are the agents, then the movable bodies, then the doors.
     """
 
-    qpos: Float[
-        Array, "*batch nq"
-    ]  # agent: x, y, z [m] and yaw [rad]; body: x, y, z [m] and quaternion wxyz; door: [rad] or [m]
+    # agent: x, y, z [m] and yaw [rad]; body: x, y, z [m] and quaternion wxyz; door: [rad] or [m]
+    qpos: Float[Array, "*batch nq"]
     qvel: Float[Array, "*batch nv"]  # [m/s], [rad/s]; angular velocity of bodies is about their own axes
     qacc: Float[Array, "*batch nv"]  # of the last physics step; warm start of the next one's solver
     held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
@@ -41,7 +40,6 @@ class PhysicsState(Pytree):
     num_contacts: Int[Array, "*batch a"]  # contact points per agent except with the floor, maximum over physics steps
     contact_impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
     contact_pos: Float[Array, "*batch m 3"]  # [m], position of its strongest contact
-    contact_partner: Int[
-        Array, "*batch m"
-    ]  # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c
+    # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c
+    contact_partner: Int[Array, "*batch m"]
     scale: BodyScale | None = None  # factors of friction and mass, constant in an episode

@@ -43,9 +43,8 @@ class BodyContacts(Pytree):
 
     contact_impulse: Float[Array, " m"]  # [N s], sum over all contacts
     contact_pos: Float[Array, "m 3"]  # [m], position of the strongest contact
-    contact_partner: Int[
-        Array, " m"
-    ]  # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
+    # the other body of the strongest contact; -1 none, -2 the floor, -3 - c static box c
+    contact_partner: Int[Array, " m"]
 
 
 class Snapshot(Pytree):

@@ -21,12 +21,10 @@ class LateArrivals(Pytree):
     """Late reverberation at a listener, independent of its receiver."""
 
     energy: Float[Array, "k bands"]  # per time bin, re the free field of the source at 1 m
-    arrival_direction: Float[
-        Array, "spans 3"
-    ]  # mean direction of arrival, world; length 0: isotropic, 1: one direction
-    emission_direction: Float[
-        Array, "spans 3"
-    ]  # mean direction of emission, by reciprocity that of arrival at the source
+    # mean direction of arrival, world; length 0: isotropic, 1: one direction
+    arrival_direction: Float[Array, "spans 3"]
+    # mean direction of emission, by reciprocity that of arrival at the source
+    emission_direction: Float[Array, "spans 3"]
     span_share: Float[Array, "k spans"]  # share of each bin in each span
 
 

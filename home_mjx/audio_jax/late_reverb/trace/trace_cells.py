@@ -46,9 +46,8 @@ class TraceEnergy(NamedTuple):
 
     energy: Float[Array, "*s bands c k"]  # re the free field of the source at 1 m, per octave, cell and time bin
     intensity: Float[Array, "*s c k 3"]  # energy-weighted directions of propagation, over all octaves
-    portal_energy: Float[
-        Array, "*s bands r r k"
-    ]  # energy from room to room, by bin of passage; diagonal: energy that aged
+    # energy from room to room, by bin of passage; diagonal: energy that aged
+    portal_energy: Float[Array, "*s bands r r k"]
     path_length: Float[Array, "*s bands r"]  # energy times path length [m] in each room
     absorbed: Float[Array, "*s bands r"]  # energy absorbed by surfaces and air
     exchanged: Float[Array, "*s bands r r"]  # energy from room to room
