@@ -55,7 +55,7 @@ def test_brax_without_the_shim_is_named(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(doctor, "_version", {"brax": "0.14.2"}.get)
     (found,) = doctor._known_bad_pairs()
     assert found.status == "note"
-    assert "shim.install()" in found.detail
+    assert "brax_compat.install()" in found.detail
     monkeypatch.setattr(doctor, "_version", {"brax": "0.14.3"}.get)
     assert list(doctor._known_bad_pairs()) == []
 
