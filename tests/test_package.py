@@ -163,9 +163,8 @@ def test_the_matrix_tries_the_lowest_of_every_declared_range():
 
 
 def test_the_notice_names_every_file_of_data():
-    data = [
-        name for name in tracked_files() if name.startswith("home_mjx/") and name.endswith((".csv", ".json", ".npz"))
-    ]
+    packages, kinds = ("home_mjx/", "home_procgen/"), (".csv", ".json", ".npz")
+    data = [name for name in tracked_files() if name.startswith(packages) and name.endswith(kinds)]
     assert len(data) >= 5
     notice = (ROOT / "NOTICE").read_text(encoding="utf-8")
     assert [name for name in data if f"\n{name}\n" not in notice] == []

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy import ndimage
-from scipy.spatial import distance_matrix
+from scipy.spatial.distance import cdist
 
 import home_mjx
 from home_mjx.navigation.grid import cell_of, cell_position, stored_distance
@@ -71,7 +71,7 @@ def stands_at(snapshot, pos):
 
 def test_two_steps_lead_to_any_place_that_is_near(snapshot, graph, rng):
     """From places all around the middle of a room: each step is one of 0.25 m, in the direction that is asked for."""
-    around = distance_matrix(graph.place[:, :2], graph.place[~graph.at_leaf, :2]) < 2 * STEP + 0.1
+    around = cdist(graph.place[:, :2], graph.place[~graph.at_leaf, :2]) < 2 * STEP + 0.1
     clear = graph.place[np.argmax(around.sum(axis=1))]
     agent = jnp.int32(0)
     aim = jax.jit(jax.vmap(lambda pos, end: step_aside(stands_at(snapshot, pos), agent, end, STEP), (0, None)))

@@ -14,8 +14,7 @@ from home_mjx import HouseBank, physics
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.tasks import HouseholdEnv, make_config
-from home_mjx.tasks.metrics import CellOccupancy, update_map_memory
-from home_mjx.tasks.metrics import top_down as top_down_map
+from home_mjx.tasks.metrics import CellOccupancy, top_down_map, update_map_memory
 from home_mjx.tasks.suite import HouseTasks, ObjectNav, RoomNav
 from home_mjx.viewer.pictures import draw_map
 from home_mjx.viewer.pictures.floor_map import GOAL_COLOUR, PATH_COLOUR, UNSEEN_BRIGHTNESS
