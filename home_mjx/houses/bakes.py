@@ -38,7 +38,7 @@ class Bake(Protocol):
         ...     name, version, options, record, unused = "floor_area", 1, None, Area, frozenset()
         ...
         ...     def bake_house(self, bank, index, house):
-        ...         return Area(np.float32(...))
+        ...         return Area(np.array([...], np.float32))
         ...
         ...     def stack(self, records, houses, bank):
         ...         return jnp.stack([r.value for r in records])

@@ -169,3 +169,10 @@ def test_too_little_memory_is_one_message(error, monkeypatch: pytest.MonkeyPatch
     assert_refused(capsys, ["generate", "x", "--seeds", "0"], "not enough memory", "Use fewer environments")
     with pytest.raises(type(raised)):
         main(["generate", "x", "--seeds", "0", "--debug"])
+
+
+def test_benchmarks_outside_the_repository_are_refused(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "benchmarks", None)
+    for name in [name for name in sys.modules if name.startswith(("benchmarks.", "home_mjx.cli.commands.bench"))]:
+        monkeypatch.delitem(sys.modules, name)
+    assert_refused(capsys, ["bench", "rays"], "part of the repository", "Clone the repository")
