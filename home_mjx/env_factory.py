@@ -21,12 +21,13 @@ if TYPE_CHECKING:
     from home_mjx.tasks.env.env import Env
     from home_mjx.tasks.env.household import HouseholdEnv
 
+EPISODE_OPTIONS = ("variation", "episodes")  # options that change parameters of the environment, not its program
 NUM_ARRANGEMENTS = 8  # poses of movable objects per house for `arrangement="random"`
 MAKE_ARGUMENTS = ("houses", "num_houses", "split", "filter", "progress", "variation", "episodes")
 
 
 def make(
-    env_id: str,
+    env_id: str | EnvSpec,
     houses: "HouseBank | HouseSet | Dataset | str | Path | None" = None,
     *,
     num_houses: int | None = None,
@@ -37,10 +38,10 @@ def make(
     episodes: str | Path | None = None,
     **options: Any,
 ) -> "Env[HouseholdEnv]":
-    """Make an environment by its id.
+    """Make an environment by its id or spec.
 
     Args:
-        env_id: Such as `PointNav-v0`, see `list_envs`.
+        env_id: Such as `PointNav-v0`, see `list_envs`; or an `EnvSpec`, which takes no other argument but `progress`.
         houses: A `HouseBank`, a `HouseSet`, a dataset, its folder or its name such as
             `procedural:16?seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
             or, if it is not set, generated houses, which are written once into the cache folder.
@@ -66,7 +67,12 @@ def make(
     Example:
         >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
     """
-    known, chosen = find_spec(env_id), {"num_houses": num_houses, "split": split, "filter": filter}
+    chosen = {"num_houses": num_houses, "split": split, "filter": filter}
+    if isinstance(env_id, EnvSpec):
+        others = chosen | {"houses": houses, "variation": variation, "episodes": episodes} | options
+        _refuse(others, lambda name: f"`{name}` cannot be combined with an EnvSpec", "the spec has it")
+        return build_env(env_id, env_id.houses, progress)
+    known = find_spec(env_id)
     in_memory = houses is not None and not isinstance(houses, str | Path)
     if in_memory and _is_chosen(houses):
         _refuse(chosen, lambda name: f"`{name}` chooses houses of a dataset, not of {type(houses).__name__}")
@@ -85,6 +91,21 @@ def make(
         in_memory=in_memory,
     )
     return build_env(spec, houses, progress)
+
+
+def make_core(spec: EnvSpec) -> "HouseholdEnv | None":
+    """Make the functions of an environment, which need no houses; None if the entry point is a function.
+
+    Raises:
+        ConfigError: An option is unknown or invalid.
+
+    Example:
+        >>> make_core(find_spec("PointNav-v0")).num_agents
+        1
+    """
+    entry_point = load_entry_point(spec.entry_point)
+    options = {name: value for name, value in spec.options.items() if name not in EPISODE_OPTIONS}
+    return core_of(entry_point, options)[0] if is_task(entry_point) else None
 
 
 def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "Env[HouseholdEnv]":

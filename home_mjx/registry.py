@@ -1,4 +1,4 @@
-"""Registry of environment ids, and the construction of environments."""
+"""Registry of environment ids and their specs; `env_factory.make` makes environments of them."""
 
 import dataclasses
 import importlib.util
@@ -15,13 +15,9 @@ from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from home_mjx.houses.selection import HouseFilter
-    from home_mjx.tasks.env.env import Env
-    from home_mjx.tasks.env.household import HouseholdEnv
-    from home_mjx.tasks.env.memory import MemoryEstimate
 
 _ID = re.compile(r"^[A-Z][A-Za-z0-9]*-v\d+$")
 DEFAULT_NUM_HOUSES = 8
-EPISODE_OPTIONS = ("variation", "episodes")  # options that change parameters of the environment, not its program
 
 
 @dataclasses.dataclass(frozen=True)
@@ -105,33 +101,6 @@ class EnvSpec:
         if known is None or known.entry_point != self.entry_point:
             hint = "If you trust it, import the module that registers it first; on the command line, `--import MODULE`."
             raise ConfigError(f"no environment `{self.id}` of `{self.entry_point}` is registered", hint=hint)
-
-    def memory_estimate(self, num_envs: int, progress: bool | None = None) -> "MemoryEstimate":
-        """Estimate the device memory of `num_envs` environments; houses are packed on the host for it."""
-        import jax
-
-        from home_mjx.tasks.env.memory import estimate_memory
-
-        with jax.default_device(jax.devices("cpu")[0]):
-            return estimate_memory(self.make(progress), num_envs)
-
-    def make_core(self) -> "HouseholdEnv | None":
-        """Return the environment's functions, which need no houses; None if the entry point is a function.
-
-        Raises:
-            ConfigError: An option is unknown or invalid.
-        """
-        entry_point = load_entry_point(self.entry_point)
-        options = {name: value for name, value in self.options.items() if name not in EPISODE_OPTIONS}
-        from home_mjx.env_factory import core_of
-
-        return core_of(entry_point, options)[0] if is_task(entry_point) else None
-
-    def make(self, progress: bool | None = None) -> "Env[HouseholdEnv]":
-        """Make the environment."""
-        from home_mjx.env_factory import build_env
-
-        return build_env(self, self.houses, progress)
 
 
 _REGISTRY: dict[str, EnvSpec] = {}

@@ -8,6 +8,8 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from pathlib import Path
+from types import ModuleType
 
 from home_mjx import __version__
 from home_mjx.cli.interrupts import EXIT_INTERRUPTED, exit_interrupted, watch_interrupts
@@ -15,7 +17,7 @@ from home_mjx.cli.output import drop_empty_folders
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.checks import check_known
 from home_mjx.core.compile_cache import use_compile_cache
-from home_mjx.errors import HomeMjxError
+from home_mjx.errors import ConfigError, HomeMjxError
 
 __all__ = ["main"]
 
@@ -26,7 +28,6 @@ COMMANDS = {
     "compile": "compile a house or a dataset; write MJCF",
     "render": "render images of a house from a viewpoint",
     "listen": "render a sound at a listening point of a house",
-    "bench": "measure speed",
     "doctor": "check whether this machine is ready",
 }
 LEARNING_COMMANDS = {
@@ -35,7 +36,14 @@ LEARNING_COMMANDS = {
     "train": "train an agent with recurrent PPO, or on an expert's advice",
     "evaluate": "evaluate a trained agent in held-out houses",
 }
-COMMAND_FOLDERS = {"commands": COMMANDS, "learning": LEARNING_COMMANDS}  # folder of modules -> its commands
+CHECKOUT_COMMANDS = {"bench": "measure speed (only in a clone of the repository)"}
+COMMAND_PACKAGES = {  # package -> its commands, one module each
+    "home_mjx.cli.commands": COMMANDS,
+    "home_mjx.cli.learning": LEARNING_COMMANDS,
+    "benchmarks": CHECKOUT_COMMANDS,
+}
+ALL_COMMANDS = COMMANDS | LEARNING_COMMANDS | CHECKOUT_COMMANDS
+CHECKOUT = Path(__file__).resolve().parents[2]  # root of the repository, if this is a clone
 EXIT_BAD_INPUT = 2
 
 
@@ -88,17 +96,28 @@ def _dispatch(argv: list[str]) -> int:
     if args.command is None:
         top.print_help()
         return EXIT_BAD_INPUT
-    check_known("command", [args.command], COMMANDS | LEARNING_COMMANDS)
+    check_known("command", [args.command], ALL_COMMANDS)
     use_compile_cache()
-    folder = next(folder for folder, names in COMMAND_FOLDERS.items() if args.command in names)
-    module = importlib.import_module(f"home_mjx.cli.{folder}.{args.command}")
+    module = _load_command(args.command)
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
     return module.run(parser.parse_args(args.arguments))
 
 
+def _load_command(name: str) -> ModuleType:
+    """Import the module of a command; refuse commands of the repository where only the package is installed."""
+    package = next(package for package, names in COMMAND_PACKAGES.items() if name in names)
+    if name in CHECKOUT_COMMANDS:
+        if not (CHECKOUT / package).is_dir():
+            hint = "Clone the repository and install it with `pip install -e .`."
+            raise ConfigError(f"`{name}` is part of the repository, not of the installed package", hint=hint)
+        if str(CHECKOUT) not in sys.path:
+            sys.path.append(str(CHECKOUT))
+    return importlib.import_module(f"{package}.{name}")
+
+
 def _top_parser() -> Parser:
-    listing = "\n".join(f"  {name:<10}{text}" for name, text in (COMMANDS | LEARNING_COMMANDS).items())
+    listing = "\n".join(f"  {name:<10}{text}" for name, text in ALL_COMMANDS.items())
     parser = Parser(
         prog="home-mjx",
         usage="home-mjx [--help] [--version] [--debug] COMMAND ...",

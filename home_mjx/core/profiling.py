@@ -93,10 +93,8 @@ def versions() -> dict[str, str]:
     import importlib.metadata as metadata
     import platform
 
-    from home_mjx import __version__  # not from metadata, which a checkout on the path does not have
-
     names = ("jax", "jaxlib", "mujoco", "mujoco-mjx", "numba", "numpy")
-    own = {"python": platform.python_version(), "home-mjx": __version__}
+    own = {"python": platform.python_version(), "home-mjx": sys.modules["home_mjx"].__version__}
     return own | {name: metadata.version(name) for name in names}
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
+from home_mjx.env_factory import make, make_core
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.observers import Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
@@ -95,7 +96,7 @@ def train(
 
 def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     """Return the updates of an earlier part of the run; reject invalid runs before any house is compiled."""
-    core = config.env.make_core()
+    core = make_core(config.env)
     for _, options in config.stages:
         if core is not None:
             options.check_devices(len(jax.devices()), core.num_agents)
@@ -253,4 +254,4 @@ def make_env(spec: EnvSpec, progress: bool | None = None) -> Env[HouseholdEnv]:
         ConfigError: Its houses exist in memory only.
     """
     spec.to_json()
-    return spec.make(progress)
+    return make(spec, progress=progress)

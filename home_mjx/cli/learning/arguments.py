@@ -25,7 +25,7 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
     """Add `--import MODULE`."""
     parser.add_argument(
         "--import", dest="modules", action="append", default=[], metavar="MODULE",
-        help="import a module first, such as one that registers your tasks",
+        help="import a module first, such as one that registers your tasks or shaders",
     )  # fmt: skip
 
 

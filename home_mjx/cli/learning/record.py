@@ -51,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Record, and print the location of the dataset."""
+    from home_mjx.env_factory import make
     from home_mjx.tasks import add_expert
     from home_mjx.training.trajectories import Trajectories, record
     from home_mjx.viewer.episodes.policies import check_agent, make_policy
@@ -61,7 +62,7 @@ def run(args: argparse.Namespace) -> int:
     sensors = tuple((args.sensors or "rgb,state,instruction").split(","))
     spec = env_spec(args, path, sensors if path is None or args.sensors else None)
     out = make_folder(args.out or Path("data") / spec.id)
-    env = spec.make()
+    env = make(spec)
     env = add_expert(env) if args.agent == EXPERT else env
     policy = None if args.agent == EXPERT else make_policy(env, args.agent, path, args.greedy)
     begun = time.perf_counter()

@@ -74,9 +74,14 @@ class View:
 
     def _display(self, rays: CameraRays) -> Vec:
         """Return linear display light of one sample, in [0, 1]."""
-        shown = self.shader.display(self.scene, self.shader.radiance(self.scene, rays))
-        shapes = {jnp.shape(channel) for channel in jax.tree.leaves(shown)}
-        if not isinstance(shown, Vec) or shapes != {rays.hit.t.shape}:
-            message = f"the shader `{self.shader.name}` must return a Vec with components of shape {rays.hit.t.shape}"
-            raise ConfigError(f"{message}, got {shorten(shown)}", hint="`Vec.unpack` splits an array (H, W, 3).")
-        return shown
+        light = self._checked("radiance", self.shader.radiance(self.scene, rays), rays)
+        return self._checked("display", self.shader.display(self.scene, light), rays)
+
+    def _checked(self, method: str, light: Any, rays: CameraRays) -> Vec:
+        """Return what a shader's method has returned; raise `ConfigError` unless it is one `Vec` per pixel."""
+        shapes = {jnp.shape(channel) for channel in jax.tree.leaves(light)}
+        if not isinstance(light, Vec) or shapes != {rays.hit.t.shape}:
+            wanted = f"a Vec with components of shape {rays.hit.t.shape}"
+            message = f"`{method}` of the shader `{self.shader.name}` must return {wanted}, got {shorten(light)}"
+            raise ConfigError(message, hint="`Vec.unpack` splits an array (H, W, 3).")
+        return light

@@ -172,7 +172,10 @@ def _find_class(name: str) -> Callable[[], Shader]:
     if name in _REGISTRY:
         return _REGISTRY[name]
     if name not in _installed():
-        raise UnknownNameError(f"unknown shader `{name}`", hint=did_you_mean(name, shader_names()))
+        raise UnknownNameError(
+            f"unknown shader `{name}`",
+            hint=f"{did_you_mean(name, shader_names())}. Import the module of a shader of your own first.",
+        )
     return register_shader(_installed()[name].load())
 
 

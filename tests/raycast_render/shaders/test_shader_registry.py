@@ -165,6 +165,5 @@ def test_unknown_names_are_refused_with_the_closest():
 @pytest.mark.parametrize("light", [jnp.zeros((3, 4, 3)), Vec(0.0, 0.0, 0.0), Vec(*[jnp.zeros((4, 3))] * 3)])
 def test_light_of_another_shape_is_refused(bank, light, monkeypatch):
     monkeypatch.setattr(Flat, "radiance", lambda *_: light)
-    monkeypatch.setattr(Flat, "display", lambda _, scene, light: light)
     with pytest.raises(ConfigError, match=r"`flat` must return a Vec with components of shape \(3, 4\)"):
         look(bank, Flat())

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import pytest
 from handmade import shoebox
 
+import home_mjx
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.tasks import estimate_memory, make_config
 from home_mjx.tasks.env import env as bound
@@ -48,6 +49,7 @@ def test_a_spec_tells_before_the_device_holds_anything(tmp_path):
     spec = EnvSpec(
         "PointNav-v0", "home_mjx.tasks.suite:PointNav", {"sensors": ("state",)}, houses=str(tmp_path), num_houses=1
     )
-    found = spec.memory_estimate(1000)
+    with jax.default_device(jax.devices("cpu")[0]):
+        found = estimate_memory(home_mjx.make(spec), 1000)
     assert found.states == 1000 * found.state_per_env
     assert found.bank > 1e6

@@ -5,18 +5,10 @@ import json
 import sys
 from dataclasses import asdict
 
+from benchmarks.cases import CASE_NAMES, measure
+from benchmarks.cases.record import BenchSettings, Measurement
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.parsing import house_count_type, positive_int_type
-from home_mjx.errors import ConfigError
-
-try:
-    from benchmarks.cases import CASE_NAMES, measure
-    from benchmarks.cases.record import BenchSettings, Measurement
-except ModuleNotFoundError as error:
-    if error.name not in ("benchmarks", "benchmarks.cases"):
-        raise
-    hint = "Clone the repository, install it with `pip install -e .`, and run the command in its folder."
-    raise ConfigError("benchmarks are part of the repository, not of the installed package", hint=hint) from None
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
