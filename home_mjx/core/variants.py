@@ -56,13 +56,14 @@ def nested_names(record: Any, name: str) -> tuple[str, ...]:
 
 
 def replace_variant(path: str, variants: Variants, old: Any, changes: Mapping[str, Any]) -> Any:
-    """Return the new value of a field that has variants.
+    """Return the new value of a field that has variants: select the record, then replace its fields.
 
     Args:
         path: Name of the field, for messages.
         variants: Its variants by word.
         old: Its value.
-        changes: Values by name of a field of the record; "" selects the record, by its word or as a whole.
+        changes: Values by name of a field of the record; "" selects the record, by its word or as a whole. The word
+            of the type of `old` keeps its fields; the word of another type starts from that type's defaults.
 
     Raises:
         ConfigError: The word is unknown, or the selected record does not have one of the fields.
@@ -83,7 +84,14 @@ def replace_variant(path: str, variants: Variants, old: Any, changes: Mapping[st
 
 
 def _select(path: str, variants: Variants, old: Any, choice: Any) -> Any:
-    """Return the selected record, its type if it must be made, or None."""
+    """Return the selected variant: a record, the type of a record that the caller constructs, or None.
+
+    Records are returned as they are, and so is None where it is a variant. A word returns `old` if that has the word's
+    type, otherwise the type.
+
+    Raises:
+        UnknownNameError: The choice is neither a variant nor one of the words.
+    """
     if isinstance(choice, _types(variants)) or (choice is None and None in variants.values()):
         return choice
     words = {word: kind for word, kind in variants.items() if type(word) is type(choice)}

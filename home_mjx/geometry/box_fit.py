@@ -158,7 +158,7 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
 
 def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
-    """Return the index of the connected component of each triangle; corners at the same position are shared."""
+    """Return each triangle's connected component, counted from 0; corners in one cell of `WELD_DISTANCE` are welded."""
     _, corner = np.unique(
         np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64), axis=0, return_inverse=True
     )

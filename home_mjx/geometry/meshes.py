@@ -78,7 +78,7 @@ def make_model(
     part: Int[np.ndarray, " t"] | None = None,
     normal: Float[np.ndarray, "t 3 3"] | None = None,
 ) -> Model:
-    """Create a library model with its bounding volume hierarchy.
+    """Create a library model with its BVH; its triangles are reordered, see `tree_order`.
 
     Args:
         name: First part of its key; the rest is a digest of its content.
@@ -148,7 +148,11 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
 
 
 def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
-    """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, itself included."""
+    """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, itself included.
+
+    Corners in one grid cell of `WELD_DISTANCE` have the same position. If a position has more than `MAX_CORNER_FACES`
+    corners, they are not returned.
+    """
     places = np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64)
     place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
     order = np.argsort(place, kind="stable")

@@ -106,7 +106,7 @@ def _walk(following: dict[int, list[int]]) -> list[int]:
 
 
 def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = 1e-3) -> Float[np.ndarray, "_ 2"]:
-    """Remove corners within `bend` [m] of the line between their neighbours."""
+    """Remove corners within `bend` [m] of the line between their neighbours, unless fewer than 3 would remain."""
     keep = []
     for i in range(len(polygon)):
         before, here, after = polygon[i - 1], polygon[i], polygon[(i + 1) % len(polygon)]

@@ -7,7 +7,9 @@ from jaxtyping import Bool, Float
 
 
 def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
-    """Return the sorted values; neighbours closer than `tolerance` are merged into their mean.
+    """Return the sorted distinct values; neighbours up to `tolerance` apart are merged into their mean.
+
+    The minimum and the maximum are kept exactly, unless all values merge into one.
 
     Example:
         >>> merge_close_values(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
@@ -26,7 +28,10 @@ def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Fl
 
 
 def is_in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Return whether points are in any of the triangles, of either winding."""
+    """Return whether points are in or on the edge of any of the triangles, of either winding.
+
+    Triangles without area contain no points.
+    """
     a, b, c = (triangles[:, i] for i in range(3))
     sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
     inside = np.all([s >= 0 for s in sides], axis=0) | np.all([s <= 0 for s in sides], axis=0)
@@ -64,7 +69,11 @@ def cover_with_rectangles(
 
 
 def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, int]:
-    """Return one past the last row and column of the rectangle that begins at a cell."""
+    """Return one past the last row and column of the rectangle that begins at a cell.
+
+    Its rows are the run of remaining cells in the first column, from that cell on. The next column joins if it has the
+    same run: all of these cells, but neither the one before nor the one after.
+    """
     top = row
     while top < left.shape[0] and left[top, column]:
         top += 1

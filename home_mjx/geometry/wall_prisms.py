@@ -109,7 +109,15 @@ def _meet(a: Hole, b: Hole) -> bool:
 
 
 def _open(hole: Hole, wall: WallSegment, beyond: float, width: float, top: float) -> Hole:
-    """Convert a hole to the prism's coordinates; the prism is longer and higher than the wall."""
+    """Convert a hole to the prism's frame; holes that reach an end or the top of the wall reach that of the prism.
+
+    Args:
+        hole: Hole in the frame of the wall.
+        wall: The wall.
+        beyond: Length of the prism before the start of the wall [m].
+        width: Length of the prism [m].
+        top: Height of the prism [m].
+    """
     left, right, low, high = hole
     return (
         0.0 if left <= 0 else left + beyond,

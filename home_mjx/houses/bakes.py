@@ -159,7 +159,7 @@ def add_bakes(
 
 
 def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
-    """The record of one house from the store, or computed now."""
+    """Return the record of one house from the store; compute and store it if it is missing or corrupted."""
     entry = bake_entry(bake, house)
     try:
         return rebuild(bake.record, *read_entry(entry))

@@ -123,7 +123,13 @@ class HouseCache:
         return {key: self.library[key] for key in keys}
 
     def entry_path(self, house_id: str) -> Path:
-        """Return the path of the house's cache entry, whether or not it exists."""
+        """Return the path of the house's cache entry, whether or not it exists; first prepare the dataset's files.
+
+        The file name is a digest of the id, the options and the content of these files.
+
+        Raises:
+            DatasetError: The files cannot be written, see `Dataset.prepare`.
+        """
         named = repr((house_id, self.options, self.dataset.fallbacks))
         self.dataset.prepare((house_id,))
         key = hashlib.sha256(named.encode() + self._inputs.house(house_id)).hexdigest()

@@ -87,7 +87,11 @@ def _is_there(entry: str) -> bool:
 
 
 def load_report(path: Path) -> list[dict[str, Any]]:
-    """Return the lines of an earlier report; raise if the file is not a report, so that it is not overwritten."""
+    """Return the valid lines of an earlier report; empty if there is no file.
+
+    Raises:
+        ConfigError: The file cannot be read, or is not a report and must not be overwritten.
+    """
     try:
         lines = read_report(path)
         is_other = not lines and path.is_file() and not all(map(_may_be_cut, path.read_bytes().splitlines()))
@@ -104,7 +108,7 @@ def _may_be_cut(line: bytes) -> bool:
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:
-    """Return the valid lines of a report; skip others, such as one truncated by a kill."""
+    """Return the valid lines of a report, empty if there is no file; skip others, such as one truncated by a kill."""
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
     found = []
     for line in lines:
@@ -119,9 +123,16 @@ def read_report(path: Path) -> list[dict[str, Any]]:
 
 @contextmanager
 def open_journal(path: Path, append: bool) -> Iterator[Callable[[CompileOutcome], None]]:
-    """Open a report and yield a function that appends one outcome.
+    """Open a report and yield a function that appends one outcome as a line of JSON.
 
     Each outcome is one write, so that a kill truncates at most the last line.
+
+    Args:
+        path: The report; its folder is created.
+        append: Keep earlier lines; otherwise they are deleted.
+
+    Raises:
+        ConfigError: The report cannot be written; the yielded function raises it too.
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

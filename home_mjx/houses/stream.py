@@ -152,7 +152,11 @@ class HouseStream:
         return self.bank
 
     def _check_all(self, count: int) -> None:
-        """Raise `ConfigError` if indices of some environments are missing; an empty array is accepted."""
+        """Record the first nonzero count as the number of environments, and validate that later ones equal it or are 0.
+
+        Raises:
+            ConfigError: The count differs.
+        """
         known = self._num_envs = self._num_envs or count
         if count not in (0, known):
             message = f"expected the house of every environment, of which there were {known}, got {count}"
@@ -170,7 +174,10 @@ class HouseStream:
         self.close()
 
     def _look_through(self, ids: Sequence[str], progress: bool) -> tuple[dict[str, Model], tuple[str, ...]]:
-        """Collect all models and textures of the houses; skip houses that cannot be compiled."""
+        """Collect the agent's model, and the houses' library models and texture paths, compiling houses if necessary.
+
+        Models of the architecture are left out. Houses that cannot be compiled or read are added to `skipped`.
+        """
         agent = agent_model()
         models, textures = {agent.key: agent}, set()
         for house_id in tqdm(ids, desc="models", unit="house", disable=not progress):
@@ -205,7 +212,7 @@ class HouseStream:
         )
 
     def _retire(self) -> None:
-        """Retire the slot that was filled first and start to prepare the next house for it."""
+        """Exclude the slot that was filled first from resets, and prepare its next house in the background thread."""
         house_slot = self._active.pop(0)
         self.bank = self.bank.replace(
             reset_houses=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32)
@@ -234,7 +241,11 @@ class HouseStream:
         return None
 
     def _prepare(self, house: CompiledHouse, house_slot: int) -> Prepared:
-        """Pack a house for a slot and transfer it to the device; raise `CapacityError` if it does not fit."""
+        """Pack a house for a slot, transfer it to the device, and drop its architecture from the host's library.
+
+        Raises:
+            CapacityError: The house does not fit.
+        """
         rows, starts = pack_house_slot(house, self._library, self._capacity, self._stride, house_slot)
         for key in house.instances.model[:1]:
             self._cache.library.pop(key, None)  # drop its architecture; shared models stay

@@ -91,7 +91,10 @@ def mark_used(folder: Path) -> None:
 
 
 def create_version_folder(folder: Path) -> None:
-    """Create a version folder; if it is new, remove folders of versions that were not used for a month."""
+    """Create a version folder; if it is new, remove discarded folders and versions that were not used for a month.
+
+    A version is used when `mark_used` updates its modification time.
+    """
     if folder.is_dir():
         return
     folder.mkdir(parents=True, exist_ok=True)

@@ -71,7 +71,10 @@ def required_lengths(house: CompiledHouse) -> dict[str, int]:
 
 
 def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -> dict[str, int]:
-    """Return axis lengths that hold each of the houses, and others up to `capacity_factor` times as large."""
+    """Return axis lengths, rounded up to size classes, for houses up to `capacity_factor` times the largest.
+
+    The factor does not apply to axes whose length a compiler option determines.
+    """
     found = [required_lengths(house) for house in houses]
     largest = {name: max(counts[name] for counts in found) for name in AXES}
     growth = {name: 1.0 if axis.set_by_compiler else capacity_factor for name, axis in AXES.items()}

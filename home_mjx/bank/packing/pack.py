@@ -75,7 +75,14 @@ def pack_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE)
 
 
 def plan_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> tuple[Library, dict[str, int]]:
-    """Return the shared library of a bank of these houses and the lengths of all its axes; see `pack_bank`."""
+    """Return the library that the houses share, and the length of every axis of their bank.
+
+    All lengths except the number of houses are rounded up to size classes.
+
+    Raises:
+        ConfigError: There is no house.
+        CapacityError: There are more triangles than leaf codes can address.
+    """
     if not houses:
         raise ConfigError("a bank needs at least one house")
     library = Library.from_houses(houses)
@@ -188,7 +195,7 @@ def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Si
 
 
 def _placed(declaration: Declaration, parts: Sequence[_Part]) -> list[tuple[int, np.ndarray]]:
-    """Return the values of an array with the first row of each."""
+    """Return the first row and the values of each owner of an array, as `Declaration.pack` takes them."""
     found, kind = [], declaration.kind
     for part in parts:
         row = part.start.get(kind, 0)

@@ -104,7 +104,7 @@ def get_array(bank: BankArrays, key: Key) -> Array:
 
 
 def group_by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
-    """Group arrays by record, then by field."""
+    """Group arrays by record, then by field; each record of `RECORDS` has an entry, empty if it has no arrays."""
     tables: dict[str, dict[str, Any]] = {name: {} for name in RECORDS}
     for (record, field), values in arrays.items():
         tables[record][field] = values

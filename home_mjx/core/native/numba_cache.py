@@ -76,7 +76,7 @@ def verify_cache_once(function: Callable[..., T]) -> Callable[..., T]:
 
 
 def delete_unverified(folder: Path, stem: str, sums: Path) -> None:
-    """Delete files of Numba's cache whose digest differs from the recorded one.
+    """Delete files of Numba's cache whose SHA-256 digest is unrecorded or differs from the recorded one.
 
     Args:
         folder: Folder of the cache.

@@ -89,7 +89,7 @@ def _installed() -> Iterator[Path]:
 
 
 def _known(library: ctypes.CDLL, capability: int) -> int:
-    """Return the newest architecture that NVRTC supports and the device can run."""
+    """Return NVRTC's newest architecture up to `capability`, such as 90; `capability` itself if there is none."""
     count = ctypes.c_int()
     _check(library, library.nvrtcGetNumSupportedArchs(ctypes.byref(count)))
     known = (ctypes.c_int * count.value)()

@@ -97,7 +97,7 @@ class SuncgDigests:
         return digest.digest()
 
     def _elsewhere(self, folder: Path, relative: str) -> bytes:
-        """Return the digest of a material library in another folder."""
+        """Return the digest of an MTL file by its path from a folder; empty if it is missing or outside the dataset."""
         found = resolve_below(self.root, folder, relative)
         return (
             self._facts(str(found), file_stamp(found.stat()), self._shared).digest if found and found.is_file() else b""

@@ -24,7 +24,10 @@ def compile_chunks() -> tuple[Any, Any]:
 def cast_cpu(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment) where `KERNEL` works; see `registry.RayBackend`."""
+    """Cast rays of shape (environments, rays per environment) by the Numba kernel; see `registry.RayBackend`.
+
+    `registry.KERNEL` must be usable on the CPU, since there is no fallback here.
+    """
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_cpu, geometry, house, moving, rays, query)
     shape = rays.shape

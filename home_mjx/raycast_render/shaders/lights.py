@@ -111,7 +111,7 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
 def lamp_light(
     scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, count: int
 ) -> IncidentLight:
-    """Compute the unoccluded light of each point's most important lights.
+    """Compute the light that reaches points from their `count` lights of highest irradiance, with shadow rays.
 
     Args:
         scene: Scene of one environment.
@@ -211,7 +211,13 @@ def mix_colors(one: Color, other: Color, share: float) -> Vec:
 
 
 def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tuple[Vec, Vec]:
-    """Return the unit direction to the sun at angles [rad], and a horizontal unit vector perpendicular to it."""
+    """Return the unit direction to the sun, and a horizontal unit vector perpendicular to it.
+
+    Args:
+        look: Episode's angles of the sun [rad], which replace the others; None: no overrides.
+        azimuth: [rad].
+        elevation: [rad].
+    """
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
     if given == (None, None):  # computed on the host, so that the program equals the one without overrides
         turn, rise = ((math.cos(angle), math.sin(angle)) for angle in (azimuth, elevation))

@@ -66,6 +66,8 @@ def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: F
 def is_same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
     """Return whether two slabs are copies of one physical wall, or one overlaps the other as its continuation.
 
+    Both must be parallel and have at least 0.5 m of height in common.
+
     Args:
         a: A slab.
         b: Another.

@@ -95,7 +95,7 @@ def _match_door(row: Row, doors: Sequence[Doorway]) -> Row:
 
 
 def _closed_doors(rooms: RoomTable, doors: Sequence[Doorway]) -> list[Row]:
-    """Return rows of doors that agents cannot pass: blocked, or to the outside."""
+    """Return rows of width 0 for doors between different rooms, or to the outside; the caller omits passable doors."""
     rows: list[Row] = []
     for door in doors:
         a, b = door.room

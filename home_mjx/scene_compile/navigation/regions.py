@@ -57,7 +57,7 @@ def stair_links(
     height: Float[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[list[GridLink]]:
-    """Return for each of the stairs links at the cells that are free in the grids of both levels.
+    """Return links between the levels of each staircase, at its cells that are free and equally high in both grids.
 
     Args:
         stairs: Stairs of the house.

@@ -39,7 +39,10 @@ class JointedDoor:
 
 @lru_cache(maxsize=256)
 def split_door(door: JointedDoor) -> tuple[Model, tuple[LeafPart, ...]]:
-    """Return the frame and the leaves of a door; the whole door and no leaves if no joint moves in the plan."""
+    """Return the frame and the leaves of a door; the whole door and no leaves if it cannot be split.
+
+    That is so if no joint moves in the plan, or if all triangles belong to leaves.
+    """
     order = tree_order(triangles_z_up(door.mesh))
     leaves = [(joint, np.isin(order, joint.faces)) for joint in door.joints if _moves_in_plan(joint)]
     frame = ~np.any([faces for _, faces in leaves], axis=0)

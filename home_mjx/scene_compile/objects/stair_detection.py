@@ -105,7 +105,14 @@ class StraightFlights:
         return self.runs[0].point_at(self.runs[0].first - beside), self.runs[-1].point_at(self.runs[-1].last + beside)
 
     def slopes(self, low: float, high: float) -> SlopesTopWell:
-        """Return slopes from floor to floor [m]; between landings they extend from edge to edge."""
+        """Return slopes and level landings from floor to floor, the rest of the top tread, and the well.
+
+        Flights extend from edge to edge of the landings. The well consists of the outlines of all slopes.
+
+        Args:
+            low: Height of the lower floor [m].
+            high: Height of the upper floor [m].
+        """
         heights, found = [low, *(height for height, _ in self.landings), high], []
         for i, run in enumerate(self.runs):
             start = run.start(low) if i == 0 else _extent(self.landings[i - 1][1], run.yaw)[1][0]

@@ -119,7 +119,17 @@ def find_stairs(
 def _stairs(
     parts: Sequence[PlacedObject], rooms: RoomTable, lower: int, level: Sequence[int], floor: Float[np.ndarray, " l"]
 ) -> Staircase | None:
-    """Return stairs formed by one object, or by boxes; None if they join no two rooms."""
+    """Return the staircase that one object, or boxes, form between rooms of adjacent levels; None if they form none.
+
+    They form none if their ends are not near the floors of the levels or in rooms, or if no path over treads is found.
+
+    Args:
+        parts: The object, or the boxes.
+        rooms: Outlines and floors.
+        lower: Index of the lower grid.
+        level: Level index of each grid, lowest first.
+        floor: Height of each grid's floor [m].
+    """
     triangles, yaw = np.concatenate([item.triangles for item in parts]), parts[0].yaw
     treads = tread_triangles(triangles)
     low, high = float(triangles[..., 2].min()), float(treads[..., 2].max(initial=-np.inf))

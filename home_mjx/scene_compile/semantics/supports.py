@@ -90,7 +90,10 @@ def _support(
 
 
 def _heights(item: PlacedObject, rooms: RoomTable) -> tuple[float, float]:
-    """Return the floor and ceiling of an object's room [m]; outdoors, the lowest floor of its level and infinity."""
+    """Return the floor and ceiling of an object's room [m].
+
+    Outdoors, they are the lowest floor of its level, 0 if it has no rooms, and infinity.
+    """
     if item.room >= 0:
         return float(rooms.floor[item.room]), float(rooms.ceiling[item.room])
     floors = rooms.floor[rooms.level == item.level]

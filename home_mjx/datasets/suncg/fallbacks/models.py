@@ -41,7 +41,7 @@ class BoxModels:
     version = "boxes-1"
 
     def __call__(self, path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
-        """Return a box with the bounds of the missing model."""
+        """Return a box with the bounds of the missing model, `UNKNOWN_BOX` if they are None, and its description."""
         (x0, y0, z0), (x1, y1, z1) = (UNKNOWN_BOX if bounds is None else bounds).tolist()
         corners = np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
         mesh = slab_mesh("box", corners, (y0, y1), path, (), GREY, outset=0.0)
@@ -50,7 +50,7 @@ class BoxModels:
 
 @cache
 def _provider() -> FallbackModels:
-    """The installed provider.
+    """Return the installed provider; `BoxModels` if there is none.
 
     Raises:
         ConfigError: The provider cannot be imported.

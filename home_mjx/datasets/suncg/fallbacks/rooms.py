@@ -91,7 +91,7 @@ def build_fallback_part(
     """Build the fallback floor, ceiling or walls of a room.
 
     Args:
-        kind: `FloorModel`, `Ceiling` or `WallSegment`.
+        kind: `Floor`, `Ceiling` or `Wall`.
         shape: Outline and height of the room.
         room: The room.
         path: Path of the missing OBJ.

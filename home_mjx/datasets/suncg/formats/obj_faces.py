@@ -61,7 +61,13 @@ def _malformed(words: list[str]) -> bool:
 def _absolute(
     raw: Int[np.ndarray, "c 3"], line: Int[np.ndarray, " c"], rows: dict[str, Rows], path: Path
 ) -> Int[np.ndarray, "c 3"]:
-    """Convert negative indices relative to their face's line to absolute ones, and validate all."""
+    """Validate indices and convert negative ones, relative to their face's line, to absolute ones, which start at 1.
+
+    0 is kept for corners without `vt` or `vn`.
+
+    Raises:
+        DatasetError: An index is out of range.
+    """
     index = raw.copy()
     for column, kind in enumerate(_KINDS):
         above = np.searchsorted(line_numbers(rows[kind]), line)

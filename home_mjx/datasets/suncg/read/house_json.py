@@ -193,7 +193,15 @@ def _with_members(
     same: Mapping[int, int],
     reading: ReaderState,
 ) -> RoomNode:
-    """Return the room with its valid members, each once; `kinds` maps a node's index to True for furniture."""
+    """Return the room with its furniture as members, each once; report invalid and repeated members as problems.
+
+    Args:
+        room: The room, with its members as read.
+        values: JSON values of the level's nodes.
+        kinds: Nodes by index: True for furniture, False for architecture; unknown nodes are absent.
+        same: Indices of repeated nodes, and those of the nodes that replace them; see `_duplicates`.
+        reading: Collects the problems.
+    """
     place = values[room.index].member("nodeIndices")
     beyond = [index for index in room.members if not 0 <= index < len(values)]
     if beyond:

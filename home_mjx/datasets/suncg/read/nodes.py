@@ -145,7 +145,13 @@ def read_bbox(node: JsonValue, reading: ReaderState) -> Float[np.ndarray, "2 3"]
 
 
 def _transform(node: JsonValue, reading: ReaderState) -> Float[np.ndarray, "4 4"] | None:
-    """Read the transform scene from model [m]; None, with a problem, if it is singular."""
+    """Read the transform scene from model [m].
+
+    A missing transform is read as identity, and a singular one as None; both are reported as problems.
+
+    Raises:
+        DatasetError: The value is not an affine 4x4 matrix.
+    """
     value = node.member("transform")
     if not value.has_value:
         reading.note(value, "missing-transform", "no transform: identity is used")

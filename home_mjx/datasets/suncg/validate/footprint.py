@@ -40,7 +40,7 @@ class FootprintGrid:
         return cls(low - 2 * step, step, (columns, rows))
 
     def mask(self, area: Triangles) -> Bool[np.ndarray, "c r"]:
-        """Return the mask of cells whose centre is in a triangle."""
+        """Return the mask of cells whose centre is in a triangle or on its edge; triangles must be inside the grid."""
         found = np.zeros(self.shape, bool)
         for triangle in (area - self.low) / self.step - 0.5:  # in cells, from the middle of the first
             (i, j), (k, m) = np.ceil(triangle.min(0)).astype(int), np.floor(triangle.max(0)).astype(int) + 1
