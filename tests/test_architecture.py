@@ -67,7 +67,6 @@ LAZY: Mapping[str, str] = {
     "home_mjx.audio_jax.kernels.cpu.xla_calls": "Numba kernels compile on first use",
     "home_mjx.cli": "a command loads only its own part, so that --help is quick",
     "home_mjx.core.native.kernel": "Numba and nvcc are loaded when a kernel is built",
-    "home_mjx.core.profiling": "JAX's profiler is loaded for profiles only",
     "home_mjx.env_factory": "`import home_mjx` loads no engine",
     "home_mjx.geometry.meshes": "Numba is loaded where trees are built",
     "home_mjx.physics.fused": "kernels of a device are loaded for that device",

@@ -161,7 +161,7 @@ class TrainingWrapper(Wrapper):
         return self._to_brax(state, info)
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """Apply one control step to all environments."""
+        """Apply one control step to all environments, and reset those whose episode ends; `info` has episode totals."""
         before: Any = state.pipeline_state
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]

@@ -189,7 +189,12 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
     def _step_result(
         self, state: State, infos: dict[str, Any]
     ) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """Assemble the return value of `step` for the autoreset mode."""
+        """Return the result of `step` by autoreset mode; update the mask of environments that reset in their next step.
+
+        Args:
+            state: State after the step.
+            infos: From `collect_infos`; `agent_reward` is added in place if there are several agents.
+        """
         moved, obs = ~self._pending_reset, tools.to_numpy(state.obs)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1) * moved[:, None]
         terminated, truncated = np.array(state.terminated) & moved, np.array(state.truncated) & moved
@@ -208,7 +213,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return obs, rewards.mean(-1), terminated, truncated, info
 
     def render(self) -> tuple[np.ndarray, ...] | None:
-        """Render the view of the first agent of each environment, (H, W, 3) uint8."""
+        """Render the first agent's view in each environment, (H, W, 3) uint8; None if off or before reset."""
         if self._picture is None or self._state is None:
             return None
         states = (jax.tree.map(lambda x, i=i: x[i], self._state) for i in range(self.num_envs))

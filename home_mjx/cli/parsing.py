@@ -21,7 +21,12 @@ class Parser(argparse.ArgumentParser):
         self.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:
-        """Parse arguments; reject unknown ones."""
+        """Parse arguments.
+
+        Raises:
+            UnknownNameError: An option is unknown.
+            ConfigError: An argument is invalid or unexpected.
+        """
         parsed, extra = self.parse_known_args(args, namespace)
         if extra:
             self._refuse(extra[0])

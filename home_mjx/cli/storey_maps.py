@@ -18,12 +18,15 @@ MAX_RAYS_PER_OCTAVE, MAX_BOUNCES = 256, 60  # per receiver; each ray carries one
 
 
 def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") -> dict[str, np.ndarray]:
-    """Render maps of level and reverberation time, means of the octaves of 500 Hz and 1 kHz, by name.
+    """Render maps over the storey of a source, averaged over the octaves of 500 Hz and 1 kHz.
 
     Args:
         scene: Scene with the first house of its bank.
         source: (3,) [m].
         config: Options; traced rays are reduced, see `reduce_rays`.
+
+    Returns:
+        Images (H, W, 3) uint8: `level`, the strength G [dB], and `t30`, the reverberation time T30 [s].
     """
     import jax
     import jax.numpy as jnp

@@ -119,7 +119,7 @@ def _quat(yaw: float, pitch: float) -> np.ndarray:
 
 
 def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
-    """Raise `ConfigError` if a `point` (3,) is outside the extent of the rooms of the bank's first house."""
+    """Raise `ConfigError` if a `point` (3,) is outside the x and y extents of the rooms of the first house [m]."""
     navigation = bank.navigation
     rows, columns = np.nonzero((np.asarray(navigation.room[0]) >= 0).any(0))
     cells, origin = np.stack([columns, rows], -1), np.asarray(navigation.origin[0])

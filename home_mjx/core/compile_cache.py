@@ -31,19 +31,24 @@ def use_compile_cache() -> Path | None:
         PosixPath('/home/me/.cache/home_mjx/programs-5f0c2a91')
     """
     if FOLDER_VARIABLE not in os.environ:
-        os.environ[FOLDER_VARIABLE] = str(cache_folder() / f"programs-{_processor()}")
+        chosen = _configured_folder()
+        os.environ[FOLDER_VARIABLE] = chosen or str(cache_folder() / f"programs-{_processor()}")
         os.environ.setdefault(OPTIONS["jax_persistent_cache_min_compile_time_secs"], MIN_COMPILE_SECONDS)
-        if "jax" in sys.modules:  # JAX reads the environment only once, at import
-            _tell_jax()
+        if "jax" in sys.modules and chosen is None:  # JAX reads the environment only once, at import
+            _configure_jax()
     return Path(os.environ[FOLDER_VARIABLE]) if os.environ[FOLDER_VARIABLE] else None
 
 
-def _tell_jax() -> None:
+def _configured_folder() -> str | None:
+    """Return the folder of JAX's configuration; None if JAX is not imported or no folder is set."""
+    return getattr(sys.modules["jax"].config, "jax_compilation_cache_dir", None) if "jax" in sys.modules else None
+
+
+def _configure_jax() -> None:
     import jax
 
-    if getattr(jax.config, "jax_compilation_cache_dir", None) is None:
-        for option, variable in OPTIONS.items():
-            jax.config.update(option, os.environ[variable] if option.endswith("dir") else float(os.environ[variable]))
+    for option, variable in OPTIONS.items():
+        jax.config.update(option, os.environ[variable] if option.endswith("dir") else float(os.environ[variable]))
 
 
 @functools.cache

@@ -117,7 +117,7 @@ def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Return distances [m] from entries of `NavigationArrays.cell` to one, several or all (None) goals of a house."""
+    """Return distances from entries of `NavigationArrays.cell` to one, several or all (None) goals [m]; inf if none."""
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)

@@ -32,7 +32,7 @@ class PathFollower:
     visited: int = field(default=0)
 
     def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
-        """Compute the next action (forward, left, turn, look), see `steer`."""
+        """Return the next action (forward, left, turn, look), see `steer`; a goal within 0.4 m counts as visited."""
         cell = self._free_cell(self._cell(pos))
         if self._field[cell] < 0.4:
             self.visited += 1
@@ -93,7 +93,16 @@ def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray
 
 
 def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> PathFollower:
-    """Make a walker that visits other rooms first, nearest goals first, and all rooms once before any room twice."""
+    """Make a path follower that visits a goal in every other room, nearest goals first, before any room twice.
+
+    Unreachable goals are omitted.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        pos: Start of the agent [m].
+        turn_per_step: Maximum turn in one step [rad].
+    """
     navigation = bank.navigation
     fields = ground_fields(bank, house)
     walker = PathFollower(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)

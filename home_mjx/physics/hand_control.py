@@ -185,7 +185,7 @@ def _carry_grip(
 def _start_place(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
-    """Start to place the held body at a reachable point."""
+    """Start to place the held body at `spot` [m]; no effect if the hand is empty or the spot out of reach."""
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))

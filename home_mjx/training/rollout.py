@@ -111,7 +111,15 @@ def rollout(
 def _truncation_values(
     policy: Policy, memory: Any, last: dict[str, Array], outputs: dict[str, Array], late: Array
 ) -> Array:
-    """Return the values of the observations after truncated steps; 0 elsewhere."""
+    """Return the values (r,) of the observations after truncated steps; 0 elsewhere, or if the policy has no values.
+
+    Args:
+        policy: The policy.
+        memory: Its memory after the step.
+        last: Last observations of the episodes that ended.
+        outputs: Its other outputs at the step.
+        late: True for truncated rows.
+    """
     nothing, value = jnp.zeros(late.shape, jnp.float32), policy.value
     if value is None:
         return nothing

@@ -95,7 +95,12 @@ def train(
 
 
 def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
-    """Return the updates of an earlier part of the run; reject invalid runs before any house is compiled."""
+    """Return the number of updates in the run's checkpoint, 0 if there is none; validate before houses are compiled.
+
+    Raises:
+        ConfigError: There is a checkpoint but `resume` is False, its configuration differs, or devices do not fit.
+        DatasetError: The checkpoint or `config.start` is broken, or has more updates than the run.
+    """
     core = make_core(config.env)
     for _, options in config.stages:
         if core is not None:

@@ -145,7 +145,13 @@ def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"
 
 
 def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -> Complex[Array, "p f"]:
-    """Compute spectra of minimum-phase filters with these octave gains for a transform of `size` samples."""
+    """Compute real-FFT spectra of minimum-phase filters with these gains per octave; 0 for silent rows.
+
+    Args:
+        gain: Amplitude gains, at least 0.
+        size: Samples of the transform, so f = size // 2 + 1.
+        sample_rate: [Hz].
+    """
     level, sounds = octave_levels(gain)
     table = causal_octave_log_spectra(size, sample_rate)
     real, phase = (

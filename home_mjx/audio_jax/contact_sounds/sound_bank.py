@@ -181,7 +181,10 @@ def _modes(stuff: ImpactMaterial, seconds: float, sample_rate: int) -> Float[np.
 
 
 def _scrape(stuff: ImpactMaterial, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate sliding as noise through the body's modes, by circular convolution over the loop."""
+    """Synthesise a seamless loop of sliding: band-limited noise plus half as loud noise filtered by the body's modes.
+
+    Circular convolution makes the loop seamless. The RMS is `level` - 10 dB re speech.
+    """
     length = round(LOOP_SECONDS * sample_rate)
     noise = np.random.default_rng(23).normal(size=length)
     ringing = _modes(stuff._replace(loss_factor=max(stuff.loss_factor, 0.02)), TRANSIENT_SECONDS, sample_rate)

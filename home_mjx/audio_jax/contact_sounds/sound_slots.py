@@ -189,7 +189,16 @@ def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioCon
 
 
 def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w bands"]:
-    """Compute the power of `emitted_signals` per time bin and octave, as input of `mean_band_power`."""
+    """Compute the power of `emitted_signals` per time bin and octave, as input of `mean_band_power`.
+
+    Args:
+        noises: Sounds after the step of this frame.
+        time: Start of the frame since the episode's start [samples].
+        audio: Options for the lengths.
+
+    Returns:
+        Power of each slot, transient ones first. Of w bins, the first `audio.num_bins - 1` precede the frame.
+    """
     size, rate = audio.bin_samples, audio.sample_rate
     frame = max(round(audio.frame / size), 1)
     bins = jnp.arange(1 - audio.num_bins, frame, dtype=jnp.int32)

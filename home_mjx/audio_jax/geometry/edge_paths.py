@@ -147,7 +147,7 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
 
 
 def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
-    """Return whether the straight line intersects each box."""
+    """Return whether the segment from source to listener intersects each box."""
     half = frame.half[:, 0]
     lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from box centre
     start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift

@@ -92,7 +92,13 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 
 
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
-    """Compute the total energy of all rays at the start of a bin."""
+    """Compute the energy remaining in all rays at path length `index * metres` from the listener.
+
+    Args:
+        trace: Traced rays.
+        index: Time bin.
+        metres: Path length per bin [m].
+    """
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
     energy = jnp.concatenate([trace.initial_energy[None], trace.remaining])
     chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)

@@ -122,7 +122,20 @@ def _split(
     config: AudioConfig,
     phase: str,
 ) -> tuple[Float[np.ndarray, "m 2"], Complex[np.ndarray, "m 2 f"], Float[np.ndarray, "m 2 bands"]]:
-    """Split responses into delays [s] and delay-free filters; return them and the energies per octave."""
+    """Separate head-related impulse responses into onset delays and filters.
+
+    Args:
+        response: Responses of m directions and two ears.
+        rate: Sample rate of the responses [Hz].
+        wanted: Frequencies of the filters [Hz].
+        fine: Frequencies at which octave energies are averaged [Hz].
+        config: Options.
+        phase: "minimum" for minimum-phase filters, "measured" to retain the phase after the delay is removed.
+
+    Returns:
+        Delays [s], spectra of the filters at `wanted`, and mean energies per octave. With "measured", the filters are
+        `PRE_DELAY_SECONDS` late.
+    """
     least = minimum_phase(response)
     late = estimate_delays(response, least) / rate
     whole = response_spectra(response, rate, fine)

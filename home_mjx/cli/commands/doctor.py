@@ -99,7 +99,7 @@ def _devices() -> Iterator[CheckResult]:
 
 
 def _backends() -> Iterator[CheckResult]:
-    """Report the backends for ray casting that run here."""
+    """Yield one result per ray-casting backend (xla, cpu, cuda): usable here, or the reason why not."""
     from home_mjx.raycast_render.backends.registry import KERNEL
 
     yield CheckResult("backend xla", OK, "the reference, runs everywhere")

@@ -177,7 +177,11 @@ def _validate(args: argparse.Namespace) -> int:
 
 
 def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
-    """Print the findings, or one JSON object of them; return the number of errors."""
+    """Print the findings, or one JSON object of them; return the number of errors.
+
+    Raises:
+        ConfigError: The dataset is not in SUNCG's format.
+    """
     from home_mjx.datasets.suncg.dataset import SuncgDataset
     from home_mjx.datasets.suncg.validate.validate import validate_house
 

@@ -96,7 +96,13 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _place_camera(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
-    """Return the viewpoint of the camera, its `fovy` and its model."""
+    """Return the viewpoint of the camera, its `fovy` [rad] and its model; with `--top`, an orthographic camera.
+
+    `fovy` of an orthographic camera is the height of the image [m].
+
+    Raises:
+        ConfigError: `--top` is combined with an option of the viewpoint, or the camera is outside of the house.
+    """
     if args.top is None:
         return place_head(args, args.pitch or 0.0), np.deg2rad(args.fovy or DEFAULT_FOVY), args.lens or "pinhole"
     given = [f"--{name}" for name in ("at", "yaw", "pitch", "fovy", "lens") if getattr(args, name) is not None]

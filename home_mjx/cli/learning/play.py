@@ -91,7 +91,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
-    """Return the spec of the named task or of the checkpoint's; `sensors=None` keeps its sensors.
+    """Return the spec of the named task, or of a checkpoint's, with houses and options from the arguments.
+
+    `sensors` replaces its sensors; None: unchanged.
 
     Raises:
         ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task.

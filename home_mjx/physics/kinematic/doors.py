@@ -27,9 +27,10 @@ def drive_doors(
 def push_doors(
     leaves: DoorLeaves, angle: Float[Array, " h"], pos: Float[Array, "a 3"], radius: Float[Array, " a"]
 ) -> Float[Array, " h"]:
-    """Return joint coordinates at which the leaves do not overlap agents, within the limits of hinges and rails.
+    """Return joint coordinates after agents have pushed overlapping leaves away, within the limits of hinges and rails.
 
-    Agents push hinged leaves at their faces and sliding ones at their narrow ends.
+    Agents push hinged leaves at their faces and sliding ones at their narrow ends. The correction is first order and
+    summed over agents. So overlap can remain, as it does close to a hinge, where agents do not push.
 
     Args:
         leaves: Leaves of the house.

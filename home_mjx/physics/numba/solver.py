@@ -76,7 +76,7 @@ def _root(work, m):
 @compiled
 @no_type_check
 def _collect_members(work, root):
-    """Collect an island's bodies and assign their offsets in its vectors; return both counts."""
+    """List an island's bodies in `work.members`, assign their offsets; return the numbers of bodies and of DoFs."""
     members, size = 0, 0
     for m in range(root, work.num_dynamic):
         if work.used[m] and work.island[m] == root:
@@ -188,7 +188,7 @@ def _add_contact(work, n, size):
 @compiled
 @no_type_check
 def _factorise(matrix, size):
-    """Factor a symmetric matrix by Cholesky, in place of its lower triangle."""
+    """Factor a symmetric matrix by Cholesky, in place of its lower triangle; pivots are at least `MIN_PIVOT`."""
     for j in range(size):
         pivot = matrix[size * j + j]
         for k in range(j):
@@ -221,7 +221,7 @@ def _back_substitute(factor, gradient, search, size):
 @compiled
 @no_type_check
 def _line_search(work, members, rows):
-    """Return the step along `search` that minimises the cost; exactly 1 if a full step minimises its piece."""
+    """Return the step along `search` that minimises the cost; exactly 1 if a full step does, 0 if converged."""
     start, curve, scale = _inertial_derivatives(work, members)
     _residual_slopes(work, rows)
     before, _ = _derivatives(work, rows, start, curve, 0.0)

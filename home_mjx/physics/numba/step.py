@@ -73,7 +73,7 @@ def scale_bodies(work, mass, inertia, surface, scale):
 @compiled
 @no_type_check
 def _load_door(work, m, door):
-    """Load a door leaf; see `doors.door_table`."""
+    """Copy size, inertia, inverse weight and validity of leaf row `door` to body `m`; see `doors.door_table`."""
     work.there[m] = 1 if door[6] >= 0 else 0
     square = 0.0
     for k in range(3):

@@ -72,7 +72,11 @@ def _as_array(action: Any) -> Array:
 
 
 def _add_agent_axis(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
-    """Return the action with the agent axis, which is optional for a single agent."""
+    """Return the action with the agent axis, which is optional for a single agent.
+
+    Raises:
+        ConfigError: The action has another shape, such as that of a batch of environments.
+    """
     everybody = num_agents, *shape
     if action.shape not in ((everybody, shape) if num_agents == 1 else (everybody,)):
         expected = everybody if num_agents > 1 else shape

@@ -131,7 +131,16 @@ def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], far: DistanceFunct
 def _check_segments(
     snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "k 3"]
 ) -> tuple[Bool[Array, " k"], Float[Array, " k"], Float[Array, " k"]]:
-    """Return which straight segments are free, their maximum slowness, and the maximum slowness of their ends."""
+    """Check straight segments from an agent to positions.
+
+    Args:
+        snapshot: The environment.
+        agent: Index of the agent.
+        place: Ends of the segments [m].
+
+    Returns:
+        Whether each segment is free; the maximum of `cost_factors` along it; their maximum at its two ends.
+    """
     bank, house, pos = snapshot.bank, snapshot.house, snapshot.pose.pos[agent]
     part = jnp.linspace(0.0, 1.0, NUM_SEGMENT_SAMPLES, dtype=jnp.float32)[:, None]
     between = pos + part * (place - pos)[:, None]

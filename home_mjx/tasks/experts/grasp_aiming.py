@@ -158,7 +158,14 @@ def _pick_candidates(
 def _place_candidates(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Return spots on the nearest object [m], and which of them are free, visible and within reach."""
+    """Return spots for the held body on the guide's nearest object [m]; whether each is free, visible and in reach.
+
+    Args:
+        snapshot: The environment.
+        state: State of its row task.
+        guide: Index of the descriptor that selects the objects.
+        box: Bounds of the nearest of them to each agent [m].
+    """
     config, bank, house = snapshot.config, snapshot.bank, snapshot.house
     eyes, carried = eye_position(config, snapshot.pose), held_object_ids(snapshot)
     body, physics = jnp.maximum(snapshot.held, 0), bank.physics

@@ -117,7 +117,7 @@ class PiedPiper(NavigationTask):
         return (*SPLITS[self.clip_split], *(DISTRACTOR_CLIPS if self.num_others else ()))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield pairs of places of the house as the piper's route."""
+        """Yield random pairs of places as ends of the piper's route, endlessly; nothing if there are fewer than two."""
         free = random.permutation(np.flatnonzero(~view.graph.at_leaf))[:NUM_PLACES]
         while len(free) > 1:
             first, second = view.graph.place[random.choice(free, 2, replace=False)].tolist()

@@ -76,7 +76,7 @@ class Lidar(Sensor):
         return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.max_depth, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Cast one ray per direction."""
+        """Return `lidar` (a, 64): distances to the first hits [m], at most `max_depth`; the own body is ignored."""
         angles = snapshot.pose.yaw[:, None] + jnp.arange(NUM_RAYS) * jnp.float32(2 * math.pi / NUM_RAYS)
         ways = jnp.stack([jnp.cos(angles), jnp.sin(angles), jnp.zeros_like(angles)], axis=-1)
         eyes = jnp.broadcast_to(eye_position(config, snapshot.pose)[:, None], ways.shape)

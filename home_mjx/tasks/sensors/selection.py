@@ -83,7 +83,7 @@ def state_owners(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
 
 
 def _check_names(config: EnvConfig, sensors: tuple[Sensor, ...], task: Task) -> None:
-    """Raise if two owners use the same name, because one of the two observations would be lost."""
+    """Raise `ConfigError` if two owners use the same name, because one of the two observations would be lost."""
     first: dict[str, tuple[Sensor | Task, str]] = {}
     for owner in (*sensors, task):
         for name, role in _used_names(config, owner):

@@ -139,7 +139,11 @@ class Encoder(nn.Module):
     def _encode_images(
         self, images: list[Array], marks: list[Array], words: Array | None
     ) -> list[Float[Array, "*b f"]]:
-        """Return features of all images of one size, and of their marked pixels if any."""
+        """Encode all images of one size together, stacked along channels with the masks of marked pixels.
+
+        Returns:
+            One feature vector; with marks and words, a second one by attention to the marked pixels.
+        """
         stacked = jnp.concatenate(images + marks, axis=-1)
         whole = ImageEncoder(self.channels, self.features, self.dtype)(stacked, words)
         if not marks or words is None:

@@ -184,7 +184,7 @@ class _RunningEpisode:
             self.seen.setdefault(name, []).append(values[i].copy())
 
     def add(self, host: dict[str, Any], obs: dict[str, np.ndarray], i: int) -> None:
-        """Append a step and the observation after it."""
+        """Append the step of environment `i` of a batch on the host, and a copy of its observation after the step."""
         self.actions.append(host["action"][i])
         self.rewards.append(host["reward"][i])
         self.terminated.append(host["terminated"][i])

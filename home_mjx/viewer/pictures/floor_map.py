@@ -64,7 +64,7 @@ def _paint_cells(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
 
 
 def _arrow(at: tuple[float, float], yaw: float, radius: float) -> list[tuple[float, float]]:
-    """Return the corners of an arrow head that points along a yaw."""
+    """Return the four corners of a notched arrow head [px] that points along a yaw [rad]; image y is down."""
     turns = (0.0, 2.5, math.pi, -2.5)
     sizes = (1.6, 1.2, 0.5, 1.2)
     return [

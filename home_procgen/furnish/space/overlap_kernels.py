@@ -34,7 +34,7 @@ class OverlapKernels(NamedTuple):
 @cache
 @verify_cache
 def overlap_kernels() -> OverlapKernels:
-    """Return the functions, compiled once for all processes."""
+    """Return the overlap tests compiled by Numba; machine code is cached on disk for all processes."""
     return OverlapKernels(
         njit(types.boolean(_BOXES, _BOXES, types.int64, types.float64, types.float64), cache=True)(_any_overlap),
         njit(types.boolean[::1](_ROWS, _TURNS, _CORES, _STORED, types.float64), cache=True)(_free_mask),

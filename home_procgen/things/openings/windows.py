@@ -35,7 +35,16 @@ def window(
 def _sash(
     width: float, height: float, at: tuple[float, float, float], style: str, slot: str, z: float = 0.0
 ) -> Iterator[Solid]:
-    """Build a glazed sash with its bottom centre at `at`."""
+    """Build a glazed sash with a handle.
+
+    Args:
+        width: Width [m].
+        height: Height [m].
+        at: x and y of the bottom centre [m]; its z is ignored.
+        style: "bars", "diamond", or any other for one pane.
+        slot: Material slot of the frame.
+        z: Depth of the track [m].
+    """
     rail, (x, y, _) = 0.045, at
     for s in (-1, 1):
         yield box(slot, (rail, height, 0.06), (x + s * (width - rail) / 2, y, z))

@@ -77,7 +77,7 @@ def _buttons(width: float) -> Iterator[Solid]:
 
 
 def camelback(width: float = 1.9) -> Iterator[Solid]:
-    """Build a sofa with one seat pad, a humped back and exposed carved legs."""
+    """Build a sofa with one seat pad, a humped back, scroll arms, two bolsters and cabriole legs."""
     yield from legs("wood", width - 0.1, 0.7, 0.22, "cabriole", 0.06)
     yield rounded_box("upholstery", (width - 0.06, 0.16, 0.76), (0.0, 0.2, 0.0), 0.03, 2)
     yield padded_block("upholstery", (width - 0.3, 0.14, 0.66), (0.0, 0.34, 0.05), 12.0, 6)

@@ -15,7 +15,7 @@ from home_procgen.things.joinery import corners, foot_plate
 
 
 def bar_stool(height: float = 0.72, base: str = "legs", back: bool = False) -> Iterator[Solid]:
-    """Build a high stool on four legs, or on one column with a footrest."""
+    """Build a bar stool with a footrest, on four `legs`, or on one column with any other `base`."""
     yield padded_block("upholstery", (0.38, 0.08, 0.38), (0.0, height - 0.07, 0.0), 3.0, 5)
     if base == "legs":
         for x, z in corners(0.24, 0.24):

@@ -153,7 +153,7 @@ def sawhorse(width: float = 1.5, depth: float = 0.7) -> Iterator[Solid]:
 
 
 def ladder_desk(width: float = 0.8) -> Iterator[Solid]:
-    """Build leaning side rails with a desk and two shelves."""
+    """Build leaning side rails with a desk and two shelves, one with a row of books."""
     for s in (-1, 1):
         x = s * (width / 2 - 0.02)
         yield beam("wood", (x, 0.0, 0.28), (x, 1.8, -0.24), 0.03, 0.05)

@@ -109,7 +109,14 @@ def launch_lattice(
 ) -> Callable[[], dict[str, np.ndarray]]:
     """Launch rays from lattice points to cells; return a function that computes the lattice fields of a `LateField`.
 
-    The fields are the cells around each lattice point and their weights. A GPU can do other work until that call.
+    The fields are the visible cells around each lattice point, their weights, and the lattice itself. Points are about
+    `LATTICE_STEP` apart, at `EAR_HEIGHT`. A GPU can do other work until that call.
+
+    Args:
+        house: The house.
+        scene: Its scene, for visibility rays.
+        cells: Its cells.
+        size: Edge length of a cell [m]; cells have weight up to `CELL_REACH * size`.
     """
     stride = max(round(LATTICE_STEP / cells.step), 1)
     levels, rows, columns = cells.lookup.shape

@@ -211,7 +211,14 @@ def _trace_batch(
 def _accumulate(
     before: tuple[TraceEnergy, ...], gave: TraceEnergy, flight: Int[Array, "s m"], weight: Float[Array, "s m"]
 ) -> TraceEnergy:
-    """Add weighted flights to the sums of their sources in a fixed order, for reproducible sums."""
+    """Sum the weighted energies of each source's flights, in a fixed order for reproducible results.
+
+    Args:
+        before: One element, the sums of earlier batches with one row per source; empty for the first batch.
+        gave: Energies of a batch, one row per flight.
+        flight: Rows of the m flights of each of s sources.
+        weight: Weights of these flights; 0 for padding.
+    """
 
     def add(new: Array, *total: Array) -> Array:
         share = weight.T.reshape(*weight.T.shape, *(new.ndim - 1) * [1])
