@@ -104,6 +104,11 @@ class Dataset(ABC):
     categories: ClassVar[Mapping[str, tuple[str, str, str]]] = {}
     shares_root: ClassVar[bool] = False
 
+    @property
+    def reader(self) -> str:
+        """Name of the code that reads the houses, a part of the keys of compiled houses; default: the class."""
+        return f"{type(self).__module__}.{type(self).__qualname__}"
+
     def __init__(self, root: Path, name: str | None = None) -> None:
         self.root = root
         self.name = str(root) if name is None else name

@@ -125,12 +125,12 @@ class HouseCache:
     def entry_path(self, house_id: str) -> Path:
         """Return the path of the house's cache entry, whether or not it exists; first prepare the dataset's files.
 
-        The file name is a digest of the id, the options and the content of these files.
+        The file name is a digest of the id, the options, the reader and the content of these files.
 
         Raises:
             DatasetError: The files cannot be written, see `Dataset.prepare`.
         """
-        named = repr((house_id, self.options, self.dataset.fallbacks))
+        named = repr((house_id, self.options, self.dataset.fallbacks, self.dataset.reader))
         self.dataset.prepare((house_id,))
         key = hashlib.sha256(named.encode() + self._inputs.house(house_id)).hexdigest()
         return self._folder / "houses" / f"{key}{ENTRY_SUFFIX}"

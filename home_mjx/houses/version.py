@@ -23,7 +23,6 @@ COMPILER_PATHS = (
     "core/images.py",
     "core/native/numba_cache.py",
     "datasets/base.py",
-    "datasets/base.py",
     "datasets/seeds.py",
     "datasets/suncg/dataset.py",
     "datasets/suncg/digests.py",

@@ -165,3 +165,23 @@ def test_the_command_line_finds_it_by_its_entry_point(user_file, tmp_path):
     found = json.loads(run("inspect", "boxes-1", "--dataset", "boxes:2", "--json"))
     assert (found["id"], found["counts"]["rooms"]) == ("boxes-1", 2)
     assert json.loads(run("inspect", "boxes:2", "--json"))["counts"]["houses"] == 2
+
+
+def test_another_reader_of_the_same_files_has_its_own_cache_entries(module, cache):
+    """A subclass with equal ids and digests was once given the houses of its base."""
+
+    class Others(module.BoxDataset):
+        pass
+
+    first, second = open_dataset("boxes:3"), Others("3")
+    house_id = first.house_ids[0]
+    assert first.inputs().house(house_id) == second.inputs().house(house_id)
+    assert HouseCache(first).entry_path(house_id) != HouseCache(second).entry_path(house_id)
+
+
+def test_generated_houses_share_entries_with_their_folder():
+    generated = open_dataset("procedural:1?seed=5")
+    generated.prepare(generated.house_ids)
+    house_id = generated.house_ids[0]
+    folder = open_dataset(generated.root)
+    assert HouseCache(generated).entry_path(house_id) == HouseCache(folder).entry_path(house_id)

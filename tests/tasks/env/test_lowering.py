@@ -5,6 +5,8 @@ import os
 import subprocess
 import sys
 
+import jax
+
 from home_mjx.core.compile_cache import use_compile_cache
 
 LOWER = """
@@ -52,6 +54,18 @@ def test_the_cache_folder_is_the_users_where_chosen(monkeypatch, tmp_path):
     assert use_compile_cache() == tmp_path
     monkeypatch.setenv("JAX_COMPILATION_CACHE_DIR", "")
     assert use_compile_cache() is None
+
+
+def test_the_cache_folder_of_jaxs_configuration_is_kept(monkeypatch, tmp_path):
+    monkeypatch.delenv("JAX_COMPILATION_CACHE_DIR", raising=False)
+    before = jax.config.jax_compilation_cache_dir
+    try:
+        jax.config.update("jax_compilation_cache_dir", str(tmp_path))
+        assert use_compile_cache() == tmp_path
+        assert os.environ["JAX_COMPILATION_CACHE_DIR"] == str(tmp_path)  # that of children
+        assert jax.config.jax_compilation_cache_dir == str(tmp_path)
+    finally:
+        jax.config.update("jax_compilation_cache_dir", before)
 
 
 def test_a_second_process_compiles_nothing(tmp_path):

@@ -23,7 +23,7 @@ def read_part(node: JsonValue, kind: str, node_id: str, reading: ReaderState) ->
 
     Args:
         node: Node of the room or ground.
-        kind: `FloorModel`, `Ceiling`, `Wall` or `Ground`.
+        kind: `Floor`, `Ceiling`, `Wall` or `Ground`.
         node_id: Id of the node in the architecture file.
         reading: State of the reader.
 
