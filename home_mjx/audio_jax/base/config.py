@@ -85,6 +85,7 @@ class AudioConfig:
             self._check_baked()
 
     def _check_baked(self) -> None:
+        """Raise `ConfigError` unless the options that affect baked energies equal those of the bake."""
         default, early = AudioConfig(), EarlyPaths().reflection_order
         for name, value, baked in (
             ("bin_seconds", self.bin_seconds, default.bin_seconds),
@@ -171,7 +172,7 @@ class AudioConfig:
 
     @property
     def num_tail_repeats(self) -> int:
-        """Number of these repetitions; 0 without `motion`."""
+        """Number of repetitions of the last `tail_period` samples in the tail; 0 without `motion`."""
         if self.motion is None or not self.tail_period:
             return 0
         return math.ceil(self.motion.tail_seconds * self.sample_rate / self.tail_period - 1e-9)
@@ -200,6 +201,7 @@ class AudioConfig:
 
 
 def _check_whole(name: str, value: float, unit: str) -> None:
+    """Raise `ConfigError` unless a value is a whole number and at least 1, within 1e-6."""
     if abs(value - round(value)) > 1e-6 or round(value) < 1:
         raise ConfigError(
             f"`{name}` must hold a whole number of {unit}, got {value:g}",

@@ -15,7 +15,7 @@ KERNEL_WIDTH = 2 * HALF_WIDTH + NUM_READ  # [samples], of a delay kernel
 
 
 def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Evaluate a Kaiser-windowed sinc pulse at offsets from its centre [samples].
+    """Evaluate a Kaiser-windowed sinc pulse at offsets from its centre [samples]; 0 beyond `HALF_WIDTH`.
 
     Kaiser, Nonrecursive digital filter design using the I0-sinh window function, 1974.
 

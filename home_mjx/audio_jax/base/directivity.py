@@ -115,7 +115,7 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
 
 
 def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
-    """Return quadrature weights over the sphere that are exact for energies linear between table angles."""
+    """Return quadrature weights of table angles, with the sum 1; exact for energies linear between the angles."""
     step = math.pi / (count - 1)
     share = np.sin(np.arange(count) * step) * (1 - math.cos(step)) / step
     share[0] = share[-1] = (1 - math.sin(step) / step) / 2
@@ -127,6 +127,7 @@ def _angles() -> Float[np.ndarray, " a"]:
 
 
 def _per_octave(name: str, value: float | Sequence[float], most: float) -> Float[np.ndarray, " bands"]:
+    """Return one value per octave; raise `ConfigError` for other counts, and values outside 0 .. `most`."""
     values = [value] * len(BANDS) if isinstance(value, int | float) else list(value)
     if len(values) != len(BANDS):
         raise ConfigError(f"`{name}` must be one number or {len(BANDS)}, got {len(values)}")

@@ -59,7 +59,7 @@ def check_listener(listener: Listener) -> None:
 
 
 def check_source(source: SoundSource) -> None:
-    """Validate that a directional source has a quaternion of unit length; tracers are not checked.
+    """Validate that the quaternion of a source has unit length, and that a directional one has it; skip tracers.
 
     Raises:
         ConfigError: A source with a directivity has no quaternion, or a quaternion is not of unit length.
@@ -84,7 +84,7 @@ def emission_gains(source: SoundSource, direction: Float[Array, "n 3"]) -> Float
     """Return the source's pressure gain per octave in some directions re its axis; 1.0 if it is omnidirectional.
 
     Args:
-        source: The source; the gains are 0 if its quaternion is not of unit length.
+        source: The source, validated by `check_source`; gains are 0 if a traced quaternion is not of unit length.
         direction: Unit vectors, world.
     """
     check_source(source)

@@ -81,7 +81,7 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
     and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `filter_basis`.
 
     Args:
-        gain: At least 0.
+        gain: At least 0; values below `MIN_RELATIVE_GAIN` re the path's loudest octave are raised to it.
         sample_rate: [Hz].
 
     Returns:
@@ -132,7 +132,7 @@ def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.
 def _spectra_at(
     kernel: Float[np.ndarray, "n u"], frequency: Float[np.ndarray, " m"], sample_rate: int
 ) -> Complex[np.ndarray, "n m"]:
-    """Evaluate spectra of impulse responses at `OVERSAMPLING` times the rate."""
+    """Evaluate spectra at frequencies [Hz]; impulse responses have `OVERSAMPLING` times the sample rate."""
     time = np.arange(kernel.shape[1]) / (OVERSAMPLING * sample_rate)
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency[None])
 

@@ -57,7 +57,7 @@ def audio_preset(name: str, **changes: Any) -> AudioConfig:
     """Return the options of the preset "fast", "balanced" or "reference"; `PRESETS` lists their errors.
 
     "fast" and "balanced" look up baked late reverberation, see `add_bakes`; `make` bakes it unless a bank is
-    passed. With `late="traced"` they trace rays in every step instead.
+    passed. With `late="traced"` they trace rays in every step instead. `late="baked"` sets `reflection_order` to 1.
 
     Args:
         name: Name of the preset.

@@ -140,7 +140,7 @@ def _time(seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _set_level(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Scale a sound to a level over its first 0.1 s, and fade out its end."""
+    """Fade out the end of a sound, and scale it to a level [dB re speech RMS] over its first 0.1 s."""
     time = np.arange(sound.size) / sample_rate
     sound = sound * np.clip((time[-1] - time) / FADE_OUT_SECONDS, 0, 1)
     rms = np.sqrt(np.mean(sound[: round(0.1 * sample_rate)] ** 2))
@@ -195,7 +195,7 @@ def _scrape(stuff: ImpactMaterial, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _creak(sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate stick-slip: 60 small impacts per second on wood, with random intervals and strengths."""
+    """Generate a loop of stick-slip: 60 small impacts per second on wood, with random intervals and strengths."""
     length, rng = round(LOOP_SECONDS * sample_rate), np.random.default_rng(29)
     pulses = np.zeros(length)
     at = np.cumsum(rng.uniform(0.7, 1.3, round(LOOP_SECONDS * 60)) / 60 * sample_rate).astype(int)

@@ -47,7 +47,7 @@ class ContactSounds(Pytree):
 
 
 def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_agents: int) -> ContactSounds:
-    """Return empty slots.
+    """Return empty slots, and walked distances of 0.
 
     Example:
         >>> empty_contact_sounds(ContactSoundConfig(), AudioConfig(), 1).sustained.gain.shape
@@ -115,7 +115,7 @@ def update_sustained(
     row: Int[Array, " n"],
     gain: Float[Array, " n"],
 ) -> tuple[SustainedSounds, Bool[Array, ""]]:
-    """Update sustained sounds: an emitter keeps its slot until it is silent, and new ones take free slots.
+    """Update sustained sounds: an emitter keeps its slot until all its stored gains are 0; new ones take free slots.
 
     Args:
         old: Current sounds.
@@ -154,13 +154,13 @@ def update_sustained(
 
 
 def sound_positions(noises: ContactSounds) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
-    """Return positions [m] and object ids of all slots: strikes, then rubs."""
+    """Return positions [m] and object ids of all slots: transient, then sustained ones."""
     both = noises.transients, noises.sustained
     return jnp.concatenate([x.pos for x in both]), jnp.concatenate([x.body for x in both])
 
 
 def has_sound(noises: ContactSounds) -> Bool[Array, " e"]:
-    """Return a mask of the slots with any sound within the stored frames."""
+    """Return a mask of transient slots in use, also after their sound ended, and of sustained ones with a stored gain."""
     return jnp.concatenate([noises.transients.gain > 0, jnp.any(noises.sustained.gain > 0, axis=1)])
 
 

@@ -39,7 +39,7 @@ class EdgePaths(Pytree):
     apex: Float[Array, "e 3"]  # [m], world, diffraction point of an infinite edge
     edge_extent: Float[Array, "e 2"]  # [m], along the edge from the apex of an infinite edge to both ends of the edge
     second_turn: Float[Array, " e"]  # [rad], at the second edge
-    second_edge_reach: Float[Array, " e"]  # [m], argument `finite_edge_detour` of `second_edge_factor`
+    second_edge_reach: Float[Array, " e"]  # [m], argument `reach` of `second_edge_factor`
     object_id: Int[Array, " e"]  # of the box; -1 architecture
 
 
@@ -73,7 +73,7 @@ def select_nearest_barriers(
         count: Maximum number of boxes.
 
     Returns:
-        `count` boxes, or n if there are fewer.
+        `count` boxes, or n if there are fewer; boxes without exposed edges come last.
     """
     way = listener - source
 
@@ -116,7 +116,7 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
         listener: [m].
 
     Returns:
-        24 rows per box.
+        24 rows per box; `finite_edge_detour` is inf where there is no path or its edge is not exposed.
     """
     frame = _edge_frame(boxes, source, listener)
     course = _edge_contacts(frame)
@@ -159,6 +159,7 @@ def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
 
 
 def _edge_contacts(frame: _EdgeFrame) -> _EdgeContacts:
+    """Find the edges of a face that each path touches, and whether such a path is possible."""
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, high = frame.half[..., 0], frame.half[..., 1]
     across = lu > half
@@ -175,7 +176,7 @@ def _edge_contacts(frame: _EdgeFrame) -> _EdgeContacts:
 def _edge_geometry(
     frame: _EdgeFrame, course: _EdgeContacts, near: Array, far: Array, slope: Array
 ) -> tuple[WedgeGeometry, Float[Array, "n e"], Float[Array, "n e"]]:
-    """Compute the bend of each path, and the turn and `finite_edge_detour` of its second edge.
+    """Compute the bend of each path, and the `turn` and `reach` of its second edge, see `second_edge_factor`.
 
     Both turns over a thin box combine into one, as at the edge of a screen; over a deep box they act separately.
     """
@@ -197,6 +198,7 @@ def _edge_geometry(
 
 
 def _edge_frame(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> _EdgeFrame:
+    """Transform source and listener to the frames of the 24 face crossings of each box."""
     u, d, v, s = _FACE_CROSSINGS.T
     order = np.stack([u, v, 3 - u - v], axis=1)
     sign = jnp.asarray(np.stack([d, s, np.ones_like(d)], axis=1), jnp.float32)

@@ -83,6 +83,7 @@ def find_image_sources(
 def _of_order(
     mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
 ) -> ImageSources:
+    """Find the image sources of sequences of equal order, given from the source on; pad to `highest` reflections."""
     count, order = rows.shape
     met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]
     image, valid = [jnp.broadcast_to(source, (count, 3))], jnp.ones(count, bool)
@@ -115,7 +116,7 @@ def select_nearest_mirrors(
     """Select up to `count` mirrors with the shortest paths from source to listener.
 
     The reflection point is the specular point on the plane, clamped to the rectangle. Mirrors that have both source and
-    listener behind them are invalid.
+    listener behind them come last, with `valid` False.
     """
     before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
     share = before[1] / jnp.maximum(before[0] + before[1], MIN_PLANE_DISTANCE)

@@ -43,6 +43,7 @@ def render_early_paths(
 def _reads(
     source: Float[Array, " n"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None
 ) -> DelayReads:
+    """Return the delay-line reads of one source; the first path is read from two filtered signals."""
     toward, distances = _to_head(pairs)
     ways = _path_delays(pairs, channel_delays(toward, distances, config, head))
     earlier = min(past, config.response_length) + filter_history(
@@ -67,6 +68,7 @@ def _bus_gains(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[
 
 
 def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelays:
+    """Return path lengths at both ends of the frame, the curvature between them, and the delays of ears."""
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)

@@ -27,7 +27,7 @@ def render_frame(
 
     Args:
         source: Signal at 1 m, see `emitted_signal`: `config.memory_length` - 1 samples before the frame, the frame, and
-            `config.ahead` samples after it.
+            `config.num_lookahead` samples after it.
         old: State at the frame's start.
         new: State at its end, which is the next frame's `old`.
         config: Options with `motion=True`.

@@ -35,7 +35,7 @@ def match_paths(
         longest_step: Maximum displacement of an image source in one frame [m].
 
     Returns:
-        The paths of `new`, then up to `MAX_FADING_PATHS` paths of `old` that fade out.
+        The paths of `new`, then the `MAX_FADING_PATHS` strongest unmatched ones of `old`, which fade out.
     """
     match = _is_same_path(old, new, longest_step)
     index = jnp.argmax(match, axis=1).astype(jnp.int32)
@@ -53,7 +53,7 @@ def match_paths(
 
 
 def _is_same_path(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
-    """Return which pairs are the same path, audible at both ends."""
+    """Return which pairs have one name, are audible at both ends, and move by less than `longest_step` [m]."""
     same = _names(new)[:, None] == _names(old)[None]
     away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
     near = jnp.linalg.norm(away[0][:, None] - away[1][None], axis=-1) < longest_step

@@ -64,7 +64,7 @@ def render_receiver_state(
 def pack_receiver_state(
     paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> ReceiverState:
-    """Pack paths and an energy histogram; `key` selects the noise."""
+    """Return a state of `config.num_paths` paths, see `pad_paths`, and an energy histogram; `key` selects the noise."""
     return ReceiverState(pad_paths(paths, config.num_paths), head_quat, energy, draw_noise(key, config))
 
 
@@ -106,7 +106,7 @@ def pad_paths(paths: Paths, count: int) -> Paths:
 
 
 def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether the response, with its tail, ends before it has decayed by 30 dB from its loudest bin."""
+    """Return whether the response, with its tail, ends before it has decayed by 30 dB from its loudest bin or path."""
     share = jnp.asarray(white_noise_band_shares(config))
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)

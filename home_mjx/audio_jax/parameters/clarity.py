@@ -29,13 +29,16 @@ def early_energy(
 
 
 def definition(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
-    """Compute the share of energy within a time limit after the direct sound, 0 to 1 (ISO 3382-1:2009, A.11)."""
+    """Compute the share of energy until `limit` [s] after the direct sound, 0 to 1 (ISO 3382-1:2009, A.11).
+
+    The total includes `missing_energy`.
+    """
     early = early_energy(energy, dt, -energy.shape[-1] * dt, limit)
     return early / (jnp.sum(energy, axis=-1) + missing_energy(energy))
 
 
 def clarity(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
-    """Compute the ratio of energy before to after a time limit since the direct sound [dB] (ISO 3382-1:2009, A.10)."""
+    """Compute the ratio of energy before to after `limit` [s] since the direct sound [dB] (ISO 3382-1:2009, A.10)."""
     early = definition(energy, dt, limit)
     return 10 * jnp.log10(early / (1 - early))
 

@@ -13,7 +13,7 @@ MAX_QUARTER_RATIO = 0.9  # maximum energy ratio of successive quarters, for `mis
 
 
 def onset(energy: Float[Array, "*c n"]) -> Int[Array, "*c"]:
-    """Return the direct sound's arrival: the first index within 20 dB of the maximum (ISO 3382-1:2009, 5.3.1)."""
+    """Return the first index within 20 dB of the maximum, the direct sound's arrival (ISO 3382-1); 0 in silence."""
     loudest = jnp.max(energy, axis=-1, keepdims=True)
     return jnp.argmax(energy >= ONSET_THRESHOLD * loudest, axis=-1).astype(jnp.int32)
 

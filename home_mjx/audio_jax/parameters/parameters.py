@@ -15,7 +15,7 @@ FILTER_LEAD = 0.032  # [s], start of bands before the response, because zero-pha
 def octave_responses(response: Float[Array, "*c n"], sample_rate: int) -> Float[Array, "*c bands m"]:
     """Filter a response into octave bands from 125 to 8000 Hz, in each of which a unit pulse has energy 1.
 
-    The filters have the gains of `octave_gains`, whose energies add up to one.
+    Filters have zero phase; their energy gains are those of `octave_gains`, scaled to that energy.
 
     Args:
         response: Pressure over time.

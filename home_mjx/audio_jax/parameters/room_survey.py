@@ -56,11 +56,11 @@ def survey_room(
         config: Options; the default has enough rays and duration for measurements.
 
     Raises:
-        ConfigError: The receiver does not have two ears.
+        ConfigError: The receiver is neither `Binaural` nor `Omni`.
 
     Example:
         >>> found = survey_room(scene, SoundSource(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP
-        >>> found.measures.t30.shape  # doctest: +SKIP
+        >>> found.parameters.t30.shape  # doctest: +SKIP
         (7,)
     """
     if not isinstance(config.receiver, Binaural | Omni):
@@ -113,7 +113,7 @@ def _lateral_gain(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Fl
 def _fine_histogram(
     paths: Paths, gain: Float[Array, " p"], late: Float[Array, "k bands"], config: AudioConfig
 ) -> Float[Array, "m bands"]:
-    """Add the energies of paths and of a histogram in bins of `LATERAL_BIN`."""
+    """Return energies in bins of about `LATERAL_BIN`: those of paths times `gain`, and the late histogram's."""
     parts = _steps_per_bin(config)
     energy = jnp.repeat(late / parts, parts, axis=0)
     at = (paths.distance / jnp.float32(config.bin_seconds / parts * config.speed_of_sound)).astype(jnp.int32)
@@ -121,5 +121,5 @@ def _fine_histogram(
 
 
 def _steps_per_bin(config: AudioConfig) -> int:
-    """Return the number of steps per bin."""
+    """Return the number of steps of about `LATERAL_BIN` in a time bin, at least 1."""
     return max(round(config.bin_seconds / LATERAL_BIN), 1)

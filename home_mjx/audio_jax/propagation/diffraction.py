@@ -78,7 +78,7 @@ def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, conf
         config: Options.
 
     Returns:
-        1 + `config.early.num_edges` paths.
+        1 + `config.early.num_edges` paths, silent ones included; the first is the direct one.
     """
     straight = trace_straight_line(scene, source, listener, config)
     found = _select_edge_paths(scene, source, listener, config.early.num_edges)
@@ -126,7 +126,7 @@ def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array
 
 
 def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, count: int) -> EdgePaths:
-    """Select the strings with the shortest detours."""
+    """Select up to `count` strings with the shortest detours, but none over the source's or listener's body."""
     boxes = barrier_boxes(scene)
     body = boxes.object_id
     own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
@@ -170,7 +170,7 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
 
 
 def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[Array, "k f"]) -> Float[Array, " f"]:
-    """Return the amplitude that passes obstacles smaller than the wavelength, beyond the ends of all their edges."""
+    """Return the amplitude that passes small obstacles beyond the ends of all their edges; 0 behind partitions."""
     apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
     one_edge = ((apart < MAX_APEX_DISTANCE) & (found.wedge.shadow_angle > 0)[None]).astype(jnp.float32)
     covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
@@ -198,7 +198,7 @@ def _amplitudes(
 
 
 def _find_duplicates(found: EdgePaths, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
-    """Return which strings touch the same edge as an earlier one, as for both faces of one edge."""
+    """Return which strings touch the same edge as an earlier visible one, as for both faces of one edge."""
     place = jnp.concatenate([found.apex, found.listener_side_point, found.edge_extent], axis=1)
     same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < MAX_EDGE_SEPARATION
     return is_duplicate(same & heard[None])
@@ -210,7 +210,7 @@ def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
 
 
 def _is_visible(scene: Scene, source: SoundSource, listener: Listener, found: EdgePaths) -> Bool[Array, " k"]:
-    """Return whether the source sees the first and the listener the last point of each string."""
+    """Return whether source and first point, and last point and listener, are mutually visible; False without path."""
     there = jnp.isfinite(found.finite_edge_detour)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:

@@ -49,7 +49,7 @@ def early_paths(
         source: The source.
         listener: The listener.
         config: Options.
-        producers: Producers of paths; the first yields the direct path. None: those that the options select.
+        producers: Producers of paths; the first yields the direct path. None or empty: those that the options select.
 
     Returns:
         The paths of all producers in order, by default 1 + E + R: E is `config.early.num_edges`, and R is
@@ -77,7 +77,7 @@ def early_paths(
 
 
 def _apply_directivity(paths: Paths, source: SoundSource) -> Paths:
-    """Apply the source's directivity in the departure direction of each path."""
+    """Apply the source's directivity to gains, and remove `departure`; raise `ConfigError` if it is needed but None."""
     if source.directivity is None:
         return paths.replace(departure=None)
     if paths.departure is None:
@@ -86,6 +86,6 @@ def _apply_directivity(paths: Paths, source: SoundSource) -> Paths:
 
 
 def _offset_names(paths: Paths, producer: int) -> Paths:
-    """Make names unique across producers."""
+    """Add the producer's offset to names, which are unique across producers then; None: names are indices."""
     number = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     return paths.replace(name=number + producer * MAX_PATH_NAMES)

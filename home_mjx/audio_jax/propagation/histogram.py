@@ -84,7 +84,7 @@ def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return the first and last bin of the decay fit, the last one being where a tenth of the rays have ended."""
+    """Return the first and last (exclusive) bin of the decay fit; at the last, a tenth of the rays are fully traced."""
     alive = jnp.max(trace.remaining[-1], axis=1) > 0
     ends = jnp.sort(jnp.where(alive, trace.travelled[-1], jnp.inf))[alive.size // 10]
     last = jnp.clip(ends / metres, 2, config.num_bins).astype(jnp.int32)

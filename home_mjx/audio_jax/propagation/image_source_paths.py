@@ -40,7 +40,7 @@ def house_mirrors(scene: Scene) -> Mirrors:
 
 
 def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mirrors:
-    """Return all faces of the boxes of objects, doors and bodies except the source's and the listener's."""
+    """Return the faces of all boxes; valid are those of objects, doors and bodies, except source and listener."""
     boxes = barrier_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
@@ -110,7 +110,7 @@ def path_names(found: ImageSources) -> Int[Array, " p"]:
 def _reflected_energy(
     scene: Scene, source: SoundSource, listener: Listener, found: ImageSources
 ) -> Float[Array, "p bands"]:
-    """Compute the energy reflected by the surfaces on each path; 0 if a leg is occluded or misses its mirror."""
+    """Compute the share of energy reflected specularly on each path; 0 if a leg is occluded or misses its mirror."""
     count, order = found.point.shape[:2]
     ends = jnp.broadcast_to(listener.pos, (count, 1, 3)), jnp.broadcast_to(source.pos, (count, 1, 3))
     corner = jnp.concatenate([ends[0], found.point, ends[1]], axis=1)

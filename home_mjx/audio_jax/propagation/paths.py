@@ -126,7 +126,7 @@ def direct_path(scene: Scene, source: SoundSource, listener: Listener, config: A
         config: Options.
 
     Returns:
-        One path.
+        One path; its gain is 0 from `config.early.max_crossings` surface hits on.
     """
     straight = trace_straight_line(scene, source, listener, config)
     energy = straight.partition_transmission * straight.object_transmission

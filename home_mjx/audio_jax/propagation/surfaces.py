@@ -27,7 +27,8 @@ def sound_materials(scene: Scene) -> SoundMaterials:
 
     Example:
         >>> now = sound_materials(scene)  # doctest: +SKIP
-        >>> damped = scene.replace(materials=now.replace(absorption=jnp.maximum(now.absorption, 0.5)))  # doctest: +SKIP
+        >>> damped = now.replace(absorption=jnp.maximum(now.absorption, 0.5))  # doctest: +SKIP
+        >>> quiet = scene.replace(sound_materials=damped)  # doctest: +SKIP
     """
     if scene.sound_materials is not None:
         return scene.sound_materials

@@ -142,7 +142,7 @@ class _TraceContext(NamedTuple):
     def _rain(
         self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n bands"]
     ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Compute the distance from each hit to the source, and the energy scattered there (diffuse rain)."""
+        """Compute the distance from each hit to the source, and the energy scattered to it; 0 if occluded."""
         offset = self.source.pos[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
         toward = offset / jnp.maximum(distance, RAY_OFFSET)[:, None]
@@ -162,7 +162,7 @@ class _TraceContext(NamedTuple):
         return distance, self._leaving(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Compute path lengths and energies of specular rays that pass through a sphere around the source."""
+        """Compute path lengths and energies of specular rays through a sphere around the source; 0 for others."""
         offset = self.source.pos[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
@@ -184,7 +184,7 @@ def _reflect(
     choice: Float[Array, " n"],
     scattered: Float[Array, "n 3"],
 ) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"], Bool[Array, " n"]]:
-    """Sample reflected directions; return them, specular weights per octave (0 if scattered) and the scattered rays.
+    """Sample reflected directions; return them, specular weights per octave (0 if scattered), and which are scattered.
 
     All octaves of a ray share one direction, drawn by their mean scattering.
     """
