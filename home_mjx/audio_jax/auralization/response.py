@@ -64,6 +64,7 @@ def late_energy(
     """Compute late energy per time bin, channel and octave, re the free field of the source at 1 m.
 
     For ambisonics e is 7: the energies of W, Y, Z and X, then the cross energies of W with Y, Z and X (intensity).
+    Energies are 0 if the listener's quaternion is not of unit length.
 
     Args:
         scene: The environment.
@@ -152,7 +153,7 @@ def mask_before_direct(late: Float[Array, "e l"], paths: Paths, config: AudioCon
 
 
 def direct_onset(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
-    """Compute the first sample of a response that direct sound can reach."""
+    """Compute the first sample of a response that direct sound can reach; negative within the receiver's radius."""
     onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     return onset.astype(jnp.int32)
 
@@ -207,7 +208,7 @@ def path_basis_weights(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "p e s"]:
-    """Compute the weight of each basis filter (`filter_basis`) per path and channel, re the first one's octaves.
+    """Compute the weight of each basis filter (`filter_basis`) per path and channel; the first path has gain 1.
 
     The first path is the direct one. It may cross walls, whose steep spectra the basis does not resolve, so it has
     octave filters of its own.

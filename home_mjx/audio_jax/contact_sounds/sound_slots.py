@@ -160,7 +160,7 @@ def sound_positions(noises: ContactSounds) -> tuple[Float[Array, "e 3"], Int[Arr
 
 
 def has_sound(noises: ContactSounds) -> Bool[Array, " e"]:
-    """Return a mask of transient slots in use, also after their sound ended, and of sustained ones with a stored gain."""
+    """Return a mask of transient slots in use, even if their sound ended, and sustained ones with a stored gain."""
     return jnp.concatenate([noises.transients.gain > 0, jnp.any(noises.sustained.gain > 0, axis=1)])
 
 

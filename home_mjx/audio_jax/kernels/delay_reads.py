@@ -55,7 +55,7 @@ def mix_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def part_sizes(reads: DelayReads) -> tuple[int, ...]:
-    """Return the number of half samples of each part."""
+    """Return the number of half samples of each part: the filtered signals, then the source."""
     return (*[2 * reads.filtered.shape[-1]] * NUM_FILTERED, 2 * reads.source.shape[-1])
 
 
@@ -92,12 +92,12 @@ def filter_history(config: AudioConfig) -> int:
 
 
 def read_margin(config: AudioConfig) -> int:
-    """Return the samples that are read beyond a delay."""
+    """Return the margin of samples around a path's delay that interpolation and ear delays need."""
     return NUM_READ + math.ceil(config.max_lead_seconds * config.sample_rate)
 
 
 def sample_times(config: AudioConfig) -> Float[Array, " k"]:
-    """Return the times of the samples that are read, in frames; their number is a fast transform size."""
+    """Return sample times from `filter_history` before the frame on, in frames; their number is a fast FFT size."""
     count = int(next_fast_len(filter_history(config) + config.frame + HALF_WIDTH, real=True) or 0)
     return jnp.asarray((np.arange(count) - filter_history(config)) / config.frame, jnp.float32)
 

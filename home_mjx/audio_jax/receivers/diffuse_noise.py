@@ -21,7 +21,7 @@ NUM_KNOTS = 3  # of amplitude in a bin: its start, middle and end
 
 
 def num_noises(config: AudioConfig) -> int:
-    """Return the number of independent noises of the field: 1 if orientation has no effect, 4 for ambisonics."""
+    """Return the number of noises: 4 for ambisonics, 1 if orientation has no effect, otherwise `NUM_NOISES`."""
     if isinstance(config.receiver, Ambisonics):
         return 4
     return 1 if _turning_radius(config) == 0 else NUM_NOISES
@@ -60,7 +60,7 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
 
 
 def _turning_radius(config: AudioConfig) -> float:
-    """Return the RMS distance of the receiver's elements from its vertical axis [m]; 0 if orientation has no effect."""
+    """Return the RMS distance of the receiver's elements from its vertical axis [m]; 0 for `Omni` and `Ambisonics`."""
     if isinstance(config.receiver, Omni | Ambisonics):
         return 0.0
     if isinstance(config.receiver, Binaural):
@@ -84,7 +84,7 @@ def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: f
 
 
 def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
-    """Compute the amplitude of each noise over frequency; their powers in an ear sum to one."""
+    """Compute the amplitude of each noise over frequency; 1 unless there are `NUM_NOISES`, whose powers sum to 1."""
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
     if isinstance(config.receiver, MicrophoneArray):

@@ -27,7 +27,8 @@ def grid_directions() -> Float[np.ndarray, "v h 3"]:
 def grid_weights(direction: Float[np.ndarray, "m 3"]) -> tuple[np.ndarray, np.ndarray]:
     """Compute for each node three measured directions and their weights: those of the triangle that contains it.
 
-    Triangles are faces of the convex hull, which is the Delaunay triangulation of the sphere.
+    Triangles are faces of the convex hull, which is the Delaunay triangulation of the sphere. Nodes outside all
+    triangles take the nearest direction. Gaps above `MAX_GAP_ANGLE` are logged as a warning.
 
     Returns:
         Indices and weights (nodes, 3).

@@ -93,6 +93,7 @@ def make_measured_head(
 
 
 def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: AudioConfig) -> None:
+    """Raise `ConfigError` if data are invalid; see `make_measured_head`."""
     if not np.isfinite(response).all():
         raise ConfigError("responses of a head must be finite")
     if not np.any(response, axis=-1).all():
@@ -156,7 +157,7 @@ def _fit_basis(wanted: Complex[np.ndarray, "v h 2 f"], sample_rate: int) -> Comp
 
 
 def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m s"]:
-    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum."""
+    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum; s >= 8 n."""
     size = 2 ** math.ceil(math.log2(8 * response.shape[-1]))
     amplitude = np.abs(np.fft.rfft(response, size))
     level = np.log(np.maximum(amplitude, MIN_RELATIVE_AMPLITUDE * amplitude.max(axis=-1, keepdims=True)))
@@ -165,7 +166,7 @@ def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m 
 
 
 def estimate_delays(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) -> Float[np.ndarray, "*m"]:
-    """Estimate the delays of responses re others [samples], at the maximum of their cross-correlation."""
+    """Estimate fractional delays of responses re `least` [samples], at the maximum of their cross-correlation."""
     size = least.shape[-1]
     cross = np.fft.rfft(response, size) * np.conj(np.fft.rfft(least))
     alike = np.fft.irfft(cross, DELAY_OVERSAMPLING * size)

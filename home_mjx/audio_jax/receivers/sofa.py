@@ -62,7 +62,7 @@ def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", lev
 
 
 def read_measurements(path: str | Path) -> HeadMeasurements:
-    """Read the impulse responses of a SOFA file; errors as in `read_head`."""
+    """Read a SOFA file's responses to its farthest sources, left ear first; errors as in `read_head`."""
     path = Path(path)
     sofa = _open(path)
     response = _read_numbers(sofa, "Data_IR", path)
@@ -86,6 +86,7 @@ def read_measurements(path: str | Path) -> HeadMeasurements:
 
 
 def _open(path: Path) -> Any:
+    """Open a SOFA file of `CONVENTION`; errors as in `read_head`."""
     try:
         import sofar
     except ImportError as error:
@@ -107,6 +108,7 @@ def _open(path: Path) -> Any:
 
 
 def _read_numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
+    """Return a field of a file; raise `DatasetError` unless it consists of finite numbers."""
     element = name.replace("_", ".") if name.startswith("Data") else name
     try:
         values = np.asarray(getattr(sofa, name), float)
@@ -118,7 +120,7 @@ def _read_numbers(sofa: Any, name: str, path: Path) -> Float[np.ndarray, "..."]:
 
 
 def _broadcast_rows(values: np.ndarray, shape: tuple[int, ...], path: Path, element: str) -> np.ndarray:
-    """Broadcast one row to all measurements, or validate one row each."""
+    """Broadcast one row to `shape`, or return the given rows; raise `DatasetError` for other shapes."""
     try:
         return np.broadcast_to(np.atleast_2d(values), shape)
     except ValueError as error:
@@ -128,7 +130,7 @@ def _broadcast_rows(values: np.ndarray, shape: tuple[int, ...], path: Path, elem
 
 
 def _ear_order(sofa: Any, path: Path) -> list[int]:
-    """Return the indices of the left and the right ear."""
+    """Return the receiver indices of the left and the right ear; raise `DatasetError` if neither is farther left."""
     ears = _read_numbers(sofa, "ReceiverPosition", path)
     ears = ears[..., 0] if ears.ndim == 3 else ears
     places = _cartesian(_broadcast_rows(ears, (2, 3), path, "ReceiverPosition"), sofa, "ReceiverPosition", path)
@@ -154,7 +156,10 @@ def _source_vectors(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3
 
 
 def _cartesian(values: np.ndarray, sofa: Any, name: str, path: Path) -> np.ndarray:
-    """Convert coordinates to cartesian (x ahead, y left, z up) if the file declares azimuth, elevation and radius."""
+    """Return cartesian coordinates (x ahead, y left, z up), converted if the file declares spherical ones [degrees, m].
+
+    Raise `DatasetError` for other types.
+    """
     kind = getattr(sofa, f"{name}_Type", None)
     if kind == "cartesian":
         return values

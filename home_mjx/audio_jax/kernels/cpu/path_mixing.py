@@ -42,7 +42,7 @@ class EarlySizes(NamedTuple):
 @compiled
 @no_type_check
 def upsample(signal, count, padded, on, between):
-    """Upsample a signal by two into its samples and those between; it is zero before and after."""
+    """Upsample a signal by two into its samples, `on`, and those `between`; it is zero outside. `padded` is scratch."""
     for i in range(HALF_WIDTH):
         padded[i] = ZERO
     for i in range(count):
@@ -61,10 +61,10 @@ def upsample(signal, count, padded, on, between):
 @compiled
 @no_type_check
 def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
-    """Read a path for one ear: `count` samples from index `begin` of the buses on.
+    """Read a path for one ear into `heard`: `count` samples from index `begin` of the buses on.
 
     `places`: half sample at zero delay, and the lowest and highest half samples that a read may begin with; `signal`:
-    samples and those between them.
+    samples and those between them; `base` and `rest`: scratch.
     """
     _delays(way, ear, rate, places, begin, count, size, base, rest)
     k = 0
@@ -80,7 +80,7 @@ def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 @compiled
 @no_type_check
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
-    """Compute the first half sample read for each sample, minus twice its index, and the fractional position."""
+    """Write to `base` the first half sample read per sample, minus twice its index, and to `rest` the fraction."""
     old, change, bend = way[0], way[1] - way[0], way[2]
     first, middle, last = (
         way[PATH_VALUES + ear],
@@ -107,7 +107,7 @@ def _delays(way, ear, rate, places, begin, count, size, base, rest):
 @compiled
 @no_type_check
 def _read_run(signal, place, rest, count, heard):
-    """Interpolate samples at places that are two half samples apart."""
+    """Interpolate `count` samples into `heard`, read two half samples apart from half sample `place` on."""
     on, between = signal
     odd, i = place & 1, place >> 1
     if odd:
@@ -162,7 +162,7 @@ def _read_one(even, uneven, k, rest):
 @compiled
 @no_type_check
 def mix_block(heard, share, which, far, begin, count, size, sums):
-    """Mix `count` samples of paths into buses, with gains that are interpolated over the frame.
+    """Mix `count` samples of paths into the buses `sums`, with gains that are interpolated over the frame.
 
     `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's
     start, and their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.

@@ -79,7 +79,7 @@ def render_early_chunk(frame, first, end):
 @compiled
 @no_type_check
 def _upsample_all(frame, env, size, room):
-    """Upsample the signals of all sources of an environment to twice their rate."""
+    """Upsample the filtered and unfiltered signals of all sources by two, into `room.even` and `room.odd`."""
     sources, filtered = row(frame, SOURCE, env), row(frame, FILTERS, env)
     each = NUM_FILTERED * size.filtered + size.length
     for source in range(size.sources):
@@ -95,7 +95,7 @@ def _upsample_all(frame, env, size, room):
 @compiled
 @no_type_check
 def _mix_channel(frame, env, channel, size, points, room, sums):
-    """Mix the buses of a channel, zero-padded to the transform size; zeros if the channel does not exist."""
+    """Mix the buses of a channel into `sums`, padded with zeros to the transform size; zeros if it does not exist."""
     begun = 0
     if channel < size.channels:
         share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
@@ -113,7 +113,7 @@ def _mix_channel(frame, env, channel, size, points, room, sums):
 @compiled
 @no_type_check
 def _find_audible(share, far, size, which):
-    """Write the number of paths with a nonzero gain, then their indices."""
+    """Write to `which` the number of paths with a nonzero gain in one channel, then their indices."""
     which[0] = 0
     for way in range(size.sources * size.rows):
         for i in range(way * far, way * far + 2 * size.shapes):
@@ -126,6 +126,7 @@ def _find_audible(share, far, size, which):
 @compiled
 @no_type_check
 def _read_all(frame, env, ear, begin, count, size, room):
+    """Read `count` samples of all audible paths for one ear into `room.heard`."""
     ways, starts, rate = row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
     each = NUM_FILTERED * size.filtered + size.length
     for i in range(room.which[0]):
@@ -166,6 +167,7 @@ def _filter(frame, points, size, turns, lane, room):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, size, made):
+    """Write a pair of channels to the result: real parts, and negated imaginary parts of the conjugate spectrum."""
     out, begin = result_row(frame, env), constant(frame, FRAME_BEGIN)
     for k in range(size.frame):
         out[left * size.frame + k] = made[0][(begin + k) * LANES + lane]

@@ -287,6 +287,7 @@ def _split(heard, here, there):
 @compiled
 @no_type_check
 def _add_products(heard, at, now, old, new, spectra, to):
+    """Add conjugate products at one frequency: the first part with `now`, the second with `old` or `new`."""
     for end in range(ENDS):
         later = new if end else old
         a, b = heard[0][at + PARTS * end], heard[1][at + PARTS * end]

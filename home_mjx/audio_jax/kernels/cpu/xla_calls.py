@@ -34,7 +34,7 @@ def compile_chunks() -> tuple[Any, Any]:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render `moving_sources.dispatch.early_frame` with the same arguments."""
+    """Compute `moving_sources.dispatch.render_early_frame` with the CPU kernel."""
     share = jnp.moveaxis(reads.gain, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
     given = reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
@@ -73,7 +73,7 @@ def supports_late(late: LateResponse, config: AudioConfig) -> bool:
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Render `moving_sources.dispatch.late_frame` with the same arguments."""
+    """Compute `moving_sources.dispatch.render_late_frame` with the CPU kernel."""
     share = late.shares
     given = sources, share.amplitude(), share.mix, share.start_bin, late.onset, late.tail
     return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]

@@ -20,7 +20,7 @@ NUM_TABLES, ENDS = 2, 2
 
 
 def supports_direct(config: AudioConfig) -> bool:
-    """Return whether the shared memory of all GPUs is sufficient."""
+    """Return whether a transform size exists that fits the shared memory of all GPUs."""
     size = _size(config)
     return size is not None and _bytes(size) <= max_shared_bytes()
 

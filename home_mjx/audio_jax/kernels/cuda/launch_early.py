@@ -23,14 +23,14 @@ BUSES_PER_THREAD, MIX_THREADS = 20, 384  # buses per thread at a time, and threa
 
 
 def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
-    """Return whether the shared memory of all GPUs is sufficient for these arrays."""
+    """Return whether a transform size exists, and the shared memory of all GPUs suffices for these arrays."""
     size, most = cuda.transform_size(sample_times(config).shape[0]), max_shared_bytes()
     fits = size is not None and filter_bytes(size) <= most
     return fits and _mix_bytes(config, *(x[None] for x in read_operands(reads))) <= most
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render `moving_sources.dispatch.early_frame` with two kernels."""
+    """Compute `moving_sources.dispatch.render_early_frame` with two kernels."""
     kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
     return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
 

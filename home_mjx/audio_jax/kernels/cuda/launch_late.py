@@ -23,7 +23,7 @@ NOISE_ROWS, NOISE_BINS, NOISE_AMPLITUDES, NOISE_THREADS = 64, 5, 32, 64
 
 
 def supports_late(config: AudioConfig) -> bool:
-    """Return whether the shared memory of all GPUs is sufficient."""
+    """Return whether a transform size exists that fits the shared memory of all GPUs."""
     size = cuda.transform_size(source_window_width(config))
     return size is not None and _bytes(size) <= max_shared_bytes()
 
@@ -38,7 +38,7 @@ def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioCo
 def late_tables(
     config: AudioConfig,
 ) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "turns two"]]:
-    """Return the noise, octave gains and the twiddle factors of the transform."""
+    """Return the noise, octave gains (zeros without a tail) and the twiddle factors of the transform."""
     size = cuda.transform_size(source_window_width(config))
     assert size is not None
     gains = (

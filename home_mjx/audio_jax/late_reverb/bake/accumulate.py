@@ -31,7 +31,7 @@ class PortalEnergy(NamedTuple):
 def propagate_portals(
     gates: StageResult, transfer: Float[np.ndarray, "g bands g k"], first: slice, count: int
 ) -> PortalEnergy:
-    """Compute the energy received from portal states, with a thread per octave and per component of directions.
+    """Compute the energy received from portal states, with a threaded task per octave and per component of directions.
 
     Args:
         gates: Flights from each portal state up to the next one.
@@ -60,7 +60,7 @@ def fill_accumulator(
     unterminated: StageResult,
     portal_energy: PortalEnergy,
 ) -> dict[str, np.ndarray]:
-    """Fill a tally; return directions from cell to cell and sums over all rays.
+    """Fill a tally; return `comes_from`, mean directions of arrival times 127, and `SUMMED_FIELDS` over all rays.
 
     Args:
         tally: Accumulator to fill.
@@ -112,6 +112,7 @@ def _trim_silence(sent: Float[np.ndarray, "c bands g k"]) -> Float[np.ndarray, "
 def _convolve(
     own: Float[Array, "m m k"], sent: Float[Array, "m g t"], after: Float[Array, "g m k"]
 ) -> Float[Array, "m m k"]:
+    """Add to `own` the convolution over time of emission into states and energy received from them."""
     late, bins = sent.shape[2], own.shape[2]
     padded = jnp.pad(after, [(0, 0), (0, 0), (late - 1, 0)])
 

@@ -40,7 +40,8 @@ def sample_free_points(
     """Sample random points in the free part of each cell; return them and the free fraction of its volume.
 
     A point is free if it is visible from the centre of its cell or of a nearby cell of its room, or from free points.
-    So air behind a screen and above a cupboard is included.
+    So air behind a screen and above a cupboard is included. Cells without a free point use all; fractions are at
+    least 0.1.
     """
     points, free = [], []
     tried = np.stack([sample_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
@@ -83,7 +84,7 @@ def _extend_free(
 
 
 def sample_points(cells: Cells, cell: int, count: int, rng: np.random.Generator) -> Float[np.ndarray, "r 3"]:
-    """Sample random points of a cell."""
+    """Sample `count` random points of a cell, between its bottom and top [m]."""
     _, row, column = np.nonzero(cells.lookup == cell)
     pick = rng.integers(len(row), size=count)
     plan = cells.origin + (np.stack([column[pick], row[pick]], 1) + rng.random((count, 2))) * cells.step

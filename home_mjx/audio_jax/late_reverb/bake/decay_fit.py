@@ -168,7 +168,7 @@ def _decay_rate(decay: Float[np.ndarray, " k"], end: int) -> float:
 
 
 def _extrapolate(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
-    """Extend a decay in place beyond the traced time, at its last rate.
+    """Extend a decay in place beyond the traced time, at its last rate; no effect if it does not decay.
 
     Args:
         decay: Energy per bin between two rooms.
@@ -194,7 +194,8 @@ def weigh_cells(
 ) -> tuple[Int[np.ndarray, "p e"], Float[np.ndarray, "p e"]]:
     """Return the visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
 
-    A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one.
+    A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one. Distances d
+    are horizontal, plus 100 m for cells more than 2 m above or below.
 
     Args:
         center: Centres of the cells [m].

@@ -82,6 +82,7 @@ def stack_fields(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray
 
 
 def _pad(name: str, fields: Sequence[LateField]) -> np.ndarray:
+    """Stack one array of all fields, padded with `PAD_VALUES` to multiples of `AXIS_PADDING`."""
     arrays = [np.asarray(getattr(field, name)) for field in fields]
     size = np.max([x.shape for x in arrays], axis=0).astype(int)
     for axis, block in enumerate(AXIS_PADDING.get(name, ())):

@@ -41,7 +41,9 @@ class PortalStates(NamedTuple):
 
 
 def build_portal_states(portal_energy: Float[np.ndarray, "r r"]) -> PortalStates:
-    """Build one state per ordered pair of rooms with exchange; minor pairs share the main state of the entered room.
+    """Build two states per room with energy, and one per ordered pair of rooms with exchange.
+
+    Minor pairs share the main state of the entered room.
 
     Args:
         portal_energy: Energy from room to room; on the diagonal the energy that aged in the room.

@@ -47,7 +47,7 @@ def _symmetric(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands
 def _route_exchange(
     exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
 ) -> Float[np.ndarray, "r r bands"]:
-    """Route the exchange of rooms without a common portal through the room that connects both best."""
+    """Route exchange of rooms without common portal through the room that connects both best; drop it if none does."""
     if not len(joined):
         return exchange
     near = np.zeros(exchange.shape[:2], bool)

@@ -34,7 +34,7 @@ class Baker:
         self.rng = np.random.default_rng(seed)
 
     def run(self, points: Float[np.ndarray, "c r 3"], room: Int[np.ndarray, " c"]) -> dict[str, np.ndarray]:
-        """Fill the tally; return directions from cell to cell and sums over all rays.
+        """Run all stages and fill the tally; return `comes_from` and sums over all rays, see `fill_accumulator`.
 
         Args:
             points: Start points of rays in each cell [m].

@@ -81,7 +81,7 @@ def effective_openings(scene: Scene) -> Float[Array, " doors"]:
 
 
 def _open_share(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
-    """Compute the open share of a doorway re the leaf's width."""
+    """Compute the open share of a doorway for leaf angles [rad]; absolute angles are clamped to π / 2."""
     turned = jnp.clip(jnp.abs(jnp.arctan2(jnp.sin(angle), jnp.cos(angle))), 0.0, jnp.pi / 2)
     gap = 2 * jnp.sin(turned / 2)
     return gap * (1 - gap / 4)

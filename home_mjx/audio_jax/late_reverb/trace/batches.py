@@ -53,7 +53,7 @@ class StageResult(NamedTuple):
         return out
 
     def gather_on_device(self, read: Callable[[TraceEnergy], Array]) -> Array:
-        """Gather an array like `gather` on the device; every source must have flights."""
+        """Concatenate an array of the results of all sources on the device; every source must have flights."""
         return jnp.concatenate([read(gave)[: len(rows)] for rows, gave in self.parts])
 
 
@@ -174,7 +174,7 @@ def _stack(flights: Sequence[FlightStart]) -> tuple[np.ndarray, ...]:
 def _batch_weights(
     rows: Int[np.ndarray, " s"], source: Int[np.ndarray, " f"], some: Int[np.ndarray, " n"], at_once: int
 ) -> tuple[Int[np.ndarray, "p m"], Float[np.ndarray, "p m"]]:
-    """Return the batch positions and weights of each source's flights; sources are padded."""
+    """Return the batch positions and weights of each source's flights: 1 / its flights, or 0 for padding."""
     of, step = source[some], min(SOURCE_PADDING, at_once)
     place, nth = np.searchsorted(rows, of), np.arange(len(of)) - np.searchsorted(of, of)
     shape = len(rows) + -len(rows) % step, nth.max() + 1

@@ -48,6 +48,9 @@ class RayPool:
             size: Number of flights per state, and of rays per octave in each flight.
             age: Path length at which the new rays end by age [m].
             rng: Random generator.
+
+        Returns:
+            Flights of each state; empty if no ray reached it. Octaves without rays draw from those of all octaves.
         """
         if not self.rays:
             return [[] for _ in rooms]

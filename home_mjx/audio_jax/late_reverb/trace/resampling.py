@@ -18,7 +18,7 @@ def resample_rays(
     """Resample rays; return the index of the ray that each new ray continues, and its energy.
 
     Rays split in rooms with little energy and end where many others carry energy. In each octave, a room with the share
-    E of all energy gets a share of rays in proportion to E^(1 - EVEN). All its rays have equal energy. Systematic
+    E of all energy gets a share of rays in proportion to E^(1 - `EVENNESS`). All its rays have equal energy. Systematic
     sampling keeps the expected energy of every ray (Kitagawa 1996).
 
     Args:

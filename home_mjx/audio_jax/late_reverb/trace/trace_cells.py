@@ -346,7 +346,7 @@ def _record(
 def _reservoir_update(
     kept: PortalRays, ray: RayBatch, entered: Int[Array, " n"], chance: Float[Array, " n"]
 ) -> PortalRays:
-    """Keep one ended ray per slot, drawn by energy: weighted reservoir sampling (Chao 1982)."""
+    """Keep one ended ray per slot, drawn by energy, with the sum of energies: reservoir sampling (Chao 1982)."""
     total = kept.ray.energy + ray.energy
     taken = chance * total < ray.energy
     new = PortalRays(ray, entered)
