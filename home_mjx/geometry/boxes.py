@@ -75,7 +75,7 @@ def unique_boxes(boxes: BoxSet) -> BoxSet:
 
 
 def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
-    """Return the smallest box around points with the specified yaw."""
+    """Return the smallest box around points [m] with this yaw [rad]."""
     turn = yaw_matrix(yaw)
     local = points @ turn
     low, high = local.min(axis=0), local.max(axis=0)
