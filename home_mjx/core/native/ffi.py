@@ -94,7 +94,7 @@ def run_chunks(job, run_chunk):
 @compiled
 @no_type_check
 def _open_job(frame, chunks, work, task):
-    """Allocate a job, and schedule its task on threads of XLA. Each user releases the job."""
+    """Allocate a job, schedule its task on threads of XLA and return its address. Each user releases the job."""
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
     state = words(job)
