@@ -57,7 +57,7 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
 
 
 def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
-    """Return the outer edge of a slab's upper side, counter-clockwise; its `bounding_outline` if no loop has most of the area.
+    """Return the outer edge of a slab's upper side, counter-clockwise; its `bounding_outline` if there is none.
 
     Args:
         slab: Triangles of the slab, Z up [m].

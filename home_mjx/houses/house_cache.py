@@ -112,7 +112,7 @@ class HouseCache:
         return [self._absolute(path) for path in notes["materials.texture"]]
 
     def model(self, key: str) -> Model:
-        """Return the library model with a key; raises the errors of `entry_path.read_entry`."""
+        """Return the library model with a key, read once; raises the errors of `array_store.read_entry`."""
         return self._models((key,))[key]
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:

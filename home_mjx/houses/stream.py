@@ -126,7 +126,7 @@ class HouseStream:
             self._retire()
 
     def advance(self, houses: Int[Array, "..."]) -> HouseBank:
-        """Replace retired houses that no environment uses and whose successor is ready; call it before steps, or less often.
+        """Replace retired houses that no environment uses and whose successor is ready; call it before every step.
 
         Args:
             houses: House indices of all environments, as in `first.world.house`.

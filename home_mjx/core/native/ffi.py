@@ -74,7 +74,7 @@ def run_job(frame, chunks, work, task):
 @compiled
 @no_type_check
 def run_task(job):
-    """Run chunks of a job on a thread of XLA."""
+    """Run chunks of a job on a thread of XLA until none is left, and release the job."""
     call(words(job)[JOB_WORK], job)
     _release_job(job)
 

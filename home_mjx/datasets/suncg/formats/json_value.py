@@ -96,7 +96,7 @@ class JsonValue(Location):
         return [JsonValue(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
-        """Return a string."""
+        """Return a string; raise `DatasetError` for other values."""
         if not isinstance(self.data, str):
             raise self._expected("a string")
         return self.data
@@ -112,7 +112,7 @@ class JsonValue(Location):
         return text
 
     def integer(self) -> int:
-        """Return an integer; a float with an integral value is accepted."""
+        """Return an integer, also from a float with an integral value; raise `DatasetError` for other values."""
         if isinstance(self.data, bool) or not isinstance(self.data, int | float) or self.data != self._floor():
             raise self._expected("an integer")
         return int(self.data)
@@ -143,7 +143,7 @@ class JsonValue(Location):
         raise self._expected("0 or 1")
 
     def vector(self, length: int) -> Float[np.ndarray, " n"]:
-        """Return a list of `length` coordinates."""
+        """Return a list of `length` coordinates as an array; raise `DatasetError` for other values."""
         if isinstance(self.data, list) and len(self.data) != length:
             raise self.error(f"expected {length} numbers, got {len(self.data)}")
         return np.array([item.coordinate() for item in self.entries()])
