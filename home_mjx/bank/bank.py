@@ -76,7 +76,7 @@ class HouseBank(BankArrays):
 
 
 def to_bank(packed: PackedBank) -> HouseBank:
-    """Transfer packed houses to the device."""
+    """Transfer packed houses to the device; return a bank whose resets draw any house, with `gpu_geometry` on GPUs."""
     # One transfer of all arrays; `jnp.asarray` per array would compile a program for each.
     tables = group_by_record(jax.device_put(packed.arrays, may_alias=False))
     if jax.default_backend() == "gpu":

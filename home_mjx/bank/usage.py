@@ -57,7 +57,7 @@ def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
 
     Returns:
         Bytes by array name, such as "geometry.triangle". The derived layout of the `cuda` backend (`Geometry.gpu`)
-        and the few bytes of `draw` are excluded.
+        and the few bytes of `reset_houses` are excluded.
 
     Raises:
         ConfigError: There is no house.

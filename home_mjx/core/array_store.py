@@ -48,7 +48,7 @@ def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -
 
     Args:
         record: A dataclass of arrays, strings, numbers, tuples of arrays or of strings, and such dataclasses.
-        skip: Names of fields to omit.
+        skip: Dotted names of fields to omit.
         prefix: Prefix of the names.
     """
     arrays: Arrays = {}
@@ -126,7 +126,10 @@ def _from_note(name: str, note: Any, hint: Any, arrays: Mapping[str, np.ndarray]
 
 
 def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -> np.ndarray:
-    """Return the array if its dtype fits the hint and axes of the same name in a record have equal lengths."""
+    """Return the array; raise `ValueError` if its dtype or axes differ from the hint, or an axis from `lengths`.
+
+    Axes without an entry in `lengths` are added to it.
+    """
     axes, shape = _axes(hint), array.shape
     fits = len(axes) == len(shape) and _fits(array.dtype, hint)
     for axis, n in zip(axes, shape, strict=False):
@@ -220,7 +223,7 @@ class _Member(NamedTuple):
 
 
 def _members(content: np.ndarray) -> list[_Member]:
-    """Locate both members at the offsets used by `write_entry`.
+    """Return the notes and the data, in this order; raise `ValueError` for archives not written by `write_entry`.
 
     Only the central directory at the end of the file is parsed. `zipfile`, which reads any archive, takes twice as long
     as everything else.

@@ -70,7 +70,7 @@ def check_frozen_dataclass(role: str, cls: type) -> None:
 def check_number(
     name: str, value: object, minimum: float = -math.inf, maximum: float = math.inf, *, integer: bool = False
 ) -> None:
-    """Raise `ConfigError` unless an option is a finite number within limits.
+    """Raise `ConfigError` unless an option is a finite number, not a boolean, within limits.
 
     Args:
         name: Name of the option, for the message.

@@ -36,7 +36,7 @@ MIN_LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write t
 
 
 def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None) -> str:
-    """Read the text of a UTF-8 file.
+    """Read the text of a UTF-8 file, without its byte order mark.
 
     Args:
         path: The file.
@@ -121,7 +121,7 @@ def read_bytes(path: Path, hint: str | None = None, max_bytes: int | None = None
 
 @contextmanager
 def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
-    """Convert failures to read a file within the block to typed errors."""
+    """Convert failures to read a file in the block: `MissingFileError` if it is missing, else `DatasetError`."""
     try:
         yield
     except DatasetError:  # from `_check`; a `DatasetError` is also a `ValueError`
@@ -376,7 +376,7 @@ def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
 
 @contextmanager
 def convert_write_errors(content: str, path: Path, hint: str | None = None) -> Iterator[None]:
-    """Convert an `OSError` of the block to the error of `write_error`."""
+    """Convert an `OSError` of the block to the `ConfigError` of `write_error`, except errors of this package."""
     try:
         yield
     except HomeMjxError:  # a `MissingFileError` is also an `OSError`

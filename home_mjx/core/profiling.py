@@ -34,7 +34,7 @@ def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1
 def steps_per_second(
     step: Callable[[Any, jax.Array], Any], state: Any, actions: Sequence[jax.Array], seconds: float = 1.0
 ) -> float:
-    """Measure the rate of a compiled step from state to state, with cyclic actions.
+    """Measure the rate [1/s] of a compiled step from state to state over `seconds`, with cyclic actions.
 
     After a reset all bodies are awake and settle, so timing starts after `WARM` steps or `seconds`, whichever is first.
     """
@@ -79,7 +79,7 @@ def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
 
 
 def peak_memory_bytes() -> dict[str, int]:
-    """Return the peak resident size of this process, and of the device's allocator if it is known."""
+    """Return the peak memory [bytes] of this process as `host`, and of the device's allocator as `device`, if known."""
     scale = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in kilobytes on Linux
     peak = {"host": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale}
     stats = jax.devices()[0].memory_stats() or {}

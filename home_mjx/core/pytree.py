@@ -56,7 +56,7 @@ class Pytree:
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:
-        """Return a copy with some fields replaced."""
+        """Return a copy with some fields replaced; raise `TypeError` for unknown names."""
         names = _names(type(self), True) + _names(type(self), False)
         unknown = set(changes) - set(names)
         if unknown:

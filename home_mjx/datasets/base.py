@@ -207,7 +207,7 @@ class Dataset(ABC):
         return ModelInfo(model_id, *row)
 
     def warn_fallbacks(self, house_id: str, fallbacks: Sequence[Fallback]) -> None:
-        """Log one warning that lists replacements of missing files.
+        """Log one warning that counts replacements of missing files.
 
         Args:
             house_id: Id of the house.

@@ -136,7 +136,7 @@ def _walls(
 
 
 def _hole(opening: WallOpening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
-    """Compute the hole of an opening in a wall; None if the wall does not run along it."""
+    """Compute the hole of an opening in a wall [m]; None if the wall is not along it or has little of it."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.array([opening.start, opening.end], float) - start

@@ -14,7 +14,10 @@ def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
 
     Args:
         house_id: Id of the house.
-        fractions: Fraction of all houses in each split; they sum to 1.
+        fractions: Fraction of all houses in each split; they must sum to 1.
+
+    Raises:
+        ConfigError: They do not, or one is negative.
 
     Example:
         >>> split_of("0004d52d1aeeb8ae6de39d6bd993e992")

@@ -72,7 +72,10 @@ def _tighten(
     surface: Float[np.ndarray, "x y z 2 3"],
     occupied: Bool[np.ndarray, "x y z"],
 ) -> Float[np.ndarray, "2 3"]:
-    """Return the corners of a box of cells, its sides moved inwards to the surface in its outermost cells."""
+    """Return the corners of a box of cells [m], its sides moved inwards to the surface in its outermost cells.
+
+    A side is not moved if that would be by more than a cell, or if the next cell beyond it contains surface.
+    """
     inner = surface[_block(box[0], box[1])]
     tight = np.stack([inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))])
     for side, axis in np.ndindex(2, 3):
@@ -105,7 +108,7 @@ def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Flo
 
 
 def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]:
-    """Cover exactly the occupied cells with disjoint boxes, as first and one past the last cell."""
+    """Cover exactly the occupied cells with disjoint boxes, given by their first cell and one past their last."""
     left, boxes = occupied.copy(), []
     for start in np.argwhere(occupied):
         if left[tuple(start)]:
@@ -133,12 +136,12 @@ def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
 
 
 def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: float) -> Int[np.ndarray, "m 2 3"]:
-    """Merge pairs of boxes into their hulls, least added volume first, down to `max_boxes` and further if cheap.
+    """Merge pairs of boxes, and any inside their hull, least added volume first, to `max_boxes` and further if cheap.
 
     Args:
         boxes: Minimum and maximum corners.
         max_boxes: Maximum number of boxes in the result.
-        max_waste: Maximum empty volume that each further merge may add.
+        max_waste: Maximum volume added by each merge after `max_boxes` is reached.
     """
     boxes = boxes.copy()
     while len(boxes) > 1:
@@ -171,7 +174,7 @@ def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray
 
 
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
-    """Return the upright box of minimum footprint around points, aligned with a side of their hull in the plan."""
+    """Return the upright box of least footprint around points, along a side of their hull; yaw 0 if collinear."""
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]
     except (QhullError, ValueError):  # all points on one line

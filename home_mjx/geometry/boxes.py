@@ -51,7 +51,7 @@ class BoxSet:
 
 
 def make_boxes(center: object, half: object, yaw: object = 0.0) -> BoxSet:
-    """Create boxes from broadcastable centres, half extents and yaws."""
+    """Create boxes from one or several centres [m]; half extents [m] and yaws [rad] are broadcast to them."""
     center = np.atleast_2d(np.asarray(center, float))
     half = np.broadcast_to(np.asarray(half, float), center.shape)
     return BoxSet(center, half.copy(), np.broadcast_to(np.asarray(yaw, float), len(center)).copy())
@@ -63,7 +63,7 @@ def empty_boxes() -> BoxSet:
 
 
 def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
-    """Concatenate sets."""
+    """Concatenate sets of boxes, in order; an empty set if there are none."""
     sets = [empty_boxes(), *sets]
     return BoxSet(*(np.concatenate([getattr(s, name) for s in sets]) for name in ("center", "half", "yaw")))
 
@@ -75,7 +75,7 @@ def unique_boxes(boxes: BoxSet) -> BoxSet:
 
 
 def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
-    """Return the smallest box around points with the specified yaw."""
+    """Return the smallest box around points [m] with this yaw [rad]."""
     turn = yaw_matrix(yaw)
     local = points @ turn
     low, high = local.min(axis=0), local.max(axis=0)

@@ -26,7 +26,7 @@ RELATIVE_BOX_MARGIN = 1e-6
 
 
 def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[BVH, Int[np.ndarray, " n"]]:
-    """Build a tree over boxes.
+    """Build a binary tree over boxes by the surface-area heuristic; its boxes are enlarged by `RELATIVE_BOX_MARGIN`.
 
     Args:
         boxes: Minimum and maximum corners [m].
@@ -127,7 +127,7 @@ def _bound(bounds, rows, out):
 @njit(cache=True)
 @no_type_check
 def _split(bounds, order, cost, is_left, leaf_size, depth):
-    """Split the primitives of a range in all three orders; return the size of the first part, or -1 for a leaf."""
+    """Partition a range in place in all three orders; return the size of the first part, or -1 if it becomes a leaf."""
     n = order.shape[1]
     leaves = (n + leaf_size - 1) // leaf_size
     balanced_depth = int(np.ceil(np.log2(max(leaves, 1))))
@@ -175,7 +175,7 @@ def _center(bounds, row, axis):
 @njit(cache=True)
 @no_type_check
 def _sweep(bounds, rows, cost, add):
-    """Compute count times half area of each prefix of rows, and return the half area of all rows."""
+    """Return the half area of all rows; set `cost`, or `add` to it, count times half area of its prefixes of rows."""
     x0, y0, z0, x1, y1, z1 = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
     area = 0.0
     for k in range(len(rows)):

@@ -36,7 +36,7 @@ def find_exposed_edges(
     half: Float[np.ndarray, "n 3"],
     heights: Float[np.ndarray, "r 2"],
 ) -> Bool[np.ndarray, "n edges"]:
-    """Return the edges that can diffract sound: exposed ones, not where boxes are coplanar, form a corner or overlap.
+    """Return the mask of edges that diffract sound: exposed ones, not where boxes are coplanar, meet or overlap.
 
     Args:
         center: Box centres [m].

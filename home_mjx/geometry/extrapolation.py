@@ -27,7 +27,7 @@ def extrapolate_fields(
     field: Float[np.ndarray, "c g"],
     cell: float,
 ) -> list[tuple[Int[np.ndarray, "_ 3"], Float[np.ndarray, "_ g"]]]:
-    """Compute the cells that an agent can reach from the home region, and their distances to the goals.
+    """Compute the cells of each extension that are reachable from the home region, and their distances to the goals.
 
     Args:
         home: Mask of the home region.

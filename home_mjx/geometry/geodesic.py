@@ -71,7 +71,7 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return pairs of free cells that are one step apart, and the length of the step [m]."""
+    """Return pairs of free cells that are one `step` (rows, columns) apart, and the length of each step [m]."""
     here, there = _shifted(*step)
     way = free[here] & free[there]
     if all(step):

@@ -15,7 +15,7 @@ CUT_MATERIAL = Material("cut", (0.5, 0.5, 0.5), None, 1.0)  # grey of cut faces
 
 @dataclass(frozen=True)
 class MeshPiece:
-    """A closed part of a mesh; its slots index its own materials."""
+    """A closed part of a mesh; see `join_pieces` for its slots."""
 
     group: str
     vertices: Float[np.ndarray, "v 3"]
@@ -41,13 +41,13 @@ def _wall_piece(group: str, prism: WallPrism, slot: int, wall_id: str) -> MeshPi
 
 
 def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
-    """Join pieces into one mesh; their slots index the joint list of materials.
+    """Join pieces into one mesh; their slots must already index `materials`.
 
     Args:
         path: Path of the mesh's file.
         pieces: Parts of the mesh.
         materials: One per slot; they are renamed `material_0`, `material_1`, ...
-        scale: Metres per unit of the pieces [m].
+        scale: Metres per unit of the vertices and the texture coordinates.
     """
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])
     names = tuple(dict.fromkeys(piece.group for piece in pieces))

@@ -123,7 +123,8 @@ def _triangle_tree(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[BVH, Int[np.n
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
     """Compute unit normals of corners: the mean of adjacent faces that differ by less than the crease angle.
 
-    Faces are weighted by area. A face without area has zero normals.
+    Faces are weighted by area. A face without area has zero normals. Positions with more than `MAX_CORNER_FACES`
+    corners have the normals of the faces.
 
     Args:
         triangles: Corners, counter-clockwise outwards [m].

@@ -16,7 +16,7 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 
 
 def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Return whether points are inside a simple polygon, by the crossing number."""
+    """Return whether points are inside a simple polygon of either winding; points on its edge may be either."""
     x, y = points[..., 0], points[..., 1]
     inside = np.zeros(x.shape, bool)
     for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
@@ -57,7 +57,7 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
 
 
 def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
-    """Return the outer edge of a slab's upper side, counter-clockwise.
+    """Return the outer edge of a slab's upper side, counter-clockwise; its `bounding_outline` if there is none.
 
     Args:
         slab: Triangles of the slab, Z up [m].
@@ -77,7 +77,7 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
 
 
 def _boundary_loops(triangles: Int[np.ndarray, "t 3"]) -> list[list[int]]:
-    """Return closed loops of edges that belong to only one triangle."""
+    """Return the corner indices of closed loops of edges that belong to only one triangle."""
     edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
     following: dict[int, list[int]] = {}
     for a, b in edges:

@@ -89,7 +89,7 @@ def _is_taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
 
 
 def split_rectangles(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
-    """Cut rectangles along u into equal pieces of at most `length`."""
+    """Cut each rectangle (u0, v0, u1, v1) along u into equal pieces of at most `length`."""
     pieces = []
     for u0, v0, u1, v1 in rectangles:
         edges = np.linspace(u0, u1, max(int(np.ceil((u1 - u0) / length - 1e-9)), 1) + 1)

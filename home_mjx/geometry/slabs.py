@@ -54,7 +54,11 @@ def _piece(
 
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
-    """Return the polygon with its outset and its triangles; without the outset if narrow notches would close."""
+    """Return the polygon with its outset and its triangles; without the outset if narrow notches would close.
+
+    Raises:
+        ValueError: The polygon crosses itself even without the outset.
+    """
     grown = offset_outwards(polygon, outset)
     try:
         return grown, triangulate(grown)
@@ -94,7 +98,7 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
 
 
 def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
-    """Offset the sides of a counter-clockwise polygon outwards, with mitred corners."""
+    """Offset the sides of a counter-clockwise polygon outwards [m]; corners are mitred, up to `MAX_MITRE`."""
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     normal = np.stack([way[:, 1], -way[:, 0]], 1)

@@ -105,7 +105,7 @@ def register_bake(name: str, make_bake: Callable[[], Bake]) -> None:
 
 
 def find_bake(name: str) -> Bake:
-    """Return the bake of a name with default options.
+    """Return the bake of a name with default options; import and register it if an installed package provides it.
 
     Raises:
         UnknownNameError: No bake has this name.
@@ -177,6 +177,8 @@ def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> An
 
 def bake_entry(bake: Bake, house: CompiledHouse) -> Path:
     """Return the path of a record in the store, whether or not it exists.
+
+    Its name is a digest of the bake, JAX's backend and the content of the house that the bake uses.
 
     Args:
         bake: The bake.

@@ -67,7 +67,7 @@ class HouseCache:
         mark_used(self._folder)
 
     def load(self, house_id: str) -> CompiledHouse:
-        """Return a compiled house, compiling it if it is not in the cache.
+        """Return a compiled house and record its fallbacks; compile it if it is not cached or an input has changed.
 
         A corrupted entry is compiled and written again. If the folder is not writable, each run compiles the house.
 
@@ -112,7 +112,7 @@ class HouseCache:
         return [self._absolute(path) for path in notes["materials.texture"]]
 
     def model(self, key: str) -> Model:
-        """Return the library model with a key; raises the errors of `entry_path.read_entry`."""
+        """Return the library model with a key, read once; raises the errors of `array_store.read_entry`."""
         return self._models((key,))[key]
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
@@ -136,9 +136,10 @@ class HouseCache:
         return self._folder / "houses" / f"{key}{ENTRY_SUFFIX}"
 
     def _read(self, house_id: str, entry: Path) -> CompiledHouse:
-        """Read a house from its entry.
+        """Read a house and its models from its entry, validate them, record the fallbacks and warn of them.
 
         Raises:
+            Exception: The entry is corrupted or invalid; one of `READ_ERRORS`.
             FileNotFoundError: There is no entry, a used texture has changed, or a missing one has been added.
         """
         arrays, notes = read_entry(entry)

@@ -68,14 +68,14 @@ class HouseSet:
 
     @classmethod
     def coerce(cls, houses: "HouseSet | Dataset | str | Path | None", **choice: Any) -> "HouseSet":
-        """Convert the `houses` argument of a function to a set.
+        """Return a `HouseSet` unchanged, or make one from a dataset and the other arguments of a function.
 
         Args:
             houses: A `HouseSet`, or a dataset.
             **choice: Other fields. Next to a `HouseSet`, only None and default values are allowed.
 
         Raises:
-            ConfigError: A choice is made twice.
+            ConfigError: A `HouseSet` is given together with another choice.
         """
         if not isinstance(houses, HouseSet):
             return cls(houses, **choice)
@@ -95,7 +95,7 @@ class HouseSet:
 
     @property
     def is_complete(self) -> bool:
-        """True if the set has every house of the dataset."""
+        """True if the set has every house of the dataset's folder: it selects none, and `shares_root` is False."""
         return (
             self.ids is None
             and self.split is None
@@ -135,7 +135,7 @@ class HouseSet:
         return list(self._checked(houses))
 
     def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
-        """Yield the ids of the selected houses, checking no more houses against `filter` than necessary."""
+        """Yield the ids of the selected houses in order; with `filter`, compile no more houses than necessary."""
         known = self.resolved_dataset.house_ids if self.ids is None else self.ids
         found = (i for i in known if self.split is None or split_of(i) == self.split)
         candidates = islice(found, self.num_houses) if self.filter is None else found

@@ -56,7 +56,7 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
 
 
 def check_trees(trees: Sequence[BVH], num_primitives: Sequence[int]) -> None:
-    """Validate that trees have at most `MAX_DEPTH` levels and refer to existing primitives.
+    """Validate that trees have a root, at most `MAX_DEPTH` levels, only existing nodes and primitives, and no cycle.
 
     All trees are checked at once, since houses have many small ones.
 
@@ -91,7 +91,13 @@ def check_trees(trees: Sequence[BVH], num_primitives: Sequence[int]) -> None:
 
 
 def _check_levels(node: Int[np.ndarray, " n"], below: Int[np.ndarray, " n"], count: int) -> None:
-    """Walk up from all nodes at once; `MAX_DEPTH` steps must lead above the root of each tree."""
+    """Raise `ValueError` if a node has two parents, or is not below a root within `MAX_DEPTH` levels.
+
+    Args:
+        node: Node with each link.
+        below: Node that the link refers to.
+        count: Number of nodes.
+    """
     if np.bincount(below).max(initial=0) > 1:
         raise ValueError("a tree refers to a node twice")
     above = np.full(count + 1, count)  # the extra entry is the parent of all roots and of itself

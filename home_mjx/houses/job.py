@@ -58,8 +58,8 @@ def compile_dataset(
         workers: Number of processes on this machine.
         resume: Skip houses that an earlier report lists as done and that are in the cache, without checking their
             input files again.
-        report: File for the outcome of each house; None: a file in the cache folder. A run over a subset of the
-            houses appends to it.
+        report: File for the outcome of each house; None: a file in the cache folder. Runs over a subset and runs
+            with `resume` append to it, others overwrite it.
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
         options: Compile options.
@@ -71,8 +71,8 @@ def compile_dataset(
     Raises:
         DatasetError: There is no dataset, or it does not have one of the houses.
         ConfigError: The cache folder or the report is not writable, or another file has the report's name. `workers` is
-            below 1. The scheduler does not answer or its extra is not installed. The `HouseSet` has a `filter` filter,
-            which needs compiled houses.
+            below 1. The scheduler does not answer or its extra is not installed. The `HouseSet` has a `filter`, which
+            needs compiled houses.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP
@@ -124,7 +124,7 @@ def _prepare() -> None:
 
 
 def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: str) -> CompileOutcome:
-    """Ensure that a house is in the cache; errors are returned as part of the outcome.
+    """Compile a house unless it is in the cache; return the outcome, which contains any error.
 
     Args:
         dataset: The dataset.

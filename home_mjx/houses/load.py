@@ -68,10 +68,10 @@ def house_set(
     filter: HouseFilter | None = None,
     options: CompileOptions = DEFAULT_OPTIONS,
 ) -> HouseSet:
-    """Return the houses that `load_bank` loads, without compiling them; arguments and errors are its own.
+    """Return the `HouseSet` that `load_bank` loads, without compiling it; arguments as there.
 
     Raises:
-        ConfigError: `filter` is given for the default dataset, which has no end.
+        ConfigError: A choice is invalid or made twice, or `filter` is given for the default dataset, which has no end.
     """
     if num_houses is not None:
         check_number("num_houses", num_houses, 1, integer=True)

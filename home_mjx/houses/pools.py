@@ -24,7 +24,7 @@ def run_jobs(
     Args:
         task: Compiles a house; it never raises.
         ids: The houses.
-        workers: Number of processes on this machine.
+        workers: Number of processes on this machine; with 1, or a single house, the task runs in this process.
         scheduler_address: Address of a Dask scheduler whose workers are used instead.
 
     Raises:
@@ -64,7 +64,10 @@ def _dask(scheduler: str) -> Iterator[Any]:
 
 
 def _in_processes(task: CompileTask, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
-    """Yield outcomes from worker processes; a house that kills its worker, for example by lack of memory, fails."""
+    """Yield outcomes from worker processes; if one dies, retry the first `workers` remaining houses one by one.
+
+    A house whose process dies again, for example by lack of memory, has the status `FAILED`.
+    """
     left = dict.fromkeys(ids)
     while left:
         with worker_pool(min(workers, len(left))) as pool:

@@ -126,7 +126,7 @@ class HouseStream:
             self._retire()
 
     def advance(self, houses: Int[Array, "..."]) -> HouseBank:
-        """Exchange each retired house whose successor is ready; call it before every step, or less often.
+        """Replace retired houses that no environment uses and whose successor is ready; call it before every step.
 
         Args:
             houses: House indices of all environments, as in `first.world.house`.
@@ -136,7 +136,7 @@ class HouseStream:
 
         Raises:
             ConfigError: The stream is closed; or the number of indices differs from earlier calls, so that a house in
-                    use could be overwritten.
+                use could be overwritten.
         """
         if self._closed:
             raise ConfigError("the stream is closed: it exchanges no more houses", hint="Step inside its `with` block.")
@@ -231,7 +231,10 @@ class HouseStream:
         self._retire()
 
     def _next(self, house_slot: int) -> Prepared | None:
-        """Prepare the next house that fits, for a slot; runs in the background thread."""
+        """Prepare the next house that fits a slot, in the background thread; None if all are in `skipped`.
+
+        Houses that fail or do not fit are added to `skipped`.
+        """
         for house_id in self._order:
             try:
                 return self._prepare(self._cache.load(house_id), house_slot)
@@ -254,7 +257,7 @@ class HouseStream:
 
 @functools.partial(jax.jit, donate_argnums=0)
 def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Array]) -> HouseBank:
-    """Overwrite rows of the bank in its own memory."""
+    """Return the bank with rows overwritten from `starts` on, in its own memory: the argument is donated."""
     write = functools.partial(jax.lax.dynamic_update_slice_in_dim, axis=0)
     bank = replace_arrays(bank, {key: write(get_array(bank, key), values, starts[key]) for key, values in rows.items()})
     if bank.geometry.gpu is not None:

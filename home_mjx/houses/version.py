@@ -104,7 +104,7 @@ def create_version_folder(folder: Path) -> None:
 
 
 def remove_folder(folder: Path) -> None:
-    """Remove a folder of the cache; it is renamed first, so that no process sees it half removed."""
+    """Remove a folder of the cache; it is renamed first, so no process sees it half removed. Failures are logged."""
     hidden = folder.with_name(DISCARDED_PREFIX + folder.name.removeprefix(DISCARDED_PREFIX))
     try:
         folder.replace(hidden)

@@ -38,7 +38,7 @@ class CapacityAxis:
     optional: bool = False
 
     def round_up(self, count: int) -> int:
-        """Return the minimum length of this axis that holds `required` items."""
+        """Return the length of this axis for `count` items: a size class or whole blocks; 0 if optional and empty."""
         if self.optional and not count:
             return 0
         return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block

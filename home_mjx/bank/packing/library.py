@@ -60,7 +60,7 @@ class Library:
         return shared_rows(self.models.values(), self.agent_materials, agent_semantics())
 
     def owners(self, sizes: Sizes) -> Owners:
-        """Return the owners of the library's rows."""
+        """Return the owners of the library's rows by kind: its models, and the agent's materials and semantics."""
         models = list(self.models.values())
         sizes_of = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
         starts = cumulative_starts({"node": 0, "triangle": 0}, sizes_of)
@@ -79,12 +79,12 @@ class Library:
         return {SHARED: [SharedOwner(SharedArrays(pixels))]}
 
     def house_owners(self, house: CompiledHouse, start: Counts, sizes: Sizes) -> Owners:
-        """Return the owners of a house's private rows.
+        """Return the owners of a house's private rows, by kind.
 
         Args:
             house: The house.
             start: First row of each kind.
-            sizes: CapacityAxis lengths of the bank.
+            sizes: Axis lengths of the bank.
         """
         own = house.models[house.instances.model[ARCHITECTURE]]
         found = model_owners(own, start)

@@ -23,7 +23,7 @@ ID_LENGTH = 32  # [bytes], axis "id_bytes" of house_id
 
 
 def ascii_id(at: HouseOwner) -> UInt8[np.ndarray, " id_bytes"]:
-    """Encode the house's id as ASCII bytes, padded with zeros."""
+    """Encode the house's id as `ID_LENGTH` ASCII bytes, padded with zeros; raise `ConfigError` for others."""
     data = at.house.id.encode()
     if not at.house.id.isascii() or not 0 < len(data) <= ID_LENGTH:
         raise ConfigError(f"house id `{at.house.id}` must be 1 to {ID_LENGTH} ASCII characters")
@@ -112,7 +112,7 @@ def group_by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
 
 
 def replace_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
-    """Return the bank with some arrays replaced."""
+    """Return the bank with arrays replaced, by record and field."""
     tables = group_by_record(arrays)
     own = tables.pop("")
     records = {name: getattr(bank, name).replace(**fields) for name, fields in tables.items() if fields}

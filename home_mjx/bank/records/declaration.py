@@ -102,7 +102,7 @@ class Declaration:
 
         Args:
             parts: Pairs of first row and values.
-            sizes: CapacityAxis lengths of the bank.
+            sizes: Axis lengths of the bank.
 
         Raises:
             CapacityError: Values do not fit the declared axes.

@@ -54,7 +54,7 @@ def is_door(at: HouseOwner) -> Bool[np.ndarray, " doors"]:
 
 
 def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
-    """Return slide directions of leaves; padding has one too, since all houses must slide in the same rows."""
+    """Return slide directions by row: 0 if hinged, (1, 0) in padding, since all houses must slide in the same rows."""
     axes = np.zeros((at.sizes["doors"], 2))
     axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
     axes[at.door_row] = at.house.doors.slide
@@ -62,7 +62,7 @@ def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
 
 
 def door_source(field: str, fill: Any = 0) -> Callable[[HouseOwner], np.ndarray]:
-    """Create a source: a field of the house's doors in the rows that the bank reserves for them."""
+    """Return a function that puts a field of a house's doors into their rows of the bank; other rows are `fill`."""
 
     def rows(at: HouseOwner) -> np.ndarray:
         values = getattr(at.house.doors, field)

@@ -74,7 +74,7 @@ def run_job(frame, chunks, work, task):
 @compiled
 @no_type_check
 def run_task(job):
-    """Run chunks of a job on a thread of XLA."""
+    """Run chunks of a job on a thread of XLA until none is left, and release the job."""
     call(words(job)[JOB_WORK], job)
     _release_job(job)
 
@@ -94,7 +94,7 @@ def run_chunks(job, run_chunk):
 @compiled
 @no_type_check
 def _open_job(frame, chunks, work, task):
-    """Allocate a job, and schedule its task on threads of XLA. Each user releases the job."""
+    """Allocate a job, schedule its task on threads of XLA and return its address. Each user releases the job."""
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
     state = words(job)

@@ -21,7 +21,7 @@ TASK = "home_mjx_task"  # symbol
 
 @verify_cache
 def build_handler(name: str, count: Any, work: Any) -> tuple[Any, Any]:
-    """Compile a handler and the task of XLA's threads, or load them from Numba's cache on disk.
+    """Return a handler and the task of XLA's threads, compiled or from Numba's cache; add their symbols to LLVM.
 
     Keep both and the arguments alive while XLA may call the handler.
 

@@ -180,7 +180,7 @@ def _find_problem(kernel: Kernel, platform: str) -> str | None:
 
 
 def _start(kernel: Kernel, platform: str) -> str | None:
-    """Compile, register and test a kernel; return the fault."""
+    """Compile, register and test a kernel; return the fault that its test finds, None if there is none."""
     if platform == "cpu" and kernel.cpu:
         record_process()
         from home_mjx.core.native.handler import build_handler

@@ -98,7 +98,8 @@ def exclusive_lock(lock: Path) -> Iterator[None]:
     The operating system releases the lock of a killed process. If files cannot be locked, as on Windows and some
     networks, the block runs at once.
 
-            lock: Lock file; created if missing, and never deleted.
+    Args:
+        lock: Lock file; created if missing, and never deleted.
     """
     with ExitStack() as stack:
         with suppress(OSError, ImportError):

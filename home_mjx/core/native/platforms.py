@@ -32,7 +32,7 @@ def local_devices(platform: str) -> list[Any]:
 
 
 def select_at_lowering(fallback: Callable[..., Any], kernels: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
-    """Select at lowering the function of `kernels` for the target platform; `fallback` if there is none."""
+    """Call with `given` the function of `kernels` for the platform, selected at lowering, or else `fallback`."""
     # JAX traces every branch, so a branch that cannot be selected in this process is left out.
     covered = _used_platforms() <= set(kernels)
     return jax.lax.platform_dependent(*given, default=None if covered else fallback, **kernels)

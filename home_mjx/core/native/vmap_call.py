@@ -19,7 +19,7 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
 
     Args:
         run: Step function. All environments share its first operands; the other operands and the results have a
-                leading environment axis.
+            leading environment axis, into which mapped axes are folded. If a shared operand is mapped, `run` is looped.
         num_shared: Number of shared operands.
         num_results: Number of results.
     """

@@ -69,6 +69,8 @@ class DigestIndex:
     def facts(self, name: str, stamp: Stamp, read: Callable[[], FileFacts]) -> FileFacts:
         """Return the facts of a file; `read` reads them if the index has no entry with this stamp.
 
+        Facts of a file that was changed within `MIN_AGE_SECONDS` are not added to the index.
+
         Args:
             name: Name of the file, in a constant form.
             stamp: Stamp of the file, taken before this call.

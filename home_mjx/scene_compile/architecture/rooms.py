@@ -67,7 +67,10 @@ def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
 
 
 def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
-    """Return the outline and the (floor, ceiling) heights of a room; missing meshes are replaced by the others."""
+    """Return the outline and the (floor, ceiling) heights of a room; missing meshes are replaced by the others.
+
+    Without any mesh, the outline is empty and the heights are 0.
+    """
     meshes = (room.floor, room.ceiling, room.walls)
     floor, ceiling, walls = (None if m is None else world_triangles(m, offset) for m in meshes)
     parts = [p for p in (floor, ceiling, walls) if p is not None]

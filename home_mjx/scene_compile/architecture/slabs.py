@@ -55,7 +55,7 @@ def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
 
 
 def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
-    """Return the slab with the specified yaw around triangles."""
+    """Return the slab with this yaw [rad] around triangles; its `faces` are the triangles that face across."""
     turn = yaw_matrix(yaw)
     local = triangles @ turn
     facing = abs((normal @ turn)[:, 1]) > 0.7 * np.linalg.norm(normal, axis=1)

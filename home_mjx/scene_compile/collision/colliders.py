@@ -66,7 +66,7 @@ def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
     """Return the boxes of one fixed object, and one box for each of its open leaves without a known hinge.
 
-    Leaves with a known hinge are not included.
+    Leaves with a known hinge are not included. A window has its own box; passable or high objects have none.
 
     Args:
         item: The object.
@@ -117,7 +117,8 @@ def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
 def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
     """Return boxes of the frame and of the open leaves of a door.
 
-    Each leaf gets one box along its own direction, so that the passage is as wide as it appears.
+    Each leaf gets one box along its own direction, so that the passage is as wide as it appears. Fittings
+    such as handles have none.
 
     Args:
         triangles: The door, its wall along x [m].

@@ -116,7 +116,10 @@ def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
 
 
 def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
-    """Return the height of the upper sides that support a box [m]; None if they do not cover its central region."""
+    """Return the height of the upper sides, within `reach` [m] of a box's bottom, that support its central region.
+
+    None if they do not cover it.
+    """
     points = box.center[0, :2] + (
         SUPPORT_REGION * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, 0]]) * box.half[0, :2]
     ) @ (yaw_matrix(box.yaw[0])[:2, :2].T)

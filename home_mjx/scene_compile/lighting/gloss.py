@@ -57,7 +57,10 @@ def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
 
 
 def _mirrors(item: PlacedObject) -> list[int]:
-    """Return the reflecting slots of a mirror: those named so, else the largest opaque one without texture."""
+    """Return the reflecting slots of a mirror: those named so, else the largest opaque one without texture.
+
+    Empty for other objects.
+    """
     if item.info.coarse != "mirror":
         return []
     plain = [i for i, s in enumerate(item.surfaces) if s.opacity == 1 and not s.texture]

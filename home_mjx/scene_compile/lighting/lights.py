@@ -207,7 +207,7 @@ def _room_source(rooms: RoomTable, room: int, options: LightOptions) -> LightSou
 
 
 def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
-    """Return the grid point inside a polygon with the maximum distance from its edges."""
+    """Return the grid point inside a polygon farthest from its edges; the centre of its bounds if none is inside."""
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -236,7 +236,8 @@ def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable)
     ambient term of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation",
     SIGGRAPH 1988.
 
-    The first row is for points outside all rooms: the mean of all rooms for lamps, and half the sky for daylight.
+    The first row is for points outside all rooms: the mean of all rooms for lamps (column 0),
+    and half the sky for daylight (column 1).
     """
     flux = np.zeros((len(rooms.type), 2, 3))
     for s in sources:

@@ -44,6 +44,8 @@ class ConvexOptions:
 def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tuple[Piece, ...]:
     """Return the hulls of a model's convex pieces as triangles in its own frame [m]; empty for flat models.
 
+    They are computed by CoACD and cached on disk.
+
     Raises:
         ConfigError: CoACD is not installed.
 

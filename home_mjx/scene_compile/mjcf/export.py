@@ -145,7 +145,7 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = No
 def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "3 3"]]:
     """Split a linear map into a rotation and a preceding diagonal stretch, negative in x for mirrored maps.
 
-    A sheared map is returned as the stretch, with the identity as the rotation.
+    A sheared or flat map is returned as the stretch, with the identity as the rotation.
 
     Example:
         >>> split_linear(np.diag([2.0, 1.0, -1.0]))[1]

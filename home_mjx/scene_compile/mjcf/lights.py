@@ -15,7 +15,7 @@ ATTENUATION = "1 0 0.15"  # half intensity at 2.6 m
 
 
 def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
-    """Add a light per lamp, `lamp<i>`: spots for spots of the dataset, else points; without shadows.
+    """Add lights `lamp<i>` for the `MAX_LAMPS` strongest lamps: spots for spots, else points; without shadows.
 
     Args:
         world: The `worldbody` element.

@@ -177,7 +177,10 @@ class CurvedFlight:
         return found[0], found[1]
 
     def slopes(self, low: float, high: float) -> SlopesTopWell:
-        """Return slopes from floor to floor [m], enough for agents to step from one to the next."""
+        """Return slopes from floor to floor, the rest of the top tread, and the well, as `StraightFlights.slopes`.
+
+        There are enough slopes for agents to step from one to the next.
+        """
         before, landing = MAX_START_OFFSET / self.radius, MAX_END_OFFSET / self.radius
         start = float(np.clip((low - self.offset) / self.rise, self.first - before, self.first + before))
         end = float(np.clip((high - self.offset) / self.rise, self.last - landing, self.last))

@@ -64,12 +64,12 @@ class LevelSite:
     def floors(self, step: float) -> BoxSet:
         """Return boxes of its floors [m].
 
-        On the lowest level, a plane replaces those up to `min_top_height` above the lowest floor.
+        On the lowest level, a plane replaces those up to `step` [m] above the lowest floor.
         """
         return self.plan.boxes(self.plan.lowest + step if self.grid == 0 else -np.inf)
 
     def raised_floors(self, step: float) -> BoxSet:
-        """Return boxes of the floors more than `min_top_height` above the level's lowest floor [m]."""
+        """Return boxes of the floors more than `step` [m] above the level's lowest floor."""
         return self.plan.boxes(self.plan.lowest + step)
 
 

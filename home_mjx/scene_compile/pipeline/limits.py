@@ -76,7 +76,7 @@ def _check_extent(house: House, rooms: RoomTable, cell: float) -> None:
 
 
 def _check_walls(house: House, shell: BuildingShell) -> None:
-    """Reject walls that are too long, since they are cut into pieces that are compared pairwise."""
+    """Raise `DatasetError` if the walls are too long, since they are cut into pieces that are compared pairwise."""
     lengths = [(part.slab.length, part.room) for part in shell.parts if isinstance(part, WallPart)]
     total = sum(length for length, _ in lengths)
     if total <= MAX_WALL_LENGTH:

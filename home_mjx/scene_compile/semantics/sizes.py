@@ -27,6 +27,8 @@ class SizeTable:
     def log_volume_size(self, volume: float, info: ModelInfo) -> str:
         """Return one of `SIZES` by the logarithm of volume, since volumes differ by factors; "" with too few peers.
 
+        Peers are the models of the fine category or, if those are too few, of the coarse one.
+
         Args:
             volume: Volume of the object as placed [m^3].
             info: Its categories.

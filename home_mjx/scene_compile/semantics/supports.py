@@ -111,7 +111,7 @@ def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the object that carries most of another's lowest points; -1 below a share of `MIN_SUPPORT_SHARE`."""
+    """Return the index of the object that carries most of another's lowest points; -1 below `MIN_SUPPORT_SHARE`."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + MAX_CONTACT_GAP) & (limits[:, 1, 2] > low[2] - MAX_CONTACT_GAP)
@@ -166,7 +166,7 @@ def _barycentric(
 
 
 def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the smallest container whose box contains most of an object's box; -1 if none."""
+    """Return the index of the smallest container whose box contains most of an object's box; -1 if none."""
     middle, volume = boxes.center[index], boxes.half.prod(axis=1)
     around = (limits[:, 0] <= middle).all(axis=1) & (limits[:, 1] >= middle).all(axis=1) & (volume > volume[index])
     holding = [

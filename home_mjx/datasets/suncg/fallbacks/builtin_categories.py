@@ -52,7 +52,7 @@ UNKNOWN_CATEGORY = ModelInfo("").coarse
 
 
 def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
-    """Add the built-in categories of SUNCG's doors, windows and similar models that the tables lack.
+    """Return the tables with the built-in categories of SUNCG's doors, windows and similar models that they lack.
 
     Args:
         tables: Tables of the dataset.

@@ -66,7 +66,7 @@ class RoomShape:
 
 
 def find_room_shape(room: RoomNode, gaps: Sequence[OpeningSpan]) -> RoomShape | None:
-    """Determine the outline of a room from its floor, ceiling, walls or box, in this order; None if all are missing.
+    """Determine the outline of a room from its floor, ceiling, walls or box, in this order; None if none is usable.
 
     Args:
         room: Room with its existing meshes.
@@ -151,7 +151,7 @@ def _walls(
 def _hole(
     gap: OpeningSpan, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], shape: RoomShape
 ) -> Hole | None:
-    """Compute the hole of an opening in a wall; None if the wall does not run along it."""
+    """Compute the hole of an opening in a wall [m]; None if the wall is not along it or has little of it."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.stack([gap.start, gap.end]) - start

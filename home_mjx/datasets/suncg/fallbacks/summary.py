@@ -41,7 +41,7 @@ def _parts(level: Level) -> Iterator:
 
 
 def count_fallbacks(fallbacks: Sequence[Fallback]) -> dict[str, int]:
-    """Count the fallbacks by kind.
+    """Count the fallbacks by kind, in the order of `FALLBACK_KINDS`; 0 for kinds without any.
 
     Args:
         fallbacks: Fallbacks of a house.

@@ -80,7 +80,7 @@ class JsonValue(Location):
         return self.data is not None
 
     def member(self, key: str) -> "JsonValue":
-        """Return the value of `key`; raise `DatasetError` if this is not an object."""
+        """Return the value of `key`, null if absent; raise `DatasetError` if this is not an object."""
         if not isinstance(self.data, dict):
             raise self._expected("an object")
         return JsonValue(
@@ -88,7 +88,7 @@ class JsonValue(Location):
         )
 
     def entries(self) -> list["JsonValue"]:
-        """Return the values of a list."""
+        """Return the values of a list; raise `DatasetError` for other values, and beyond `MAX_ENTRIES`."""
         if not isinstance(self.data, list):
             raise self._expected("a list")
         if len(self.data) > MAX_ENTRIES:
@@ -96,13 +96,13 @@ class JsonValue(Location):
         return [JsonValue(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
-        """Return a string."""
+        """Return a string; raise `DatasetError` for other values."""
         if not isinstance(self.data, str):
             raise self._expected("a string")
         return self.data
 
     def name(self) -> str:
-        """Return a string that is a valid file name: no separator, not `.` or `..`."""
+        """Return a string that is a valid file name, with no separator, not `.` or `..`; else raise `DatasetError`."""
         text = self.text()
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
             hint = "It must not be empty, contain `/` or lead out of its folder."
@@ -112,13 +112,13 @@ class JsonValue(Location):
         return text
 
     def integer(self) -> int:
-        """Return an integer; a float with an integral value is accepted."""
+        """Return an integer, also from a float with an integral value; raise `DatasetError` for other values."""
         if isinstance(self.data, bool) or not isinstance(self.data, int | float) or self.data != self._floor():
             raise self._expected("an integer")
         return int(self.data)
 
     def number(self) -> float:
-        """Return a finite number."""
+        """Return a finite number; raise `DatasetError` for other values."""
         if isinstance(self.data, bool) or not isinstance(self.data, int | float):
             raise self._expected("a number")
         if self._floor() is None:
@@ -126,14 +126,14 @@ class JsonValue(Location):
         return float(self.data)
 
     def coordinate(self) -> float:
-        """Return a coordinate: a number within a million metres of 0."""
+        """Return a number within `MAX_COORDINATE` of 0; raise `DatasetError` for other values."""
         number = self.number()
         if abs(number) > MAX_COORDINATE:
             raise self.error(f"expected a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}, got {number:g}")
         return number
 
     def flag(self, default: bool = False) -> bool:
-        """Return a flag written as 0, 1, "0", "1", true or false; `default` if absent."""
+        """Return a flag written as 0, 1, "0", "1", true or false, else raise `DatasetError`; `default` if absent."""
         if not self.has_value:
             return default
         if self.data in (0, "0"):
@@ -143,13 +143,13 @@ class JsonValue(Location):
         raise self._expected("0 or 1")
 
     def vector(self, length: int) -> Float[np.ndarray, " n"]:
-        """Return a list of `length` coordinates."""
+        """Return a list of `length` coordinates as an array; raise `DatasetError` for other values."""
         if isinstance(self.data, list) and len(self.data) != length:
             raise self.error(f"expected {length} numbers, got {len(self.data)}")
         return np.array([item.coordinate() for item in self.entries()])
 
     def color(self) -> tuple[float, float, float]:
-        """Return a colour `#rrggbb` as sRGB in 0..1."""
+        """Return a colour `#rrggbb` as sRGB in 0..1; raise `DatasetError` for other values."""
         if not re.fullmatch("#[0-9a-fA-F]{6}", self.text()):
             raise self._expected("a colour such as `#a3b0ff`")
         red, green, blue = bytes.fromhex(self.text()[1:])

@@ -8,7 +8,7 @@ MAX_SLOTS = 1_000  # maximum slots of one model; SUNCG has at most 18
 
 
 def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureLookup) -> tuple[Material, ...]:
-    """Read the material overrides of a node, by slot position.
+    """Read the material overrides of a node, by slot position; empty if it has none.
 
     Args:
         node: Node with `sound_materials`, with `materialIndices` into the house's list, or with neither.
@@ -29,7 +29,7 @@ def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureL
 
 
 def read_material(value: JsonValue, textures: TextureLookup) -> Material:
-    """Read one override; raise `DatasetError` like `read_materials`."""
+    """Read one override, which changes nothing if it is null; raise `DatasetError` like `read_materials`."""
     if not value.has_value:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))

@@ -19,7 +19,11 @@ def line_numbers(rows: Rows) -> Int[np.ndarray, " n"]:
 
 
 def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]]:
-    """Return one-based v, vt and vn indices of every corner (0 none), and the number of corners of each face."""
+    """Return one-based v, vt and vn indices of every corner (0 if none), and the number of corners of each face.
+
+    Raises:
+        DatasetError: There are too many corners, a face is malformed, or an index is out of range.
+    """
     count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
     if count > MAX_CORNERS:
         message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"

@@ -40,7 +40,7 @@ class Architecture:
         """Build the walls, floor, ceiling or ground of a node; None if the file has none.
 
         Args:
-            kind: `WallSegment`, `Floor`, `Ceiling` or `Ground`.
+            kind: `Wall`, `Floor`, `Ceiling` or `Ground`.
             node_id: Id of the room or ground.
 
         Raises:

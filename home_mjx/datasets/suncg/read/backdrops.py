@@ -15,7 +15,9 @@ MAX_AXIS_SINE = 1e-3  # maximum sine of the angle between the axes and a box tha
 
 
 def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) -> list[Node]:
-    """Cut long boxes of a level to the extent of all other nodes; drop long boxes outside of it.
+    """Return the nodes of a level, long boxes cut to the extent of the others, or left out if outside or slanted.
+
+    Changes are reported as problems.
 
     Args:
         nodes: Nodes of a level.

@@ -18,7 +18,7 @@ MIN_WIDE_ANGLE = np.pi / 2  # [rad], minimum opening angle of every door; SUNCG'
 
 
 def attach_parts(house: House, reading: ReaderState) -> House:
-    """Attach lights to the objects of a house, and joints to its doors.
+    """Return the house with the lights of its objects, and the joints of its doors found from both variants.
 
     Args:
         house: House as read.

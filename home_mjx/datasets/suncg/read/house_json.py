@@ -170,7 +170,7 @@ def _id(value: JsonValue, default: str, reading: ReaderState) -> str:
 
 
 def _duplicates(nodes: Sequence[Node], values: Sequence[JsonValue], reading: ReaderState) -> dict[int, int]:
-    """Return exact repetitions of earlier nodes, by index; a node that only shares its id is kept."""
+    """Map the index of each exact repetition to that of the earlier node; report all shared ids as problems."""
     first: dict[str, Node] = {}
     same: dict[int, int] = {}
     for node in nodes:

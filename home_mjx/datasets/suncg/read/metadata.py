@@ -82,7 +82,11 @@ def parse_triple(text: str, place: Location) -> tuple[float, float, float]:
 def read_rows(
     path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
 ) -> Iterator[tuple[Location, list[str]]]:
-    """Yield the named columns of every row of a CSV file; optional columns are empty if missing."""
+    """Yield the named columns of every row of a CSV file; optional columns are empty if missing.
+
+    Raises:
+        DatasetError: The file cannot be read, a column is missing, or a row is broken.
+    """
     table = csv.reader(read_text(path, hint).splitlines(), strict=True)
     try:
         header = next(table, [])

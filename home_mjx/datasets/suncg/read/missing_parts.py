@@ -52,7 +52,7 @@ def _info(tables: SuncgMetadata, model_id: str) -> ModelInfo:
 
 
 def add_part_fallbacks(nodes: Sequence[Node], reading: ReaderState) -> list[Node]:
-    """Return a level's nodes, with fallbacks for missing meshes of rooms and grounds.
+    """Return a level's nodes, with fallbacks for missing meshes of rooms and grounds, which `reading` records.
 
     Args:
         nodes: Nodes of a level.

@@ -68,7 +68,7 @@ def _keep(item: ObjectNode, mesh: Mesh, node: JsonValue, reading: ReaderState) -
 
 
 def _read_other(item: ObjectNode, node: JsonValue, reading: ReaderState) -> None:
-    """Read the object's other state, if it exists; it is not visible, so a broken one is only noted."""
+    """Store the mesh of the object's other state in `reading.other_models`, if it exists; a broken one is noted."""
     key = other_variant(item.model_id, item.model_key)
     if key not in reading.other_models and is_file(reading.assets.model_path(item.model_id, key)):
         try:

@@ -15,7 +15,7 @@ Bounds = Float[np.ndarray, "2 3"]
 
 
 def check_boxes(subject: ValidationContext) -> None:
-    """Check boxes of nodes against vertices, of levels against nodes, of the house against levels; report backdrops."""
+    """Report boxes of nodes, levels and the house that differ from those around their parts, and backdrops."""
     for node in subject.nodes:
         _check_node(subject, node)
     read = {level.index: level_nodes(level) for level in subject.house.levels}
@@ -40,7 +40,7 @@ def _check_node(subject: ValidationContext, node: Node) -> None:
 
 
 def _check_union(subject: ValidationContext, owner: JsonValue, parts: list[Bounds | None]) -> Bounds | None:
-    """Compare the box of a level or house with that around its parts, and return the latter."""
+    """Compare the box of a level or house with that around its parts, and return the latter; None without parts."""
     boxes = [box for box in parts if box is not None]
     if not boxes:
         return None

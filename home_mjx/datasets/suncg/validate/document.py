@@ -14,7 +14,7 @@ from home_mjx.datasets.suncg.validate.context import ValidationContext
 
 
 def check_document(subject: ValidationContext) -> None:
-    """Check for unknown fields, ids that are not positions, shared or hidden members, and missing mirror flags."""
+    """Report unknown fields, ids that are not positions, shared or hidden members, and missing mirror flags."""
     _check_fields(subject, subject.document, HOUSE_FIELDS)
     for index, level, nodes in subject.entries():
         _check_fields(subject, level, LEVEL_FIELDS)

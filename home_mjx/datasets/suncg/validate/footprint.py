@@ -16,7 +16,7 @@ Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
 def upward_faces(mesh: Mesh) -> Triangles:
-    """Return the upward faces of a mesh in plan."""
+    """Return the upward faces of a mesh in plan, at most `MAX_TRIANGLES`."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return corners[normal[:, 1] > 0.7 * np.linalg.norm(normal, axis=1)][:MAX_TRIANGLES, :, [0, 2]]

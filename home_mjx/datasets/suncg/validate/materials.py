@@ -19,7 +19,7 @@ EXTENSIONS_BY_MAGIC = {
 
 
 def check_materials(subject: ValidationContext) -> None:
-    """Check for slots without faces, faces without slots, and textures that do not decode or have a wrong extension."""
+    """Report slots without faces, faces without slots, and textures that do not decode or have a wrong extension."""
     meshes = {mesh.path: mesh for mesh in subject.reading.results.values() if isinstance(mesh, Mesh)}
     for mesh in (mesh for path, mesh in meshes.items() if path.suffix == ".obj"):
         _check_slots(subject, mesh)

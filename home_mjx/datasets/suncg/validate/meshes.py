@@ -18,7 +18,7 @@ Corners = Float[np.ndarray, "_ 3 3"]  # [m], Y up
 
 
 def check_meshes(subject: ValidationContext) -> None:
-    """Check for walls that are too thick to be one wall, and floors that face down."""
+    """Report walls that are too thick to be one wall, and floors that face down."""
     for room in (room for level in subject.house.levels for room in level.rooms):
         if room.walls is not None:
             _check_walls(subject, room.walls)
@@ -58,7 +58,7 @@ def _normals(corners: Corners) -> tuple[Float[np.ndarray, "_ 3"], Float[np.ndarr
 
 
 def check_joints(subject: ValidationContext) -> None:
-    """Check for joints of unknown models; in models of the house, for missing faces and faces of two parts."""
+    """Report joints of unknown models; in models of the house, joints of missing faces and faces of two joints."""
     for model_id, joints in subject.joints.items():
         if subject.metadata is not None and model_id not in subject.metadata.models:
             _report(subject, "joint-model", model_id, "the model has no row in the category table")

@@ -18,7 +18,7 @@ Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
 def check_rooms(subject: ValidationContext) -> None:
-    """Check for overlapping rooms, objects outside of rooms, doors off walls and models without categories."""
+    """Report overlapping rooms, objects outside of rooms, doors off walls and models without categories."""
     for level in subject.house.levels:
         rooms = [(room, area) for room in level.rooms if (area := footprint(room)) is not None]
         if rooms:

@@ -24,7 +24,7 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
 
     Args:
-        dataset: SuncgDataset of the house.
+        dataset: Dataset of the house.
         house_id: One of `dataset.house_ids`.
 
     Raises:

@@ -141,7 +141,7 @@ def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]
 
 
 def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = False) -> None:
-    """Write the metadata tables below a dataset root.
+    """Write the metadata tables below a dataset root; files that differ are rewritten.
 
     Args:
         root: Dataset root.

@@ -50,7 +50,7 @@ def _rows(line: str, rows: Real[np.ndarray, "n d"]) -> str:
 
 
 def _flat(mesh: Mesh) -> Float[np.ndarray, "f 3"]:
-    """Compute the normal of each face."""
+    """Compute the unit normal of each face; 0 if it has no area."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(normal, axis=-1, keepdims=True)
