@@ -117,7 +117,7 @@ def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Return distances of `NavigationArrays.cell` entries to one, several or all (None) goals [m]; inf if unreachable."""
+    """Return distances of `NavigationArrays.cell` entries to one, several or all (None) goals [m]; inf if no path."""
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)

@@ -102,7 +102,7 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Open a hand that is commanded to drop or to throw; a throw sets the agent's velocity plus the throw's."""
+    """Open a hand that is commanded to drop or to throw; a thrown body gets the agent's velocity plus the throw's."""
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
