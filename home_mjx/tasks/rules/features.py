@@ -84,7 +84,7 @@ def compute_features(
 def nearest_targets(
     snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
-    """Return distances of agents' middles from nearest targets [m], `UNREACHABLE_DISTANCE` if none; and their bounds."""
+    """Return distances of agents' middles to nearest targets [m], `UNREACHABLE_DISTANCE` if none; and their bounds."""
     pos, kind = snapshot.pose.pos, program.descriptor[:, Attribute.KIND]
     away = jax.vmap(
         lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
