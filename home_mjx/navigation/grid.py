@@ -55,7 +55,7 @@ def geodesic_distance(
         field: Distances of all cells to other goals, stored as in `NavigationArrays.field`; None: the bank's field.
 
     Returns:
-        Distances [m], in the shape of `goal`; finite, because all goals are in the home region.
+        Distances [m], in the shape of `goal`; finite with the bank's field, because its goals are in the home region.
     """
     navigation, house = bank.navigation, bank.clip_house_index(house)
     level, y, x = _neighbourhood(bank, cell_of(bank, house, pos))
@@ -117,7 +117,7 @@ def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Return distances from entries of `NavigationArrays.cell` to one, several or all (None) goals [m]; inf if none."""
+    """Return distances of `NavigationArrays.cell` entries to one, several or all (None) goals [m]; inf if no path."""
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)

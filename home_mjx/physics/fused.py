@@ -159,7 +159,7 @@ def _batched(platform: str) -> Step:
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
-    """Step environments (e ...) with compiled code; skip empty batches."""
+    """Step environments (e ...) with compiled code; return zeros if there are no environments or agents."""
     _, qpos, qvel, qacc, action, _, _, goal, _ = operands[NUM_SHARED:]
     envs, agents = action.shape[:2]
     mobiles = agents + operands[BODY_VALID].shape[1] + goal.shape[1]

@@ -102,7 +102,7 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Open a hand that is commanded to drop or to throw."""
+    """Open a hand that is commanded to drop or to throw; a thrown body gets the agent's velocity plus the throw's."""
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
@@ -124,7 +124,7 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
-    """Release the held body with a small downward speed, which starts its fall in kinematic physics."""
+    """Release the held body if `opens`, with a small downward speed, which starts its fall in kinematic physics."""
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
         qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0)),
@@ -174,7 +174,7 @@ def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array
 def _carry_grip(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
-    """Return the carrying grip: in front of the agent, below its eyes, with the orientation that the body has."""
+    """Return the grip to carry a body: in front of the agent, below its eyes, with orientation `turned`."""
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
     ahead = jnp.float32(config.radius + CARRY_CLEARANCE) + jnp.linalg.norm(extent[:2])
@@ -197,7 +197,7 @@ def _start_place(
 
 
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
-    """Return the target of the centre of the body that an agent places [m]."""
+    """Return the target of a placed body's centre: the spot, raised by its half height and `PLACE_CLEARANCE` [m]."""
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
     rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(PLACE_CLEARANCE)
@@ -242,7 +242,7 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
 def _command_door(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Set the goal of a door within reach to open or closed."""
+    """Set the goal of the commanded door to fully open or closed; no effect if it is out of reach or unused."""
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
     middle, quat = jax.tree.map(lambda x: x[door], leaves.pose_at(door_angle(template, state)))

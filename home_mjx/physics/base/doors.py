@@ -26,7 +26,7 @@ class DoorLeaves(Pytree):
 
     @classmethod
     def from_physics(cls, physics: Physics) -> "DoorLeaves":
-        """Gather the leaves of all houses (house, door)."""
+        """Gather the leaves of all houses (house, door); missing leaves have half extents of -1."""
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
         return cls(
@@ -89,7 +89,7 @@ class DoorLeaves(Pytree):
 
 
 def door_table(leaves: DoorLeaves) -> Float[Array, "*h 16"]:
-    """Pack one row per leaf.
+    """Pack one row per leaf; missing leaves have half extents of -1, inertia and inverse weight 1.
 
     Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia, inverse weight, minimum and maximum coordinate,
     slide direction (2), and 1 if the leaf is hinged. Units are those of `DoorLeaves`.

@@ -63,7 +63,7 @@ def hand_accelerations(
 
     Returns:
         Acceleration of the body [m/s^2], which replaces gravity; its angular acceleration about its own axes [rad/s^2];
-        force on the agent along x and y [N].
+        force on the agent along x and y [N], 0 up to a lag of `MIN_SPRING_LAG` and from `MAX_SPRING_LAG` on.
     """
     time = jnp.float32(hand_time_constant(config))
     cos, sin = jnp.cos(held.agent_yaw), jnp.sin(held.agent_yaw)

@@ -67,7 +67,10 @@ class AgentCapsules(Pytree):
 def move_and_slide(
     boxes: Footprints, agents: AgentCapsules, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
-    """Move an agent by a short displacement; return its position and the number of obstacles that it touched."""
+    """Move an agent by a short displacement; return its position and the number of obstacles that it touched.
+
+    It slides along obstacles, and stays at `old` in a gap that is too narrow.
+    """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)
     count = jnp.sum(depth > 0, dtype=jnp.int32)
@@ -111,7 +114,7 @@ def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, A
 def _depenetration(
     boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"], depth: Float[Array, " n"]
 ) -> Array:
-    """Return the displacement that resolves the deepest penetration."""
+    """Return the horizontal displacement that resolves the deepest penetration; 0 if there is none."""
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
     _, u, v = _side_distances(box, pos)

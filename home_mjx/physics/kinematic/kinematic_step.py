@@ -70,7 +70,7 @@ def step_kinematic(
 
 
 def _num_substeps(config: PhysicsSetup) -> int:
-    """Return the number of substeps in which an agent moves by at most its radius, so that it cannot tunnel."""
+    """Return the number of substeps, each at most one radius against tunnelling; `ConfigError` above `MAX_SUBSTEPS`."""
     dt = config.timing.ctrl_dt
     steps = max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
     if steps > MAX_SUBSTEPS:
@@ -83,7 +83,7 @@ def _num_substeps(config: PhysicsSetup) -> int:
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Return static boxes and movable bodies that are not held; low boxes that agents step over are disabled."""
+    """Return static boxes, then movable bodies; ramps, held bodies and boxes that agents step over are disabled."""
     static = _static_footprints(physics, house, obstacles=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.from_boxes(OrientedBoxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
@@ -95,7 +95,7 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
 
 
 def _static_footprints(physics: Physics, house: Array, obstacles: bool) -> Footprints:
-    """Return the static boxes of a house, except ramps: as obstacles, or else as supports."""
+    """Return the static boxes of a house; ramps are disabled as obstacles (`bottom` inf) or as supports (`top` inf)."""
     every = Footprints.from_boxes(OrientedBoxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
     row = jnp.arange(every.x.shape[1], dtype=jnp.int32)
     is_ramp = jnp.any(row[None, :, None] == physics.ramp_collider[:, None], axis=-1)
@@ -105,7 +105,7 @@ def _static_footprints(physics: Physics, house: Array, obstacles: bool) -> Footp
 
 
 def _place_held_bodies(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Set the poses of held bodies from their holders' grips."""
+    """Return positions with held bodies at their holders' grips."""
     layout = template.layout
     if not layout.num_bodies:
         return qpos

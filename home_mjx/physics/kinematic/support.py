@@ -80,7 +80,7 @@ def support_height(
 
 
 def _box_support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
-    """Return the highest box top under a point [m]; -inf if there is none."""
+    """Return the highest box top under a point, up to `bottom + MAX_SUPPORT_OVERLAP` [m]; -inf if there is none."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     under = (

@@ -41,7 +41,7 @@ class MovableBodies(Pytree):
 
 
 def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None) -> MovableBodies:
-    """Return a house's movable bodies at their authored poses, with masses scaled for the episode."""
+    """Return a house's movable bodies at their authored poses, with masses and inertias scaled for the episode."""
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
         return bodies

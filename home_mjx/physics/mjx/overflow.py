@@ -43,7 +43,7 @@ def numeric_limit(model: Any, name: str) -> int:
 
 
 def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
-    """Return whether all contact points of some dimension are used by touching bodies."""
+    """Return whether touching bodies use all contact points of a dimension that has at least `most`."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]

@@ -97,7 +97,7 @@ class MujocoHouse:
         return after
 
     def _take(self) -> Any:
-        """Return an `MjData` that no other thread uses."""
+        """Return a spare `MjData`, or a new one if other threads use all; the caller puts it back in `_spare`."""
         try:
             return self._spare.pop()
         except IndexError:

@@ -68,7 +68,7 @@ def robot_in_house(
 
 
 def _read(robot: Any) -> Any:
-    """Read or copy a robot as `MjSpec`."""
+    """Read or copy a robot as `MjSpec`; `ConfigError` if the file is missing or not valid MJCF."""
     if isinstance(robot, mujoco.MjSpec):  # pyright: ignore[reportAttributeAccessIssue]
         return robot.copy()
     is_text = isinstance(robot, str) and robot.lstrip().startswith("<")

@@ -71,7 +71,7 @@ def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
 
 
 def _houses(template: Template, physics: Physics) -> MujocoHouses:
-    """Return the models that the template steps: exported houses, or models built from the bank."""
+    """Return the models to step, exported or built from the bank; `ConfigError` if exported ones are not as many."""
     exported = getattr(template, "houses", None)  # of an `ExportedTemplate`, which is not imported for the others
     if not isinstance(exported, PrebuiltHouses):
         return shared_house_models(template.config, template.layout)

@@ -110,10 +110,11 @@ def _least_overlap(between, cosine, half1, half2, axis):
 @compiled
 @no_type_check
 def _best_edge(between, cosine, half1, half2, face, axis):
-    """Find the pair of edges whose cross product has the least overlap.
+    """Find the pair of edges whose cross product has the least overlap, and write that unit vector to `axis`.
 
     Returns:
-        Code of the pair, its overlap, and the absolute cosine of its axis to the best face's normal.
+        Code of the pair (`NO_EDGE` if all are parallel, `APART` if an axis separates the boxes), its overlap, and the
+        absolute cosine of its axis to the best face's normal.
     """
     least, best, likeness = np.inf, NO_EDGE, 0.0
     for i in range(3):
@@ -146,7 +147,7 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 @compiled
 @no_type_check
 def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
-    """Clip the nearest face, edge or corner of box 2 by the face of box 1 across its axis `up`."""
+    """Clip box 2's nearest face by the face of box 1 across its axis `up`; write and count the contact points."""
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0
     frame = matrix()
@@ -180,7 +181,7 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 @compiled
 @no_type_check
 def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
-    """Write the point half-way between two edges; return False if they do not cross when seen along the axis."""
+    """Write point and normal half-way between two edges; return False if they do not cross seen along the axis."""
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame
     for j in range(3):
@@ -241,7 +242,7 @@ def _largest(x, y, z):
 @compiled
 @no_type_check
 def _clip(corner, edges, size, points):
-    """Write the points of a parallelogram below a rectangle in the plane z = 0: border crossings, and corners of both.
+    """Write and count points of a parallelogram below a rectangle at z = 0: border crossings, and corners of both.
 
     Args:
         corner: A corner of the parallelogram (3).
@@ -273,7 +274,7 @@ def _clip(corner, edges, size, points):
 @compiled
 @no_type_check
 def _crossings(start, edge, size, points, number):
-    """Add the points where an edge crosses the border of the rectangle."""
+    """Add the points where an edge crosses the border of the rectangle; return the new number of points."""
     for q in range(2):
         if abs(edge[q]) <= MIN_CROSS_LENGTH:
             continue
@@ -291,7 +292,7 @@ def _crossings(start, edge, size, points, number):
 @compiled
 @no_type_check
 def _covered_corners(corner, edges, size, points, number):
-    """Add the corners of the rectangle that are covered by the parallelogram."""
+    """Add the rectangle's corners that the parallelogram covers; return the new number of points."""
     a, c = edges[0], edges[1]
     b, d = edges[3], edges[4]
     determinant = a * d - b * c
@@ -309,7 +310,7 @@ def _covered_corners(corner, edges, size, points, number):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _add(x, y, z, points, number):
-    """Add the midpoint between a point and the plane above it."""
+    """Add the midpoint of a point and the plane, unless it is above or `points` is full; return the new number."""
     if z > 0 or number >= MAX_PAIR_POINTS:
         return number
     points[4 * number], points[4 * number + 1], points[4 * number + 2], points[4 * number + 3] = x, y, z / 2, z

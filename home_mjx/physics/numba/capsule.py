@@ -98,7 +98,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 @compiled
 @no_type_check
 def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals, count):
-    """Add the contact of the sphere at t of the axis, in world coordinates."""
+    """Add the contact, if any, of the sphere at t of the axis, in world coordinates; return the new number."""
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
     if not sphere_box(x, y, z, radius, half, point, normal):
@@ -135,7 +135,7 @@ def _nearest_end(center, axis, half):
     """Find the end of the axis that is in front of a face or inside the box, if one is nearest.
 
     Returns:
-        Squared distance, position on the axis, kind of the nearest feature, its box axis, two unused numbers.
+        Squared distance, inf if there is none; end, -1 or 1; `FACE` or `NONE`; axis of the face, -1 inside; 0, 0.
     """
     best, t, kind, on = np.inf, 0.0, NONE, -1
     for end in (-1.0, 1.0):
@@ -245,7 +245,7 @@ def _length_from_edge(axis, half, t, edge, at, forward, turn):
 @compiled
 @no_type_check
 def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, normals):
-    """Write the contacts of two upright capsules, which touch at up to two points; see `capsule_box`."""
+    """Write the contacts of two upright capsules, return their number, at most two; see `capsule_box`."""
     dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
     low = max(pos1[2] - length1, pos2[2] - length2)
     high = min(pos1[2] + length1, pos2[2] + length2)

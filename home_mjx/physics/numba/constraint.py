@@ -22,7 +22,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def make_rows(work, numbers):
-    """Compute `jacobian`, `weight` and `target` of all contacts."""
+    """Compute `jacobian`, `friction`, `weight` and `target` of all contacts."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         _jacobian(work, n, 0, a, -1.0)

@@ -23,7 +23,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def find_contacts(work, numbers, floor):
-    """Write all contacts of an environment."""
+    """Write all contacts of an environment; set `wakes` of sleeping bodies that are touched."""
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
         if work.used[m]:
@@ -77,7 +77,7 @@ def invalidate_near_boxes(work):
 @compiled
 @no_type_check
 def _update_near_boxes(work, m):
-    """Update the list of static boxes near a body if it has moved by `NEAR_DISTANCE` since the last update."""
+    """List static boxes near a body again if it has moved by `NEAR_DISTANCE`; flag more than `MAX_NEAR_BOXES`."""
     if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
         return
     count = 0
@@ -260,7 +260,10 @@ def _add_agent_contacts(work, a, b, count):
 @compiled
 @no_type_check
 def _add_contact(work, a, b, place, normal):
-    """Add a contact with MuJoCo's frame: the first tangent is close to y, or to z if the normal is."""
+    """Add a contact, or set `POINT_OVERFLOW` if there are `most_points` already.
+
+    Its frame is MuJoCo's: the first tangent is close to y, or to z if the normal is close to y.
+    """
     n = work.counts[NUM_CONTACTS]
     if n == work.most_points:
         work.counts[POINT_OVERFLOW] = 1

@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def update_poses(work, also_sleepers):
-    """Update the axes of dynamic bodies and the poses of door leaves from their coordinates."""
+    """Update axes of bodies and poses of leaves that are awake, or with `also_sleepers` of all, from coordinates."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
@@ -57,7 +57,7 @@ def write_rotation(quat, rot):
 @compiled
 @no_type_check
 def integrate(work, numbers):
-    """Integrate all dynamic bodies by semi-implicit Euler."""
+    """Integrate agents, and bodies and doors that are awake, by semi-implicit Euler."""
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
         _move_agent(work, numbers, a)

@@ -25,7 +25,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def mark_sleeping(work, numbers, held, goal):
-    """Mark sleeping bodies from the state, and awake ones that may fall asleep."""
+    """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may sleep, and clear `wakes`."""
     for m in range(work.num_dynamic):
         work.used[m], work.wakes[m] = work.there[m], 0
         work.calm[m] = 1 if m >= work.num_agents and numbers.sleep > 0 else 0
@@ -123,7 +123,7 @@ def _length(values, first):
 @compiled
 @no_type_check
 def put_to_sleep(work):
-    """Set islands whose bodies are all calm to sleep, after a control step."""
+    """Set islands whose bodies are all calm to sleep, by zero velocity and acceleration, after a control step."""
     for m in range(work.num_dynamic):
         if work.used[m] and not work.calm[m]:
             work.wakes[work.island[m]] = 1

@@ -41,7 +41,7 @@ def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
 @compiled
 @no_type_check
 def _drive_agent(work, numbers, a, action):
-    """Compute an agent's acceleration by its motors; see `control.motor_forces`."""
+    """Compute an agent's acceleration by its motors and gravity; see `control.motor_forces`."""
     agent = offset_pointer(work.agent, AGENT_COLUMNS * a)
     mass, push = agent[2], agent[7]
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])

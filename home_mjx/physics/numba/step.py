@@ -23,7 +23,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def load_house(work, static, bodies, door):
-    """Load a house's numbers; negative half extents mark missing boxes and doors.
+    """Copy a house's numbers to `work`; negative half extents mark missing boxes and doors.
 
     Args:
         work: Arrays, see `work.Workspace`.
@@ -60,7 +60,7 @@ def load_house(work, static, bodies, door):
 @compiled
 @no_type_check
 def scale_bodies(work, mass, inertia, surface, scale):
-    """Scale the friction and mass of a house's bodies by an environment's factors; see `load_house`."""
+    """Set friction, mass and inertia of bodies to a house's times `scale` (friction, mass); see `load_house`."""
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         for k in range(3):
@@ -85,7 +85,7 @@ def _load_door(work, m, door):
 @compiled
 @no_type_check
 def load_agents(work, table):
-    """Load the agents' sizes and masses; see `control.agent_table`."""
+    """Copy the agents' sizes and masses to `work`; see `control.agent_table`."""
     for i in range(AGENT_COLUMNS * work.num_agents):
         work.agent[i] = table[i]
     for a in range(work.num_agents):
@@ -236,7 +236,7 @@ def _count_agent_contacts(work, touched):
 @compiled
 @no_type_check
 def _record_impulses(work, numbers, push, other):
-    """Add the impulses of a physics step and keep the strongest contact of each dynamic body."""
+    """Add the impulses of a physics step, except at joint limits, and keep the strongest contact of each body."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)

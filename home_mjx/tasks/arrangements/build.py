@@ -67,7 +67,7 @@ def with_arrangements(
         progress: Whether to show a progress bar.
 
     Returns:
-        The bank, whose resets sample an arrangement with `EnvConfig(arrangement_pose="random")`; and counts of bodies
+        The bank, whose resets sample an arrangement with `EnvConfig(arrangement="random")`; and counts of bodies
         by outcome.
 
     Raises:
@@ -125,7 +125,7 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
 
 
 def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, ArrangementCounts]:
-    """Place objects, settle all bodies, and repeat with objects restored that did not stay where they were placed."""
+    """Return settled poses and counts: place objects, settle, repeat with objects restored that did not stay."""
     placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
     placed = jnp.repeat(placed[:, None], num, axis=1)
     put, moved, kept = _place(bank, num, words, progress)

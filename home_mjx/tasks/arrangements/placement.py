@@ -62,7 +62,7 @@ def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
 def _home_after_placement(
     house: HouseLayout, box: BoxSet, room: int, home: Bool[np.ndarray, "l ny nx"]
 ) -> Bool[np.ndarray, "l ny nx"] | None:
-    """Return the home region without a box on the floor; None if the box blocks a portal or goal or disconnects it."""
+    """Return the home region less a box; None if it leaves its room, blocks a portal or goal, or splits the region."""
     level = house.level_of(room)
     if (house.room_at(footprint(box, 0), level) != room).any():
         return None

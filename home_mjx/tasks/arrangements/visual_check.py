@@ -28,7 +28,7 @@ RAY_SPOTS = np.array([(x, y) for x in (-0.95, 0.0, 0.95) for y in (-0.95, 0.0, 0
 def find_level_candidates(
     bank: HouseBank, house: int, layout: HouseLayout, candidates: list[PlacementCandidates]
 ) -> Bool[np.ndarray, "p k n"]:
-    """Return which candidates have a level visible surface below them and no visual-only geometry inside them.
+    """Return which usable candidates have a level visible surface below them and no visual-only geometry inside them.
 
     Args:
         bank: The houses.
@@ -72,7 +72,7 @@ def _is_level(
     high: Float[Array, "p k n"],
     lies: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Return whether rays from `high` above all spots hit a surface at their height, of furniture if `on_furniture`."""
+    """Return whether rays from `high` above all spots hit a surface at their height, of furniture where `lies`."""
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

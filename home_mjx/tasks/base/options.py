@@ -127,7 +127,7 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
 
 
 def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
-    """Return the full path that an option name refers to."""
+    """Return the full path that an option name refers to; `ConfigError` if it is unknown or ambiguous."""
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
         return name

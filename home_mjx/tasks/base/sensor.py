@@ -72,7 +72,7 @@ def register_sensor(sensor: Sensor) -> None:
     """Register a sensor by its name, for `sensors=` of every environment made from now on.
 
     Raises:
-        ConfigError: Not a `Sensor`, no name, or the name is taken.
+        ConfigError: Not a `Sensor`, no name, or the name is taken by an image or a sensor of another class.
     """
     if not isinstance(sensor, Sensor):
         raise ConfigError(f"expected a sensor, got {sensor!r}", hint="Write register_sensor(MySensor()), an instance.")

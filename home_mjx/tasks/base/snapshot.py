@@ -96,7 +96,7 @@ class Snapshot(Pytree):
         return self.sounds.pos[0]
 
     def select_agents(self, num_agents: int) -> "Snapshot":
-        """Return the snapshot restricted to the first agents; others remain in `scene`, `touch` and `sounds`.
+        """Return the snapshot restricted to the first agents; others remain in `scene`, `body_contacts` and `sounds`.
 
         Example:
             >>> own = snapshot.select_agents(core.num_agents)  # doctest: +SKIP
@@ -142,7 +142,7 @@ def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> Co
         contacts: Contacts of each dynamic body.
 
     Example:
-        >>> meaning = contact_semantics(snapshot.scene, snapshot.touch)  # doctest: +SKIP
+        >>> meaning = contact_semantics(snapshot.scene, snapshot.body_contacts)  # doctest: +SKIP
         >>> on_glass = meaning.other[:, Semantic.MATERIAL] == number_of(Semantic.MATERIAL, "glass")  # doctest: +SKIP
     """
     bank, house, moving = scene.bank, scene.house, scene.moving

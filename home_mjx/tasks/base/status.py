@@ -61,7 +61,7 @@ def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
 
 
 def check_status(state: Any, ignore: int = 0) -> None:
-    """Raise `StatusError` if a step lost something; for tests and debugging, on the host.
+    """Raise `StatusError` if the last step set a flag of `Status`; for tests and debugging, on the host.
 
     Args:
         state: A `State`, of one environment or a batch.

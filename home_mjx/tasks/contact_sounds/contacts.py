@@ -32,8 +32,8 @@ def impact_sounds(
 ) -> TransientSounds:
     """Return one impact per dynamic body, by its contact impulse above that of the previous step and of its weight.
 
-    An impact between two bodies sounds once. Contacts have no time within a step, so impacts begin in the middle of the
-    frame.
+    An impact between two bodies sounds once; the gain is 0 without an impact. Contacts have no time within a step, so
+    impacts begin in the middle of the frame.
 
     Args:
         config: Options.
@@ -95,7 +95,7 @@ def sliding_sounds(
     impulse: Float[Array, " m"],
     snapshot: Snapshot,
 ) -> tuple[Int[Array, " k"], Float[Array, " k"]]:
-    """Return the friction sound of each sliding body and its gain, the square root of the friction power [W].
+    """Return each body's friction sound and its gain, the square root of friction power [W]; 0 if held or not sliding.
 
     Args:
         config: Options.
@@ -117,7 +117,7 @@ def sliding_sounds(
 def door_sounds(
     config: EnvConfig, before: Float[Array, " h"], snapshot: Snapshot
 ) -> tuple[TransientSounds, Int[Array, " h"], Float[Array, " h"]]:
-    """Return impacts of leaves that reach an end stop, and the sounds of moving leaves with their gains.
+    """Return impacts of leaves at end stops, and sounds and gains of moving leaves; gains are speeds, 0 if silent.
 
     Args:
         config: Options.

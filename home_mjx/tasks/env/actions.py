@@ -119,7 +119,7 @@ def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
 def override_moves(
     config: EnvConfig, moves: DecodedActions, stopped: Any, mask: Bool[Array, " a"], action: Array
 ) -> DecodedActions:
-    """Replace the moves of the masked agents by those of `action`, which covers all agents."""
+    """Return moves with those of masked agents decoded from `action`, which covers all agents; keep `is_invalid`."""
     own = decode_actions(config, action, stopped).replace(is_invalid=moves.is_invalid)
 
     def pick(led: Array, told: Array) -> Array:
@@ -129,7 +129,7 @@ def override_moves(
 
 
 def apply_move_noise(config: EnvConfig, moves: DecodedActions, world: World) -> DecodedActions:
-    """Add actuation noise to the moves, as strong as sampled for the episode."""
+    """Return the moves with actuation noise as strong as sampled for the episode; unchanged if none was."""
     drawn = world.variation
     if drawn is None or drawn.move_noise is None:
         return moves

@@ -81,7 +81,7 @@ class AutoReset:
         return self._store_final(state, self._select_final(state.obs))
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """Step all environments once."""
+        """Step all environments, reset those whose episode ends, and store their last observations; see `final_obs`."""
         stepped, last = jax.vmap(self._advance, (None, 0, 0))(params, state, action)
         done = stepped.done
         # One branch for the whole batch: steps in which no episode ends skip the reset.
@@ -104,7 +104,7 @@ class AutoReset:
         return state, {} if self.final_obs == "none" else self.core._observations(state, snapshot, cast_rays=False)
 
     def _reset_done(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
-        """Return the first state of the next episode where the last one is over."""
+        """Return states with the next episode begun where `done`; observations are not updated."""
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
@@ -143,7 +143,7 @@ class AutoReset:
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
-        """Render the last observations of ended environments: of a few separately, else of the whole batch."""
+        """Return `kept` with all last observations of ended environments; few are computed alone, else the batch."""
         few = min(MAX_SEPARATE_RENDERS, done.shape[0])
         count = jnp.sum(done.astype(jnp.int32))
 

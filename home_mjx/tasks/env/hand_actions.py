@@ -30,7 +30,7 @@ def decode_hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Ar
         snapshot: The environment.
         action: `pick` above 0.5 grasps the body at the view centre, or places the held object on the surface there;
             below -0.5 it drops it. `throw` above 0.5 throws along the view direction. `turn` above 0.5 opens the door
-            at the view centre, below -0.5 closes it. With an `max_aim_angle` the nearest usable target counts: a body
+            at the view centre, below -0.5 closes it. With a `max_aim_angle` the nearest usable target counts: a body
             that can be lifted, a spot with room for the held object, or a door.
     """
     bank, house = snapshot.bank, snapshot.house

@@ -270,7 +270,7 @@ class HouseholdEnv:
         return state.replace(obs=self._observations(state, snapshot))
 
     def _update_sensors(self, state: State, snapshot: Snapshot) -> State:
-        """Update the sensor states and their status flags."""
+        """Return the state with updated sensor states and their status flags."""
         own, config = snapshot.select_agents(self.num_agents), self.acting_config
         kept, lost = dict(state.world.sensor_states), state.status
         for sensor in state_owners(self.sensors):

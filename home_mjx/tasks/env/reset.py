@@ -154,7 +154,7 @@ def is_sequential(tasks: Episodes | TaskBank | None) -> bool:
 
 
 def _pick_row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
-    """Return index and content of the episode's row; -1 and None if the episode is sampled."""
+    """Return index and content of the episode's row; -1 and None without `tasks`, when `episode` must be None."""
     if tasks is None:
         if episode is not None:
             hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
@@ -174,7 +174,7 @@ def _pick_arrangement(
     source: Float[Array, "3"],
     key: Array,
 ) -> Int[Array, ""] | None:
-    """Sample an arrangement whose bodies overlap neither agents nor the source; None: as in the file."""
+    """Sample an arrangement whose bodies overlap neither agents nor the source, -1 if none; None: as in the file."""
     if config.arrangement == "initial":
         return None
     check_arrangements(bank)

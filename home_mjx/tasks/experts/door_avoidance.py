@@ -40,7 +40,7 @@ def leaf_distances(
 def _leaf_offsets(
     snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
-    """Return distances of positions to leaves of their level [m] (inf if not selected), and the offsets."""
+    """Return distances of positions to leaves of their level [m] (inf if not selected), and offsets to them in plan."""
     leaves = _house_leaves(snapshot)
     pos, quat = leaves.pose_at(snapshot.door_angle)
     yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])

@@ -78,7 +78,7 @@ def draw_identifying_words(
 def minimal_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:
-    """Return all smallest sets of words that identify an object: its category and attributes from `telling`."""
+    """Return all smallest sets of words that identify an object: category and attributes from `telling`; [] if none."""
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     for count in range(len(known) + 1):

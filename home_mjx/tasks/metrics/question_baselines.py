@@ -49,7 +49,7 @@ def prior_accuracy(train_tasks: TaskBank, test_tasks: TaskBank) -> float:
 
 
 def _questions_and_answers(tasks: TaskBank) -> tuple[list[bytes], Int[np.ndarray, " t"]]:
-    """Return the texts and the answers of the rows that ask a question."""
+    """Return the texts and the answers of the rows that ask a question; `ConfigError` if there are none."""
     tokens, answers = (np.asarray(tasks.rows.columns[name]) for name in ("tokens", "answer"))
     if not (answers >= 0).any():
         raise ConfigError("no row asks a question", hint="Give rows of HouseQA or VQA.")

@@ -98,7 +98,7 @@ def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 
 
     Example:
         >>> found = top_down_map(core.snapshot(params, state), state.task, memory)  # doctest: +SKIP
-        >>> share_seen = found.seen[found.ground == CellOccupancy.FREE].mean()  # doctest: +SKIP
+        >>> share_seen = found.seen[found.occupancy == CellOccupancy.FREE].mean()  # doctest: +SKIP
     """
     if not 0 <= agent < memory.start.shape[0]:
         raise ConfigError(f"there are agents 0 to {memory.start.shape[0] - 1}, asked for the map of {agent}")

@@ -62,7 +62,7 @@ def _group_rows(drawn: list[FeasibleRow]) -> dict[tuple[str, str], list[Feasible
 
 
 def _split_blocks(rows: list[FeasibleRow], random: np.random.Generator) -> list[Block]:
-    """Split the rows of one question into blocks of its k most frequent answers, with the k that keeps most rows."""
+    """Split a question's rows into blocks of its k most frequent answers, k keeping most rows; [] for one answer."""
     by_answer: dict[int, list[FeasibleRow]] = defaultdict(list)
     for i in random.permutation(len(rows)):
         by_answer[rows[i].row.answer].append(rows[i])

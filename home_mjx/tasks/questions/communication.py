@@ -68,7 +68,7 @@ class Communication(NavigationTask):
         return 2
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield the room types of the house, repeatedly and in random order."""
+        """Yield rows about room types of the house, endlessly in random order; none if there are fewer than two."""
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types) > 1:
             for kind in random.permutation(types).tolist():

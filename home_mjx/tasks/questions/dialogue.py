@@ -56,7 +56,7 @@ class Dialogue(NavigationTask):
         return ("reply",)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield objects that share their category with others, but are identified by the oracle's replies."""
+        """Yield rows, endlessly, about objects that only the oracle's replies identify; none if there are none."""
         things = askable_objects(view.objects)
         found = [
             (thing, words) for thing in things for words in identifying_words(view.objects, thing)[:1] if len(words) > 1
@@ -101,7 +101,7 @@ def reply_word(thing: HouseObject, word: Attribute) -> str:
 
 
 def support_word(things: Sequence[HouseObject], thing: HouseObject) -> str:
-    """Return the oracle's word for the object or surface that an object rests on or hangs from."""
+    """Return the oracle's word for the object or surface that supports an object; `UNKNOWN` without a known support."""
     support = thing.semantic(Semantic.SUPPORT)
     if support < 0:
         return UNKNOWN

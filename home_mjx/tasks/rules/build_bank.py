@@ -171,7 +171,7 @@ def _generate_rows(generator: TaskGenerator, view: HouseView, random: np.random.
 def _select_rows(
     generators: Sequence[TaskGenerator], drawn: list[FeasibleRow], num_tasks: int, random: np.random.Generator
 ) -> list[FeasibleRow]:
-    """Apply `select_rows` of the generators that are `RowSelector`; keep the rows of all others."""
+    """Return the rows of generators that are not `RowSelector`, then those that the others select by `select_rows`."""
     kept = [one for one in drawn if not isinstance(generators[one.task], RowSelector)]
     for task, generator in enumerate(generators):
         if isinstance(generator, RowSelector):
@@ -180,7 +180,7 @@ def _select_rows(
 
 
 def _filter_rows(generators: Sequence[TaskGenerator], columns: list[dict]) -> list[dict]:
-    """Apply `filter_rows` of the generators that are `RowFilter`; keep the rows of all others."""
+    """Return the rows that their generator's `filter_rows` keeps, and all of generators that are not `RowFilter`."""
     kept = np.ones(len(columns), bool)
     tasks = np.array([column["task"] for column in columns], int)
     for task, generator in enumerate(generators):

@@ -84,7 +84,7 @@ def compute_features(
 def nearest_targets(
     snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
-    """Return the straight distance from each agent's middle to the nearest target [m], and the target's bounds."""
+    """Return distances of agents' middles to nearest targets [m], `UNREACHABLE_DISTANCE` if none; and their bounds."""
     pos, kind = snapshot.pose.pos, program.descriptor[:, Attribute.KIND]
     away = jax.vmap(
         lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
@@ -183,7 +183,7 @@ def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array,
 
 
 def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
-    """Return the minimum gap between targets of each pair of descriptors [m]."""
+    """Return the minimum gap between targets of each pair of descriptors [m]; `UNREACHABLE_DISTANCE` if none."""
     gap = jnp.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1])
     away = jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
     away = jnp.where(jnp.eye(len(boxes), dtype=bool), UNREACHABLE_DISTANCE, away)
@@ -206,7 +206,7 @@ def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[A
 
 
 def door_openings(snapshot: Snapshot, means: ResolvedTargets) -> Float[Array, " d"]:
-    """Return the widest opening of each descriptor's doors: 0 closed, 1 wide open."""
+    """Return the widest opening of each descriptor's doors: 0 closed or no door, 1 wide open."""
     physics, house = snapshot.bank.physics, snapshot.house
     closed, wide = physics.door_closed[house], physics.door_fully_open[house]
     part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)

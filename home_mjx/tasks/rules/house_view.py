@@ -221,7 +221,7 @@ class HouseView:
         return jnp.int32(self.house)
 
     def _cells_at_hand(self, key: tuple[int, float], there: Callable[[Array], Array]) -> EndCells:
-        """Return the cells within hand reach of an instance whose eye positions pass a test."""
+        """Return every `CELL_STRIDE`-th cell within reach of an instance whose eyes pass a test; cached by `key`."""
         if key not in self._at_hand:
             box = self._boxes[key[0]]
             cells, away = self.graph.nearest_cells(box[0], box[1], CELL_STRIDE * NUM_CELLS)

@@ -151,7 +151,7 @@ class RowTask(Task):
         return build_task_bank(bank, self.generators, self.num_tasks, self.task_seed, *limits)
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> RowState:
-        """Return the state at the first stage of the row's program."""
+        """Return the state at the first stage of the row's program; `ConfigError` without a task bank."""
         if columns is None or not isinstance(snapshot.tasks, TaskBank):
             hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
             raise ConfigError(f"{type(self).__name__} needs a task bank", hint=hint)
@@ -182,7 +182,10 @@ class RowTask(Task):
         )
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
-        """Compute the feature values and take the first transition whose conditions hold."""
+        """Take the first transition whose conditions hold; update features, path lengths, collisions and speech.
+
+        Without `terminate_on_failure`, a failure counts as a mistake and the stage stays.
+        """
         state = state.replace(program=_track_moving_sources(snapshot, state))
         time = snapshot.step - state.stage_start
         looked = compute_features(snapshot, state.program, state.targets, snapshot.tasks.field, time)
@@ -216,7 +219,7 @@ class RowTask(Task):
         return row_sources(snapshot, state.sound_events, point, body, snapshot.tasks.field, state.program.field)
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
-        """Compute the observations of `observation_spec`."""
+        """Return the observations of `observation_spec`; uninstructed agents have no goal and no instruction."""
         pose, place = snapshot.pose, state.program.place[0]
         known = jnp.all(jnp.isfinite(place))
         offset = jnp.where(known, place[:2] - pose.pos[:, :2], 0.0)
@@ -233,7 +236,7 @@ class RowTask(Task):
         }
 
     def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
-        """Compute the transition's reward plus that of progress towards the stage's guide, minus costs."""
+        """Return the rewards of transition and progress, minus costs of steps, contacts, questions and failures."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -MAX_STEP_PROGRESS, MAX_STEP_PROGRESS))

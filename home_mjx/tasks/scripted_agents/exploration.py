@@ -87,7 +87,7 @@ class Exploration(Task):
         )
 
     def update(self, snapshot: Snapshot, state: ExplorationState) -> ExplorationState:
-        """Add the tiles that agents cover now."""
+        """Add the tiles that agents cover now, and collisions; `gained` is each agent's newly covered area [m^2]."""
         near = self._near(snapshot, state.room)
         cells = jnp.sum(state.free[None] * (near & ~state.covered[None]), axis=(1, 2, 3))
         return state.replace(
@@ -102,7 +102,7 @@ class Exploration(Task):
         return jnp.float32(self.area_reward) * state.gained - costs
 
     def metrics(self, snapshot: Snapshot, state: ExplorationState) -> dict[str, Float[Array, ""]]:
-        """Return the covered fraction of the free floor, success, and collisions."""
+        """Return the covered fraction of the free floor, success (from `success_coverage` on), and mean collisions."""
         whole = jnp.maximum(jnp.sum(state.free), 1).astype(jnp.float32)
         coverage = jnp.sum(state.free * state.covered).astype(jnp.float32) / whole
         return {
@@ -112,7 +112,7 @@ class Exploration(Task):
         }
 
     def _near(self, snapshot: Snapshot, room: Int[Array, "levels ty tx"]) -> Bool[Array, "a levels ty tx"]:
-        """Return which tiles each agent covers from its position."""
+        """Return which tiles each agent covers: those of its room within `cover_radius`."""
         bank, house = snapshot.bank, snapshot.house
         edge = jnp.float32(_cells_per_edge(bank) * bank.spec.cell)
         levels, rows, columns = room.shape
@@ -130,7 +130,7 @@ class Exploration(Task):
 
 
 def divide_in_tiles(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
-    """Divide the floor of a house into tiles."""
+    """Return a house's tiles: number of free cells, room (-1 if none), and mask of free cells nearest to centres."""
     count, home = _cells_per_edge(bank), is_home_cell(bank, house, bank.navigation.cell[house])
     levels, rows, columns = home.shape
     place = (np.arange(count) + 0.5) / count - 0.5

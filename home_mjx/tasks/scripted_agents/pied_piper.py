@@ -148,7 +148,7 @@ class PiedPiper(NavigationTask):
         return PiedPiperState(**own, others_route=stray, route_end=zero, contact_steps=zero, near_steps=zero[0])
 
     def control_agents(self, snapshot: Snapshot, state: PiedPiperState) -> tuple[Bool[Array, " a"], Array]:
-        """Return actions of the scripted agents: descend the distance field, with a pause every third step."""
+        """Return the mask of scripted agents and their actions: down the distance field, idle every third step."""
         pose, config = snapshot.pose, snapshot.config
         everybody = jnp.ones_like(snapshot.stopped)
         error = turn_towards(snapshot, _next_points(snapshot, state))
@@ -234,7 +234,7 @@ def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2
 
 
 def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
-    """Return each agent's remaining path length [m]."""
+    """Return the path length from each scripted agent to the end that it heads for [m]."""
 
     def to(pos: Array, column: Array, field: Array | None) -> Array:
         return geodesic_distance(snapshot.bank, snapshot.house, column, pos, field)

@@ -90,7 +90,7 @@ def render_images(
 def _add_noise(
     config: EnvConfig, snapshot: Snapshot, drawn: VariationSample, seen: dict[str, Array]
 ) -> dict[str, Array]:
-    """Add sensor noise to the images of pinhole cameras."""
+    """Return images by name, with sensor noise in depth and RGB of pinhole cameras."""
     key = drawn.noise_key(snapshot.step, IMAGE_NOISE)
     noises = {
         "depth": (drawn.depth_noise, lambda level, key, x: add_depth_noise(level, key, x, config.max_depth)),
@@ -106,7 +106,7 @@ def _add_noise(
 
 
 def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: CameraOffsets | None = None) -> Camera:
-    """Return one of the cameras of every agent, with a leading agent axis; `camera_offsets`: offsets of the episode."""
+    """Return one of the cameras of every agent, with a leading agent axis; `mount` has the offsets of the episode."""
     mount = mount or CameraOffsets()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
     pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.follow_pitch else jnp.zeros_like(pose.pitch))

@@ -54,7 +54,7 @@ class GpsCompass(Sensor):
         return jax.tree.map(lambda new, old: jnp.where(snapshot.step == 0, new, old), now, state)
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: GpsCompassState) -> dict[str, Array]:
-        """Return the pose in the frame of the start."""
+        """Return `gps`, the position [m], and `compass`, cosine and sine of the yaw, in the frame of the start."""
         away, turn = snapshot.pose.pos - state.pos, snapshot.pose.yaw - state.yaw
         cos, sin = jnp.cos(state.yaw), jnp.sin(state.yaw)
         x, y = cos * away[:, 0] + sin * away[:, 1], cos * away[:, 1] - sin * away[:, 0]
@@ -100,7 +100,7 @@ class LocalMap(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Sample the navigation grid at the centres of the map's cells."""
+        """Return `local_map`: 1 if a cell's centre is navigable; row 0 is the farthest ahead, column 0 leftmost."""
         bank, house = snapshot.bank, snapshot.house
         steps = (jnp.arange(MAP_SIZE) - (MAP_SIZE - 1) / 2) * jnp.float32(MAP_CELL)
         ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")

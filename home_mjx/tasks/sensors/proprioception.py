@@ -33,7 +33,7 @@ class OwnState(Sensor):
         return {"state": ArraySpec((10,), "float32", low, high, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return pose, velocity and contact flag."""
+        """Return `state` (a, 10): pose, velocity and contact flag, as in `spec`."""
         pose = snapshot.pose
         angles = jnp.stack([jnp.cos(pose.yaw), jnp.sin(pose.yaw), pose.pitch], axis=-1)
         contact = snapshot.in_contact.astype(jnp.float32)[:, None]
@@ -54,7 +54,7 @@ class HeldObject(Sensor):
         return {"held_object": ArraySpec((len(HELD_COLUMNS),), "int32", -1, 32767, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return columns of the semantic row of the body in each hand."""
+        """Return `held_object`: columns `HELD_COLUMNS` of the semantics of the body in each hand; -1 if it is empty."""
         bank, house, held = snapshot.bank, snapshot.house, snapshot.held
         nothing = jnp.full((held.shape[0], len(HELD_COLUMNS)), -1, jnp.int32)
         if not bank.spec.num_bodies:

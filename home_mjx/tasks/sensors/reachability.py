@@ -96,7 +96,7 @@ def free_spots(
 
 
 def obstacle_footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
-    """Return footprints of all obstacles: static boxes, movable bodies and leaves, not of `ignored_id`."""
+    """Return footprints of all obstacles: static boxes, movable bodies and leaves, not of object `carried`; -1 none."""
     physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
     parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
     count = bank.spec.num_bodies + bank.spec.num_doors
@@ -175,7 +175,7 @@ def can_pick_from(
 def carry_gaps(
     bank: HouseBank, house: Int[Array, ""], eyes: Float[Array, "n 3"], half: Float[Array, ""], carried: Int[Array, ""]
 ) -> Float[Array, " n"]:
-    """Return distances of eyes in the plan to the nearest box at carrying height, in the initial house [m].
+    """Return plan distances of eyes to the nearest box at carrying height, in the initial house [m]; inf if none.
 
     Args:
         bank: The houses.

@@ -112,7 +112,7 @@ def voice_power(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e
 
 @functools.cache
 def _tones(sample_rate: int) -> Float[np.ndarray, "tones n"]:
-    """Synthesize all tones with faded ends; each has a sixth of the power of a chord."""
+    """Synthesize all tones, faded, each a sixth of a chord's power; `ConfigError` if the sample rate is too low."""
     if sample_rate <= 2 * MAX_FREQUENCY:
         raise ConfigError(
             f"words have tones up to {MAX_FREQUENCY:g} Hz, but the sample rate is {sample_rate} Hz",

@@ -101,7 +101,7 @@ class AudioNav(NavigationTask):
         return SPLITS.get(self.clip_split, (self.clip_split,))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield clips at each of the house's places or objects, in a new random order each round."""
+        """Yield rows of clips at places or objects, endlessly in random order; none if these are too few."""
         found = self._emitters(view, random)
         count = 1 + self.num_distractors + self.moving_source
         while len(found) >= count:

@@ -48,14 +48,14 @@ class InstructionFollowing(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def filter_rows(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
-        """Return the mask of rows in `combinations`."""
+        """Return the mask of rows whose combination of words is as `combinations` requires: any, new or not new."""
         if self.combinations == "all":
             return np.ones(len(descriptors), bool)
         is_new = mask_new_descriptors(descriptors, self.unseen_fraction)
         return is_new if self.combinations == "new" else ~is_new
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield random instructions; the objects in one are distinct."""
+        """Yield rows of random instructions about distinct objects, endlessly; none if no object can be identified."""
         things = [thing for thing in view.objects if COARSE[thing.semantic(Semantic.COARSE)] not in EXCLUDED_CATEGORIES]
         told = [
             words

@@ -79,7 +79,7 @@ class RoomNav(NavigationTask):
     """Go into a room of some type."""
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield types of rooms that the house has, in a new random order each round."""
+        """Yield a row per room type of the house, endlessly, in a new random order each round."""
         types = np.unique(view.room_types[view.room_types >= 0])
         while len(types):
             for kind in random.permutation(types).tolist():
@@ -102,7 +102,7 @@ class ObjectNav(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield coarse categories that the house has, in a new random order each round."""
+        """Yield a row per coarse category in the house, endlessly, in a new random order each round."""
         kinds = {thing.semantic(Semantic.COARSE) for thing in view.objects}
         kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in EXCLUDED_CATEGORIES), int)
         there = Condition(Feature.DISTANCE, 0, maximum=self.success_distance), Condition(Feature.SEEN, 0, minimum=1)
@@ -129,7 +129,7 @@ class PointGoals(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield random cells, in a new random order each round."""
+        """Yield a row per cell of `num_points` random ones, endlessly, in a new random order each round."""
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
         stage = arrival_stage(

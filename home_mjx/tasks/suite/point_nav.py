@@ -101,7 +101,7 @@ class PointNav(Task):
         )
 
     def update(self, snapshot: Snapshot, state: PointNavState) -> PointNavState:
-        """Update distances, arrivals and path lengths."""
+        """Update distances, arrivals, collisions, and path lengths up to the first arrival."""
         distance = self._distance(snapshot, state.goal)
         there = distance <= jnp.float32(self.success_radius)
         there = there & snapshot.stopped if self.stop else there
@@ -117,7 +117,7 @@ class PointNav(Task):
         )
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
-        """Return distance in the plane [m], cosine and sine of the bearing in each agent's frame (left positive)."""
+        """Return `goal`: plan distance [m], cosine and sine of the bearing in each agent's frame (left positive)."""
         pose, goal = snapshot.pose, snapshot.bank.navigation.goal[snapshot.house, state.goal]
         offset = goal[None, :2] - pose.pos[:, :2]
         distance = jnp.linalg.norm(offset, axis=-1)

@@ -78,7 +78,7 @@ class Fetch(ManipulationTask):
         check_known("place", self.destinations, DESTINATIONS)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield objects of the house with random destinations, in a new random order each round."""
+        """Yield rows of objects and random destinations, endlessly; none if no object can be identified."""
         told = self._describe_portables(view, random)
         goals = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
         named = [
@@ -168,7 +168,7 @@ class Rearrange(ManipulationTask):
         check_number("max_objects", self.max_objects, 1, MAX_OBJECTS, integer=True)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield random objects and receptacles for them; those of one row are distinct."""
+        """Yield rows of random objects and receptacles, distinct within a row, endlessly; none without such pairs."""
         told = self._describe_portables(view, random)
         pairs = list(self._pairs(view, told, random))
         while pairs:
@@ -181,7 +181,7 @@ class Rearrange(ManipulationTask):
     def _pairs(
         self, view: HouseView, told: list[tuple[PortableObject, Words]], random: np.random.Generator
     ) -> Iterator[ObjectPlacement]:
-        """Yield objects, each with receptacles that have room for it and on which it is not."""
+        """Yield pairs of an object and a receptacle that has room for it and on which it is not."""
         below = [thing for thing in view.objects if is_receptacle(view, thing, {p.object.object_id for p, _ in told})]
         named = [
             (thing, words)
@@ -195,7 +195,7 @@ class Rearrange(ManipulationTask):
                     yield ObjectPlacement(portable, words, thing, others)
 
     def _combine_pairs(self, pairs: list[ObjectPlacement], count: int, random: np.random.Generator) -> TaskRow | None:
-        """Return the first pairs without conflicts as one row; None if its instruction is too long."""
+        """Return the first `count` pairs without conflicts as one row; None if its instruction is too long."""
         chosen: list[ObjectPlacement] = []
         for pair in pairs:
             if len(chosen) < count and not any(_conflict(pair, other) for other in chosen):

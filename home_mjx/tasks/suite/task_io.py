@@ -103,7 +103,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
 def _distance_fields(
     path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
 ) -> UInt16[np.ndarray, "c g"]:
-    """Return distances of a house's cells to the targets of its tasks; raise if a task cannot be solved."""
+    """Return distances of cells to targets and add the column `field`; `DatasetError` if a task cannot be solved."""
     columns = [row for _, row in rows]
     field_ = add_fields(bank, view, columns)
     fault = find_infeasible(bank, view, columns, field_)
@@ -135,7 +135,7 @@ def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> Ta
 
 
 def _parse_row(line: Any, index: dict[str, int], names: dict[str, int]) -> dict[str, np.ndarray]:
-    """Return the columns of a row, without distances, from the decoded JSON of a line."""
+    """Return the columns of a row, without distances, from a line's decoded JSON; add its task to `names`."""
     check_line(line)
     task = decode(TaskLine, line)
     if task.house not in index:

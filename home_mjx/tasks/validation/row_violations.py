@@ -131,7 +131,7 @@ def _find_too_long(columns: Columns, most_steps: float) -> Violation | None:
 def _program_violations(
     columns: Columns, features: Float[np.ndarray, "features 2"], hints: Mapping[str, str]
 ) -> Iterator[Violation]:
-    """Yield conditions that never hold or test nothing, incomplete descriptors, and sounds without a position."""
+    """Yield the first fault of each kind in conditions, descriptors without a place or agent, and sounds."""
     needs, bars = (_used_conditions(columns[name]) for name in ("require", "forbid"))
     yield from _unsatisfiable_conditions(columns, needs, features, hints)
     kind, feature = columns["selectors.kind"], columns["feature"]
@@ -154,7 +154,7 @@ def _program_violations(
 def _unsatisfiable_conditions(
     columns: Columns, used: Bool[np.ndarray, "t c"], features: np.ndarray, hints: Mapping[str, str]
 ) -> Iterator[Violation]:
-    """Yield required conditions that no value of their feature fulfils."""
+    """Yield the first required condition that no value of its feature fulfils, if any."""
     feature, least, most = (columns[name] for name in ("feature", "minimum", "maximum"))
     at = _first_true(used & (np.maximum(least, features[feature, 0]) > np.minimum(most, features[feature, 1])))
     if at is not None:

@@ -73,7 +73,7 @@ def _check_no_bank_needed(task: Task) -> None:
 
 
 def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> None:
-    """Check that rows have the columns of the task, each with the declared shape and dtype and one entry per row."""
+    """Raise `ConfigError` unless rows have the task's columns, of the declared shapes and dtypes, one entry per row."""
     name, own = type(task).__name__, row_columns(RECORDS) if isinstance(task, RowTask) else {}
     if own and not isinstance(tasks, TaskBank):
         hint = "Give a `TaskBank`, such as task.task_bank(bank) or load_tasks(path, bank)."
@@ -96,7 +96,7 @@ def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> No
 
 
 def _bank_ranges(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
-    """Return the ranges of values that index arrays of the task bank."""
+    """Return the ranges of values that index arrays of the task bank; `ConfigError` if it is of other houses."""
     cells, fields = tasks.field.shape
     if cells != bank.navigation.field.shape[0] or not fields:
         message = f"the tasks have distances of {cells} cells, the houses have {bank.navigation.field.shape[0]}"
@@ -105,7 +105,7 @@ def _bank_ranges(bank: HouseBank, tasks: TaskBank) -> dict[str, Range]:
 
 
 def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, special: dict[str, Range]) -> None:
-    """Check the values of rows; `special` has ranges by name of values."""
+    """Raise `ConfigError` if a row has an invalid value; `special` has ranges by name of values."""
     special = special | {"agent": index_range(config.num_agents), "agents": index_range(2**config.num_agents)}
     goals = index_range(bank.navigation.goal.shape[1], allow_none=False)
     hints = {name: hint for name, values in column_values().items() if (hint := _hint(config, values))}
