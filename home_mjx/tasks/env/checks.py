@@ -227,8 +227,8 @@ def check_arrangements(bank: HouseBank) -> None:
         raise ConfigError(
             "random arrangements are requested, but the bank has none",
             element="EnvConfig.arrangement",
-            hint="Make them: from home_mjx.tasks.arrangements import settled_poses; "
-            "bank, _ = settled_poses(bank, 8, jax.random.key(0)). A HouseStream has none.",
+            hint="Make them: from home_mjx.tasks.arrangements import with_arrangements; "
+            "bank, _ = with_arrangements(bank, 8, jax.random.key(0)). A HouseStream has none.",
         )
 
 
