@@ -100,7 +100,7 @@ def place_bedroom_extras(room: RoomSpace) -> None:
 
 
 def place_bed(room: RoomSpace, kind: str) -> PlacedModel | None:
-    """Place a bed with up to two nightstands, at random a rug and a picture; or a single bed alone; None if none fits."""
+    """Place a bed with up to two nightstands, at random a rug and a picture; else a single bed; None if none fits."""
     stand = room.draw_object("nightstand")
     for sides in ((-1, 1), (-1,), (1,), ()):
         companions = partial(_nightstand_places, stand=stand, sides=sides)
