@@ -34,7 +34,7 @@ DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
 
 
 def make_env(env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]) -> Env[HouseholdEnv]:
-    """Make an environment; its resets use the rows of `episodes`, if any."""
+    """Make an environment whose resets use `episodes`, if any; a file also selects its houses unless `options` do."""
     if isinstance(episodes, str | Path):
         if not HOUSE_OPTIONS.intersection(name for name, value in options.items() if value is not None):
             return make(env_id, episodes=episodes, **options)

@@ -105,7 +105,7 @@ def _dispatch(argv: list[str]) -> int:
 
 
 def _load_command(name: str) -> ModuleType:
-    """Import the module of a command; refuse commands of the repository where only the package is installed."""
+    """Import the module of a command; raise `ConfigError` if it is part of the repository and there is no checkout."""
     package = next(package for package, names in COMMAND_PACKAGES.items() if name in names)
     if name in CHECKOUT_COMMANDS:
         if not (CHECKOUT / package).is_dir():

@@ -80,7 +80,7 @@ def selected_root(args: argparse.Namespace) -> str | Path:
 
 
 def is_dataset_root(args: argparse.Namespace) -> bool:
-    """Return whether `HOUSE` is a dataset: its name, a path, or a folder that is not a house of `--dataset`."""
+    """Return whether `HOUSE` is given as a dataset: its name, a path, or a folder that `--dataset` lacks as a house."""
     from home_mjx.datasets.registry import has_scheme
 
     name = args.house

@@ -50,7 +50,7 @@ def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") 
 
 
 def reduce_rays(config: "AudioConfig") -> "AudioConfig":
-    """Return options for many receivers: fewer rays, but enough per octave for receivers that few rays reach."""
+    """Return options with fewer rays and bounces, for many receivers; unchanged if late reverberation is not traced."""
     from home_mjx.audio_jax.base.options import Traced
 
     if not isinstance(config.late, Traced):

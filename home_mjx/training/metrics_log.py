@@ -144,7 +144,7 @@ def finite_values(line: Mapping[str, float]) -> Line:
 
 
 def read_lines(path: Path) -> list[Line]:
-    """Read the lines of a `metrics.jsonl`, without a last line that a killed process left unfinished.
+    """Read the lines of a `metrics.jsonl`, empty if it is missing, without an unfinished last line.
 
     Raises:
         DatasetError: The file cannot be read, or a line is not a record of numbers; the error names it.
@@ -173,7 +173,7 @@ def _is_number(x: Any) -> bool:
 
 
 def draw_curves(path: Path, lines: list[Line]) -> None:
-    """Draw the metrics of `CURVES` that the lines contain, over steps.
+    """Write a PNG of the metrics of `CURVES` that the lines contain, over steps; no file if they contain none.
 
     Raises:
         ConfigError: Matplotlib is not installed, or the file cannot be written.

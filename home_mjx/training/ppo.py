@@ -182,7 +182,7 @@ class PPO:
         return self.agent.unroll(net, batch.memory, batch.steps.obs, batch.steps.is_first)[1:]
 
     def clipped_loss(self, params: Array, value: Array, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Compute the clipped policy loss, the value loss and the entropy bonus."""
+        """Return the weighted sum of clipped policy loss, value loss and entropy bonus, and its parts by name."""
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)

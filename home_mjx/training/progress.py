@@ -29,7 +29,7 @@ class RunClock:
         return self.seconds + time.perf_counter() - self.time
 
     def lap(self, steps: int) -> dict[str, float]:
-        """Return times since the first step of the run, and the rate since the last lap."""
+        """Return times of the run without compilation [s] and the rate since the last lap [1/s]; begin a new lap."""
         now = time.perf_counter()
         rate = (steps - self.steps) / (now - self.time)
         self.seconds, self.steps, self.time = self.seconds + now - self.time, steps, now

@@ -73,7 +73,7 @@ def train(
         DatasetError: The network of `config.start` is for other observations, actions or sizes; or a file of the run is
             broken. Nothing has been written in this case.
         ConfigError: Files cannot be written, such as on a full disk, or the training has diverged; earlier files stay.
-        UnknownNameError: No observer has a name.
+        UnknownNameError: A name in `observers` is unknown.
     """
     path, size = out / CHECKPOINT_FILE, config.ppo.batch_size
     done = _updates_done(path, config, resume)
@@ -174,7 +174,7 @@ class _Run:
     clock: RunClock
 
     def learn(self, stage: _Stage, net: Any) -> Any:
-        """Run a stage's updates until the last one or the time limit; map the previous stage's net to the new one."""
+        """Run a stage's updates to the last one or the time limit, from `net` unless it is None; return the network."""
         size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, MetricMeans()
         per_line = max(1, num // MIN_LINES_PER_STAGE)
         saved = -MIN_CHECKPOINT_INTERVAL

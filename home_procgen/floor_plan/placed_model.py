@@ -42,7 +42,7 @@ class PlacedModel:
         return self.model.size * np.asarray(self.scale)
 
     def moved_to(self, x: float, y: float, z: float, quarter: int = 0) -> "PlacedModel":
-        """Return the same object at another position [m]."""
+        """Return the same object at a position [m], with `quarter` quarter turns instead of its own."""
         # `dataclasses.replace` takes ten times as long, and rooms try many places.
         moved = object.__new__(type(self))
         own = moved.__dict__

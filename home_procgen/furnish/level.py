@@ -89,7 +89,7 @@ def _has_bath(rooms: Sequence[RoomSpace]) -> bool:
 
 
 def _ensure_radio(rooms: Sequence[RoomSpace], style: HomeStyle) -> bool:
-    """Ensure one audio device in the home: a radio on a piece of furniture, else a loudspeaker on the floor."""
+    """Ensure an audio device, by a radio on furniture or else a loudspeaker; return whether the home has one."""
     if any(item.model.fine == "loudspeaker" for room in rooms for item in room.items):
         return True
     order = [rooms[i] for i in style.rng.permutation(len(rooms)) if rooms[i].kind not in OUTDOOR_TYPES]

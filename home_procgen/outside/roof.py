@@ -37,7 +37,7 @@ def build_roofs(
 def build_gable(
     x: float, z: float, sides: tuple[float, float], y: float, pitch: float, materials: tuple[Material, ...]
 ) -> PlacedModel:
-    """Return a gable over a rectangle with extents along x and z, its ridge along the longer one [m]."""
+    """Return a gable with eaves around a rectangle of extents `sides` along x and z [m], its ridge along the longer."""
     long, short = max(sides), min(sides)
     fit = [abs(np.log(long / a)) + abs(np.log(short / b)) for a, b in ROOF_SIZES]
     number = int(np.argmin(fit))

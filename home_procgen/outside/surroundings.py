@@ -67,7 +67,7 @@ class Surroundings:
 
 
 def draw_surroundings(seed: int, plan: HomePlan, facade: Material) -> Surroundings:
-    """Draw the surroundings of a seed's home.
+    """Draw the surroundings of a seed's home, with its own roof, neighbours, hedges, plants and ground.
 
     Args:
         seed: Seed of the home.

@@ -18,7 +18,7 @@ MIN_REMAINING_WALL = 1.2  # [m], minimum remaining wall length next to a cut cor
 
 
 def add_slants(rng: np.random.Generator, storeys: tuple[Storey, ...]) -> tuple[Storey, ...]:
-    """Return the storeys, sometimes with one corner cut off on all of them, or with a bay on the ground floor."""
+    """Return the storeys, at random with one corner cut off on all of them, a bay on the ground floor, or both."""
     if rng.random() < CUT_CORNER_PROBABILITY:
         storeys = _cut_corner(rng, storeys)
     if rng.random() < BAY_PROBABILITY:

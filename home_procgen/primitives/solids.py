@@ -189,7 +189,7 @@ def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
 
 
 def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """Rotate a solid about a coordinate axis through `pivot` by `angle` radians, with its UVs and its part."""
+    """Rotate a solid and its part about a coordinate axis through `pivot` by `angle` [rad]; its UVs are unchanged."""
     turn = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)

@@ -69,7 +69,7 @@ def loop(width: float, height: float, steps: int = 16, power: float = 2.0) -> Fl
 
 
 def fillet(points: Points, radius: float, steps: int = 3, closed: bool = False) -> Float[np.ndarray, "_ _"]:
-    """Round the corners of a polyline by quadratic curves that begin `radius` before them [m].
+    """Round the corners of a polyline by quadratic curves from `radius` before them [m], at most 0.45 of each side.
 
     Example:
         >>> len(fillet([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)], 0.2))

@@ -12,7 +12,7 @@ _MERGE = 7  # decimals of a metre to which corners must agree to be merged
 
 
 def weld(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
-    """Return a solid with equal vertices merged and degenerate triangles removed."""
+    """Return a solid with vertices merged that are equal to `_MERGE` decimals, and degenerate triangles removed."""
     unique, index = np.unique(np.round(vertices, _MERGE) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     kept = (faces != np.roll(faces, 1, 1)).all(1)
@@ -28,7 +28,7 @@ def rounded_box(
         material: Slot name.
         size: Extents along x, y, z [m].
         at: Centre of the bottom face [m].
-        radius: Radius of the edges [m].
+        radius: Radius of the edges, limited to half of the smallest extent [m].
         steps: Facets per quarter turn.
     """
     half = np.asarray(size, float) / 2
@@ -135,7 +135,7 @@ def ball(material: str, radius: float | Vector, at: Vector, sides: int = 12, rin
 def join_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], closed: bool = False) -> Solid:
     """Return a solid whose surface joins successive loops of points.
 
-    The first and last loops are capped, or joined if `closed`.
+    The first and last loops are joined if `closed`, else capped; their outlines in (x, z) must be simple polygons.
     """
     around, count = len(loops[0]), len(loops)
     i = np.arange(around)

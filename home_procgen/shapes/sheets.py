@@ -10,7 +10,7 @@ from home_procgen.shapes.rounded import join_grids, weld
 
 
 def sheet(material: str, points: Float[np.ndarray, "n m 3"], thickness: float) -> Solid:
-    """Return a two-sided surface of a thickness [m]."""
+    """Return the solid around a grid of points, half of `thickness` to each side along the surface's normals [m]."""
     along, across = np.gradient(points, axis=0), np.gradient(points, axis=1)
     normal = np.cross(along, across)
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)

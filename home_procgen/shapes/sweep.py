@@ -161,7 +161,7 @@ def rod(
 
 
 def beam(material: str, start: Vector, end: Vector, width: float, height: float | None = None) -> Solid:
-    """Return a straight square bar between two points; `height` is along up, or forward for a vertical bar [m]."""
+    """Return a straight bar, chamfered unless thin; `height` is along up, or forward for a vertical bar [m]."""
     w, h = width / 2, (width if height is None else height) / 2
     c = 0.12 * min(w, h) if min(w, h) > MIN_CHAMFER_HALF_WIDTH else 0.0
     cut = [(-w, c - h), (c - w, -h), (w - c, -h), (w, c - h), (w, h - c), (w - c, h), (c - w, h), (-w, h - c)]

@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compile and print a summary; return 1 if a house failed."""
+    """Compile and print a summary, or write one house as MJCF; return 1 if a house failed, else 0."""
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
         return _write_mjcf(args)

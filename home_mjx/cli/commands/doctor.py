@@ -59,7 +59,7 @@ def _python() -> Iterator[CheckResult]:
 
 
 def _packages() -> Iterator[CheckResult]:
-    """Check every required dependency in our package metadata."""
+    """Yield the version of each required dependency in our package metadata; `BROKEN` if it is not installed."""
     required = [r for r in metadata.requires("home-mjx") or [] if "extra ==" not in r]
     for name in sorted({_project_name(r) for r in required} | {"home-mjx", "jaxlib"}):
         version = _version(name)
@@ -172,7 +172,7 @@ def _project_name(requirement: str) -> str:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """Return the leading whole numbers of a version."""
+    """Return the leading whole numbers of a version, such as (0, 12) of `0.12.6rc1`."""
     numbers: list[int] = []
     for part in version.split("."):
         if not part.isdecimal():

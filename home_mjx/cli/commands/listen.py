@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the WAV files and print the parameters."""
+    """Write the WAV files, and maps with `--map`; print their paths and the room acoustic parameters."""
     import jax
     import jax.numpy as jnp
     import numpy as np

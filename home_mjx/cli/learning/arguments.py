@@ -30,7 +30,7 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_episode_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--episode-file MJCF_FILE`."""
+    """Add `--episode-file FILE`."""
     parser.add_argument(
         "--episode-file", type=parse_path, metavar="FILE",
         help="use the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
@@ -46,7 +46,7 @@ def add_observe_option(parser: argparse.ArgumentParser, example: str) -> None:
 
 
 def import_modules(modules: list[str]) -> None:
-    """Import user modules, installed or from the current folder.
+    """Import user modules, installed or from the current folder, which is appended to `sys.path`.
 
     Only an argument may name a module, never a file such as a checkpoint.
 
@@ -85,7 +85,7 @@ def task_spec(task: str) -> "EnvSpec":
 
 
 def newest_version(task: str) -> str:
-    """Return the id of a task, of the newest version if the name has none.
+    """Return the id of a task's newest version if the name has none; any other name is returned unchanged.
 
     Example:
         >>> newest_version("PointNav-v0")

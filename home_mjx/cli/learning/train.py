@@ -72,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, evaluate, and print the results."""
+    """Train, evaluate on held-out houses, write `evaluation.json`, and print the results."""
     import_modules(args.modules)
     config = run_config(args)
     from home_mjx.core.files import write_durably

@@ -24,7 +24,10 @@ MAX_GRID = 65535  # maximum blocks along the second and third axis
 def cast_cuda(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment) where `KERNEL` works; see `registry.RayBackend`."""
+    """Cast rays of shape (environments, rays per environment) by the CUDA kernels; see `registry.RayBackend`.
+
+    `registry.KERNEL` must be usable on the GPU, since there is no fallback here.
+    """
     shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (ints,) if query.any_hit else (floats, ints, ints, floats, floats, jax.ShapeDtypeStruct(shape, jnp.bool_))

@@ -23,12 +23,12 @@ def cast_multi_hit_by_loop(
     """Return successive hits of shape (environments, rays per environment, steps).
 
     Args:
-        cast: a backend, see `backends.RayBackend`, also for the other arguments.
+        cast: A backend, see `registry.RayBackend`.
         geometry: Geometry shared by all environments.
         house: House of each environment.
         moving: Dynamic instances of each environment.
         rays: Rays (e r ...).
-        query: Steps and skin.
+        query: Number of hits, and offset behind each hit at which the next cast begins.
     """
     whole, objects = (
         rays.expanded(),

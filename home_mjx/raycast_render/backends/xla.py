@@ -61,7 +61,7 @@ class _Operands(NamedTuple):
 def cast_xla(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment); see `backends.RayBackend`."""
+    """Cast rays of shape (environments, rays per environment); see `registry.RayBackend`."""
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_xla, geometry, house, moving, rays, query)
     rays, shape = rays.expanded(), rays.shape

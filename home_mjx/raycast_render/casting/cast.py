@@ -123,7 +123,7 @@ def cast_multi_hit(
         BackendError: The backend cannot run in this process.
 
     Example:
-        >>> hit = cast_multi_hit(scene, eye, ahead, steps=4, skin=1e-4)  # doctest: +SKIP
+        >>> hit = cast_multi_hit(scene, eye, ahead, num_hits=4, hit_epsilon=1e-4)  # doctest: +SKIP
         >>> hit.t  # doctest: +SKIP
         Array([1.2, 1.3, 2.95, inf], dtype=float32)
     """

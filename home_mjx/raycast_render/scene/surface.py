@@ -22,7 +22,7 @@ def material_rows(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
 
 
 def semantics(scene: Scene, hit: Hit, column: int) -> Int[Array, "*rays"]:
-    """Return a column of the semantic table (`compiled.Semantic`); -1 on a miss."""
+    """Return a column of the semantic table (`schema.semantic.Semantic`); -1 on a miss."""
     first = index_by_instance(scene.geometry.instance_semantic[scene.house], scene.moving, scene.moving.semantic)
     part = take(scene.geometry.triangle_part, jnp.maximum(hit.triangle, 0))
     row = take(first, jnp.maximum(hit.instance, 0)) + part

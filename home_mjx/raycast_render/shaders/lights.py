@@ -153,7 +153,7 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
     """Select the lights with the highest estimated irradiance at each point, brightest first.
 
     Returns:
-        Keys whose lowest `INDEX_BITS` bits are the light's index; the upper bits are 0 if there are no more lights.
+        At most `count` keys, whose lowest `INDEX_BITS` bits are the light's index; other bits are 0 if it emits none.
     """
     total = lights.instance.shape[0]
     lines = -(-total // LIGHTS_PER_STEP)

@@ -31,7 +31,7 @@ def sun_position(hour: float, latitude: float = DEFAULT_LATITUDE, declination: f
 
 
 def sun_share(elevation: float) -> float:
-    """Return the irradiance of the sun over that at an elevation of 35 degrees.
+    """Return the irradiance of the sun at an elevation [degrees] over that at 35; 0 at or below the horizon.
 
     Source: F. Kasten and A. T. Young, "Revised optical air mass tables", Applied Optics, 1989; A. B. Meinel and M. P.
     Meinel, "Applied Solar Energy", 1976: a transmittance of 0.7 ** (air mass ** 0.678).
@@ -43,7 +43,7 @@ def sun_share(elevation: float) -> float:
 
 
 def sky_share(elevation: float) -> float:
-    """Return the radiance of the sky over that at 35 degrees.
+    """Return the radiance of the sky at an elevation of the sun [degrees] over that at 35; at least `MIN_SKY_SHARE`.
 
     It is affine in the sine of the elevation by day and decays exponentially in twilight.
     """

@@ -79,7 +79,7 @@ class RecurrentAgent(nn.Module):
         config: Sizes of the network.
 
     Example:
-        >>> agent = RecurrentAgent.of(core.observation_spec, core.action_spec)  # doctest: +SKIP
+        >>> agent = RecurrentAgent.from_specs(core.observation_spec, core.action_spec)  # doctest: +SKIP
         >>> memory, params, value = agent.read(net, memory, obs, begins)  # doctest: +SKIP
     """
 

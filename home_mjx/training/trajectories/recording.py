@@ -62,7 +62,7 @@ def record(
             cannot be written.
 
     Example:
-        >>> record(with_expert(env), "data/RoomNav", frames=1_000_000, num_envs=1024)  # doctest: +SKIP
+        >>> record(add_expert(env), "data/RoomNav", num_steps=1_000_000, num_envs=1024)  # doctest: +SKIP
     """
     check_number("frames", num_steps, 1, integer=True)
     check_number("num_envs", num_envs, 1, integer=True)
@@ -116,7 +116,7 @@ class _RecordingBatch:
         self.last = True
 
     def step(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-        """Step all environments; return the episodes that ended."""
+        """Step all environments; return the episodes that ended, each with its notes."""
         self.carry, taken = self._step(self.env.params, self.carry)
         host, ended = self._host(self.carry[0]) | jax.device_get(taken), []
         for i in np.flatnonzero(self.running).tolist():

@@ -42,7 +42,7 @@ class TrajectoryWriter:
         folder: Output folder.
         env: Environment of the episodes.
         agent: Name of the policy, for the metadata.
-        without: Names of observations to omit.
+        omit: Names of observations to omit.
         resume: Continue the dataset in the folder.
 
     Attributes:
@@ -76,7 +76,7 @@ class TrajectoryWriter:
         self._update()
 
     def add(self, episode: Mapping[str, Any], notes: Mapping[str, Any]) -> None:
-        """Queue an episode for writing.
+        """Queue an episode for writing; wait for the queue after every `EPISODES_PER_METADATA_UPDATE` episodes.
 
         Args:
             episode: T + 1 `observations` by name; T `actions`, `rewards`, `terminations` and `truncations`.
@@ -106,7 +106,7 @@ class TrajectoryWriter:
         write_metadata(self.data, self.metadata | counts | {"dataset_size": size})
 
     def _resume(self, resume: bool) -> None:
-        """Check the existing dataset and count its episodes."""
+        """Count the existing episodes and steps; raise `ConfigError` without `resume`, or if the metadata differ."""
         if not resume:
             hint = "Add --resume to continue it, or choose another folder with --out."
             raise ConfigError("the folder contains a dataset", file=self.data, hint=hint)

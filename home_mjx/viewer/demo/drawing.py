@@ -33,7 +33,7 @@ class WalkRecord:
 
 
 def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord, folder: Path) -> None:
-    """Write the contact sheet."""
+    """Write `contact_sheet.png`: per environment, the plan with its path, and images of its most varied observation."""
     houses = np.asarray(states.world.house)
     tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
     paths = np.stack(walk.positions)

@@ -139,7 +139,7 @@ def _no_actions(env: Env[HouseholdEnv], states: State) -> jax.Array:
 
 
 def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
-    """Start the environments in different houses, with the radio in one room of each house."""
+    """Start the environments in the houses in turn; the radio is `source_height` above the first goal of each house."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
     houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
     states = begin(env.params, keys, houses)
@@ -152,7 +152,7 @@ def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> Sta
 def record_walk(
     env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, observer: Observer
 ) -> tuple[State, WalkRecord]:
-    """Walk environments along paths and record their observations."""
+    """Walk environments along paths; return the last states, and the observations and positions after each step."""
     pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
     place = pose(env.params, states)
     walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
@@ -176,7 +176,7 @@ def make_walkers(env: Env[HouseholdEnv], states: State, pos: np.ndarray) -> list
 
 
 def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
-    """Measure environment steps per second with all sensors, of physics and each sensor alone; and compile times."""
+    """Return rates [environment steps/s] with all sensors, of physics, of each sensor alone; and compile times [s]."""
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)

@@ -10,7 +10,7 @@ RADIO_OPTIONS = {"clip_split": "radio"}
 
 
 def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: int = 0) -> list[EpisodeResult]:
-    """Film the packaged agent.
+    """Film the packaged agent while it searches for a radio; print nothing.
 
     Args:
         out: Folder for `radio.mp4`, with binaural sound, `radio.png` and `radio.jsonl`; it exists.

@@ -85,7 +85,7 @@ def run_episodes(
 
 
 def _result(start: EpisodeStart, last: EpisodeStep, walked: float) -> EpisodeResult:
-    """Return the result of an episode after its last step; `walked` is the length of the path [m]."""
+    """Return the result of an episode after its last step; `spl` is from its metrics, or computed from `walked` [m]."""
     metrics = {name: float(value) for name, value in last.state.metrics.items()}
     success, shortest = metrics.get("success", 0.0), start.path_length
     return EpisodeResult(
@@ -113,7 +113,7 @@ def format_status(env: Env[HouseholdEnv], step: EpisodeStep, name: str) -> str:
 
 
 def describe_action(env: Env[HouseholdEnv], action: Any) -> str:
-    """Describe the first agent's action."""
+    """Return the name of the first agent's action, or its components beyond ±0.05; `nothing` if there are none."""
     names, own = action_names(env.config), np.asarray(action)
     own = own if env.num_agents == 1 else own[0]
     if env.config.discrete is not None:

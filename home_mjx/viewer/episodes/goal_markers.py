@@ -62,7 +62,7 @@ def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Instr
 
 
 def get_goal_markers(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> GoalMarkers:
-    """Return the goal of the current stage.
+    """Return place or object centres, and rooms, of the current stage's goal; empty if it has none.
 
     Args:
         bank: The houses.

@@ -109,7 +109,7 @@ class KeyboardPlayer:
 
 
 def read_keys(source: Any) -> Iterator[str]:
-    """Yield keys as they are pressed, or the characters of lines."""
+    """Yield keys of a terminal as they are pressed, or the characters of lines of another stream, until it ends."""
     if not source.isatty():
         for line in source:
             yield from line.rstrip("\r\n")
@@ -140,7 +140,7 @@ def _single_keys(terminal: Any) -> Iterator[None]:
 
 
 def image_to_text(image: UInt8[np.ndarray, "h w 3"], columns: int = TERMINAL_COLUMNS) -> str:
-    r"""Format an image as coloured half blocks, two pixels a character, for a terminal with 24-bit colours.
+    r"""Format an image as coloured half blocks, `columns` characters wide, for a terminal with 24-bit colours.
 
     Example:
         >>> image_to_text(np.zeros((2, 1, 3), np.uint8), 1)

@@ -63,7 +63,7 @@ class FilmObserver(Observer):
         self.shots, self.name = shots, name
 
     def on_run_start(self, start: RunStart) -> None:
-        """Open the film."""
+        """Create the video writer, with sound if the environment computes it."""
         assert start.env is not None
         self.env, self.agent = start.env, start.name
         self.has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(self.env.core.sensors)}
@@ -75,7 +75,7 @@ class FilmObserver(Observer):
         self.words: dict[str, None] = {}  # utterances, each once, in their order
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Add a frame: the agent's view beside the plan."""
+        """Add a frame, the agent's view beside the plan, and the sound of the step."""
         is_first, state = step.index == 0, step.state
         if is_first:
             self.plan = TopDownOverlay(self.env.bank, int(state.world.house))

@@ -30,7 +30,7 @@ class TopDownOverlay:
         self.bank, self.house, self.views = bank, house, {}
 
     def draw(self, scene: Scene | None, sights: Sequence[CameraShot], goals: GoalMarkers) -> UInt8[np.ndarray, "_ _ 3"]:
-        """Draw the storey of the first agent.
+        """Draw the first agent's storey with goals, paths and agents, cropped to the extent of the rooms.
 
         Args:
             scene: The house without agents, to render again; None: use the previous rendering.

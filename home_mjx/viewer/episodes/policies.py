@@ -85,7 +85,7 @@ class PolicyPlayer:
         self.memory, self.is_first = self.policy.initial_memory(self.agents), True
 
     def act(self, state: State) -> Any:
-        """Return the policy's action."""
+        """Return the actions of all agents; update the policy's memory and the random keys."""
         begins = jnp.full(self.agents, self.is_first)
         self.memory, action, self.keys = self._act(self.memory, state.obs, begins, self.keys)
         self.is_first = False

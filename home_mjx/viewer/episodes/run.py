@@ -88,7 +88,7 @@ def run_play(
 
     Raises:
         ConfigError: A checkpoint is missing, or for another agent or task; or the task has no expert.
-        UnknownNameError: No observer has a name.
+        UnknownNameError: A name in `observers` is unknown.
     """
     check_agent(options.agent, options.checkpoint, AGENT_NAMES)
     check_episodes(options.episodes)
@@ -143,7 +143,7 @@ def film_checkpoint(
 
 
 def _task_rows(env: Env[HouseholdEnv], options: PlayOptions) -> list[int | None]:
-    """Return rows of the tasks, shuffled without early repetition; those of a file in order."""
+    """Return a task row per episode, in a file's order or else shuffled, then repeated; None for each without tasks."""
     if env.params.tasks is None:
         return [None] * options.episodes
     order = np.arange(len(env.params.tasks))

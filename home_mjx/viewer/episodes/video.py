@@ -22,7 +22,7 @@ RgbImage = UInt8[np.ndarray, "_ _ 3"]
 
 
 def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, success: bool | None = None) -> RgbImage:
-    """Compose one frame.
+    """Compose a frame: title, view beside plan, and status, coloured by the result; both sides are even.
 
     Args:
         view: View of the agent.

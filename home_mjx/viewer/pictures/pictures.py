@@ -51,7 +51,7 @@ def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarra
 
 
 def compose_sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Compose panels in rows on a dark background."""
+    """Compose panels in rows on a dark background, with `gap` [px] around them; both sides are even."""
     heights = [max(panel.shape[0] for panel in row) for row in rows]
     widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
     # H.264 needs even sides.
@@ -70,7 +70,7 @@ def compose_sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int
 def draw_waveform(
     samples: Float[np.ndarray, "2 n"], width: int, height: int, peak: float
 ) -> UInt8[np.ndarray, "h w 3"]:
-    """Draw the oscillogram of the left (above) and right (below) ear; `peak` fills the height."""
+    """Draw the oscillograms of the left (above) and right (below) ear; ±`peak` fills half of the height each."""
     canvas = Image.new("RGB", (width, height), BACKGROUND)
     draw = ImageDraw.Draw(canvas)
     for ear, colour in enumerate([(120, 200, 255), (255, 170, 110)]):

@@ -72,7 +72,7 @@ def furnish_toilet(room: RoomSpace) -> None:
 
 
 def place_toilet(room: RoomSpace) -> PlacedModel | None:
-    """Place a toilet with paper and a brush; None if it does not fit."""
+    """Place a toilet, at random in a corner, or with a plunger and paper beside it; None if it does not fit."""
     if room.draw_chance(0.06) and (
         placed := place_first_fitting(room, "corner_toilet", lambda item: place_across_corner(room, item))
     ):
@@ -91,7 +91,7 @@ def place_toilet(room: RoomSpace) -> PlacedModel | None:
 
 
 def place_basin(room: RoomSpace, kind: str) -> None:
-    """Place a basin under a mirror, soap on it, and a lamp above."""
+    """Place a basin, or a small one if it does not fit, with a mirror and objects; at random a lamp and a mat."""
     placed = place_first_fitting(room, kind, lambda item: place_against_wall(room, item, 0.4))
     if placed is None and kind != "small_basin":
         placed = place_first_fitting(room, "small_basin", lambda item: place_against_wall(room, item, 0.35))

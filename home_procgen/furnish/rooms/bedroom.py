@@ -57,7 +57,7 @@ def furnish_bedroom(room: RoomSpace) -> None:
 
 
 def place_wardrobe(room: RoomSpace) -> PlacedModel | None:
-    """Place a wardrobe at a wall, sometimes in a corner."""
+    """Place a wardrobe at a wall, sometimes in a corner; None if it does not fit."""
     if room.draw_chance(0.1) and (
         placed := place_first_fitting(room, "corner_wardrobe", lambda item: place_in_corner(room, item, 0.4))
     ):
@@ -66,7 +66,7 @@ def place_wardrobe(room: RoomSpace) -> PlacedModel | None:
 
 
 def place_television(room: RoomSpace) -> None:
-    """Place a television at random, on a stand or on a wall."""
+    """Place a television on a stand, a television on a wall, or none, at random."""
     if room.draw_chance(0.25):
         place_first_fitting(room, "low_tv_stand", lambda item: place_television_stand(room, item))
     elif room.draw_chance(0.25):
@@ -100,7 +100,7 @@ def place_bedroom_extras(room: RoomSpace) -> None:
 
 
 def place_bed(room: RoomSpace, kind: str) -> PlacedModel | None:
-    """Place a bed with a nightstand on both sides, on one, or on none; a rug, and a picture above."""
+    """Place a bed with up to two nightstands, at random a rug and a picture; else a single bed; None if none fits."""
     stand = room.draw_object("nightstand")
     for sides in ((-1, 1), (-1,), (1,), ()):
         companions = partial(_nightstand_places, stand=stand, sides=sides)
@@ -141,7 +141,7 @@ def _place_beside_bed(room: RoomSpace, placed: PlacedModel, stands: Sequence[Pla
 
 
 def place_dresser(room: RoomSpace, probability: float) -> None:
-    """Place a chest of drawers with objects on it and a mirror above, or with a television."""
+    """Place, with a probability, a chest of drawers with a television on it, or with objects and perhaps a mirror."""
     placed = add_at_wall(room, "dresser", 0.5, probability)
     if placed is None:
         return
@@ -169,7 +169,7 @@ def place_dressing_table(room: RoomSpace) -> None:
 
 
 def furnish_guest_room(room: RoomSpace) -> None:
-    """Place a bed, a wardrobe and an armchair."""
+    """Place a bed, a wardrobe and an armchair; at random a chest of drawers, a desk and small furniture."""
     furnish_windows(room, ("long_curtain", "short_curtain"), 0.5)
     place_bed(room, str(room.rng.choice(["double_bed", "single_bed"])))
     place_wardrobe(room)
@@ -184,7 +184,7 @@ def furnish_guest_room(room: RoomSpace) -> None:
 
 
 def furnish_child_room(room: RoomSpace) -> None:
-    """Place a bed, a desk, shelves with toys, and toys on the floor."""
+    """Place a bed, a wardrobe, a desk, shelves with toys, and toys on the floor."""
     furnish_windows(room, ("long_curtain", "short_curtain"), 0.5)
     baby = room.draw_chance(0.2)
     if not baby and room.draw_chance(0.25):

@@ -88,7 +88,7 @@ def place_paper_bin(room: RoomSpace, placed: PlacedModel) -> None:
 
 
 def furnish_office(room: RoomSpace) -> None:
-    """Place a desk and shelves; sometimes a second desk, an armchair and a whiteboard."""
+    """Place a desk and, only if it fits, shelves; sometimes a second desk, an armchair and a whiteboard."""
     furnish_windows(room, ("short_curtain", "short_curtain", "long_curtain", ""), 0.5)
     if not (room.draw_chance(0.35) and place_corner_desk(room)) and not place_desk(room):
         return

@@ -113,7 +113,7 @@ def _place_row(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel] | Non
 
 
 def _units(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel]:
-    """Return the units of a row, with at most two cabinet models, so that they match."""
+    """Return the units of a row in the given or reverse order, with at most two models of base cabinets."""
     cabinets = [room.draw_object("base_cabinet") for _ in range(2)]
     items = [
         cabinets[int(room.rng.integers(2))] if kind == "base_cabinet" else room.draw_object(kind) for kind in kinds
@@ -183,7 +183,7 @@ def _place_on_counters(room: RoomSpace, row: Sequence[PlacedModel], bases: Seque
 
 
 def _place_island(room: RoomSpace, bases: list[PlacedModel]) -> None:
-    """Place an island with stools on one side."""
+    """Place an island with stools on one side, and append it to `bases`; no effect if it does not fit."""
     stool = room.draw_object("bar_stool")
 
     def companions(island: PlacedModel) -> Iterator[PlacedModel]:

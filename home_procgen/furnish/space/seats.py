@@ -25,7 +25,7 @@ def is_round(model_id: str) -> bool:
 
 
 def seat_places(table: PlacedModel, count: int) -> list[tuple[float, float, float]]:
-    """Return seat positions at a table: a point (x, z) of its edge [m], and the outward direction [rad]."""
+    """Return at most `count` seats at a table: a point (x, z) of its edge [m], and the outward direction [rad]."""
     wide, deep = float(table.size[0]) / 2, float(table.size[2]) / 2
     if is_round(table.model.id):
         turns = 2 * np.pi * np.arange(count) / count
@@ -41,7 +41,7 @@ def seat_places(table: PlacedModel, count: int) -> list[tuple[float, float, floa
 
 
 def chairs_around(room: RoomSpace, table: PlacedModel, chair: PlacedModel, count: int) -> Iterator[PlacedModel]:
-    """Generate chairs that face a table, each pulled out and turned a little at random."""
+    """Generate at most `count` chairs that face a table, pulled out and turned at random, where one has space."""
     done: list[PlacedModel] = []
     for x, z, way in seat_places(table, count):
         left = room.rng.random() < PULLED_OUT_PROBABILITY

@@ -18,13 +18,13 @@ ANGLE_STD = 0.35  # [rad], standard deviation of the angle of small objects
 def place_on_top(
     room: RoomSpace, anchor: PlacedModel, kind: str | PlacedModel, straight: bool = False, middle: bool = False
 ) -> PlacedModel | None:
-    """Place an object on a level surface of another; None if it does not fit.
+    """Place an object on one of the two largest level surfaces of another; None if it does not fit.
 
     Args:
         room: The room of both.
         anchor: The supporting object.
         kind: The object, or its kind.
-        straight: Face as the anchor faces, at its back.
+        straight: Face as the anchor faces, at its back unless `middle`; else turn a little at random.
         middle: Try the middle of the surface first.
     """
     item = room.draw_object(kind) if isinstance(kind, str) else kind
@@ -60,7 +60,7 @@ def _place_on_surface(
 def place_on_top_at(
     room: RoomSpace, anchor: PlacedModel, kind: str | PlacedModel, x: float, z: float, angle: float = 0.0
 ) -> PlacedModel | None:
-    """Place an object on another at a point (x, z) [m], its front towards (sin angle, cos angle); None if it fails."""
+    """Place an object on the largest surface of another at (x, z) [m], turned by `angle` [rad]; None if it fails."""
     item = room.draw_object(kind) if isinstance(kind, str) else kind
     for top in find_support_surfaces(anchor.model.id)[:1]:
         spot = yaw_by(item.moved_to(x, anchor.position[1] + top.height * anchor.scale[1], z), angle)
@@ -93,7 +93,7 @@ def place_on_burner(room: RoomSpace, stove: PlacedModel, kind: str) -> PlacedMod
 def place_several_on_top(
     room: RoomSpace, anchor: PlacedModel | None, kinds: Iterable[tuple[str, float]], max_objects: int = 5
 ) -> None:
-    """Place at most `max_objects` objects on another, in random order, each kind with its probability."""
+    """Place at most `max_objects` objects on another, each kind with its probability; none if `anchor` is None."""
     if anchor is None:
         return
     pairs, left = list(kinds), max_objects

@@ -138,11 +138,11 @@ def place_radiator(room: RoomSpace, window: PlacedModel) -> bool:
 
 
 def furnish_windows(room: RoomSpace, kinds: tuple[str, ...], heated: float) -> None:
-    """Place curtains or blinds of one kind at all windows of a room, and radiators below some.
+    """Place curtains or blinds of one kind, or short curtains where it does not fit, and radiators below some windows.
 
     Args:
         room: The room.
-        kinds: Kinds of curtains to choose from; "" for none.
+        kinds: Kinds of curtains to choose from, "" for none; without kinds there are no radiators either.
         heated: Probability of a radiator below a window.
     """
     if not kinds:

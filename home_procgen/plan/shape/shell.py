@@ -163,7 +163,10 @@ PlacedRow = tuple[RoomRow, list[PlacedRoom], Rect | None]  # the row, its rooms,
 
 
 def place_row(row: RoomRow, cells: Sequence[RowCell]) -> PlacedRow | None:
-    """Place the rooms and stairs of a row; None if they do not fit. Its step is moved to a wall between rooms."""
+    """Place the rooms and stairs of a row; None if they do not fit.
+
+    The step of the returned row is at a wall between rooms; it has none if the row has stairs or no suitable wall.
+    """
     index = next((i for i, cell in enumerate(cells) if cell.type == STAIRS), None)
     if index is None:
         plain = row if row.step is None else replace(row, step=None)

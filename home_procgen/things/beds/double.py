@@ -16,7 +16,7 @@ from home_procgen.things.joinery import drawers
 
 
 def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, canopy: bool = True) -> Iterator[Solid]:
-    """Build a four-poster bed with rails above and drapes at the head."""
+    """Build a four-poster bed with bedding and rails above; `canopy` adds drapes at the head."""
     yield from rails(width, 0.26, 0.42)
     x, z = width / 2 + 0.02, MATTRESS_LENGTH / 2 + 0.02
     for sx in (-x, x):
@@ -40,7 +40,7 @@ def four_poster(width: float = 1.7, cover: Cover = "made", pillows: int = 2, can
 
 
 def storage_bed(width: float = 1.6, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
-    """Build a box bed with drawers below and shelves in its headboard."""
+    """Build a box bed with bedding, drawers on both sides, and shelves with books in its headboard."""
     yield rounded_box("wood", (width + 0.06, 0.36, MATTRESS_LENGTH + 0.06), (0.0, 0.02, 0.0), 0.01, 1)
     yield box("black", (width - 0.1, 0.03, MATTRESS_LENGTH - 0.1))
     yield from (

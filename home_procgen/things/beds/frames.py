@@ -16,7 +16,7 @@ from home_procgen.things.joinery import LegKind, legs
 def platform(
     width: float = 1.6, cover: Cover = "made", kind: LegKind = "taper", head: str = "panel", pillows: int = 2
 ) -> Iterator[Solid]:
-    """Build a low frame on legs with a plain, slatted or caned headboard."""
+    """Build a bed with bedding: a low frame on legs, and a plain, slatted or caned headboard."""
     yield from legs("wood", width + 0.04, MATTRESS_LENGTH, 0.2, kind, 0.06)
     yield from rails(width, 0.18, 0.34)
     yield from bedding(width, MATTRESS_LENGTH, 0.29, cover, pillows)
@@ -38,7 +38,7 @@ def platform(
 
 
 def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted", pillows: int = 2) -> Iterator[Solid]:
-    """Build a padded frame with a tall tufted, channelled or winged headboard."""
+    """Build a bed with bedding: a padded frame, and a tall tufted, channelled or winged headboard."""
     yield from legs("wood", width, MATTRESS_LENGTH, 0.1, "block", 0.07)
     z = -MATTRESS_LENGTH / 2 - 0.07
     for s in (-1, 1):
@@ -72,7 +72,7 @@ def upholstered(width: float = 1.6, cover: Cover = "folded", head: str = "tufted
 
 
 def sleigh(width: float = 1.6, cover: Cover = "made", pillows: int = 2) -> Iterator[Solid]:
-    """Build a sleigh bed with scrolled head and foot boards."""
+    """Build a sleigh bed with bedding and scrolled head and foot boards."""
     yield from rails(width, 0.16, 0.38)
     for z, high, out in ((-MATTRESS_LENGTH / 2 - 0.06, 1.1, -1), (MATTRESS_LENGTH / 2 + 0.06, 0.72, 1)):
         profile = fillet(
@@ -90,7 +90,7 @@ def sleigh(width: float = 1.6, cover: Cover = "made", pillows: int = 2) -> Itera
 
 
 def iron(width: float = 1.5, cover: Cover = "throw", pillows: int = 2) -> Iterator[Solid]:
-    """Build an iron bed with arched bars between posts with brass balls."""
+    """Build an iron bed with bedding, and arched bars between posts with brass balls."""
     for z, high in ((-MATTRESS_LENGTH / 2 - 0.03, 1.12), (MATTRESS_LENGTH / 2 + 0.03, 0.8)):
         for s in (-1, 1):
             yield rod("iron", (s * width / 2, 0.0, z), (s * width / 2, high - 0.12, z), 0.018)
@@ -116,7 +116,7 @@ def iron(width: float = 1.5, cover: Cover = "throw", pillows: int = 2) -> Iterat
 
 
 def futon_floor(width: float = 1.4, cover: Cover = "rumpled", pillows: int = 2) -> Iterator[Solid]:
-    """Build a mattress on a very low slatted frame."""
+    """Build a bed with bedding on a very low slatted frame."""
     for x in np.linspace(-width / 2 - 0.08, width / 2 + 0.08, 4):
         yield box("wood", (0.08, 0.1, MATTRESS_LENGTH + 0.24), (float(x), 0.0, 0.0))
     for i in range(13):

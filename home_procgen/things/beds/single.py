@@ -16,7 +16,7 @@ from home_procgen.things.joinery import drawers, roller
 
 
 def captain(width: float = 0.9, cover: Cover = "made") -> Iterator[Solid]:
-    """Build a three-sided board bed with drawers, for a wall."""
+    """Build a bed with bedding, boards on three sides, and drawers on the fourth, for a wall."""
     yield rounded_box("wood", (width + 0.06, 0.38, MATTRESS_LENGTH + 0.06), (0.0, 0.0, 0.0), 0.01, 1)
     yield from (
         rotate(p, 1, np.pi / 2)

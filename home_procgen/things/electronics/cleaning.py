@@ -45,7 +45,7 @@ def vacuum(kind: str = "canister") -> Iterator[Solid]:
 
 
 def ironing() -> Iterator[Solid]:
-    """Build an ironing board on crossed legs."""
+    """Build an ironing board on crossed legs, with an iron on it."""
     shape = fillet([(-0.6, -0.17), (0.35, -0.17), (0.66, 0.0), (0.35, 0.17), (-0.6, 0.17)], 0.14, 5, True)
     yield prism("patterned", shape, 0.03, (0.0, 0.86, 0.0), "top")
     yield prism("gray", 0.94 * shape, 0.012, (0.0, 0.85, 0.0), "top")

@@ -10,7 +10,7 @@ from home_procgen.things.joinery import disc
 
 
 def laptop(open_: float = 1.85, width: float = 0.34) -> Iterator[Solid]:
-    """Build an open laptop with keys."""
+    """Build a laptop with keys, its lid open by `open_` [rad]."""
     deep = 0.66 * width
     yield rounded_box("gray", (width, 0.014, deep), (0.0, 0.0, 0.0), 0.005, 2)
     for row in range(5):

@@ -16,7 +16,7 @@ from home_procgen.things.kitchen.wall_units import bifold, crossed, plate_rack, 
 def hanging(
     width: float = 0.6, height: float = 0.68, style: str = "flat", count: int = 1, grip: tuple = ("chrome", "bar")
 ) -> Iterator[Solid]:
-    """Build a wall cabinet with doors, side hinges and a light pelmet below."""
+    """Build a wall cabinet with doors and a light pelmet below; style `glass` has crockery behind its doors."""
     yield rounded_box("paint", (width, height, 0.32), (0.0, 0.0, -0.01), 0.006, 2)
     yield rounded_box("white", (width - 0.08, 0.012, 0.05), (0.0, -0.01, 0.06), 0.005, 1)
     for y in (0.12, height - 0.16):

@@ -67,7 +67,7 @@ def bookcase(
 
 
 def glazed(width: float = 1.0, height: float = 2.0, depth: float = 0.36) -> Iterator[Solid]:
-    """Build glazed bookshelves above a closed base."""
+    """Build full bookshelves behind glass doors, above a closed base with doors."""
     yield box("wood", (width, 0.62, depth - 0.02), (0.0, 0.06, -0.01))
     yield box("black", (width - 0.04, 0.06, depth - 0.06))
     yield from doors(
@@ -86,7 +86,7 @@ def glazed(width: float = 1.0, height: float = 2.0, depth: float = 0.36) -> Iter
 
 
 def ladder(width: float = 0.7, height: float = 1.8) -> Iterator[Solid]:
-    """Build shelves between leaning rails, deeper towards the floor."""
+    """Build shelves with random contents between leaning rails, deeper towards the floor."""
     for s in (-1, 1):
         yield beam("wood", (s * width / 2, 0.0, 0.24), (s * width / 2, height, -0.17), 0.03, 0.045)
     for i in range(5):
@@ -98,7 +98,7 @@ def ladder(width: float = 0.7, height: float = 1.8) -> Iterator[Solid]:
 
 
 def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
-    """Build a grid of square boxes, some with doors or baskets."""
+    """Build a grid of square boxes with doors, drawers that are baskets, or random contents."""
     size, thick = 0.36, 0.03
     width, height = columns * size + thick, rows * size + thick
     for i in range(columns + 1):
@@ -119,7 +119,7 @@ def cube_shelf(columns: int = 3, rows: int = 3) -> Iterator[Solid]:
 
 
 def zigzag(width: float = 0.8, height: float = 1.7) -> Iterator[Solid]:
-    """Build boards on uprights that alternate from side to side."""
+    """Build boards with random contents on uprights that alternate from side to side."""
     for i in range(6):
         y = i * (height - 0.02) / 5
         yield box("wood", (width, 0.022, 0.28), (0.0, y, 0.0))
@@ -130,7 +130,7 @@ def zigzag(width: float = 0.8, height: float = 1.7) -> Iterator[Solid]:
 
 
 def pipes(width: float = 1.0, height: float = 1.9) -> Iterator[Solid]:
-    """Build boards on iron pipes."""
+    """Build boards with random contents on iron pipes."""
     for x in (-width / 2 + 0.08, width / 2 - 0.08):
         for z in (-0.11, 0.11):
             yield rod("iron", (x, 0.0, z), (x, height, z), 0.014, sides=8)

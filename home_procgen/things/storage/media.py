@@ -61,7 +61,7 @@ def tv_low(
 
 
 def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
-    """Build a low TV stand with a shelf tower at each end and a bridge above."""
+    """Build a low TV stand with a shelf tower at each end, with books and a vase, and a bridge above."""
     yield from tv_low(width, 0.48, 0.42, "doors", "plinth")
     for s in (-1, 1):
         yield from open_case(
@@ -75,7 +75,7 @@ def media_wall(width: float = 2.2, height: float = 1.9) -> Iterator[Solid]:
 
 
 def glass_media(width: float = 1.2) -> Iterator[Solid]:
-    """Build glass shelves on chrome tubes."""
+    """Build three glass shelves on chrome tubes, with two media players."""
     for y in (0.1, 0.3, 0.5):
         yield rounded_box("glass", (width, 0.012, 0.42), (0.0, y, 0.0), 0.004, 1)
     for x, z in corners(width - 0.16, 0.32):
@@ -98,7 +98,7 @@ def corner_tv(width: float = 1.2) -> Iterator[Solid]:
 
 
 def pipe_media(width: float = 1.4) -> Iterator[Solid]:
-    """Build boards on an iron pipe frame."""
+    """Build two boards on an iron pipe frame, with books and a media player between them."""
     for y in (0.14, 0.46):
         yield rounded_box("wood", (width, 0.04, 0.4), (0.0, y, 0.0), 0.008, 1)
     for x in (-width / 2 + 0.12, 0.0, width / 2 - 0.12):

@@ -73,7 +73,7 @@ def round_stand(radius: float = 0.22, height: float = 0.55) -> Iterator[Solid]:
 
 
 def crate_stand() -> Iterator[Solid]:
-    """Build two stacked slatted crates."""
+    """Build two stacked slatted crates with a book in the lower one."""
     for k in range(2):
         for s in (-1, 1):
             for i in range(3):

@@ -30,7 +30,7 @@ def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Ite
 
 
 def wall_cubes(count: int = 3) -> Iterator[Solid]:
-    """Build open wall boxes at different heights."""
+    """Build open wall boxes at two heights, each with random contents."""
     for i in range(count):
         x, y = (i - (count - 1) / 2) * 0.42, 0.14 * (i % 2)
         yield from open_case("wood", 0.34, 0.34, 0.22, (), (x, y, 0.0), (), "wood_1")
@@ -51,7 +51,7 @@ def metal_rack(width: float = 0.9, height: float = 1.8, depth: float = 0.42) -> 
 
 
 def wire_rack(width: float = 0.6, height: float = 1.3) -> Iterator[Solid]:
-    """Build chrome wire shelves."""
+    """Build chrome wire shelves with towels, a basket and jars."""
     for x, z in corners(width, 0.34):
         yield rod("chrome", (x, 0.0, z), (x, height, z), 0.012)
     for y in (0.12, 0.5, 0.88, 1.22):

@@ -94,7 +94,7 @@ def armoire(width: float = 1.1, height: float = 2.05, depth: float = 0.6) -> Ite
 
 
 def open_wardrobe(width: float = 1.2, height: float = 1.95, depth: float = 0.5) -> Iterator[Solid]:
-    """Build rails with clothes between shelves."""
+    """Build an open wardrobe: clothes on a rail, folded clothes above and baskets below."""
     yield from open_case("wood", width, height, depth, (0.3, height - 0.36), (0.0, 0.0, 0.0), (), "wood_1")
     yield rod("chrome", (0.02 - width / 2, height - 0.45, 0.0), (width / 2 - 0.02, height - 0.45, 0.0), 0.012)
     rng = np.random.default_rng(5)

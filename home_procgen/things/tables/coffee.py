@@ -163,7 +163,7 @@ def oval_coffee(width: float = 1.2, depth: float = 0.65, kind: LegKind = "splay"
 
 
 def lift_box(width: float = 1.05, depth: float = 0.6) -> Iterator[Solid]:
-    """Build a box with open niches and a thick top."""
+    """Build a box with open niches, a basket and a block in them, and a thick top."""
     yield box("wood", (width - 0.06, 0.03, depth - 0.06), (0.0, 0.03, 0.0))
     for x in (-0.5, 0.0, 0.5):
         yield box("wood", (0.025, 0.3, depth - 0.06), (x * (width - 0.1), 0.05, 0.0))

@@ -68,7 +68,7 @@ def writing(width: float = 1.2, depth: float = 0.6, kind: LegKind = "taper") -> 
 
 
 def hutch(width: float = 1.2, depth: float = 0.62) -> Iterator[Solid]:
-    """Build a desk with shelves above its back edge."""
+    """Build a pedestal desk with shelves above its back edge, with books."""
     yield from pedestal_desk(width, depth)
     yield from open_case("wood", width, 0.62, 0.24, (0.3,), (0.0, DESK_HEIGHT, 0.12 - depth / 2), (0.35, 0.7), "wood_1")
     yield from book_row(-width / 2 + 0.03, DESK_HEIGHT + 0.32, 0.34, 0.26, 0.12 - depth / 2, 3)
@@ -194,7 +194,7 @@ def glass_desk(width: float = 1.3, depth: float = 0.65) -> Iterator[Solid]:
 
 
 def wall_desk(width: float = 0.9) -> Iterator[Solid]:
-    """Build a shallow wall box with a fold-down writing front."""
+    """Build a shallow wall box with books and a fold-down writing front."""
     yield from open_case("wood", width, 0.5, 0.2, (0.16, 0.32), (0.0, 0.72, -0.2), (0.5,), "wood_1")
     yield box("wood_1", (width - 0.03, 0.022, 0.44), (0.0, 0.725, 0.12))
     yield from add_mirror_images(

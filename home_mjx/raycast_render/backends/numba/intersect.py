@@ -90,7 +90,7 @@ def _inverse(x):
 @compiled
 @no_type_check
 def transform_rays(inverse, index, ray, sees):
-    """Transform the rays that see an instance into its frame."""
+    """Transform rays into an instance's frame; those outside of `sees` get an infinite t_min, so that they miss."""
     at = 12 * index
     ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
     oy = inverse[at + 4] * ray.ox + inverse[at + 5] * ray.oy + inverse[at + 6] * ray.oz + inverse[at + 7]
@@ -152,7 +152,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Update the best hits with one triangle, for rays in `reaches` only."""
+    """Return the best hits, updated with one triangle for rays in `reaches` only; t of any-hit rays becomes -inf."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)

@@ -127,7 +127,7 @@ def _world(at, sizes):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Visit static instances through the house's top tree, then the moving ones one by one."""
+    """Return the best hits with static instances, by the house's top tree, and with moving ones, one by one."""
     house, num_instances, left = (
         clip_row(world.house[env], world.sizes.houses),
         world.sizes.instances,
@@ -170,7 +170,7 @@ def _is_visible(object_id, exclude):
 @njit(error_model="numpy")  # called from two places, too large to inline
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
-    """Update the best hits with one instance; the rays are in its frame."""
+    """Return the best hits, updated with one instance; the rays are in its frame."""
     shear = shear_rays(ray)
     left = world.sizes.nodes
     code, enter, size = world.model_root[clip_row(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
