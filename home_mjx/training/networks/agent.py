@@ -47,8 +47,8 @@ class NetworkConfig:
 
     def __post_init__(self) -> None:
         check_known("dtype", [self.dtype], DTYPES)
-        check_flag("network.mentions", self.goal_mask)
-        check_flag("network.normalized", self.layer_norm)
+        check_flag("network.goal_mask", self.goal_mask)
+        check_flag("network.layer_norm", self.layer_norm)
         for name, value in (("features", self.features), ("memory", self.memory)):
             check_number(f"network.{name}", value, 1, integer=True)
         if not isinstance(self.channels, tuple) or not self.channels:

@@ -64,7 +64,7 @@ def record(
     Example:
         >>> record(add_expert(env), "data/RoomNav", num_steps=1_000_000, num_envs=1024)  # doctest: +SKIP
     """
-    check_number("frames", num_steps, 1, integer=True)
+    check_number("num_steps", num_steps, 1, integer=True)
     check_number("num_envs", num_envs, 1, integer=True)
     without = (EXPERT,) if policy is None and isinstance(env.core, ExpertObservationEnv) else ()
     hidden = None if progress is None else not progress
