@@ -18,6 +18,8 @@ from gpu_rays import Bench, against_peer, images, primary, read_peers
 from views import every_object_movable, load_bank
 from warp_renderer import matrices, triangles_of
 
+from home_mjx.core.profiling import calls_per_second
+
 SIZE = 64  # [px] width and height
 
 
@@ -37,7 +39,7 @@ def embree_rate(bank, pos, quat):
     pixels /= np.linalg.norm(pixels, axis=-1, keepdims=True)
     directions = np.einsum("eij,rj->eri", matrices(quat), pixels).reshape(-1, 3).astype(np.float32)
     origins = np.repeat(pos, SIZE**2, axis=0).astype(np.float32)
-    return profiling.calls_per_second(lambda: scene.run(origins, directions), seconds=3) * len(origins)
+    return calls_per_second(lambda: scene.run(origins, directions), seconds=3) * len(origins)
 
 
 def main():

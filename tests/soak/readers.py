@@ -423,7 +423,7 @@ TARGETS = {
     "states": Target(states, ARCHIVE),
     "recording": Target(recording("0/part-0.arrow"), (of_bytes,)),
     "notes": Target(recording("metadata.json"), JSON),
-    "task-lines": Target(task_io, LINES),
+    "task-lines": Target(task_lines, LINES),
     "episodes": Target(with_bank("episodes"), LINES, quick=False),
     "tasks": Target(with_bank("tasks"), LINES, quick=False),
 }

@@ -479,7 +479,7 @@ def export_result(folder: Path) -> str:
 
 
 TRAINING = (
-    *(f"home_mjx.{name}" for name in ("training.checkpoint", "training.records", "tasks.suite.point_nav")),
+    *(f"home_mjx.{name}" for name in ("training.checkpoint", "training.metrics_log", "tasks.suite.point_nav")),
     *("matplotlib.figure", "matplotlib.ticker", "matplotlib.backends.backend_agg", "tensorboardX.record_writer"),
 )
 STATES = loaded("home_mjx.tasks.env.state_io")
