@@ -22,6 +22,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
+import home_mjx
 from home_mjx.cli.learning.arguments import parse_assignments
 from home_mjx.core.profiling import device_name
 from home_mjx.registry import find_spec
@@ -142,7 +143,7 @@ def main() -> None:
             record = {"agent": agent, "judged": name, "held_out": env.bank.num_houses, "episodes": args.episodes}
             print(json.dumps(common | record | found | {"seconds": round(time.perf_counter() - begun, 1)}), flush=True)
         if env.spec and env.spec.id == "HouseQA-v0":
-            asked = run.env.make().params.tasks, env.params.tasks
+            asked = home_mjx.make(run.env).params.tasks, env.params.tasks
             print(
                 json.dumps(common | {"prior": prior_accuracy(*asked), "chance": chance_accuracy(asked[1])}), flush=True
             )
@@ -177,7 +178,7 @@ def run_of(args: argparse.Namespace) -> RunConfig:
 def held_out(run: RunConfig, args: argparse.Namespace, options: dict[str, Any]) -> Any:
     """Make the environment in held-out houses."""
     env = evaluation_spec(run.env, "val", args.held_out)
-    return dataclasses.replace(env, options={**env.options, **options}).make()
+    return home_mjx.make(dataclasses.replace(env, options={**env.options, **options}))
 
 
 def without(trained: Callable[[Any], Policy], name: str, low: float) -> Callable[[Any], Policy]:

@@ -104,7 +104,7 @@ class ProceduralDataset(SuncgDataset):
     """
 
     shares_root = True
-    reader = "home_mjx.datasets.suncg.dataset.SuncgDataset"  # compiled houses are those of the folder
+    reader = SuncgDataset.reader  # compiled houses are those of the folder
 
     def __init__(self, text: str) -> None:
         self.parsed = ProceduralName.parse(text)

@@ -156,7 +156,7 @@ def test_an_entry_point_that_is_refused_keeps_its_own_message(tmp_path: Path, mo
     (tmp_path / "task_of_a_user.py").write_text("import home_mjx\nhome_mjx.register('PointNav-v0', print)\n")
     monkeypatch.syspath_prepend(tmp_path)
     with pytest.raises(errors.ConfigError, match=r"^environment id `PointNav-v0` is taken"):
-        EnvSpec("Other-v0", "task_of_a_user:Task").make()
+        home_mjx.make(EnvSpec("Other-v0", "task_of_a_user:Task"))
 
 
 def test_hints_name_no_empty_names():

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from home_mjx.core.checks import check_flag
 from home_mjx.core.files import resolve_below
@@ -88,6 +88,7 @@ class Dataset(ABC):
         root: Folder that paths of textures are relative to.
         name: Text that opens the dataset again with `open_dataset`.
         shares_root: Whether `root` may hold houses that are not part of this dataset.
+        reader: Name of the code that reads the houses, a part of the keys of compiled houses; default: the class.
         categories: Categories of the dataset by name, as (fine, coarse, NYU40) names; see `model_info`.
 
     Example:
@@ -103,11 +104,12 @@ class Dataset(ABC):
 
     categories: ClassVar[Mapping[str, tuple[str, str, str]]] = {}
     shares_root: ClassVar[bool] = False
+    reader: ClassVar[str]
 
-    @property
-    def reader(self) -> str:
-        """Name of the code that reads the houses, a part of the keys of compiled houses; default: the class."""
-        return f"{type(self).__module__}.{type(self).__qualname__}"
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "reader" not in vars(cls):
+            cls.reader = f"{cls.__module__}.{cls.__qualname__}"
 
     def __init__(self, root: Path, name: str | None = None) -> None:
         self.root = root

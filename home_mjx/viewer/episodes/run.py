@@ -9,6 +9,7 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.core.files import write_all_or_none
+from home_mjx.env_factory import make
 from home_mjx.observers import EpisodeResult, Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.env import Env
@@ -93,7 +94,7 @@ def run_play(
     check_agent(options.agent, options.checkpoint, AGENT_NAMES)
     check_episodes(options.episodes)
     more = resolve_observers(observers)
-    env = with_episodes(options.env.make(), options.episodes, options.seed)
+    env = with_episodes(make(options.env), options.episodes, options.seed)
     env = add_expert(env) if options.agent == "expert" else env
     player = _make_player(env, options, key_source)
     with ObserverGroup((*_own_observers(options, print_line), *more)) as group:

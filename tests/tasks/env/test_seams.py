@@ -208,7 +208,7 @@ def test_a_spec_makes_the_same_environment_again(tmp_path, bank):
         "body.radius": 0.12,
     }
     env = home_mjx.make("PointNav-v0", tmp_path, num_houses=1, filter=HouseFilter(levels=(1, 3)), **options)
-    again = EnvSpec.from_json(env.spec.to_json()).make()
+    again = home_mjx.make(EnvSpec.from_json(env.spec.to_json()))
     assert again.spec == env.spec
     assert again.config == env.config
     assert again.task == env.task == PointNav(success_radius=0.5)

@@ -17,7 +17,6 @@ from home_mjx.observers import (
     register_observer,
     resolve_observers,
 )
-from home_mjx.registry import EnvSpec
 from home_mjx.viewer.episodes import camera
 from home_mjx.viewer.episodes.run import PlayOptions, run_play
 
@@ -94,7 +93,7 @@ def _played_here(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
     """Episodes are of `env`, and nobody renders images."""
     if "env" in request.fixturenames:
         env = request.getfixturevalue("env")
-        monkeypatch.setattr(EnvSpec, "make", lambda spec, progress=None: env)
+        monkeypatch.setattr("home_mjx.viewer.episodes.run.make", lambda spec: env)
         monkeypatch.setattr(camera.FilmCamera, "capture", None)
 
 
