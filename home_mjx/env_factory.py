@@ -1,4 +1,4 @@
-"""`make`: from an id, options and whatever names houses to an environment, read from top to bottom."""
+"""`make`: from an id, options and the name of houses to an environment, in the order of its steps."""
 
 import dataclasses
 import sys
@@ -143,7 +143,7 @@ def _load(
     bakes: "tuple[Bake, ...]",
     progress: bool,
 ) -> "HouseBank":
-    """Dataset, cache, bank, bakes; the houses are those of a file of episodes if there is one."""
+    """Load the bank with its bakes; its houses are those of the file of episodes if there is one."""
     from home_mjx.bank.bank import HouseBank
     from home_mjx.houses.load import load_bank
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
@@ -169,7 +169,7 @@ def _task_env(
     houses: Any,
     progress: bool,
 ) -> "Env[HouseholdEnv]":
-    """An environment of a `Task` subclass; wrong options are refused before any house is compiled."""
+    """Make an environment of a `Task` subclass; refuse wrong options before any house is compiled."""
     from home_mjx.tasks.base.state import EnvParams
 
     core, compile_options = core_of(task, options)
@@ -203,7 +203,7 @@ def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, Comp
 
 
 def _num_houses(houses: Any, given: int | None) -> int:
-    """The number of houses to use: as asked for, else all of a name, else the default."""
+    """Return the number of houses: the given one, else all of a name, else the default."""
     from home_mjx.datasets.registry import has_scheme, open_dataset
 
     known = len(open_dataset(houses).house_ids) if has_scheme(houses) else None
@@ -217,7 +217,7 @@ def _num_houses(houses: Any, given: int | None) -> int:
 
 
 def _is_chosen(houses: Any) -> bool:
-    """Whether the houses are chosen already: `num_houses`, `split` and `filter` would choose again."""
+    """Return whether `houses` is a selection, to which `num_houses`, `split` and `filter` cannot apply."""
     from home_mjx.bank.bank import HouseBank
     from home_mjx.houses.house_set import HouseSet
 
@@ -232,7 +232,7 @@ def _refuse(chosen: Mapping[str, Any], message: Callable[[str], str], reason: st
 
 
 def _ranges(variation: Any) -> dict[str, Any]:
-    """The option as plain numbers by name, checked before any house is made; empty if nothing varies."""
+    """Return the option with its ranges as plain numbers, checked; empty if nothing varies."""
     if variation is None:
         return {}
     from home_mjx.tasks.variation.ranges import normalize_ranges
@@ -241,7 +241,7 @@ def _ranges(variation: Any) -> dict[str, Any]:
 
 
 def _episode_rows(file: Path, bank: "HouseBank", task: Any) -> Any:
-    """Rows of a file of episodes; a file of other tasks alone is refused, mixes that have this one are taken."""
+    """Load the rows of a file of episodes; refuse a file that contains tasks of other environments only."""
     from home_mjx.tasks.env.episodes import load_episodes_or_tasks
     from home_mjx.tasks.rules.task_bank import TaskBank
 
