@@ -159,13 +159,13 @@ def test_walls_of_two_rooms_share_their_partition_and_others_do_not(compiled):
 
 def test_all_rooms_are_connected(compiled):
     navigation = compiled.navigation
-    assert set(navigation.room[navigation.free].tolist()) == {0, 1, 2, 3}
+    assert set(navigation.room[navigation.home_mask].tolist()) == {0, 1, 2, 3}
     assert (navigation.field < FIELD_UNREACHABLE).all()
-    assert len(navigation.field) == navigation.free.sum()
+    assert len(navigation.field) == navigation.home_mask.sum()
 
 
 def test_nothing_of_the_meshes_is_in_free_space(compiled):
-    gaps = nearest(obstacle_points(compiled, ("curtain", "door")), cell_points(compiled)[compiled.navigation.free])
+    gaps = nearest(obstacle_points(compiled, ("curtain", "door")), cell_points(compiled)[compiled.navigation.home_mask])
     assert gaps.min() > 0.15 - 0.01
 
 
@@ -175,7 +175,7 @@ def test_space_that_the_meshes_leave_is_free(compiled):
     points = cell_points(compiled)
     bodies = BoxSet(compiled.bodies.pos, compiled.bodies.size, 2 * np.arctan2(*compiled.bodies.quat[:, [3, 0]].T))
     near_body = np.min([footprint_distance(bodies, i, points) for i in range(len(bodies))], axis=0) < 0.16
-    blocked = (navigation.room >= 0) & ~navigation.free & ~near_body
+    blocked = (navigation.room >= 0) & ~navigation.home_mask & ~near_body
     gaps = nearest(obstacle_points(compiled, ("curtain",)), points[blocked])
     assert np.mean(gaps < 0.15 + 0.1) > 0.96
 
@@ -239,7 +239,7 @@ def test_planes_face_their_rooms_and_none_reflects_twice(compiled):
 def test_floor_planes_tile_the_plan(compiled):
     """Every free point is on exactly one floor plane and below exactly one ceiling plane."""
     n, planes = compiled.navigation, compiled.planes
-    points = np.c_[cell_points(compiled)[n.free], np.zeros(n.free.sum())]
+    points = np.c_[cell_points(compiled)[n.home_mask], np.zeros(n.home_mask.sum())]
     for up in (1, -1):
         on = []
         for i in np.flatnonzero(planes.normal[:, 2] * up > 0.5):
