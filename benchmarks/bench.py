@@ -4,21 +4,24 @@ import argparse
 import json
 import sys
 from dataclasses import asdict
+from pathlib import Path
 
 from benchmarks.cases import CASE_NAMES, measure
 from benchmarks.cases.record import BenchSettings, Measurement
-from home_mjx.cli.houses import add_dataset_option
-from home_mjx.cli.parsing import house_count_type, positive_int_type
+from home_mjx.core.paths import dataset_root
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx bench`."""
     parser.add_argument("case", metavar="CASE", help=f"all, {', '.join(CASE_NAMES)}, or one measurement of a case")
     parser.add_argument("--json", action="store_true", help="print one JSON object per line")
-    parser.add_argument("--houses", type=house_count_type, default=8, help="number of houses (default: 8)")
-    parser.add_argument("--envs", type=positive_int_type, default=64, help="environments in the batch (default: 64)")
-    parser.add_argument("--seconds", type=positive_int_type, default=2, help="time per measurement [s] (default: 2)")
-    add_dataset_option(parser)
+    parser.add_argument("--houses", type=int, default=8, help="number of houses (default: 8)")
+    parser.add_argument("--envs", type=int, default=64, help="environments in the batch (default: 64)")
+    parser.add_argument("--seconds", type=int, default=2, help="time per measurement [s] (default: 2)")
+    parser.add_argument(
+        "--dataset", type=Path, default=dataset_root(), metavar="ROOT",
+        help="folder of a dataset, or its name such as procedural:16 (default: $SUNCG_DATA_DIR, or generated houses)",
+    )  # fmt: skip
 
 
 def run(args: argparse.Namespace) -> int:

@@ -23,7 +23,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import home_mjx
-from home_mjx.cli.learning.arguments import parse_assignments
+from home_mjx.core.jsonable import parse_assignments
 from home_mjx.core.profiling import device_name
 from home_mjx.registry import find_spec
 from home_mjx.tasks.base.options import override_options

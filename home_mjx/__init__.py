@@ -21,7 +21,7 @@ _PUBLIC = {
     "HouseSet": "home_mjx.houses",
     "HouseStream": "home_mjx.houses",
     "HouseholdEnv": "home_mjx.tasks",
-    "Observer": "home_mjx.observers",
+    "Observer": "home_mjx.tasks.env.observers",
     "Sensor": "home_mjx.tasks",
     "State": "home_mjx.tasks",
     "Task": "home_mjx.tasks",
@@ -30,7 +30,7 @@ _PUBLIC = {
     "load_bank": "home_mjx.houses",
     "make": "home_mjx.env_factory",
     "register": "home_mjx.registry",
-    "register_observer": "home_mjx.observers",
+    "register_observer": "home_mjx.tasks.env.observers",
     "register_sensor": "home_mjx.tasks",
     "use_compile_cache": "home_mjx.core.compile_cache",
 }

@@ -40,12 +40,12 @@ from home_mjx.audio_jax import (
 from home_mjx.audio_jax.base.options import Baked, EarlyPaths, Omni
 from home_mjx.audio_jax.late_reverb.lookup.lookup import lookup_late_sound
 from home_mjx.bank.bank import HouseBank
-from home_mjx.cli.storey_maps import draw_storey_maps
 from home_mjx.core.transforms import camera_quat
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.viewer.pictures.media import write_png, write_wav
+from home_mjx.viewer.pictures.storey_maps import draw_storey_maps
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

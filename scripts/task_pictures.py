@@ -19,8 +19,8 @@ from PIL import Image
 import home_mjx
 import home_mjx.tasks.suite
 from home_mjx.core.compile_cache import use_compile_cache
-from home_mjx.observers import EpisodeStep, Observer
 from home_mjx.tasks import add_expert
+from home_mjx.tasks.env.observers import EpisodeStep, Observer
 from home_mjx.training.evaluation import with_episodes
 from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
 from home_mjx.viewer.episodes.episode import EpisodeRunner

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from home_mjx.core import profiling
+from home_mjx.core.checks import check_number
 from home_mjx.houses import load_bank
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.schema.compiled import CompiledHouse
@@ -74,6 +75,11 @@ class BenchSettings:
     num_houses: int = 8
     num_envs: int = 64
     seconds: float = 2.0
+
+    def __post_init__(self):
+        for name in ("num_houses", "num_envs"):
+            check_number(name, getattr(self, name), 1, 2**31 - 1, integer=True)
+        check_number("seconds", self.seconds, 0)
 
     @cached_property
     def house_set(self) -> HouseSet:

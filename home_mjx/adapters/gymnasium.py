@@ -11,13 +11,13 @@ from gymnasium.utils import EzPickle
 from gymnasium.vector import AutoresetMode
 
 from home_mjx.adapters import gymnasium_tools as tools
-from home_mjx.adapters.base.spaces import action_space, observation_space
 from home_mjx.core.checks import check_number
 from home_mjx.core.native.fork_guard import forbid_after_fork
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.env.autoreset import AutoReset, select_envs
 from home_mjx.tasks.env.reset import is_sequential
+from home_mjx.tasks.env.spaces import action_space, observation_space
 
 
 class GymEnv(gymnasium.Env, EzPickle):

@@ -16,10 +16,10 @@ from gymnasium.utils import EzPickle
 
 from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.adapters.base.agents import agent_names, ordered_values, split_by_agent
-from home_mjx.adapters.base.spaces import agent_action_space, make_gym_box
 from home_mjx.adapters.gymnasium import GymEnv
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.env.spaces import agent_action_space, make_gym_box
 
 try:
     from pettingzoo import ParallelEnv

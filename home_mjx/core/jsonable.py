@@ -118,3 +118,29 @@ def _dataclass(name: str) -> type:
     if not (isinstance(found, type) and dataclasses.is_dataclass(found)):
         raise ConfigError(f"`{name}` is not a dataclass")
     return found
+
+
+def parse_assignments(texts: list[str]) -> dict[str, Any]:
+    """Parse `NAME=VALUE` arguments; values are JSON, else text.
+
+    Raises:
+        ConfigError: An argument has no `=`, or too deeply nested brackets.
+
+    Example:
+        >>> parse_assignments(["width=32", "actions=discrete"])
+        {'width': 32, 'actions': 'discrete'}
+    """
+    return dict(_parse_assignment(text) for text in texts)
+
+
+def _parse_assignment(text: str) -> tuple[str, Any]:
+    name, equals, value = text.partition("=")
+    if not (name and equals):
+        raise ConfigError(f"expected NAME=VALUE, got `{text:.80}`", hint="For example width=32.")
+    try:
+        return name, json.loads(value)
+    except RecursionError:
+        message = f"`{name}` has too deeply nested brackets: `{value:.40}…`"
+        raise ConfigError(message, hint="Values are JSON or text.") from None
+    except ValueError:
+        return name, value

@@ -65,7 +65,7 @@ def contact_properties(kind: str, coarse: str, mass: float) -> ContactProperties
 
 
 def damping_ratio(restitution: float) -> float:
-    """Return the damping ratio z of a contact with restitution e = exp(-pi z / sqrt(1 - z^2)), see `home_mjx.mjcf`.
+    """Return the damping ratio z of a contact with restitution e = exp(-pi z / sqrt(1 - z^2)).
 
     Args:
         restitution: Restitution e, in [0, 1).

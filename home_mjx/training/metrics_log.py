@@ -12,7 +12,7 @@ from typing import Any
 
 from home_mjx.core.files import convert_write_errors, read_text, write_durably, write_synced
 from home_mjx.errors import ConfigError, DatasetError, install_hint
-from home_mjx.observers import Observer, RunStart
+from home_mjx.tasks.env.observers import Observer, RunStart
 
 CURVES = (
     "success",

@@ -6,7 +6,7 @@ from typing import Any
 
 from tqdm import tqdm
 
-from home_mjx.observers import EpisodeStep, Observer, RunStart
+from home_mjx.tasks.env.observers import EpisodeStep, Observer, RunStart
 
 PROGRESS_METRICS = ("success", "return")  # metrics beside the progress bar
 MIN_SCALED_TOTAL = 1000  # totals from here are shown as 1.5k

@@ -13,10 +13,10 @@ import jax.numpy as jnp
 
 from home_mjx.env_factory import make, make_core
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.observers import Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.training.checkpoint import (
     AGENT_FILE,
     CHECKPOINT_FILE,

@@ -77,7 +77,7 @@ NO_PATHS = [
         (["generate", "x", "--seeds", "3:3"], ["expected 0 <= A < B", "`3:3`"]),
         (["bench", "rayz"], ["unknown benchmark case `rayz`", "Did you mean `rays`?"]),
         (["bench", "rays/primary"], ["unknown benchmark measurement", "Did you mean `primary-depth`?"]),
-        (["bench", "rays", "--envs", "0"], ["whole number above 0"]),
+        (["bench", "rays", "--envs", "0"], ["`num_envs` must be a whole number of at least 1"]),
         (["generate", "x", "--seeds", "99999999999999999999"], ["2**63"]),
         (["demo", "--seed", "99999999999999999999"], ["whole number from 0 to 4294967295"]),
         (["generate", "x", "--seeds", "0:99999999999"], ["--seeds", "at most 1000000 houses", "`0:99999999999`"]),

@@ -13,13 +13,13 @@ from home_mjx.audio_jax.parameters.room_survey import SURVEY_CONFIG
 from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.commands.render import CUT_WALL_GREY, STOREY_MARGIN
-from home_mjx.cli.storey_maps import reduce_rays
 from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_free_direction
 from home_mjx.houses import house_cache, load_bank
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.shaders import base
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.viewer.pictures.pictures import colour_ids
+from home_mjx.viewer.pictures.storey_maps import reduce_rays
 from home_procgen.v1.dataset import generate_dataset
 
 RECORD = ["case", "value", "unit", "num_envs", "device", "versions", "compile_seconds", "peer", "peer_value", "ratio"]

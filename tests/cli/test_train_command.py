@@ -18,8 +18,9 @@ from processes import wait_for
 
 from home_mjx.cli import main
 from home_mjx.cli.learning import play
-from home_mjx.cli.learning.arguments import newest_version, parse_assignments
+from home_mjx.cli.learning.arguments import newest_version
 from home_mjx.cli.learning.train import add_arguments, run_config
+from home_mjx.core.jsonable import parse_assignments
 from home_mjx.datasets.splits import split_of
 from home_mjx.registry import find_spec
 from home_mjx.training import CPU_CONFIG, RunConfig, evaluation_spec, save_net

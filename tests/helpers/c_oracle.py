@@ -8,7 +8,6 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to
-from home_mjx.mjcf import DOOR_DAMPING_RATE
 from home_mjx.physics import PhysicsSetup
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
@@ -19,6 +18,7 @@ from home_mjx.physics.numba.chunks import sources_digest
 from home_mjx.physics.numba.params import reference_surfaces, step_params
 from home_mjx.physics.numba.step import load_agents, load_house, step_env
 from home_mjx.physics.numba.workspace import NEWTON_STEPS, NUM_CONTACTS, allocate_workspace, free_workspace
+from home_mjx.schema.mjcf import DOOR_DAMPING_RATE
 
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))

@@ -3,9 +3,9 @@
 import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
-from home_mjx.mjcf import contact_parameters
 from home_mjx.physics import PhysicsSetup
 from home_mjx.schema.contact_materials import damping_ratio
+from home_mjx.schema.mjcf import contact_parameters
 
 BODIES, STATIC, AGENTS, DOORS = 6, 10, 2, 4
 RAMPS = np.array([[0.3, 0.2, 0.6, 0.8, 1.0, 0.5, 0.0, 0.6], [0, 0, 1, 0, -1, 1, 0, 1]])  # the second is none

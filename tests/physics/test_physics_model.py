@@ -12,7 +12,6 @@ from mujoco import mjx
 from numpy.testing import assert_allclose
 from tiny_houses import NUM_DOORS, Box, Door, TinyHouse, make_bank
 
-from home_mjx.mjcf import DOOR_DAMPING_RATE, contact_parameters
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.dynamics import reset
 from home_mjx.physics.mjx.house_model import (
@@ -29,6 +28,7 @@ from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, slot_names, template_mjcf
 from home_mjx.schema import AgentBody, Timing
 from home_mjx.schema.contact_materials import damping_ratio
+from home_mjx.schema.mjcf import DOOR_DAMPING_RATE, contact_parameters
 
 HOUSE = TinyHouse(
     floor=0.4,

@@ -294,7 +294,7 @@ def run_config() -> Any:
 
 def train(folder: Path) -> None:
     """As `training.run.train`, without the learning: lines, checkpoints, curves, at last the agent."""
-    from home_mjx.observers import ObserverGroup, RunStart
+    from home_mjx.tasks.env.observers import ObserverGroup, RunStart
     from home_mjx.training.checkpoint import AGENT_FILE, CHECKPOINT_FILE, read_updates, save_checkpoint, save_net
     from home_mjx.training.metrics_log import CurvesPlot, MetricsLog, TensorBoardLog
 

@@ -12,7 +12,7 @@ pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 
 from tensorboardX.proto import event_pb2
 
-from home_mjx.observers import ObserverGroup, RunStart
+from home_mjx.tasks.env.observers import ObserverGroup, RunStart
 from home_mjx.training.metrics_log import CurvesPlot, MetricsLog, TensorBoardLog, read_lines
 from home_mjx.training.progress import MetricMeans
 

@@ -18,9 +18,9 @@ from full_disk import full_disk
 
 import home_mjx
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError, UnknownNameError
-from home_mjx.observers import Observer, ObserverGroup, RunStart
 from home_mjx.registry import find_spec
 from home_mjx.sharding import REPLICATED, EnvSharding, make_mesh
+from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.training import run
 from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint, save_net
 from home_mjx.training.config import PPOConfig, RunConfig

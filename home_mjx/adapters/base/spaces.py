@@ -1,17 +1,15 @@
-"""Spaces of an environment's specs: those of Gymnasium, and such as gymnax and JaxMARL have (pure JAX)."""
+"""Spaces in pure JAX, such as those of gymnax and JaxMARL."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import gymnasium
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool
 
 from home_mjx.tasks.base.specs import ArraySpec
-from home_mjx.tasks.env.env import Env
 
 
 @dataclass(frozen=True)
@@ -89,31 +87,3 @@ class DictSpace:
 def make_jax_space(spec: ArraySpec) -> BoxSpace:
     """Return the space of one array."""
     return BoxSpace(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))
-
-
-def observation_space(env: Env) -> gymnasium.spaces.Dict:
-    """Return a dictionary space with one box per observation."""
-    return gymnasium.spaces.Dict({name: make_gym_box(spec) for name, spec in env.observation_spec.items()})
-
-
-def action_space(env: Env) -> gymnasium.Space:
-    """Return a box in [-1, 1], or discrete actions; with several agents, a leading axis of agents."""
-    if env.num_agents == 1:
-        return agent_action_space(env)
-    if env.config.discrete is None:
-        return make_gym_box(env.action_spec)
-    return gymnasium.spaces.MultiDiscrete([env.action_size] * env.num_agents)
-
-
-def agent_action_space(env: Env) -> gymnasium.Space:
-    """Return the action space of one agent: a box, or discrete actions."""
-    if env.config.discrete is not None:
-        return gymnasium.spaces.Discrete(env.action_size)
-    return make_gym_box(env.action_spec.for_one_agent(env.num_agents))
-
-
-def make_gym_box(spec: ArraySpec) -> gymnasium.spaces.Box:
-    """Return the box of one array; booleans become int8 from 0 to 1, because Gymnasium has no box of booleans."""
-    dtype = np.dtype("int8") if spec.dtype == "bool" else np.dtype(spec.dtype)
-    low, high = (np.asarray(bound, dtype) for bound in spec.bounds())
-    return gymnasium.spaces.Box(low, high, spec.shape, dtype.type)

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path
-from home_mjx.cli.storey_maps import draw_storey_maps
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, place_head
 from home_mjx.core.variants import override_fields
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
+from home_mjx.viewer.pictures.storey_maps import draw_storey_maps
 
 if TYPE_CHECKING:
     from home_mjx.audio_jax.parameters.room_survey import Survey

@@ -2,11 +2,10 @@
 
 import argparse
 import importlib
-import json
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from home_mjx.cli.parsing import parse_path
 from home_mjx.errors import ConfigError, HomeMjxError
@@ -116,29 +115,3 @@ def find_checkpoint(path: Path) -> Path:
     from home_mjx.training import CHECKPOINT_FILE  # raises ConfigError if the extra `train` is not installed
 
     return path / CHECKPOINT_FILE if path.is_dir() else path
-
-
-def parse_assignments(texts: list[str]) -> dict[str, Any]:
-    """Parse `NAME_ROLE=VALUE` arguments; values are JSON, else text.
-
-    Raises:
-        ConfigError: An argument has no `=`, or too deeply nested brackets.
-
-    Example:
-        >>> parse_assignments(["width=32", "actions=discrete"])
-        {'width': 32, 'actions': 'discrete'}
-    """
-    return dict(_parse_assignment(text) for text in texts)
-
-
-def _parse_assignment(text: str) -> tuple[str, Any]:
-    name, equals, value = text.partition("=")
-    if not (name and equals):
-        raise ConfigError(f"expected NAME=VALUE, got `{text:.80}`", hint="For example --env width=32.")
-    try:
-        return name, json.loads(value)
-    except RecursionError:
-        message = f"`{name}` has too deeply nested brackets: `{value:.40}…`"
-        raise ConfigError(message, hint="Values are JSON or text.") from None
-    except ValueError:
-        return name, value

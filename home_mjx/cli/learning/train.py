@@ -14,13 +14,13 @@ from home_mjx.cli.learning.arguments import (
     add_observe_option,
     find_checkpoint,
     import_modules,
-    parse_assignments,
     parse_checkpoint_path,
     task_spec,
 )
 from home_mjx.cli.learning.evaluate import format_evaluation
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
+from home_mjx.core.jsonable import parse_assignments
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec

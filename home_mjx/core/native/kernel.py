@@ -18,9 +18,9 @@ from jaxtyping import Array
 
 from home_mjx.core.native.fork_guard import record_process
 from home_mjx.core.native.nvrtc import compile_ptx
+from home_mjx.core.native.partition import run_untraced, varying_as
 from home_mjx.core.native.platforms import local_devices, select_at_lowering
 from home_mjx.errors import BackendError
-from home_mjx.sharding import run_untraced, varying_as
 
 PTX_TARGET = "__gpu$xla.gpu.ptx"  # XLA's custom-call target that launches PTX
 TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}

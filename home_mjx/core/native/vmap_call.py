@@ -8,8 +8,8 @@ import jax.numpy as jnp
 from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
+from home_mjx.core.native.partition import ENV, partition_kernel
 from home_mjx.errors import ConfigError
-from home_mjx.sharding import ENV, partition_kernel
 
 Step = Callable[..., tuple[Array, ...]]
 

@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.bank.records import Physics
-from home_mjx.mjcf import contact_parameters
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
+from home_mjx.schema.mjcf import contact_parameters
 
 # Columns of `contact_parameters`: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m].
 FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)

@@ -10,7 +10,6 @@ from mujoco import mjx
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
-from home_mjx.mjcf import DOOR_DAMPING_RATE
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.layout import Layout
@@ -27,6 +26,7 @@ from home_mjx.physics.mjx.template_mjcf import (
     PARKED_SIZE,
     PARKED_YAW,
 )
+from home_mjx.schema.mjcf import DOOR_DAMPING_RATE
 
 
 class MovableBodies(Pytree):

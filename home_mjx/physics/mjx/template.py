@@ -8,6 +8,7 @@ import numpy as np
 from mujoco import mjx
 
 from home_mjx.bank.records import BankSpec
+from home_mjx.core.native.partition import run_untraced
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.control import agent_table
 from home_mjx.physics.base.layout import Layout
@@ -15,7 +16,6 @@ from home_mjx.physics.mjx.overflow import GeomPairs, numeric_limit
 from home_mjx.physics.mjx.template_mjcf import template_mjcf
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
-from home_mjx.sharding import run_untraced
 
 
 class Template:

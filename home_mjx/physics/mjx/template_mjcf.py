@@ -6,10 +6,10 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 
-from home_mjx.mjcf import DOOR_DAMPING_RATE, SOLREF, add_agent, add_motors, solimp
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.surfaces import default_surface
+from home_mjx.schema.mjcf import DOOR_DAMPING_RATE, SOLREF, add_agent, add_motors, solimp
 
 PARKED_HEIGHT = 500.0  # [m], height of unused bodies above the house, and depth of unused slots below it
 PARKED_SIZE = 0.1  # [m], half extent

@@ -11,7 +11,6 @@ import numpy as np
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Physics
 from home_mjx.errors import ConfigError
-from home_mjx.mjcf import COLLIDES_WITH_LEAVES, FRICTIONLESS_CONTACT, add_agent
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.mjx.template import Template
@@ -19,6 +18,7 @@ from home_mjx.physics.mujoco.house_model import MujocoHouse
 from home_mjx.physics.mujoco.house_models import PrebuiltHouses
 from home_mjx.scene_compile.mjcf.export import instance_name, to_mjcf
 from home_mjx.schema.compiled import CompiledHouse
+from home_mjx.schema.mjcf import COLLIDES_WITH_LEAVES, FRICTIONLESS_CONTACT, add_agent
 
 
 class ExportedTemplate(Template):

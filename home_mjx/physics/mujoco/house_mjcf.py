@@ -7,7 +7,11 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.mjcf import (
+from home_mjx.physics.base.config import PhysicsSetup
+from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
+from home_mjx.schema.compiled import Doors
+from home_mjx.schema.contact_materials import damping_ratio
+from home_mjx.schema.mjcf import (
     COLLIDES_WITH_LEAVES,
     FRICTIONLESS_CONTACT,
     SOLREF,
@@ -17,10 +21,6 @@ from home_mjx.mjcf import (
     numbers,
     solimp,
 )
-from home_mjx.physics.base.config import PhysicsSetup
-from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS, CORNERS
-from home_mjx.schema.compiled import Doors
-from home_mjx.schema.contact_materials import damping_ratio
 
 ITERATIONS, LS_ITERATIONS, TOLERANCE = 100, 50, 1e-12  # Newton's method converges before these limits
 # As in the template, the floor touches agents and the corner spheres of bodies, not their boxes.
@@ -72,8 +72,10 @@ def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
         add_agent(world, shape, f"agent{a}", **FRICTIONLESS_CONTACT, **AGENT)
     for k in np.flatnonzero(rows.body_valid).tolist():
         _add_body(config, world, rows, k)
+    doors = _doors(rows)
+    inertia = box_inertia(doors.mass, doors.size)
     for h in np.flatnonzero(rows.door_valid).tolist():
-        add_leaf(world, _doors(rows), h, f"door{h}")
+        add_leaf(world, doors, h, f"door{h}", inertia[h])
     return ET.tostring(root, encoding="unicode")
 
 

@@ -15,10 +15,10 @@ from mujoco import rollout
 from home_mjx.core.checks import check_number, check_shape
 from home_mjx.core.native.fork_guard import check_not_forked
 from home_mjx.core.native.host_call import register_host_call
+from home_mjx.core.native.partition import varying_as
 from home_mjx.core.native.vmap_call import batch_kernel, forbid_gradient
 from home_mjx.core.workers import usable_cores
 from home_mjx.errors import ConfigError
-from home_mjx.sharding import varying_as
 
 STATE_SPEC = mujoco.mjtState.mjSTATE_FULLPHYSICS.value  # pyright: ignore[reportAttributeAccessIssue]
 

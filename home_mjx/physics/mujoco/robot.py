@@ -7,9 +7,9 @@ import mujoco
 import numpy as np
 
 from home_mjx.errors import ConfigError
-from home_mjx.mjcf import COLLIDES_WITH_MOVABLES
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.schema.compiled import CompiledHouse
+from home_mjx.schema.mjcf import COLLIDES_WITH_MOVABLES
 
 PREFIX = "robot/"  # prefix of all names of the robot's elements
 LEAF_CONTACT_BIT = 1 << 30  # contact bit of door leaves and the robot; hand-written MJCF rarely uses it

@@ -8,11 +8,11 @@ from typing import NamedTuple, TypeVar
 import jax
 import numpy as np
 
-from home_mjx.mjcf import DOOR_DAMPING_RATE, SOLIMP, TIME_CONSTANT
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.state import NOTHING
 from home_mjx.physics.mjx.template_mjcf import CORNER_RADIUS
+from home_mjx.schema.mjcf import DOOR_DAMPING_RATE, SOLIMP, TIME_CONSTANT
 
 Values = TypeVar("Values", jax.Array, np.ndarray)  # (*batch, 5)
 MAX_NEWTON_ITERATIONS = 50  # maximum number of Newton iterations; most physics steps converge in one to three

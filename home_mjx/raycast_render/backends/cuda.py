@@ -10,9 +10,9 @@ from jaxtyping import Array, Int
 from home_mjx.bank.records import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry, pack_instances, to_center_half
 from home_mjx.core.native.kernel import compile_sources, launch_ptx
+from home_mjx.core.native.partition import varying_as
 from home_mjx.core.native.vmap_call import traced_constant
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, MISS, DynamicInstances, RawHit, RayQuery, Rays
-from home_mjx.sharding import varying_as
 
 SOURCE = Path(__file__).with_name("cast.cu")
 WARP = 32

@@ -7,9 +7,9 @@ import jax.numpy as jnp
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records import Geometry
+from home_mjx.core.native.partition import varying_false
 from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import CLOSEST_HIT, DynamicInstances, RawHit, RayQuery, Rays
-from home_mjx.sharding import varying_false
 
 
 def cast_multi_hit_by_loop(

@@ -16,10 +16,10 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
+from home_mjx.core.native.partition import varying_false
 from home_mjx.raycast_render.backends.multi_hit_loop import cast_multi_hit_by_loop
 from home_mjx.raycast_render.scene.types import FAR_SLACK, MISS, TINY, DynamicInstances, RawHit, RayQuery, Rays
 from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
-from home_mjx.sharding import varying_false
 
 TRIANGLES_PER_TEST = 4  # triangles tested at once
 MAX_CPU_CHUNK = 1 << 12  # rays in lock step on CPUs, whose state fits into the cache

@@ -10,9 +10,9 @@ from jax.custom_batching import custom_vmap
 from jaxtyping import Array
 
 from home_mjx.bank.records import Geometry
+from home_mjx.core.native.partition import ENV, RAY, Axes, partition_kernel
 from home_mjx.raycast_render.backends.registry import RayBackend, find_backend
 from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
-from home_mjx.sharding import ENV, RAY, Axes, partition_kernel
 
 BatchedCast = Callable[[Geometry, Array, DynamicInstances, Rays], RawHit]
 NUM_ENV_ARRAYS = 9  # arrays with a leading axis of environments: the house and the fields of `DynamicInstances`

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.images import open_texture
-from home_mjx.mjcf import numbers
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
+from home_mjx.schema.mjcf import numbers
 
 MIN_TRIANGLE_AREA = 1e-12  # [m^2], smaller triangles are dropped; MuJoCo rejects meshes of only such triangles
 

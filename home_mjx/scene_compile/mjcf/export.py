@@ -13,7 +13,16 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.files import replace_folder
 from home_mjx.errors import ConfigError
 from home_mjx.geometry.boxes import box_inertia
-from home_mjx.mjcf import (
+from home_mjx.scene_compile.architecture.rooms import ground_floor_height
+from home_mjx.scene_compile.collision.barriers import lot_bounds
+from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
+from home_mjx.scene_compile.mjcf.initial_overlaps import resolve_overlaps
+from home_mjx.scene_compile.mjcf.lights import add_lamps
+from home_mjx.schema.agent import AgentBody
+from home_mjx.schema.categories import COARSE, COLLISIONS
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
+from home_mjx.schema.mjcf import (
     COLLIDER_GROUP,
     COLLIDES_WITH_LEAVES,
     FRICTIONLESS_CONTACT,
@@ -27,15 +36,6 @@ from home_mjx.mjcf import (
     numbers,
     solimp,
 )
-from home_mjx.scene_compile.architecture.rooms import ground_floor_height
-from home_mjx.scene_compile.collision.barriers import lot_bounds
-from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
-from home_mjx.scene_compile.mjcf.initial_overlaps import resolve_overlaps
-from home_mjx.scene_compile.mjcf.lights import add_lamps
-from home_mjx.schema.agent import AgentBody
-from home_mjx.schema.categories import COARSE, COLLISIONS
-from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
-from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 from home_mjx.schema.semantic import Semantic
 
 DEFAULT_FRICTION = f"{DEFAULT_CONTACT.friction} 0.005 0.0001"  # default friction of geoms
@@ -215,7 +215,8 @@ def _add_instance(
     pose = house.instances.pose[instance]
     rotation, stretch = split_linear(pose[:, :3])
     if len(leaf):
-        element, origin = add_leaf(world, house.doors, int(leaf[0]), name)
+        row, doors = int(leaf[0]), house.doors
+        element, origin = add_leaf(world, doors, row, name, box_inertia(doors.mass, doors.size)[row])
         _add_visuals(element, house, instance, assets, stretch, pos=numbers(pose[:, 3] - origin), quat=_quat(rotation))
     elif body < 0:
         place = {"pos": numbers(pose[:, 3]), "quat": _quat(rotation)}

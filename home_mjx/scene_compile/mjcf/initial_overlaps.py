@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.mjcf import numbers
+from home_mjx.schema.mjcf import numbers
 
 MAX_SHIFT = 0.05  # [m], maximum shift of an object
 MIN_OVERLAP_DEPTH = 1e-3  # [m], contacts with a larger penetration are overlaps

@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.geometry.meshes import transform
-from home_mjx.mjcf import numbers
 from home_mjx.schema.compiled import CompiledHouse
+from home_mjx.schema.mjcf import numbers
 
 MAX_LAMPS = 64  # maximum number of lamps, strongest first; MuJoCo renders at most 100 lights
 MAX_DIFFUSE = 0.7  # diffuse colour of the strongest lamp, since MuJoCo's lights have no unit

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from home_mjx.adapters.base.spaces import action_space, observation_space
 from home_mjx.core.files import write_error
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.spaces import action_space, observation_space
 from home_mjx.training.trajectories.minari_format import (
     DATA_FOLDER,
     FREE_SPACE_HINT,

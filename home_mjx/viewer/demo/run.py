@@ -17,10 +17,10 @@ from home_mjx.core.files import write_all_or_none
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
 from home_mjx.navigation.path_follower import PathFollower, make_path_follower
-from home_mjx.observers import Observer, ObserverGroup, RunStart
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.training.progress import ProgressBar
 from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet
 from home_mjx.viewer.demo.search import film_search

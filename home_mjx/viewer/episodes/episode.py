@@ -6,11 +6,11 @@ from typing import Any
 import jax
 import numpy as np
 
-from home_mjx.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.actions import action_names
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer
 from home_mjx.viewer.episodes.goal_markers import get_instruction
 from home_mjx.viewer.episodes.policies import Player
 

@@ -9,9 +9,9 @@ from typing import Any, TextIO
 import numpy as np
 
 from home_mjx.core.files import write_json_lines
-from home_mjx.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart, register_observer
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart, register_observer
 from home_mjx.tasks.sensors.selection import state_owners
 from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
 from home_mjx.viewer.episodes.episode import format_status

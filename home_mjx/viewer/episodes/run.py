@@ -10,10 +10,10 @@ from tqdm import tqdm
 
 from home_mjx.core.files import write_all_or_none
 from home_mjx.env_factory import make
-from home_mjx.observers import EpisodeResult, Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import EpisodeResult, Observer, ObserverGroup, RunStart, resolve_observers
 from home_mjx.tasks.experts.expert_observation import add_expert
 from home_mjx.training.evaluation import check_episodes, with_episodes
 from home_mjx.training.progress import ProgressBar

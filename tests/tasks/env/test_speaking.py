@@ -9,12 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from home_mjx.adapters.base.spaces import DiscreteSpace, action_space
+from home_mjx.adapters.base.spaces import DiscreteSpace
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import EnvConfig, HouseholdEnv, Task, make_config
 from home_mjx.tasks.base.specs import MOVE_NAMES
 from home_mjx.tasks.env.actions import action_names, decode_actions
+from home_mjx.tasks.env.spaces import action_space
 from home_mjx.tasks.language import tokenize
 
 WORDS = ("say:yes", "answer:red", "say:kitchen")

@@ -9,7 +9,7 @@ import pytest
 import home_mjx
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, UnknownNameError
-from home_mjx.observers import (
+from home_mjx.tasks.env.observers import (
     EpisodeResult,
     Observer,
     ObserverGroup,

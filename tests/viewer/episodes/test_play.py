@@ -15,8 +15,8 @@ from PIL import Image
 from home_mjx.cli import main
 from home_mjx.core.files import write_all_or_none
 from home_mjx.errors import ConfigError, HomeMjxError
-from home_mjx.observers import EpisodeResult, ObserverGroup
 from home_mjx.registry import EnvSpec, find_spec
+from home_mjx.tasks.env.observers import EpisodeResult, ObserverGroup
 from home_mjx.viewer.episodes.observers import FilmObserver, ResultsObserver, ShotCache
 from home_mjx.viewer.episodes.run import PlayOptions, run_play
 from home_mjx.viewer.episodes.video import VideoWriter, compose_frame, fit_image

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from home_mjx.geometry.boxes import box_inertia
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import Doors
 
@@ -132,7 +131,9 @@ def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
     ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
 
 
-def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
+def add_leaf(
+    world: ET.Element, doors: Doors, row: int, name: str, inertia: Float[np.ndarray, "3"]
+) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
     """Add the body of a door leaf, on a hinge through the body's origin or on a rail.
 
     Args:
@@ -140,6 +141,7 @@ def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.E
         doors: All leaves.
         row: Row of the leaf.
         name: Name of body, joint and geom.
+        inertia: Principal moments of inertia of the leaf [kg m^2], see `geometry.boxes.box_inertia`.
 
     Returns:
         The body and its origin [m].
@@ -147,7 +149,7 @@ def add_leaf(world: ET.Element, doors: Doors, row: int, name: str) -> tuple[ET.E
     origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
     element = ET.SubElement(world, "body", name=name, pos=numbers(origin))
     limits, arm = np.array([doors.low[row], doors.high[row]]), doors.pos[row] - origin
-    inertia, moved = box_inertia(doors.mass, doors.size)[row], doors.mass[row]
+    moved = doors.mass[row]
     if doors.is_sliding[row]:
         joint = {"type": "slide", "axis": numbers(np.array([*doors.slide[row], 0.0])), "range": numbers(limits)}
     else:

@@ -1,23 +1,26 @@
 """Maps of level and reverberation time over the storey of a source, as images."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+import jax
+import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.endpoints import SoundSource
+from home_mjx.audio_jax.base.options import Traced
+from home_mjx.audio_jax.parameters.floor_survey import survey_floor
 from home_mjx.bank.bank import HouseBank
-from home_mjx.cli.viewpoint import EYE_HEIGHT
-
-if TYPE_CHECKING:
-    from home_mjx.audio_jax.base.config import AudioConfig
-    from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.schema.agent import AgentBody
+from home_mjx.viewer.pictures.floor_map import draw_sound_map
 
 RECEIVER_SPACING = 0.4  # [m] spacing of receivers
 MID_OCTAVES = slice(2, 4)  # 500 Hz and 1 kHz, whose mean ISO 3382-1 reports
 MAX_RAYS_PER_OCTAVE, MAX_BOUNCES = 256, 60  # per receiver; each ray carries one octave, and rays are per octave
 
 
-def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") -> dict[str, np.ndarray]:
+def draw_storey_maps(scene: Scene, source: np.ndarray, config: AudioConfig) -> dict[str, np.ndarray]:
     """Render maps over the storey of a source, averaged over the octaves of 500 Hz and 1 kHz.
 
     Args:
@@ -28,13 +31,6 @@ def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") 
     Returns:
         Images (H, W, 3) uint8: `level`, the strength G [dB], and `t30`, the reverberation time T30 [s].
     """
-    import jax
-    import jax.numpy as jnp
-
-    from home_mjx.audio_jax.base.endpoints import SoundSource
-    from home_mjx.audio_jax.parameters.floor_survey import survey_floor
-    from home_mjx.viewer.pictures.floor_map import draw_sound_map
-
     room, free, place = _receiver_grid(scene.bank, source)
     few = reduce_rays(config)
     hear = jax.jit(survey_floor, static_argnames="config")
@@ -49,10 +45,8 @@ def draw_storey_maps(scene: "Scene", source: np.ndarray, config: "AudioConfig") 
     return shown
 
 
-def reduce_rays(config: "AudioConfig") -> "AudioConfig":
+def reduce_rays(config: AudioConfig) -> AudioConfig:
     """Return options with fewer rays and bounces, for many receivers; unchanged if late reverberation is not traced."""
-    from home_mjx.audio_jax.base.options import Traced
-
     if not isinstance(config.late, Traced):
         return config
     rays = min(MAX_RAYS_PER_OCTAVE * config.late.num_groups, config.late.num_rays)
@@ -73,5 +67,5 @@ def _receiver_grid(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.
     part = tuple(slice(a, b + 1) for a, b in zip(inside.min(axis=0), inside.max(axis=0), strict=True))
     rows, columns = (stride // 2 + 0.5 + stride * np.arange(n) for n in room.shape)
     x, y = np.meshgrid(*(np.asarray(navigation.origin[0])[i] + cell * at for i, at in ((0, columns), (1, rows))))
-    place = np.stack([x, y, np.full_like(x, floor[level] + EYE_HEIGHT)], axis=-1)
+    place = np.stack([x, y, np.full_like(x, floor[level] + AgentBody().eye_height)], axis=-1)
     return room[part], (room & free)[part], place[part]
