@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array
 
 import home_mjx
-from home_mjx.navigation.grid import cell_of, row_of_cell
+from home_mjx.navigation.grid import cell_at_feet, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
 from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.env.env import Env
@@ -54,7 +54,7 @@ def follow(snapshot: Snapshot, whom: Array) -> Array:
     """Return the first agent's action along the shortest path to the current position of another agent."""
     bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
     numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
-    at = cell_of(bank, house, pose.pos[whom])
+    at = cell_at_feet(bank, house, snapshot.feet[whom])
     cell = bank.navigation.cell_coords[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
     wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
     error, _ = turns_to_nearest_cell(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num_agents=1)

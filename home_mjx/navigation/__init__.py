@@ -3,20 +3,23 @@
 from home_mjx.navigation.distance_fields import distance_field, goal_fields
 from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals
 from home_mjx.navigation.grid import (
-    cell_of,
+    cell_at_feet,
+    cell_below,
     geodesic_distance,
     grid_position,
     ground_fields,
     is_near_home_region,
     random_position,
-    room_of,
+    room_at_feet,
+    room_below,
 )
 from home_mjx.navigation.path_follower import PathFollower, make_path_follower
 from home_mjx.navigation.spawn import random_source, random_yaw, sample_starts
 
 __all__ = [
     "PathFollower",
-    "cell_of",
+    "cell_at_feet",
+    "cell_below",
     "connected_rooms",
     "distance_field",
     "door_angles",
@@ -30,6 +33,7 @@ __all__ = [
     "random_position",
     "random_source",
     "random_yaw",
-    "room_of",
+    "room_at_feet",
+    "room_below",
     "sample_starts",
 ]

@@ -11,38 +11,97 @@ from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE, MAX_DEPTH_BE
 # The shortest path from a point may begin over a neighbour of its cell.
 _OFFSETS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
 _MIDDLE = _OFFSETS.index((0, 0))
+# Of each offset, the two cells that a diagonal step passes between.
+_BESIDE = np.array([[_OFFSETS.index((dy, 0)) for dy, _ in _OFFSETS], [_OFFSETS.index((0, dx)) for _, dx in _OFFSETS]])
 HOME_RANK, UNREACHABLE_RANK = 0, 3  # ranks of cells, see `_rank`
+MAX_SLOPE = 1.5  # maximum slope of stairs between cells, with the rounding of cells
+MAX_SHARED_GAP = 0.05  # [m], maximum height difference of cells of two levels that are one place on a ramp
 
 
-def cell_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, "3"]:
-    """Return level, row and column of the cell that contains a point, clipped to the grid.
+def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Int[Array, "3"]:
+    """Return level, row and column of the cell on which an agent stands, clipped to the grid.
 
-    The level is that of the highest floor that is not above the point, up to a tolerance of `MAX_DEPTH_BELOW_FLOOR`.
+    Of the cells above one another, one per level, it is that whose floor or ramp is nearest to the feet. Cells outside
+    the home region count as `MAX_DEPTH_BELOW_FLOOR` farther: their height may be a neighbour's. The grids of two levels
+    share the cells where they meet on a ramp; there it is that of the upper level if the feet are at most
+    `MAX_DEPTH_BELOW_FLOOR` below its floor, else that of the lower one.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        feet: Lowest point of the agent, or a point on a floor [m], world frame.
     """
-    navigation, house = bank.navigation, bank.clip_house_index(house)
-    levels, rows, columns = navigation.room.shape[1:]
-    above = pos[2] >= navigation.floor[house] - jnp.float32(MAX_DEPTH_BELOW_FLOOR)
-    level = jnp.maximum(jnp.sum(above.astype(jnp.int32)) - 1, 0)
-    index = jnp.floor((pos[:2] - navigation.origin[house]) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
-    return jnp.clip(jnp.stack([level, index[1], index[0]]), 0, jnp.array([levels, rows, columns], jnp.int32) - 1)
+    house = bank.clip_house_index(house)
+    row, column = _plan_cell(bank, house, feet)
+    gap = jnp.abs(_heights(bank, house, row, column) - feet[2])
+    home = is_home_cell(bank, house, bank.navigation.cell[house, :, row, column])
+    gap = jnp.where(home, gap, gap + jnp.float32(MAX_DEPTH_BELOW_FLOOR))
+    number = jnp.arange(len(gap), dtype=jnp.int32)
+    above = feet[2] >= bank.navigation.floor[house] - jnp.float32(MAX_DEPTH_BELOW_FLOOR)
+    rank = jnp.where(above, len(gap) + number, len(gap) - 1 - number)
+    level = jnp.argmax(jnp.where(gap <= jnp.min(gap) + jnp.float32(MAX_SHARED_GAP), rank, -1))
+    return jnp.stack([level.astype(jnp.int32), row, column])
 
 
-def room_of(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Int[Array, ""]:
-    """Return the index of the room that contains a point; -1 outside."""
-    level, row, column = cell_of(bank, house, pos)
-    return bank.navigation.room[bank.clip_house_index(house), level, row, column].astype(jnp.int32)
+def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"]) -> Int[Array, "3"]:
+    """Return level, row and column of the cell below a point, clipped to the grid.
+
+    Of the cells above one another, one per level, it is the highest one in a room whose floor or ramp is not above the
+    point, up to `MAX_SHARED_GAP`; where there is none in a room, the highest one; below all floors, the lowest one.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        point: Any point that is not of a body that stands on the floor: the middle of an object, an eye, a source [m].
+    """
+    house = bank.clip_house_index(house)
+    row, column = _plan_cell(bank, house, point)
+    height = _heights(bank, house, row, column)
+    under = (height <= point[2] + jnp.float32(MAX_SHARED_GAP)) & jnp.isfinite(bank.navigation.floor[house])
+    inside = under & (bank.navigation.room[house, :, row, column] >= 0)
+    highest = jnp.argmax(jnp.where(jnp.where(jnp.any(inside), inside, under), height, -jnp.inf))
+    level = jnp.where(jnp.any(under), highest, jnp.argmin(height)).astype(jnp.int32)
+    return jnp.stack([level, row, column])
+
+
+def _plan_cell(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> tuple[Int[Array, ""], Int[Array, ""]]:
+    """Return row and column of a point, clipped to the grid."""
+    rows, columns = bank.navigation.room.shape[2:]
+    index = jnp.floor((pos[:2] - bank.navigation.origin[house]) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
+    return jnp.clip(index[1], 0, rows - 1), jnp.clip(index[0], 0, columns - 1)
+
+
+def _heights(
+    bank: HouseBank, house: Int[Array, ""], row: Int[Array, ""], column: Int[Array, ""]
+) -> Float[Array, " levels"]:
+    """Return the height of the floor or ramp of each level at a cell [m]; in padding that of the highest level."""
+    return bank.navigation.height[row_of_cell(bank.navigation.cell[house, :, row, column])]
+
+
+def room_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Int[Array, ""]:
+    """Return the index of the room in which an agent stands; -1 outside. See `cell_at_feet`."""
+    return _room(bank, house, cell_at_feet(bank, house, feet))
+
+
+def room_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"]) -> Int[Array, ""]:
+    """Return the index of the room that contains a point above its floor; -1 outside. See `cell_below`."""
+    return _room(bank, house, cell_below(bank, house, point))
+
+
+def _room(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "3"]) -> Int[Array, ""]:
+    return bank.navigation.room[bank.clip_house_index(house), cell[0], cell[1], cell[2]].astype(jnp.int32)
 
 
 def geodesic_distance(
     bank: HouseBank,
     house: Int[Array, ""],
     goal: Int[Array, "*n"] | None,
-    pos: Float[Array, "3"],
+    feet: Float[Array, "3"],
     field: UInt16[Array, "cell goals"] | None = None,
 ) -> Float[Array, "..."]:
-    """Compute the length of the shortest path from a point to one goal, several goals, or all goals.
+    """Compute the length of the shortest path from an agent's feet to one goal, several goals, or all goals.
 
-    It is the minimum over the 3 × 3 cells around the point of the cell's distance plus that to its centre. Near
+    It is the minimum over the 3 × 3 cells around the feet of the cell's distance plus that to its centre. Near
     obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
     `scene_compile.navigation.extrapolated`. Elsewhere it is the distance of the nearest cell plus the straight line
     to it.
@@ -51,48 +110,76 @@ def geodesic_distance(
         bank: The houses.
         house: Index of the house.
         goal: Index or indices of goals; None: all goals.
-        pos: The point [m], world frame.
+        feet: Lowest point of the agent, or a point on a floor [m], world frame.
         field: Distances of all cells to other goals, stored as in `NavigationArrays.field`; None: the bank's field.
 
     Returns:
         Distances [m], in the shape of `goal`; finite with the bank's field, because its goals are in the home region.
     """
     navigation, house = bank.navigation, bank.clip_house_index(house)
-    level, y, x = _neighbourhood(bank, cell_of(bank, house, pos))
+    level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
     cell = navigation.cell[house, level, y, x]
     rank = _rank(bank, house, cell)
     # Cells inside an obstacle have other distances than free cells beside it, so cells of a higher rank are excluded.
     usable = (rank <= rank[_MIDDLE]) & (rank < UNREACHABLE_RANK)
+    usable = usable & usable[_BESIDE[0]] & usable[_BESIDE[1]]  # paths cut no corners
     usable = usable.at[_MIDDLE].set(True)
     nearest = navigation.cell_coords[row_of_cell(cell[_MIDDLE])]
     plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
-    centre = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
-    way = jnp.linalg.norm(centre + (navigation.origin[house] - pos[:2])[None], axis=-1)
+    plan = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) + navigation.origin[house]
+    centre = jnp.concatenate([plan, navigation.height[row_of_cell(cell)][:, None]], axis=1)
+    way = jnp.linalg.norm(centre - feet[None], axis=-1)
     way = jnp.where(usable, way, jnp.float32(jnp.inf))
     around = stored_distance(bank.navigation.field if field is None else field, cell, goal)
     return jnp.min(around + way.reshape(way.shape + (1,) * (around.ndim - 1)), axis=0)
 
 
-def is_near_home_region(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether a point is in or next to a cell of the home region, from which all goals are reachable.
+def is_near_home_region(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Bool[Array, ""]:
+    """Return whether an agent stands in or next to a cell of the home region, from which all goals are reachable.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        pos: The point [m], world frame.
+        feet: Lowest point of the agent, or a point on a floor [m], world frame.
     """
     house = bank.clip_house_index(house)
-    level, y, x = _neighbourhood(bank, cell_of(bank, house, pos))
+    level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
     return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME_RANK)
 
 
-def _neighbourhood(
-    bank: HouseBank, place: Int[Array, "3"]
-) -> tuple[Int[Array, ""], Int[Array, " n"], Int[Array, " n"]]:
-    """Return level, rows and columns of the 3 × 3 cells around a cell, clipped to the grid."""
-    rows, columns = bank.navigation.room.shape[2:]
-    offsets = jnp.array(_OFFSETS, jnp.int32)
-    return place[0], jnp.clip(place[1] + offsets[:, 0], 0, rows - 1), jnp.clip(place[2] + offsets[:, 1], 0, columns - 1)
+def _neighbourhood(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Int[Array, "9 3"]:
+    """Return the 3 × 3 cells around a cell, clipped to the grid, each on the level where its floor or ramp goes on."""
+    offsets = jnp.array([(0, dy, dx) for dy, dx in _OFFSETS], jnp.int32)
+    around = jnp.clip(place + offsets, 0, jnp.array(bank.navigation.room.shape[1:], jnp.int32) - 1)
+    return continue_levels(bank, house, place, around)
+
+
+def continue_levels(
+    bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"], around: Int[Array, "n 3"]
+) -> Int[Array, "n 3"]:
+    """Return cells around a place, each on the level to which floors and ramps lead from there.
+
+    It is the level of the home cell nearest in height, if the way there is not steeper than `MAX_SLOPE`; else the level
+    of the place.
+
+    Args:
+        bank: The houses.
+        house: Index of the house, not clipped.
+        place: Level, row and column.
+        around: Levels, rows and columns within the grid; all on the level of `place`.
+    """
+    navigation, numbers = bank.navigation, bank.navigation.cell[house]
+    if numbers.shape[0] == 1:
+        return around
+    cell = numbers[:, around[:, 1], around[:, 2]]
+    own = navigation.height[row_of_cell(numbers[place[0], place[1], place[2]])]
+    rise = jnp.abs(navigation.height[row_of_cell(cell)] - own)
+    rise = jnp.where(is_home_cell(bank, house, cell), rise, jnp.inf)
+    rise = rise.at[place[0]].add(-jnp.float32(MAX_SHARED_GAP))  # of two cells at one place, that of the own level
+    away = jnp.linalg.norm((around - place)[:, 1:].astype(jnp.float32), axis=1) * jnp.float32(bank.spec.cell)
+    reached = jnp.min(rise, axis=0) <= jnp.float32(MAX_SLOPE) * (away + jnp.float32(bank.spec.cell))
+    level = jnp.where(reached, jnp.argmin(rise, axis=0).astype(jnp.int32), place[0])
+    return around.at[:, 0].set(level)
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
@@ -157,13 +244,13 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
     """Return the centre of the cell with a given row number, on its floor or ramp [m]."""
-    middle = grid_position(bank, house, bank.navigation.cell_coords[cell].astype(jnp.int32))
-    return middle.at[2].set(bank.navigation.height[cell])
+    return grid_position(bank, house, bank.navigation.cell_coords[cell].astype(jnp.int32))
 
 
 def grid_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:
-    """Return the centre of the cell at (level, row, column), as from `cell_of`, on its level's floor [m]."""
+    """Return the centre of the cell at (level, row, column), as from `cell_at_feet`, on its floor or ramp [m]."""
     house = bank.clip_house_index(house)
     level, row, column = place
     plan = (jnp.stack([column, row]).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)
-    return jnp.append(plan + bank.navigation.origin[house], bank.navigation.floor[house, level])
+    height = bank.navigation.height[row_of_cell(bank.navigation.cell[house, level, row, column])]
+    return jnp.append(plan + bank.navigation.origin[house], height)

@@ -247,7 +247,7 @@ class HouseNavigation:
     height: Float[np.ndarray, " c"]  # [m], height of the floor or ramp under each home cell
     start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
-    field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal; FIELD_FAR
+    field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal
     extrapolated: ExtrapolatedCells
     portals: Portals
     room_hops: Int[np.ndarray, "r r"]  # minimum number of portals between two rooms; -1 unreachable

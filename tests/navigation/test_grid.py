@@ -7,7 +7,7 @@ import pytest
 from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import cell_of, geodesic_distance, ground_fields, random_position, room_of
+from home_mjx.navigation.grid import geodesic_distance, ground_fields, random_position, room_below
 from home_mjx.schema.compiled import FIELD_UNIT
 
 CHEST = Furniture((1.0, 0.5), size=(2.0, 1.0, 1.0))
@@ -43,17 +43,7 @@ def test_distances_at_cell_centres_are_those_of_the_field(bank, houses):
 
 def test_rooms_of_points(bank):
     points = np.array([[-2, 0, 0], [2, 0, 0.8], [0.0, 9, 0]], np.float32)
-    assert strictly(jax.vmap(lambda p: room_of(bank, jnp.int32(0), p)), points).tolist() == [0, 1, -1]
-
-
-def test_level_of_a_point_is_the_floor_below_it(bank):
-    floor = jnp.array([[0.0, 2.8, jnp.inf]] * 2, jnp.float32)
-    navigation = bank.navigation.replace(floor=floor, room=jnp.tile(bank.navigation.room, (1, 3, 1, 1)))
-    tall = bank.replace(navigation=navigation)
-    heights = jnp.array([-1.0, 0.0, 0.8, 2.4, 2.6, 3.6])
-    points = jnp.zeros((6, 3)).at[:, 2].set(heights)
-    cells = strictly(jax.vmap(lambda p: cell_of(tall, jnp.int32(0), p)), points)
-    assert cells[:, 0].tolist() == [0, 0, 0, 0, 1, 1]
+    assert strictly(jax.vmap(lambda p: room_below(bank, jnp.int32(0), p)), points).tolist() == [0, 1, -1]
 
 
 def test_ground_fields_are_the_hosts(bank, houses):

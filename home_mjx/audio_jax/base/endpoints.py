@@ -9,7 +9,7 @@ from home_mjx.audio_jax.base.directivity import Directivity, directivity_gains
 from home_mjx.core.pytree import Pytree, static
 from home_mjx.core.transforms import UNIT_QUAT_TOLERANCE, is_unit_quat, quat_matrix
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import room_of
+from home_mjx.navigation.grid import room_below
 from home_mjx.raycast_render.scene.types import Scene
 
 
@@ -114,7 +114,7 @@ def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
     along = jnp.einsum("nwa,nw->na", axes, away, precision="highest")
     within = jnp.all(jnp.abs(along) <= physics.collider_size[house], axis=1)
     walled = jnp.any(within & (physics.collider_object[house] < 0))
-    return (room_of(scene.bank, house, point) >= 0) & ~walled
+    return (room_below(scene.bank, house, point) >= 0) & ~walled
 
 
 class SoundSources(Pytree):

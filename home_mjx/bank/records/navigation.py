@@ -105,7 +105,7 @@ class NavigationArrays(Pytree):
     cell_coords: Int[Array, "cell 3"] = array("level, row and column", source=cell_coords, dtype=np.int16)
     height: Float[Array, " cell"] = array("[m], height of the floor or ramp", source=cell_heights)
     field: UInt16[Array, "cell goals"] = array(
-        "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_FAR no path",
+        "[FIELD_UNIT], geodesic distance to each goal of the cell's house; FIELD_UNREACHABLE no path",
         source=goal_fields,
         fill=FIELD_UNREACHABLE,
     )

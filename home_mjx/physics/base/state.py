@@ -7,6 +7,9 @@ from home_mjx.core.pytree import Pytree
 
 MIN_AWAKE_ACCELERATION = 1e-6  # [m/s^2], [rad/s^2], minimum acceleration of an awake body
 NOTHING, FLOOR, STATIC = -1, -2, -3  # static box c is STATIC - c
+# Minimum upward component of the normal of a contact with a static box that carries an agent: upper floors, ramps, and
+# edges of steps up to half the radius of a foot.
+MIN_SUPPORT_NORMAL = 0.5
 
 
 class BodyScale(Pytree):
@@ -37,7 +40,7 @@ class PhysicsState(Pytree):
     place_target: Float[Array, "*batch a 3"]  # [m], surface point on which the hand places its body; inf: none
     hand_steps: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
     door_goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.FREE`: not driven
-    num_contacts: Int[Array, "*batch a"]  # contact points per agent except with the floor, maximum over physics steps
+    num_contacts: Int[Array, "*batch a"]  # contact points per agent; floors do not count, see `MIN_SUPPORT_NORMAL`
     contact_impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
     contact_pos: Float[Array, "*batch m 3"]  # [m], position of its strongest contact
     # other side of that contact: a dynamic body; -1 none, -2 floor, -3 - c static box c

@@ -41,6 +41,7 @@ constexpr int CONTACT_WORDS = 52;  // words of memory per contact, as in launch.
 constexpr int SMALL_ISLAND = 6;  // maximum dynamic bodies of an island solved in shared memory, as in launch.py
 // Codes of a contact's second side if that is no dynamic body; static box c is STATIC - c.
 constexpr int JOINT_LIMIT = -1, FLOOR = -2, STATIC = -3;
+constexpr real MIN_SUPPORT_NORMAL = real(0.5);  // as in base/state.py
 // Columns of the tables, see numba/params.py
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;
 constexpr int NOT_DRIVEN = 1000000000;  // goal of a door that is not driven

@@ -63,13 +63,15 @@ INLINE void store(const Env& e, int m, const float* qpos, float* new_qpos, float
   }
 }
 
-// Counts contacts of each agent except with the floor; keeps the maximum over physics steps.
+// Counts contacts of each agent, except with what carries it; keeps the maximum over physics steps.
 INLINE void count_touched(const Env& e, int count, int* touched) {
   for (int a = LANE; a < e.agents; a += WARP_SIZE) {
     int here = 0;
     for (int n = 0; n < count; ++n) {
       const Contact& c = e.contacts[n];
-      here += c.second != FLOOR && (c.first == a || c.second == a);
+      const bool carries = c.second == FLOOR ||
+          (c.second <= STATIC && c.second > SLEEPING_BODY && c.frame[0][2] <= -MIN_SUPPORT_NORMAL);
+      here += !carries && (c.first == a || c.second == a);
     }
     if (here > touched[a]) touched[a] = here;
   }

@@ -14,14 +14,16 @@ from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TU
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.doors import drive_doors, leaf_boxes, push_doors
 from home_mjx.physics.kinematic.footprints import AgentCapsules, Footprints, move_and_slide
-from home_mjx.physics.kinematic.support import drop_released_bodies, support_height
+from home_mjx.physics.kinematic.support import MAX_SUPPORT_OVERLAP, drop_released_bodies, support_height
 from home_mjx.physics.mjx.contact_slots import OrientedBoxes
 from home_mjx.physics.mjx.house_model import house_doors
 from home_mjx.physics.mjx.overflow import Overflow
 from home_mjx.physics.mjx.template import Template
 
 MAX_SUBSTEPS = 100  # maximum number of substeps, which are unrolled in the program
-MAX_STEP_HEIGHT = 0.05  # [m], maximum height of obstacles that agents step over
+# [m], maximum height above an agent's feet of boxes that do not stop it, and on which it steps. It exceeds the rounding
+# of float32: the floor on which an agent stands is never an obstacle.
+MAX_STEP_HEIGHT = MAX_SUPPORT_OVERLAP
 
 
 def step_kinematic(
@@ -49,7 +51,10 @@ def step_kinematic(
         boxes = jax.tree.map(lambda *x: jnp.concatenate(x), fixed, Footprints.from_boxes(leaf_boxes(leaves, angle)))
         one = jax.vmap(
             lambda me, old, way, pos=pos, boxes=boxes, step_up=step_up: move_and_slide(
-                boxes.without_boxes_below(old[2] - half[me] + step_up[me]), AgentCapsules(pos, *sizes, me), old, way
+                boxes.without_boxes_below(old[2] - half[me] + jnp.maximum(step_up[me], jnp.float32(MAX_STEP_HEIGHT))),
+                AgentCapsules(pos, *sizes, me),
+                old,
+                way,
             )
         )
         pos, count = one(jnp.arange(layout.num_agents, dtype=jnp.int32), pos, way)
@@ -83,15 +88,13 @@ def _num_substeps(config: PhysicsSetup) -> int:
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Return static boxes, then movable bodies; ramps, held bodies and boxes that agents step over are disabled."""
+    """Return static boxes, then movable bodies; ramps and held bodies are disabled."""
     static = _static_footprints(physics, house, obstacles=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.from_boxes(OrientedBoxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
     held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
     movable = movable.replace(bottom=jnp.where(held, jnp.inf, movable.bottom))
-    both = jax.tree.map(lambda *x: jnp.concatenate(x), static, movable)
-    low = both.top < physics.floor[house] + jnp.float32(MAX_STEP_HEIGHT)
-    return both.replace(bottom=jnp.where(low, jnp.inf, both.bottom))
+    return jax.tree.map(lambda *x: jnp.concatenate(x), static, movable)
 
 
 def _static_footprints(physics: Physics, house: Array, obstacles: bool) -> Footprints:

@@ -24,7 +24,7 @@ from home_mjx.physics.mjx.house_model import (
     with_surfaces,
 )
 from home_mjx.physics.mjx.overflow import GeomSizes, Overflow, are_points_full
-from home_mjx.physics.mjx.push_limits import ContactImpulses, collect_impulses, combine_substeps
+from home_mjx.physics.mjx.push_limits import ContactImpulses, collect_impulses, combine_substeps, count_contacts
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT
 
@@ -54,7 +54,7 @@ def step_mjx(
         sizes = GeomSizes(size=filled.geom_size, rbound=filled.geom_rbound)
         pushes = collect_impulses(template, data, boxes)
         qpos, qvel = apply_state_limits(template, bodies, leaves, state, (data.qpos, data.qvel))
-        return (data.replace(qpos=qpos, qvel=qvel), sizes), (data.sensordata, pushes, crowded)
+        return (data.replace(qpos=qpos, qvel=qvel), sizes), (count_contacts(template, data, boxes), pushes, crowded)
 
     data = template.data.replace(qpos=state.qpos, qvel=state.qvel, qacc_warmstart=state.qacc)
     first = data, GeomSizes(size=model.geom_size, rbound=model.geom_rbound)

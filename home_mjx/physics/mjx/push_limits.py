@@ -6,7 +6,7 @@ from jaxtyping import Array, Float, Int
 from mujoco import mjx
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.physics.base.state import FLOOR, NOTHING, STATIC
+from home_mjx.physics.base.state import FLOOR, MIN_SUPPORT_NORMAL, NOTHING, STATIC
 from home_mjx.physics.mjx.template import Template
 
 
@@ -43,6 +43,28 @@ def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " 
         contact_pos=jnp.where((strongest > 0)[:, None], contact.pos[best], 0.0),
         contact_partner=jnp.where(strongest > 0, other, NOTHING),
     )
+
+
+def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Int[Array, " a"]:
+    """Count the contact points of each agent in one physics step, except with what carries it.
+
+    Args:
+        template: Model of the bank's capacity.
+        data: MJX data after the step.
+        slot_box: Static box in each slot.
+    """
+    contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
+    code = _owner_codes(template, slot_box)
+    first, second = code[contact.geom[:, 0]], code[contact.geom[:, 1]]
+    upward = contact.frame[:, 0, 2]  # of the normal, from the first side to the second one
+    agent = jnp.arange(template.layout.num_agents, dtype=jnp.int32)
+
+    def count(me: Int[Array, " n"], other: Int[Array, " n"], rise: Float[Array, " n"]) -> Int[Array, " a"]:
+        carries = (other == FLOOR) | ((other <= STATIC) & (rise >= jnp.float32(MIN_SUPPORT_NORMAL)))
+        touches = (contact.dist < 0) & ~carries
+        return jnp.sum((me[:, None] == agent) & touches[:, None], axis=0, dtype=jnp.int32)
+
+    return count(first, second, -upward) + count(second, first, upward)
 
 
 def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:

@@ -48,10 +48,9 @@ def template_mjcf(config: PhysicsSetup, layout: Layout, jacobian: str) -> str:
     for h in range(layout.num_doors):
         _add_door(world, h, slides=h >= layout.num_doors - layout.num_slides)
     _add_pairs(ET.SubElement(root, "contact"), config, layout)
-    actuator, sensors = ET.SubElement(root, "actuator"), ET.SubElement(root, "sensor")
+    actuator = ET.SubElement(root, "actuator")
     for a in range(layout.num_agents):
         add_motors(actuator, f"agent{a}")
-        ET.SubElement(sensors, "contact", name=f"agent{a}_contact", geom1=f"agent{a}", data="found", num="1")
     return ET.tostring(root, encoding="unicode")
 
 
@@ -62,7 +61,7 @@ def slot_names(layout: Layout) -> list[str]:
 
 
 def _add_agent(world: ET.Element, config: PhysicsSetup, a: int) -> None:
-    """Add an agent. Only its foot touches the floor, so the contact sensor of its capsule counts everything else."""
+    """Add an agent. Only its foot touches the floor plane, its capsule everything else."""
     shape = config.agents[a]
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"

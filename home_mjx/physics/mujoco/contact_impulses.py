@@ -6,13 +6,13 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.physics.base.layout import Layout
-from home_mjx.physics.base.state import FLOOR, NOTHING
+from home_mjx.physics.base.state import FLOOR, MIN_SUPPORT_NORMAL, NOTHING, STATIC
 
 
 class ContactReport(NamedTuple):
     """Contacts of each dynamic body, see `PhysicsState`; `num_contacts` is per agent."""
 
-    num_contacts: Int[np.ndarray, " a"]  # contact points except with the floor
+    num_contacts: Int[np.ndarray, " a"]  # contact points except with floors, see `MIN_SUPPORT_NORMAL`
     impulse: Float[np.ndarray, " m"]  # [N s], of all contacts
     strongest: Float[np.ndarray, " m"]  # [N s], of the strongest contact
     contact_pos: Float[np.ndarray, "m 3"]  # [m], of the strongest contact
@@ -31,7 +31,9 @@ def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt
     contact, mobiles = data.contact, layout.num_dynamic
     one, two = owner[contact.geom].reshape(-1, 2).T
     me, other = np.concatenate([one, two]), np.concatenate([two, one])
-    met = me[(other != FLOOR) & (me >= 0)]
+    upward = np.concatenate([-contact.frame[:, 2], contact.frame[:, 2]])  # of the normal towards each side
+    carries = (other == FLOOR) | ((other <= STATIC) & (upward >= MIN_SUPPORT_NORMAL))
+    met = me[~carries & (me >= 0)]
     count = np.bincount(met, minlength=mobiles)[: layout.num_agents]
     impulse = np.tile(_normal_forces(data) * dt, 2)
     rows = np.flatnonzero((me >= 0) & (impulse > 0))

@@ -7,7 +7,7 @@ from typing import no_type_check
 from numba import njit
 
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.base.state import FLOOR
+from home_mjx.physics.base.state import FLOOR, MIN_SUPPORT_NORMAL, STATIC
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
 from home_mjx.physics.numba.contact_detection import find_contacts, invalidate_near_boxes
 from home_mjx.physics.numba.integration import integrate, update_poses, write_rotation
@@ -225,10 +225,12 @@ def _clear_report(work, touched, push, other):
 @compiled
 @no_type_check
 def _count_agent_contacts(work, touched):
+    """Count contacts of each agent, except with what carries it; keep the maximum over physics steps."""
     for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
-            if work.second[n] != FLOOR and (work.first[n] == a or work.second[n] == a):
+            carries = SLEEPING_BODY < work.second[n] <= STATIC and work.frame[9 * n + 2] <= -MIN_SUPPORT_NORMAL
+            if work.second[n] != FLOOR and not carries and (work.first[n] == a or work.second[n] == a):
                 count += 1
         touched[a] = max(touched[a], count)
 

@@ -11,7 +11,7 @@ from home_mjx.audio_jax.base.endpoints import MeasuredHead, SoundSources
 from home_mjx.audio_jax.contact_sounds.sound_slots import ContactSounds
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.pytree import Pytree, static
-from home_mjx.navigation import room_of
+from home_mjx.navigation import room_below
 from home_mjx.physics import BodyScale, PhysicsState
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
@@ -91,6 +91,12 @@ class Snapshot(Pytree):
         return None if self.variation is None else self.variation.camera_offsets
 
     @property
+    def feet(self) -> Float[Array, "a 3"]:
+        """Lowest point of every agent [m], by which cells, rooms, storeys and distances are looked up."""
+        half = jnp.array([body.height / 2 for body in self.config.agents], jnp.float32)
+        return self.pose.pos.at[:, 2].add(-half)
+
+    @property
     def source(self) -> Float[Array, "3"]:
         """Position of the first sound source [m]."""
         return self.sounds.pos[0]
@@ -163,7 +169,7 @@ def _static_semantic_rows(
     static, item = other <= STATIC, physics.collider_object[house, number]
     top = physics.collider_pos[house, number, 2] + physics.collider_size[house, number, 2]
     on_floor = (other == FLOOR) | (top < box[:, 0, 2] + jnp.float32(MAX_FLOOR_BOX_HEIGHT))
-    room = jax.vmap(lambda at: room_of(bank, house, at))(box.mean(axis=1))
+    room = jax.vmap(lambda at: room_below(bank, house, at))(box.mean(axis=1))
     floor, wall = jnp.where(room[:, None] < 0, -1, bank.navigation.room_surface[house, room]).T
     row = jnp.where(item >= 0, bank.geometry.object_semantic[house, item], jnp.where(on_floor, floor, wall))
     return jnp.where(other == FLOOR, floor, jnp.where(static, row, -1))

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.navigation.distance_fields import distance_field
-from home_mjx.navigation.grid import cell_of, is_home_cell, row_of_cell, stored_distance
+from home_mjx.navigation.grid import cell_at_feet, is_home_cell, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cell_cost_factors
 from home_mjx.tasks.experts.field_descent import descend_field
@@ -48,11 +48,11 @@ def turns_to_nearest_cell(
     agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num_agents < 0 else slice(num_agents)]
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
     home, slow = is_home_cell(bank, house, numbers), cell_cost_factors(snapshot)
-    goals = jax.vmap(lambda at: cell_of(bank, house, at))(navigation.goal[house])
+    goals = jax.vmap(lambda at: cell_at_feet(bank, house, at))(navigation.goal[house])
     is_left = unvisited[goals[:, 0], goals[:, 1], goals[:, 2]]
 
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-        level, row, column = cell_of(bank, house, snapshot.pose.pos[agent])
+        level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
         near = distance_field(home[level], targets[level], bank.spec.cell, slow[level])
         y, x = (
             jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
@@ -63,7 +63,8 @@ def turns_to_nearest_cell(
 
         def far(place: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
             there = stored_distance(navigation.field, cell, other)
-            return jnp.where(is_near, near[place[:, 1], place[:, 2]], there)
+            here = jnp.where(place[:, 0] == level, near[place[:, 1], place[:, 2]], jnp.inf)
+            return jnp.where(is_near, here, there)
 
         return descend_field(snapshot, agent, far)[0], ~is_near & ~jnp.any(is_left)
 

@@ -5,12 +5,12 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.transforms import wrap_angle
+from home_mjx.navigation.grid import row_of_cell
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.carry_clearance import carried_discs, has_hands, would_collide
 from home_mjx.tasks.rules.cell_graph import (
     BRUSH_COST_FACTOR,
-    MAX_HEIGHT_ON_STOREY,
     MIN_LEAF_CLEARANCE,
     PUSH_COST_FACTOR,
 )
@@ -30,7 +30,7 @@ def leaf_distances(
 
     Args:
         snapshot: The environment.
-        place: The positions [m].
+        place: The positions of their feet [m].
         selected: Mask of leaves; None: all.
     """
     away, _ = _leaf_offsets(snapshot, place, selected)
@@ -40,7 +40,7 @@ def leaf_distances(
 def _leaf_offsets(
     snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
-    """Return distances of positions to leaves of their level [m] (inf if not selected), and offsets to them in plan."""
+    """Return distances of feet to leaves as high as the agent [m] (inf if not selected), and offsets in plan."""
     leaves = _house_leaves(snapshot)
     pos, quat = leaves.pose_at(snapshot.door_angle)
     yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
@@ -49,11 +49,24 @@ def _leaf_offsets(
     along, across = away[..., 0] * cos + away[..., 1] * sin, away[..., 1] * cos - away[..., 0] * sin
     half = leaves.size[None]
     u, v = along - jnp.clip(along, -half[..., 0], half[..., 0]), across - jnp.clip(across, -half[..., 1], half[..., 1])
-    counts = (leaves.valid if which is None else leaves.valid & which)[None] & (
-        jnp.abs(away[..., 2]) < jnp.float32(MAX_HEIGHT_ON_STOREY)
+    counts = (leaves.valid if which is None else leaves.valid & which)[None] & _is_as_high(
+        snapshot, away[..., 2], half[..., 2]
     )
     way = -jnp.stack([u * cos - v * sin, u * sin + v * cos], axis=-1)
     return jnp.where(counts, jnp.hypot(u, v), jnp.inf), way
+
+
+def _is_as_high(
+    snapshot: Snapshot, rise: Float[Array, "n h"], half: Float[Array, "#n h"] | float
+) -> Bool[Array, "n h"]:
+    """Return whether agents meet boxes in height.
+
+    Args:
+        snapshot: The environment.
+        rise: Height of the agents' feet above the middle of the boxes [m].
+        half: Half the height of the boxes [m].
+    """
+    return (rise < half) & (rise > -half - jnp.float32(snapshot.bank.spec.agent_height))
 
 
 def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
@@ -68,16 +81,17 @@ def cost_factors(
 
     Args:
         snapshot: The environment.
-        place: The positions [m].
+        place: The positions of feet [m].
         agent: Index of the agent that goes there: other agents count, and collisions of its carried object. None:
             neither.
     """
     radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MIN_LEAF_CLEARANCE)
     gap = leaf_distances(snapshot, place)
     if agent is not None and snapshot.config.num_agents > 1:
-        others = snapshot.pose.pos
+        others = snapshot.feet
         away = place[:, None] - others[None]
-        here = (jnp.abs(away[..., 2]) < jnp.float32(MAX_HEIGHT_ON_STOREY)) & (jnp.arange(len(others)) != agent)[None]
+        here = jnp.abs(away[..., 2]) < jnp.float32(snapshot.bank.spec.agent_height)
+        here &= (jnp.arange(len(others)) != agent)[None]
         between = jnp.hypot(away[..., 0], away[..., 1]) - radius
         gap = jnp.minimum(gap, jnp.min(jnp.where(here, between, jnp.inf), axis=1))
     slow = jnp.where(gap < radius, PUSH_COST_FACTOR, jnp.where(gap < radius + margin, BRUSH_COST_FACTOR, 1.0))
@@ -101,7 +115,7 @@ def is_facing_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Arr
         way: Heading of the path [rad].
     """
     ahead = jnp.stack([jnp.cos(way), jnp.sin(way), jnp.zeros_like(way)], axis=-1) * jnp.float32(OPEN_DISTANCE)
-    return leaf_distances(snapshot, snapshot.pose.pos + ahead, is_shut(snapshot)) < jnp.float32(OPEN_DISTANCE / 2)
+    return leaf_distances(snapshot, snapshot.feet + ahead, is_shut(snapshot)) < jnp.float32(OPEN_DISTANCE / 2)
 
 
 def is_swept(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array, " n"]) -> Bool[Array, "n h"]:
@@ -117,7 +131,7 @@ def is_swept(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array
     leaves = _house_leaves(snapshot)
     swept = (turn > -wide) & (turn < arc + wide) & (away < 2 * jnp.sqrt(leaves.hinge_distance_sq) + radius[:, None])
     swept |= away < radius[:, None]  # the disc covers the hinge
-    here = jnp.abs(place[:, None, 2] - leaves.height) < MAX_HEIGHT_ON_STOREY
+    here = _is_as_high(snapshot, place[:, None, 2] - leaves.height, leaves.size[None, :, 2])
     return swept & here & is_shut(snapshot) & (leaves.hinge_mask > 0)
 
 
@@ -132,7 +146,7 @@ def plan_opening(snapshot: Snapshot) -> tuple[Bool[Array, " a"], Bool[Array, " a
     Returns:
         Whether each agent is busy with that; whether it is in place to open it; heading to turn to [rad].
     """
-    pos, holds = snapshot.pose.pos, snapshot.held >= 0
+    pos, holds = snapshot.feet, snapshot.held >= 0
     if not snapshot.door_angle.shape[0]:
         return jnp.zeros_like(holds), jnp.zeros_like(holds), snapshot.pose.yaw
     away, way = _leaf_offsets(snapshot, pos, is_shut(snapshot))
@@ -190,7 +204,8 @@ def cell_cost_factors(snapshot: Snapshot) -> Float[Array, "levels rows columns"]
     bank, house = snapshot.bank, snapshot.house
     levels, rows, columns = bank.navigation.room.shape[1:]
     y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) for n in (rows, columns))
-    origin, floor = bank.navigation.origin[house], bank.navigation.floor[house]
-    z, y, x = jnp.meshgrid(floor[:levels], y + origin[1], x + origin[0], indexing="ij")
-    place = jnp.stack([x, y, z], axis=-1).reshape(-1, 3)
+    origin = bank.navigation.origin[house]
+    z = bank.navigation.height[row_of_cell(bank.navigation.cell[house])]
+    y, x = jnp.broadcast_arrays(y[:, None] + origin[1], x[None] + origin[0])
+    place = jnp.stack([*jnp.broadcast_arrays(x, y, z)], axis=-1).reshape(-1, 3)
     return cost_factors(snapshot, place).reshape(levels, rows, columns)

@@ -6,10 +6,18 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.navigation.grid import cell_of, grid_position, is_home_cell, row_of_cell
+from home_mjx.navigation.grid import cell_at_feet, continue_levels, grid_position, is_home_cell, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cost_factors
-from home_mjx.tasks.experts.local_planner import descend_window, nearest_walkable, window_distances, window_places
+from home_mjx.tasks.experts.local_planner import (
+    HALF_WIDTH,
+    MAX_STEP_RISE,
+    WIDTH,
+    descend_window,
+    nearest_walkable,
+    window_distances,
+    window_places,
+)
 
 MAX_LOOK_AHEAD = 6  # [cells], maximum distance of a waypoint along the path
 NUM_SEGMENT_SAMPLES = 8  # number of points of a straight segment that are checked
@@ -40,7 +48,7 @@ def descend_field(
         tolerance: Distance to the end that counts as reached [m].
     """
     bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
-    pos, touches = snapshot.pose.pos[agent], snapshot.in_contact[agent]
+    pos, touches = snapshot.feet[agent], snapshot.in_contact[agent]
     path = _descend_cells(snapshot, agent, field)
     place = jax.vmap(lambda cell: grid_position(bank, house, cell))(path[1:])
     free, slow, slow_end = _check_segments(snapshot, agent, place)
@@ -96,7 +104,7 @@ def step_aside(
         step_length: Length of a step [m].
         tolerance: Maximum distance to the target after a step that reaches it [m].
     """
-    pos = snapshot.pose.pos[agent]
+    pos = snapshot.feet[agent]
     way = end - pos[:2]
     left = jnp.linalg.norm(way)
     close = jnp.maximum(jnp.float32(STEP_TOLERANCE * step_length), jnp.float32(tolerance))
@@ -111,21 +119,26 @@ def step_aside(
     return jnp.where(fits | ~jnp.any(free), end, tip)
 
 
-def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], far: DistanceFunction) -> Int[Array, "k 3"]:
-    """Return the agent's cell and the next `MAX_LOOK_AHEAD` cells down the field."""
+def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFunction) -> Int[Array, "k 3"]:
+    """Return the agent's cell and the next `MAX_LOOK_AHEAD` cells down the field, from level to level on stairs."""
     bank, house = snapshot.bank, snapshot.house
     numbers = bank.navigation.cell[house]
-    at = cell_of(bank, house, snapshot.pose.pos[agent])
+    at = cell_at_feet(bank, house, snapshot.feet[agent])
     at = bank.navigation.cell_coords[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
     places, inside = window_places(at, numbers.shape)
+    places = continue_levels(bank, house, at, places)
     cell = numbers[places[:, 0], places[:, 1], places[:, 2]]
     home = inside & is_home_cell(bank, house, cell)
     room = bank.navigation.room[house]
     elsewhere = room[places[:, 0], places[:, 1], places[:, 2]] != room[at[0], at[1], at[2]]
     middle = jax.vmap(lambda p: grid_position(bank, house, p))(places)
-    known = jnp.where(home, far(places, cell).astype(jnp.float32), jnp.inf)
+    known = jnp.where(home, field(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * cost_factors(snapshot, middle, agent)
-    return at + descend_window(window_distances(known, length), nearest_walkable(known, elsewhere), MAX_LOOK_AHEAD)
+    height, far = middle[:, 2], window_distances(known, length, middle[:, 2])
+    elsewhere |= jnp.abs(height - snapshot.feet[agent, 2]) > jnp.float32(MAX_STEP_RISE)
+    path = descend_window(far, height, nearest_walkable(known, elsewhere), MAX_LOOK_AHEAD)
+    row, column = (path + HALF_WIDTH).T
+    return jnp.concatenate([places[row * WIDTH + column, :1], at[1:] + path], axis=1)
 
 
 def _check_segments(
@@ -141,10 +154,10 @@ def _check_segments(
     Returns:
         Whether each segment is free; the maximum of `cost_factors` along it; their maximum at its two ends.
     """
-    bank, house, pos = snapshot.bank, snapshot.house, snapshot.pose.pos[agent]
+    bank, house, pos = snapshot.bank, snapshot.house, snapshot.feet[agent]
     part = jnp.linspace(0.0, 1.0, NUM_SEGMENT_SAMPLES, dtype=jnp.float32)[:, None]
     between = pos + part * (place - pos)[:, None]
-    cell = jax.vmap(lambda at: cell_of(bank, house, at))(between.reshape(-1, 3))
+    cell = jax.vmap(lambda at: cell_at_feet(bank, house, at))(between.reshape(-1, 3))
     home = is_home_cell(bank, house, bank.navigation.cell[house][cell[:, 0], cell[:, 1], cell[:, 2]])
     gone = jnp.linalg.norm(between - pos, axis=-1)
     off = gone < jnp.float32(bank.spec.cell)  # an agent may be outside walkable cells

@@ -13,6 +13,7 @@ DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = (
     20.0,
 )  # cost of distance to the end [cells/m], and the distance up to which it counts [m]
 OTHER_ROOM_COST = 10.0  # [cells], extra cost of a cell in another room: a wall may be in between
+MAX_STEP_RISE = 0.3  # [m], maximum height difference between neighbouring cells that agents walk across
 # [m]: distance of unreachable cells, and advantage of the current cell, so that agents stay put on ties.
 UNREACHABLE_DISTANCE, STAY_BONUS = 1e4, 1e-2
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
@@ -31,24 +32,27 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
     return known, jnp.all(known == places, axis=1)
 
 
-def window_distances(global_distance: Float[Array, " n"], length: Float[Array, " n"]) -> Float[Array, "w w"]:
+def window_distances(
+    global_distance: Float[Array, " n"], length: Float[Array, " n"], height: Float[Array, " n"]
+) -> Float[Array, "w w"]:
     """Return distances along the cells of a window, continued by the known distances beyond it.
 
     Cells without a nearer neighbour keep their known distance: the end itself, and cells where paths leave the window.
     Other cells at the edge do not: known distances ignore current obstacles, and such a path could lead back through
-    them. Paths cut no corners.
+    them. Paths cut no corners, and do not lead from a floor to one above or below it, see `MAX_STEP_RISE`.
 
     Args:
         global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
         length: Length of a step out of each cell [m].
+        height: Height of each cell [m].
 
     Example:
-        >>> far = window_distances(jnp.zeros(WIDTH**2), jnp.full(WIDTH**2, 0.1))
+        >>> far = window_distances(jnp.zeros(WIDTH**2), jnp.full(WIDTH**2, 0.1), jnp.zeros(WIDTH**2))
         >>> far.shape
         (29, 29)
     """
-    global_distance, length = global_distance.reshape(WIDTH, WIDTH), length.reshape(WIDTH, WIDTH)
-    cost = _step_lengths(jnp.isfinite(global_distance), length)
+    global_distance, length, height = (x.reshape(WIDTH, WIDTH) for x in (global_distance, length, height))
+    cost = _step_lengths(jnp.isfinite(global_distance), length, height)
     around = jnp.where(jnp.isfinite(cost), _neighbours(global_distance, jnp.inf), jnp.inf)
     begin = jnp.where(global_distance <= jnp.min(around, axis=0), global_distance, jnp.inf)
 
@@ -58,9 +62,11 @@ def window_distances(global_distance: Float[Array, " n"], length: Float[Array, "
     return jax.lax.fori_loop(0, NUM_RELAXATIONS, relax, begin)
 
 
-def _step_lengths(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Float[Array, "9 w w"]:
+def _step_lengths(
+    free: Bool[Array, "w w"], length: Float[Array, "w w"], height: Float[Array, "w w"]
+) -> Float[Array, "9 w w"]:
     """Return the length of a step out of each cell to each of the 3 × 3 around it [m]; inf if blocked."""
-    sides = _neighbours(free, False)
+    sides = _neighbours(free, False) & _is_as_high(height)
     steps = []
     for index, (y, x) in enumerate(OFFSETS.tolist()):
         open_ = free & sides[index] & sides[_offset_index(y, 0)] & sides[_offset_index(0, x)]
@@ -68,45 +74,52 @@ def _step_lengths(free: Bool[Array, "w w"], length: Float[Array, "w w"]) -> Floa
     return jnp.stack(steps)
 
 
-def nearest_walkable(global_distance: Float[Array, " n"], in_other_room: Bool[Array, " n"]) -> Int[Array, "2"]:
+def _is_as_high(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
+    """Return which of the 3 × 3 cells around each cell are a step of an agent away, in height."""
+    return jnp.abs(_neighbours(height, jnp.inf) - height) <= jnp.float32(MAX_STEP_RISE)
+
+
+def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
     """Return row and column of the walkable cell that is nearest to the centre of a window.
 
     An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside.
 
     Args:
         global_distance: Distances of cells [m]; inf where agents cannot walk.
-        in_other_room: Mask of cells in another room than the centre.
+        elsewhere: Mask of cells in another room than the centre, or not as high.
     """
     away = jnp.asarray(np.hypot(*np.meshgrid(*[np.arange(WIDTH) - HALF_WIDTH] * 2)), jnp.float32).reshape(-1)
-    rank = (
-        away + DISTANCE_WEIGHT * jnp.minimum(global_distance, MAX_WEIGHTED_DISTANCE) + OTHER_ROOM_COST * in_other_room
-    )
+    rank = away + DISTANCE_WEIGHT * jnp.minimum(global_distance, MAX_WEIGHTED_DISTANCE) + OTHER_ROOM_COST * elsewhere
     rank = jnp.where(jnp.isfinite(global_distance), rank, jnp.inf)
     best = jnp.argmin(rank.at[WIDTH * HALF_WIDTH + HALF_WIDTH].add(-1.0)).astype(jnp.int32)
     return jnp.stack([best // WIDTH, best % WIDTH])
 
 
-def descend_window(far: Float[Array, "w w"], begin: Int[Array, "2"], steps: int) -> Int[Array, "k 3"]:
-    """Return level, row and column of the next cells down a window's distances, relative to its centre, which is first.
+def descend_window(
+    far: Float[Array, "w w"], height: Float[Array, " n"], begin: Int[Array, "2"], steps: int
+) -> Int[Array, "k 2"]:
+    """Return row and column of the next cells down a window's distances, relative to its centre, which is first.
 
     Args:
         far: The distances [m].
+        height: Height of each cell [m].
         begin: Row and column of the first cell if no neighbour of the centre has a finite distance.
         steps: Number of cells after the centre.
     """
-    middle = jnp.full(2, HALF_WIDTH, jnp.int32)
-    beside = _lowest_neighbour(far, middle)
+    middle, height = jnp.full(2, HALF_WIDTH, jnp.int32), height.reshape(WIDTH, WIDTH)
+    beside = _lowest_neighbour(far, height, middle)
     path = [middle, jnp.where(jnp.isfinite(far[beside[0], beside[1]]), beside, begin)]
     for _ in range(steps - 1):
-        path.append(_lowest_neighbour(far, path[-1]))
-    places = jnp.stack(path) - HALF_WIDTH
-    return jnp.concatenate([jnp.zeros((len(path), 1), jnp.int32), places], axis=1)
+        path.append(_lowest_neighbour(far, height, path[-1]))
+    return jnp.stack(path) - HALF_WIDTH
 
 
-def _lowest_neighbour(far: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
-    """Return the cell with the smallest distance among a cell and its neighbours."""
+def _lowest_neighbour(far: Float[Array, "w w"], height: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
+    """Return the cell with the smallest distance among a cell and its neighbours as high."""
     around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
-    known = jnp.minimum(far[around[:, 0], around[:, 1]], jnp.float32(UNREACHABLE_DISTANCE))
+    rise = jnp.abs(height[around[:, 0], around[:, 1]] - height[at[0], at[1]])
+    known = jnp.where(rise <= jnp.float32(MAX_STEP_RISE), far[around[:, 0], around[:, 1]], jnp.inf)
+    known = jnp.minimum(known, jnp.float32(UNREACHABLE_DISTANCE))
     return around[jnp.argmin(known.at[_offset_index(0, 0)].add(-STAY_BONUS))]
 
 

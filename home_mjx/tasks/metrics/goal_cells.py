@@ -6,7 +6,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.navigation.grid import cell_of
+from home_mjx.navigation.grid import cell_at_feet, cell_below
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.rules.enums import Attribute, TargetKind
 from home_mjx.tasks.rules.features import current_boxes
@@ -31,17 +31,17 @@ def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Arr
     meant, words = jnp.maximum(guide, 0), task.program.descriptor[guide]
     room = bank.navigation.room[house, level]
     in_room = task.targets.room[meant][jnp.maximum(room, 0)] & (room >= 0)
-    someone = snapshot.pose.pos[jnp.clip(words[Attribute.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)]
+    someone = snapshot.feet[jnp.clip(words[Attribute.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)]
     point = jnp.where(words[Attribute.KIND] == TargetKind.AGENT, someone, task.program.place[meant])
     found = in_room | _point_cell(snapshot, point, level) | _object_cells(snapshot, task.targets.instance[meant], level)
     return found & (guide >= 0)
 
 
 def _point_cell(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return the cell of a point [m]; no cell if it is inf."""
+    """Return the cell of a point on a floor [m]; no cell if it is inf."""
     bank = snapshot.bank
     known = jnp.all(jnp.isfinite(point))
-    at = cell_of(bank, snapshot.house, jnp.where(known, point, 0.0))
+    at = cell_at_feet(bank, snapshot.house, jnp.where(known, point, 0.0))
     none = jnp.zeros(bank.navigation.room.shape[2:], bool)
     return none.at[at[1], at[2]].set(known & (at[0] == level))
 
@@ -51,7 +51,7 @@ def _object_cells(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array
     bank, house, boxes = snapshot.bank, snapshot.house, current_boxes(snapshot)
     rows, columns = bank.navigation.room.shape[2:]
     boxes = jnp.where(meant[:, None, None], boxes, 0.0)
-    own = jax.vmap(lambda box: cell_of(bank, house, box.mean(axis=0))[0])(boxes)
+    own = jax.vmap(lambda box: cell_below(bank, house, box.mean(axis=0))[0])(boxes)
     weight = (meant & (own == level)).astype(jnp.int32)
     at = (boxes[:, :, :2] - bank.navigation.origin[house]) / jnp.float32(bank.spec.cell)
     limits = jnp.array([columns, rows])

@@ -15,7 +15,7 @@ from jaxtyping import Array, Bool, Float, Int, UInt8
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import cell_of, is_home_cell
+from home_mjx.navigation.grid import cell_at_feet, is_home_cell
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.metrics.goal_cells import goal_cells
@@ -36,8 +36,8 @@ class CellOccupancy(IntEnum):
 class MapMemory(Pytree):
     """Map data accumulated over an episode; A agents, the cells of all storeys of the house."""
 
-    start: Float[Array, "a 3"]  # [m], first position of each agent
-    last: Float[Array, "a 3"]  # [m], last position of each agent
+    start: Float[Array, "a 3"]  # [m], first position of each agent's feet
+    last: Float[Array, "a 3"]  # [m], last position of its feet
     visited: Bool[Array, "a levels rows columns"]  # cells that the agent's centre has passed through
     seen: Bool[Array, "a levels rows columns"]  # cells that have been in its view, unoccluded at eye height
 
@@ -70,15 +70,15 @@ def update_map_memory(snapshot: Snapshot, memory: MapMemory | None = None) -> Ma
         >>> state = core.step(params, state, action)  # doctest: +SKIP
         >>> memory = update_map_memory(core.snapshot(params, state), memory)  # doctest: +SKIP
     """
-    pos = snapshot.pose.pos
+    feet = snapshot.feet
     if memory is None:
-        nothing = jnp.zeros((pos.shape[0], *snapshot.bank.navigation.room.shape[1:]), bool)
-        memory = MapMemory(start=pos, last=pos, visited=nothing, seen=nothing)
+        nothing = jnp.zeros((feet.shape[0], *snapshot.bank.navigation.room.shape[1:]), bool)
+        memory = MapMemory(start=feet, last=feet, visited=nothing, seen=nothing)
     first = snapshot.step == 0
-    last = jnp.where(first, pos, memory.last)
+    last = jnp.where(first, feet, memory.last)
     return MapMemory(
-        start=jnp.where(first, pos, memory.start),
-        last=pos,
+        start=jnp.where(first, feet, memory.start),
+        last=feet,
         visited=(memory.visited & ~first) | _passed_cells(snapshot, last),
         seen=(memory.seen & ~first) | _visible_cells(snapshot),
     )
@@ -103,7 +103,7 @@ def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 
     if not 0 <= agent < memory.start.shape[0]:
         raise ConfigError(f"there are agents 0 to {memory.start.shape[0] - 1}, asked for the map of {agent}")
     bank, house = snapshot.bank, snapshot.house
-    places, start = (jax.vmap(lambda at: cell_of(bank, house, at))(x) for x in (snapshot.pose.pos, memory.start))
+    places, start = (jax.vmap(lambda at: cell_at_feet(bank, house, at))(x) for x in (snapshot.feet, memory.start))
     level = places[agent, 0]
     room, number = bank.navigation.room[house, level], bank.navigation.cell[house, level]
     ground = jnp.where(
@@ -135,10 +135,11 @@ def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, 
     none = jnp.zeros(bank.navigation.room.shape[1:], bool)
 
     def one(before: Float[Array, "3"], now: Float[Array, "3"]) -> Array:
-        level, row, column = jax.vmap(lambda at: cell_of(bank, house, at))(before + parts[:, None] * (now - before)).T
+        passed = before + parts[:, None] * (now - before)
+        level, row, column = jax.vmap(lambda at: cell_at_feet(bank, house, at))(passed).T
         return none.at[level, row, column].set(True)
 
-    return jax.vmap(one)(last, snapshot.pose.pos)
+    return jax.vmap(one)(last, snapshot.feet)
 
 
 def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
@@ -156,12 +157,12 @@ def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
         for origin, n in zip(bank.navigation.origin[house], (columns, rows), strict=True)
     )
 
-    def one(pos: Float[Array, "3"], yaw: Float[Array, ""], free: Float[Array, " n"]) -> Array:
-        ahead, aside = jnp.broadcast_arrays(x[None] - pos[0], y[:, None] - pos[1])
+    def one(feet: Float[Array, "3"], yaw: Float[Array, ""], free: Float[Array, " n"]) -> Array:
+        ahead, aside = jnp.broadcast_arrays(x[None] - feet[0], y[:, None] - feet[1])
         turn, away = wrap_angle(jnp.arctan2(aside, ahead) - yaw), jnp.hypot(ahead, aside)
         ray = jnp.round((turn / half + 1) / 2 * (NUM_RAYS - 1)).astype(jnp.int32)
         known = (jnp.abs(turn) <= half) & (away <= free[jnp.clip(ray, 0, NUM_RAYS - 1)])
-        at = cell_of(bank, house, pos)
+        at = cell_at_feet(bank, house, feet)
         return ((jnp.arange(levels) == at[0])[:, None, None] & known[None]).at[at[0], at[1], at[2]].set(True)
 
-    return jax.vmap(one)(pose.pos, pose.yaw, free)
+    return jax.vmap(one)(snapshot.feet, pose.yaw, free)

@@ -70,15 +70,16 @@ class CellGraph:
         self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
 
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
-        """Return the plan distance from each cell centre to the nearest leaf, doors open [m]; inf if none."""
+        """Return the plan distance from each cell to the nearest leaf at an agent's height, doors open [m]."""
         leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(jax.tree.map(jnp.asarray, bank.physics)))
         pos, quat = (np.asarray(x) for x in leaves.pose_at(jnp.asarray(bank.physics.door_fully_open[house])))
-        found = np.full(len(self.place), np.inf)
+        found, tall = np.full(len(self.place), np.inf), bank.spec.agent_height
         for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
             away, yaw = self.place - middle, 2 * np.arctan2(z, w)
             along, across = away[:, :2] @ [np.cos(yaw), np.sin(yaw)], away[:, :2] @ [-np.sin(yaw), np.cos(yaw)]
             gap = np.hypot(np.maximum(abs(along) - half[0], 0), np.maximum(abs(across) - half[1], 0))
-            found = np.minimum(found, np.where((half[0] > 0) & (abs(away[:, 2]) < MAX_HEIGHT_ON_STOREY), gap, np.inf))
+            as_high = (away[:, 2] < half[2]) & (away[:, 2] > -half[2] - tall)
+            found = np.minimum(found, np.where((half[0] > 0) & as_high, gap, np.inf))
         return found
 
     def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:

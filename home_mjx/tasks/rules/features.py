@@ -6,7 +6,7 @@ from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import transform_bounds
-from home_mjx.navigation import geodesic_distance, room_of
+from home_mjx.navigation import geodesic_distance, room_at_feet
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.rules.enums import Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.program import TaskProgram
@@ -131,7 +131,7 @@ def path_distances(
 ) -> Float[Array, "a d"]:
     """Return shortest-path distances to each descriptor [m]; straight distances where it has no field."""
     column = jnp.maximum(program.field, 0)
-    way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.pose.pos)
+    way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.feet)
     return jnp.where(program.field < 0, straight, jnp.minimum(way, UNREACHABLE_DISTANCE))
 
 
@@ -178,7 +178,7 @@ def is_held(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
 
 def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
     """Return whether each agent is in a target room of each descriptor."""
-    room = jax.vmap(lambda at: room_of(snapshot.bank, snapshot.house, at))(snapshot.pose.pos)
+    room = jax.vmap(lambda at: room_at_feet(snapshot.bank, snapshot.house, at))(snapshot.feet)
     return jnp.take(means.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
 
 

@@ -14,7 +14,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
-from home_mjx.navigation.grid import cell_of, is_home_cell
+from home_mjx.navigation.grid import cell_at_feet, is_home_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.experts.cell_search import seek_nearest_cell
@@ -118,15 +118,15 @@ class Exploration(Task):
         levels, rows, columns = room.shape
         y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * edge for n in (rows, columns))
 
-        def one(pos: Float[Array, "3"]) -> Bool[Array, "levels ty tx"]:
-            at = cell_of(bank, house, pos)
+        def one(feet: Float[Array, "3"]) -> Bool[Array, "levels ty tx"]:
+            at = cell_at_feet(bank, house, feet)
             own = bank.navigation.room[house, at[0], at[1], at[2]]
-            local = pos[:2] - bank.navigation.origin[house]
+            local = feet[:2] - bank.navigation.origin[house]
             near = jnp.hypot((x - local[0])[None], (y - local[1])[:, None]) <= jnp.float32(self.cover_radius)
             here = (jnp.arange(levels) == at[0])[:, None, None] & (room == own) & (own >= 0)
             return near[None] & here
 
-        return jax.vmap(one)(snapshot.pose.pos)
+        return jax.vmap(one)(snapshot.feet)
 
 
 def divide_in_tiles(bank: HouseBank, house: Int[Array, ""]) -> Tiles:

@@ -222,27 +222,27 @@ def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2
     there than the piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No
     distance field to a moving piper is needed.
     """
-    pos, field = snapshot.pose.pos, snapshot.tasks.field
+    pos, feet, field = snapshot.pose.pos, snapshot.feet, snapshot.tasks.field
     ends = _route_columns(state)
     to, come = ends[state.route_end[PIPER]], ends[1 - state.route_end[PIPER]]
-    left = [geodesic_distance(snapshot.bank, snapshot.house, to, pos[who], field) for who in (FOLLOWER, PIPER)]
+    left = [geodesic_distance(snapshot.bank, snapshot.house, to, feet[who], field) for who in (FOLLOWER, PIPER)]
     column = jnp.where(left[0] > left[1], to, come)
     aim, _ = descend_field(snapshot, jnp.int32(FOLLOWER), lambda _, cell: stored_distance(field, cell, column))
     is_close = jnp.linalg.norm(pos[PIPER] - pos[FOLLOWER]) < MAX_DIRECT_DISTANCE
-    straight = is_close & is_free(snapshot, jnp.int32(FOLLOWER), pos[PIPER])
+    straight = is_close & is_free(snapshot, jnp.int32(FOLLOWER), feet[PIPER])
     return jnp.where(straight, pos[PIPER, :2], aim)
 
 
 def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
     """Return the path length from each scripted agent to the end that it heads for [m]."""
 
-    def to(pos: Array, column: Array, field: Array | None) -> Array:
-        return geodesic_distance(snapshot.bank, snapshot.house, column, pos, field)
+    def to(feet: Array, column: Array, field: Array | None) -> Array:
+        return geodesic_distance(snapshot.bank, snapshot.house, column, feet, field)
 
     own, stray = _destination_columns(state)
-    pos = snapshot.pose.pos
-    piper = to(pos[PIPER], own[PIPER], snapshot.tasks.field)
-    return jax.vmap(lambda at, column: to(at, column, None))(pos, stray).at[PIPER].set(piper)
+    feet = snapshot.feet
+    piper = to(feet[PIPER], own[PIPER], snapshot.tasks.field)
+    return jax.vmap(lambda at, column: to(at, column, None))(feet, stray).at[PIPER].set(piper)
 
 
 def _next_points(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.navigation.grid import cell_of
+from home_mjx.navigation.grid import cell_at_feet
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
@@ -105,10 +105,10 @@ class LocalMap(Sensor):
         steps = (jnp.arange(MAP_SIZE) - (MAP_SIZE - 1) / 2) * jnp.float32(MAP_CELL)
         ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")
 
-        def look(pos: Float[Array, "3"], yaw: Float[Array, ""]) -> Array:
+        def look(feet: Float[Array, "3"], yaw: Float[Array, ""]) -> Array:
             cos, sin = jnp.cos(yaw), jnp.sin(yaw)
-            x, y = pos[0] + cos * ahead - sin * left, pos[1] + sin * ahead + cos * left
-            level = cell_of(bank, house, pos)[0]
+            x, y = feet[0] + cos * ahead - sin * left, feet[1] + sin * ahead + cos * left
+            level = cell_at_feet(bank, house, feet)[0]
             column, row = (
                 jnp.floor((p - o) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
                 for p, o in zip((x, y), bank.navigation.origin[house], strict=True)
@@ -118,4 +118,4 @@ class LocalMap(Sensor):
             region = bank.navigation.region[house, level, jnp.clip(row, 0, rows - 1), jnp.clip(column, 0, columns - 1)]
             return (known & (region >= 0)).astype(jnp.uint8)
 
-        return {"local_map": jax.vmap(look)(snapshot.pose.pos, snapshot.pose.yaw)}
+        return {"local_map": jax.vmap(look)(snapshot.feet, snapshot.pose.yaw)}

@@ -7,7 +7,7 @@ from jaxtyping import Array, Float, Int, UInt16
 from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.audio_jax.base.endpoints import SoundSources
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import cell_of, is_home_cell, row_of_cell
+from home_mjx.navigation.grid import cell_at_feet, is_home_cell, row_of_cell
 from home_mjx.navigation.spawn import random_source
 from home_mjx.schema.compiled import FIELD_UNREACHABLE
 from home_mjx.tasks.base.config import EnvConfig
@@ -110,8 +110,7 @@ def move_along_field(
     around = jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
     limits = jnp.array(numbers.shape, jnp.int32) - 1
     for _ in range(NUM_SUBSTEPS):
-        # The level is looked up at the height of an agent's middle.
-        at = cell_of(bank, house, pos.at[2].add(jnp.float32(bank.spec.agent_height / 2) - height))
+        at = cell_at_feet(bank, house, pos.at[2].add(-height))
         near = jnp.clip(at + around, 0, limits)
         cell = numbers[near[:, 0], near[:, 1], near[:, 2]]
         home = is_home_cell(bank, house, cell)

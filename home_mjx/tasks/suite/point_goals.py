@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import DatasetError
-from home_mjx.navigation.grid import cell_of, geodesic_distance, grid_position, is_near_home_region
+from home_mjx.navigation.grid import cell_at_feet, geodesic_distance, grid_position, is_near_home_region
 from home_mjx.navigation.spawn import random_yaw
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.state import MAX_FLOOR_OFFSET, Episodes
@@ -25,7 +25,7 @@ NUM_START_SAMPLES = 64  # samples of a start per episode
 def pick_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Array, ""]:
     """Sample a goal of the house at least `min_distance` [m] from the first agent, or any if there is none."""
     bank, house = snapshot.bank, snapshot.house
-    distance = geodesic_distance(bank, house, None, snapshot.pose.pos[0])
+    distance = geodesic_distance(bank, house, None, snapshot.feet[0])
     fit = jnp.isfinite(distance) & (distance >= jnp.float32(min_distance))
     fit = fit | ~jnp.any(fit)
     return jax.random.categorical(key, jnp.where(fit, 0.0, -jnp.inf)).astype(jnp.int32)
@@ -58,7 +58,7 @@ def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[A
     which, shift = jax.random.split(key)
     known = bank.navigation.start[bank.clip_house_index(house)]
     point = known[jax.random.randint(which, (), 0, known.shape[0])]
-    middle = grid_position(bank, house, cell_of(bank, house, point))
+    middle = grid_position(bank, house, cell_at_feet(bank, house, point))
     return jnp.append(
         middle[:2] + jax.random.uniform(shift, (2,), jnp.float32, -MAX_START_OFFSET, MAX_START_OFFSET), point[2]
     )
@@ -66,7 +66,7 @@ def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[A
 
 def is_solvable(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
     """Return whether the start is on a floor, within the grid, in or beside a cell with paths to the goals."""
-    off = grid_position(bank, episode.house, cell_of(bank, episode.house, episode.start)) - episode.start
+    off = grid_position(bank, episode.house, cell_at_feet(bank, episode.house, episode.start)) - episode.start
     near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, MAX_FLOOR_OFFSET], jnp.float32))
     return near & is_near_home_region(bank, episode.house, episode.start)
 

@@ -166,4 +166,4 @@ class PointNav(Task):
         return point_goals.is_solvable(bank, episode)
 
     def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:
-        return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.pose.pos)
+        return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.feet)

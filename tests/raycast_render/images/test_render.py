@@ -9,7 +9,7 @@ from handmade import Furniture, shoebox
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import mip_levels
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.grid import geodesic_distance, random_position, room_of
+from home_mjx.navigation.grid import geodesic_distance, random_position, room_below
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_valid_camera
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
@@ -88,7 +88,7 @@ def test_a_house_that_is_none_is_the_nearest_one_everywhere():
     def others(number):
         pos = random_position(two, number, jax.random.key(0))
         hit = cast(place(two, house=number), camera.pos, jnp.array([0.0, 1.0, 0.0]))
-        room, ids = room_of(two, number, pos), two.semantics_of(number, jnp.arange(3), Semantic.FINE)
+        room, ids = room_below(two, number, pos), two.semantics_of(number, jnp.arange(3), Semantic.FINE)
         return pos, geodesic_distance(two, number, None, pos), room, ids, hit.t
 
     for asked, given in ((-1, 0), (-2, 0), (9, 1)):

@@ -8,7 +8,7 @@ from scipy import ndimage
 from scipy.spatial.distance import cdist
 
 import home_mjx
-from home_mjx.navigation.grid import cell_of, cell_position, stored_distance
+from home_mjx.navigation.grid import cell_at_feet, cell_position, stored_distance
 from home_mjx.tasks.experts.door_avoidance import cell_cost_factors, is_near_leaf, leaf_distances
 from home_mjx.tasks.experts.field_descent import END_TOLERANCE, descend_field, step_aside
 from home_mjx.tasks.rules.cell_graph import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, CellGraph
@@ -45,7 +45,7 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     )
     near |= graph.cut_off  # there nothing begins, whether or not a leaf is beside it
     np.testing.assert_array_equal(found[~near], graph.at_leaf[~near])
-    cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_of(snapshot.bank, snapshot.house, p)))(place))
+    cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_at_feet(snapshot.bank, snapshot.house, p)))(place))
     slow = np.asarray(jax.jit(cell_cost_factors)(snapshot))[tuple(cells.T)]
     np.testing.assert_array_equal(slow[~near] >= BRUSH_COST_FACTOR, graph.at_leaf[~near])
 
@@ -53,7 +53,7 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
 def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(snapshot, graph):
     """The house has one storey. Corners are not cut, so that a flood over four neighbours will do."""
     place = jnp.asarray(graph.place, jnp.float32)
-    cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_of(snapshot.bank, snapshot.house, p)))(place))
+    cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_at_feet(snapshot.bank, snapshot.house, p)))(place))
     assert (cells[:, 0] == 0).all()
     clear = np.asarray(jax.jit(leaf_distances)(snapshot, place)) >= snapshot.bank.spec.agent_radius
     free = np.zeros(cells[:, 1:].max(axis=0) + 1, bool)

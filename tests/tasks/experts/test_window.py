@@ -11,6 +11,8 @@ from home_mjx.tasks.experts.local_planner import HALF_WIDTH, WIDTH, descend_wind
 
 CELL = 0.1
 
+LEVEL = jnp.zeros(WIDTH * WIDTH)  # [m], height of the cells of one floor
+
 
 def steps(free: np.ndarray, slow: np.ndarray) -> coo_matrix:
     """Ways out of each free cell to its free neighbours, without cutting corners [m]."""
@@ -38,7 +40,7 @@ def room(rng):
 
 def test_where_nothing_is_in_the_way_distances_are_as_known(room):
     free, far = room
-    found = jax.jit(window_distances)(far.ravel(), np.full(far.size, CELL, np.float32))
+    found = jax.jit(window_distances)(far.ravel(), np.full(far.size, CELL, np.float32), LEVEL)
     np.testing.assert_allclose(np.asarray(found)[free], far[free], atol=1e-4)
     assert np.isinf(np.asarray(found)[~free]).all()
 
@@ -46,13 +48,13 @@ def test_where_nothing_is_in_the_way_distances_are_as_known(room):
 def test_what_is_slow_is_gone_round_on_the_way_to_an_end(room):
     free, far = room
     slow = slowed(far)
-    found = np.asarray(jax.jit(window_distances)(far.ravel(), (CELL * slow).ravel()))
+    found = np.asarray(jax.jit(window_distances)(far.ravel(), (CELL * slow).ravel(), LEVEL))
     expected = dijkstra(steps(free, slow).T, indices=3 * WIDTH + 4).reshape(far.shape)
     # A way of more cells than rounds is not found.
     np.testing.assert_allclose(found[np.isfinite(found)], expected[np.isfinite(found)], atol=1e-4)
     assert np.isfinite(found)[free].mean() > 0.9
     assert (found[free] > far[free] + 0.05).any()
-    path = np.asarray(descend_window(jnp.asarray(found), jnp.array([HALF_WIDTH, HALF_WIDTH]), 6))[:, 1:] + HALF_WIDTH
+    path = np.asarray(descend_window(jnp.asarray(found), LEVEL, jnp.array([HALF_WIDTH, HALF_WIDTH]), 6)) + HALF_WIDTH
     assert (path[0] == HALF_WIDTH).all()
     assert (np.abs(np.diff(path, axis=0)).max(axis=1) <= 1).all()
     assert (np.diff(found[tuple(path.T)]) <= 0).all()
@@ -65,7 +67,7 @@ def test_without_an_end_ways_lead_to_the_edge_and_on_as_known(room):
     far = dijkstra(steps(free, np.ones(free.shape)).T, indices=sources, min_only=True).reshape(free.shape) + 3
     free = np.isfinite(far)
     slow = slowed(far)
-    found = np.asarray(jax.jit(window_distances)(far.ravel().astype(np.float32), (CELL * slow).ravel()))
+    found = np.asarray(jax.jit(window_distances)(far.ravel().astype(np.float32), (CELL * slow).ravel(), LEVEL))
     ways, known = steps(free, np.ones(free.shape)), far.ravel()
     around = np.array([known[ways[i].indices].min(initial=np.inf) for i in range(known.size)])
     ends = np.flatnonzero(free.ravel() & (known <= around))
@@ -96,3 +98,15 @@ def test_who_stands_beside_the_cells_goes_back_into_the_room_that_it_is_in():
     assert nearest(np.zeros_like(behind)) == [HALF_WIDTH - 4, HALF_WIDTH]
     known[HALF_WIDTH + 7] = np.inf  # there is no other way
     assert nearest(behind) == [HALF_WIDTH - 4, HALF_WIDTH]
+
+
+def test_paths_do_not_lead_from_a_floor_to_the_one_below():
+    """The right half is 2.8 m lower, and the end is there; a ramp of cells joins them at the last row."""
+    height = np.zeros((WIDTH, WIDTH), np.float32)
+    height[:, HALF_WIDTH + 1 :] = -2.8
+    far = np.where(height < 0, 1.0, 5.0 + 0.1 * np.arange(WIDTH)[::-1, None]).astype(np.float32)
+    found = window_distances(jnp.asarray(far.ravel()), jnp.full(far.size, CELL), jnp.asarray(height.ravel()))
+    begin = jnp.array([HALF_WIDTH, HALF_WIDTH])
+    path = np.asarray(descend_window(found, jnp.asarray(height.ravel()), begin, 6)) + HALF_WIDTH
+    assert (path[:, 1] <= HALF_WIDTH).all()
+    assert path[-1, 0] == HALF_WIDTH + 6

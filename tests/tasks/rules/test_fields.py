@@ -9,7 +9,6 @@ from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.rules.cell_graph import (
     BRUSH_COST_FACTOR,
-    MAX_HEIGHT_ON_STOREY,
     MAX_TURN_DISTANCE,
     MIN_LEAF_CLEARANCE,
     CellGraph,
@@ -64,7 +63,9 @@ def test_cells_at_leaves_are_those_near_points_of_open_leaves(bank):
         x, y = half[0] * u.ravel(), half[1] * v.ravel()
         points = middle[:2] + np.stack([np.cos(yaw) * x - np.sin(yaw) * y, np.sin(yaw) * x + np.cos(yaw) * y], axis=1)
         away = np.linalg.norm(graph.place[:, None, :2] - points, axis=-1).min(axis=1)
-        least = np.minimum(least, np.where(np.abs(graph.place[:, 2] - middle[2]) < MAX_HEIGHT_ON_STOREY, away, np.inf))
+        rise = graph.place[:, 2] - middle[2]
+        as_high = (rise < half[2]) & (rise + bank.spec.agent_height > -half[2])
+        least = np.minimum(least, np.where(as_high, away, np.inf))
     reach = bank.spec.agent_radius + MIN_LEAF_CLEARANCE
     assert graph.at_leaf.any()
     assert graph.at_leaf[least < reach - 0.02].all()
