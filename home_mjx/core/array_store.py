@@ -203,7 +203,8 @@ def read_notes(path: Path) -> JsonFields:
 
 
 def _content(path: Path) -> np.ndarray:
-    """Read the whole file at once; entries are small, and seeking takes longer than reading them."""
+    """Read the whole file; raise `ValueError` if it is too large or is overwritten meanwhile."""
+    # Entries are small, and seeking takes longer than reading them.
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size
         if size > 2 * MAX_MEMBER_BYTES:

@@ -186,7 +186,7 @@ def open_regular(path: Path) -> io.BufferedReader:
 
 
 def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) -> None:
-    """Raise `DatasetError` if a small file would unpack to more than `MAX_UNPACKED_BYTES` bytes."""
+    """Raise `DatasetError` if the named arrays have more than `MAX_UNPACKED_BYTES` bytes after unpacking."""
     sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     total = sum(sizes.get(name, 0) for name in names)
     if total > MAX_UNPACKED_BYTES:

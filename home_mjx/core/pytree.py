@@ -52,7 +52,7 @@ class Pytree:
 
     @classmethod
     def build_unchecked(cls: type[T], **values: Any) -> T:
-        """Build a record without type checks, for fields such as the `in_axes` of `jax.vmap`."""
+        """Build a record from values of all its fields without type checks, such as the `in_axes` of `jax.vmap`."""
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:

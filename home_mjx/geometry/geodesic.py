@@ -82,12 +82,12 @@ def _neighbours(
 
 
 def _shifted(dy: int, dx: int) -> tuple[tuple, tuple]:
-    """Return slices of all cells that have a neighbour at offset (dy, dx), and of those neighbours."""
+    """Return slices (level, row, column) of cells with a neighbour at offset (dy, dx), and of those neighbours."""
     return (slice(None), _span(0, dy), _span(0, dx)), (slice(None), _span(dy, dy), _span(dx, dx))
 
 
 def _corner(step: tuple[int, int], corner: tuple[int, int]) -> tuple:
-    """Return the slice of cells at offset `corner` from those that have a neighbour at offset `step`."""
+    """Return slices (level, row, column) of the cells at offset `corner` from those with a neighbour at `step`."""
     return slice(None), _span(corner[0], step[0]), _span(corner[1], step[1])
 
 

@@ -57,7 +57,9 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
 
 
 def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
-    """Return the outer edge of a slab's upper side, counter-clockwise; its `bounding_outline` if there is none.
+    """Return the outer edge of a slab's upper side, counter-clockwise.
+
+    If no closed loop encloses more than 90 % of the upper side's area, return its `bounding_outline`.
 
     Args:
         slab: Triangles of the slab, Z up [m].

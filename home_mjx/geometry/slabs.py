@@ -54,7 +54,7 @@ def _piece(
 
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
-    """Return the polygon with its outset and its triangles; without the outset if narrow notches would close.
+    """Return a counter-clockwise polygon with its outset and its triangles; without the outset if notches would close.
 
     Raises:
         ValueError: The polygon crosses itself even without the outset.

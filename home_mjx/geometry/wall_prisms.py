@@ -48,7 +48,7 @@ class WallPrism:
 
 
 def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
-    """Build the inner and the outer prism of a wall.
+    """Build the inner prism of a wall, on its interior side, and the outer one, Y up; they overlap.
 
     Args:
         wall: The wall; holes that reach its ends, its base or its nominal height are open there.

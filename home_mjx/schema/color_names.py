@@ -65,6 +65,6 @@ def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
 
 @lru_cache(maxsize=1 << 14)
 def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
-    """Return one name; cached, since a few colours occur in all houses."""
+    """Return the name nearest to a CIELAB colour at one of `COLOR_LEVELS`; cached, since some occur in all houses."""
     palette = palettes()[level]
     return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]

@@ -247,7 +247,7 @@ class HouseNavigation:
     height: Float[np.ndarray, " c"]  # [m], height of the floor or ramp under each home cell
     start: Float[np.ndarray, "s 3"]  # [m], sampled points of the home region, on the floor
     goal: Float[np.ndarray, "g 3"]
-    field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of each home cell to each goal
+    field: UInt16[np.ndarray, "c g"]  # [FIELD_UNIT], geodesic distance of home cells to goals; FIELD_UNREACHABLE
     extrapolated: ExtrapolatedCells
     portals: Portals
     room_hops: Int[np.ndarray, "r r"]  # minimum number of portals between two rooms; -1 unreachable
@@ -263,7 +263,7 @@ class HouseNavigation:
         return np.argwhere(self.home_mask)
 
     def distance(self, goal: int) -> Float[np.ndarray, "l ny nx"]:
-        """Return the geodesic distance to a goal [m]; inf if unreachable."""
+        """Return the geodesic distance of home cells to goal number `goal` [m]; inf elsewhere and if unreachable."""
         field = np.full(self.region.shape, np.inf)
         field[self.home_mask] = np.where(
             self.field[:, goal] == FIELD_UNREACHABLE, np.inf, self.field[:, goal] * FIELD_UNIT

@@ -86,7 +86,7 @@ def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, 
 
     Args:
         ratio: Damping ratio, see `schema.contact_materials.damping_ratio`; 1: no restitution.
-        timestep: Length of a physics step [s].
+        timestep: Length of a physics step [s]; the time constant is `max(TIME_CONSTANT, 2 * timestep)`.
         xp: `numpy` or `jax.numpy`.
 
     Example:

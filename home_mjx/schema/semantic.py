@@ -53,8 +53,8 @@ def semantic_row(
     """Build a row of the semantic table; columns filled by the semantic engine are -1.
 
     Args:
-        fine: Fine v1 category; `unknown` for names that v1 lacks.
-        coarse: Coarse v1 category.
+        fine: Fine category, a name in `FINE`; other names map to `unknown`.
+        coarse: Coarse category, a name in `COARSE`; other names map to `unknown`.
         nyu40: NYUv2-40 class; `void` for unknown names.
         object_id: Node index in file order over all levels.
         room: Room index in the house.

@@ -82,7 +82,7 @@ def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
-    """Return the lengths of all axes except those of rows and houses."""
+    """Add the fixed and the derived lengths to those of `AXES`; the axes of rows and houses are not included."""
     doors = capacity["hinged_leaves"] + capacity["slides"]
     return {**FIXED_LENGTHS, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 

@@ -113,7 +113,7 @@ def agent_semantics() -> Int[np.ndarray, "1 columns"]:
 
 
 def _capsule() -> Float[np.ndarray, "t 3 3"]:
-    """Build the triangles of a capsule of `RADIUS` and `HEIGHT` [m], along z, centred, counter-clockwise outwards."""
+    """Build a capsule of `RADIUS` and total `HEIGHT` [m], along z, centred; triangles counter-clockwise outwards."""
     angle = np.linspace(-np.pi / 2, 0, RINGS + 1)
     radius = RADIUS * np.cos(np.concatenate([angle, -angle[::-1]]))
     shift = np.repeat([-1, 1], RINGS + 1) * (HEIGHT / 2 - RADIUS)

@@ -18,7 +18,7 @@ def linear_albedo(at: HouseOwner) -> Float[np.ndarray, "r 4"]:
 
 
 def texture_layer(at: HouseOwner) -> list[int]:
-    """Return the texture layer of each material."""
+    """Return the texture layer of each material; -1 if it has none."""
     return [at.texture_layer[path] for path in at.record.materials.texture]
 
 
@@ -28,7 +28,7 @@ def material_kind(at: HouseOwner) -> list[int]:
 
 
 def specular(at: HouseOwner) -> Float[np.ndarray, "r 3"]:
-    """Return the specular colour of every material; rows missing in the gloss table are matt."""
+    """Return the specular colour of every material in linear light; rows missing in the gloss table are matt."""
     return np.pad(at.record.gloss.specular, ((0, _missing(at)), (0, 0)))
 
 

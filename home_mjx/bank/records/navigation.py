@@ -14,7 +14,7 @@ SURFACE_KINDS = ("floor", "wall")  # columns of `NavigationArrays.room_surface`
 
 
 def first_cell(at: HouseOwner) -> int:
-    """Return the index of a house's first cell."""
+    """Return the row of a house's first cell in the bank."""
     return at.start["cell"]
 
 
@@ -29,7 +29,7 @@ def num_free_cells(at: HouseOwner) -> int:
 
 
 def cell_numbers(at: HouseOwner) -> Int[np.ndarray, "levels grid_rows grid_columns"]:
-    """Return the row of each home or extrapolated cell; elsewhere and in padding, ~ the row of the nearest one."""
+    """Return the row in the bank of each home or extrapolated cell; elsewhere and in padding, ~ that of the nearest."""
     navigation = at.house.navigation
     nearest, own = navigation.extrapolated.nearest_cell, navigation.home_mask
     own[tuple(navigation.extrapolated.coords.T)] = True
@@ -59,7 +59,7 @@ def goal_fields(at: HouseOwner) -> UInt16[np.ndarray, "c g"]:
 
 
 def room_surfaces(at: HouseOwner) -> Int[np.ndarray, "r 2"]:
-    """Return the semantic rows of each room's floor and of its first wall; -1 if none."""
+    """Return the rows in the bank's `semantics` of each room's floor and of its first wall; -1 if none."""
     rows = at.house.semantics
     rooms = np.arange(len(at.house.rooms.type))
     parts = rows[:, Semantic.OBJECT] < 0

@@ -94,7 +94,10 @@ def run_chunks(job, run_chunk):
 @compiled
 @no_type_check
 def _open_job(frame, chunks, work, task):
-    """Allocate a job, schedule its task on threads of XLA and return its address. Each user releases the job."""
+    """Allocate a job, schedule its task on up to `chunks - 1` threads of XLA and return the job's address.
+
+    The caller and each scheduled task release the job.
+    """
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
     state = words(job)
@@ -145,7 +148,7 @@ def num_dims(frame, kind, index):
 @compiled
 @no_type_check
 def row(frame, kind, index, number):
-    """Return the address of a row of an operand or a result with four-byte items."""
+    """Return the address of row `number`, along the first axis, of an operand or a result with four-byte items."""
     size = NUMBER
     for axis in range(1, num_dims(frame, kind, index)):
         size *= dim(frame, kind, index, axis)
