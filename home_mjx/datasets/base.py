@@ -253,7 +253,7 @@ class FileDigests:
         return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
 
     def has_texture(self, name: str) -> bool:
-        """Return whether the folder of the dataset has an image of this name."""
+        """Return whether a file exists at a path relative to the dataset's folder."""
         found = resolve_below(self.root, self.root, name)
         return found is not None and found.is_file()
 

@@ -188,7 +188,7 @@ class HouseCache:
         write_entry(entry, arrays, notes)
 
     def _relative(self, path: str) -> str:
-        """Return a texture's path relative to the dataset, since datasets may move."""
+        """Return a texture's path relative to the dataset, since datasets may move; other paths are unchanged."""
         root = self.dataset.root
         return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
 

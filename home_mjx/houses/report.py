@@ -103,7 +103,7 @@ def load_report(path: Path) -> list[dict[str, Any]]:
 
 
 def _may_be_cut(line: bytes) -> bool:
-    """Return whether a line can be a truncated line of a killed run."""
+    """Return whether a line begins as one of a report, complete or truncated; True for an empty line."""
     return line.startswith(LINE_PREFIX) or LINE_PREFIX.startswith(line)
 
 

@@ -129,7 +129,7 @@ class HouseStream:
         """Replace retired houses that no environment uses and whose successor is ready; call it before every step.
 
         Args:
-            houses: House indices of all environments, as in `first.world.house`.
+            houses: House indices of all environments, as in `first.world.house`; empty if no house is in use.
 
         Returns:
             The bank for the next steps; do not use an earlier one.

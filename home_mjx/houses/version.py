@@ -54,13 +54,13 @@ log = logging.getLogger(__name__)
 
 
 def version_folder() -> Path:
-    """Return the folder of entries of this version."""
+    """Return the folder of cache entries of the installed compiler, whether or not it exists."""
     return cache_folder() / version()
 
 
 @functools.cache
 def version() -> str:
-    """Return the name of this version."""
+    """Return the version of the installed compiler, as `version_of`; also the name of its cache folder."""
     return version_of(PACKAGE_ROOT)
 
 

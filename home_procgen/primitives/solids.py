@@ -183,7 +183,7 @@ def _normals(corners: Float[np.ndarray, "f 3 3"]) -> Float[np.ndarray, "f 3"]:
 
 
 def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
-    """Translate a solid by a vector [m], with its UVs and its part."""
+    """Translate a solid, and the joint of its part, by a vector [m]; its UVs are unchanged."""
     part = piece.part and piece.part.transform(np.eye(3), np.asarray(by, float))
     return replace(piece, vertices=piece.vertices + np.asarray(by), part=part)
 

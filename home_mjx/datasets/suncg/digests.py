@@ -65,7 +65,7 @@ class SuncgDigests:
         return self._textures[path]
 
     def has_texture(self, name: str) -> bool:
-        """Return whether the image of a texture that a house lacked now exists."""
+        """Return whether the image of a texture, named without extension, that a house lacked now exists."""
         textures = self._assets.textures
         return resolve_below(self.root, textures.folder, name) is not None and textures.find(name) is not None
 

@@ -104,7 +104,7 @@ def _shape(item: PlacedObject) -> _Shape:
 
 @lru_cache(maxsize=1 << 12)
 def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
-    """Return boxes of a shape and of its open leaves; `sill` is None for objects other than doors."""
+    """Return boxes of a shape and of its open leaves, see `door_boxes`; `sill` is None for objects other than doors."""
     if sill is None:
         return fit_boxes(shape.triangles, 0.0, most), ()
     return door_boxes(shape.triangles, sill, most)

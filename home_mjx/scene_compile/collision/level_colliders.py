@@ -96,7 +96,7 @@ class Obstacles:
 
     @property
     def static_without_walls(self) -> BoxSet:
-        """All static boxes except walls."""
+        """All static boxes except walls; the barriers are last."""
         return concat_boxes([*self.fixed_objects.values(), *(leaf.box for leaf in self.solid_leaves), self.barriers])
 
     @property

@@ -82,7 +82,10 @@ def _solid_geoms(model: mujoco.MjModel, body: int) -> list[int]:
 def _separate(
     model: mujoco.MjModel, data: mujoco.MjData, body: int, shift: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "3"]:
-    """Move a body horizontally out of all overlaps and return its total shift; move it back if none is within reach."""
+    """Move a body horizontally out of all overlaps and return its total shift [m], including the earlier one, `shift`.
+
+    If no such place is within `MAX_SHIFT`, move it back and return `shift`.
+    """
     way = shift.copy()
     for _ in range(MAX_SHIFT_STEPS):
         mujoco.mj_forward(model, data)

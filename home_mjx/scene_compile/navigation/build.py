@@ -116,7 +116,10 @@ def _cut_off_cells(
 def _fringe(
     spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], field: Float[np.ndarray, "c g"], cell: float
 ) -> ExtrapolatedCells:
-    """Return the cells next to the home region and the nearest valid cell of each cell; `field` is in metres."""
+    """Return the reachable cells outside the home region, and the nearest numbered cell of every cell of the grids.
+
+    `field` has the distances from each home cell to each goal [m].
+    """
     grids = ("standable_without_margin", "standable_without_movables", "standable", "room", "height")
     *around, standable, room, height = (np.stack([getattr(s, name) for s in spaces]) for name in grids)
     parts = extrapolate_fields(home, around, standable, room, height, field, cell)

@@ -101,7 +101,7 @@ class PlacedLeaf:
         return replace(self.box, center=self.box.center + way * np.array([*self.slide, 0.0]))
 
     def pose_at(self, way: float, pose: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
-        """Return a pose of its instance moved in the same way as by `box_at`."""
+        """Return its instance's initial pose moved by an angle [rad] or, for a sliding leaf, a distance [m]."""
         if self.slides:
             return pose + np.c_[np.zeros((3, 3)), way * np.array([*self.slide, 0.0])]
         turn, line = yaw_matrix(way), np.array([*self.pivot, 0.0])

@@ -75,21 +75,21 @@ class StraightRun:
         return cls(float(yaw), abs(rise), offset, first, last, right, left)
 
     def point_at(self, along: float) -> Float[np.ndarray, "2"]:
-        """Return the middle of the run at a distance along it [m]."""
+        """Return the point of the middle line at a local x [m]; 0 is not the start of the run, see `first`."""
         return plane_matrix(self.yaw) @ [along, (self.left + self.right) / 2]
 
     def start(self, low: float) -> float:
-        """Return the position where its slope leaves the floor [m]."""
+        """Return the local x where its slope leaves the floor at height `low` [m]."""
         return float(
             np.clip((low - self.offset) / self.grade, self.first - MAX_START_OFFSET, self.first + MAX_START_OFFSET)
         )
 
     def end(self, high: float) -> float:
-        """Return the position where its slope reaches the floor [m]."""
+        """Return the local x where its slope reaches the floor at height `high` [m]."""
         return float(np.clip((high - self.offset) / self.grade, self.last - MAX_END_OFFSET, self.last))
 
     def slope(self, start: float, end: float, low: float, high: float) -> Slope:
-        """Return the slope between two positions along it and two heights [m]."""
+        """Return the slope between two local x, `start` and `end`, and two heights [m]."""
         return Slope(self.point_at(start), self.yaw, end - start, self.left - self.right, low, high)
 
 
@@ -198,14 +198,20 @@ class CurvedFlight:
         return found, top, [np.array([self.center, *arc])]
 
     def _slope(self, middle: float, step: float, low: float, grade: float) -> Slope:
-        """Return the slope of a sector, out to its corners; `low` is the height at its start on the middle line."""
+        """Return the slope of a sector of angle `step` [rad], out to its corners.
+
+        `low` is the height at its start on the middle line [m], `middle` its central angle [rad].
+        """
         yaw, half = self.yaw(middle), self.outer * np.tan(step / 2)
         height = low + self.radius * step / 2 * grade
         foot = self.point(middle, self.radius) - half * np.array([np.cos(yaw), np.sin(yaw)])
         return Slope(foot, yaw, 2 * half, self.outer - self.inner, height - half * grade, height + half * grade)
 
     def _cut(self, slope: Slope, step: float, begins: bool) -> Slope:
-        """Cut the first or last slope, so that it begins or ends on the middle line at the height of the floor."""
+        """Cut the first slope (`begins`) or the last to begin or end on the middle line at the height of the floor.
+
+        `step` is the angle of one slope [rad].
+        """
         beyond = (self.outer - self.radius) * np.tan(step / 2) + self.radius * (np.tan(step / 2) - step / 2)
         foot = slope.foot + beyond * slope.up if begins else slope.foot
         low, high = (beyond, 0.0) if begins else (0.0, beyond)

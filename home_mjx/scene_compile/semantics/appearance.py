@@ -71,7 +71,7 @@ class Appearance:
 
 
 def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
-    """Compute colours as rendered, and materials by the rule of the options.
+    """Compute the names of the whole surface's dominant colours as rendered, and of its materials.
 
     Args:
         skin: The surface.

@@ -1,4 +1,7 @@
-"""Garages, storage rooms, boiler rooms, gyms, balconies, loggias and terraces."""
+"""Garages, storage rooms, boiler rooms, gyms, balconies, loggias and terraces.
+
+Objects are drawn at random with a probability each, and omitted if they do not fit.
+"""
 
 from home_procgen.furnish.rooms.dining import place_dining_set
 from home_procgen.furnish.space.floor_placement import add_at_wall, place_freely, scatter
@@ -83,7 +86,7 @@ def furnish_gym(room: RoomSpace) -> None:
 
 
 def furnish_terrace(room: RoomSpace) -> None:
-    """Place a table, loungers, a grill, plants and a parasol."""
+    """Place a random choice of table, loungers, swing, bench, chair, grill, bicycle, parasol, hot tub and plants."""
     if room.draw_chance(0.3):
         place_several_on_top(
             room, place_freely(room, room.draw_object("picnic_table"), quarters=range(4)), ON_OUTDOOR_TABLE, 2

@@ -73,7 +73,7 @@ _PLATES_KINDS = {
 
 
 def plates(kind: str = "stack") -> Iterator[Solid]:
-    """Build a stack of plates, a stack of bowls, plates in a rack, a platter or a plate set with cutlery."""
+    """Build a `stack` of plates, stacked `bowls`, plates in a `rack`, a `platter` or a `set` with cutlery."""
     yield from _PLATES_KINDS[kind]()
 
 

@@ -85,7 +85,7 @@ _FAN_KINDS = {
 
 
 def fan(kind: str = "ceiling") -> Iterator[Solid]:
-    """Build a ceiling fan, a stand fan or a table fan."""
+    """Build a `ceiling`, `ceiling_wood`, `stand` or `table` fan."""
     yield from _FAN_KINDS[kind]()
 
 

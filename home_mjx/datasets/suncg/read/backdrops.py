@@ -73,7 +73,7 @@ def _along_axes(box: BoxNode) -> bool:
 
 
 def _resize(box: BoxNode, bounds: Float[np.ndarray, "2 3"]) -> BoxNode:
-    """Resize a box to fill axis-aligned bounds, in the same orientation."""
+    """Resize a box whose edges are along the axes to fill bounds [m], in the same orientation."""
     transform = box.transform.copy()
     transform[:3, 3] = bounds.mean(axis=0)
     axes = abs(box.transform[:3, :3]).argmax(axis=0)

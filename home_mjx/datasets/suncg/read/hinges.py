@@ -45,14 +45,14 @@ class Hinge:
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
-    """Find the hinges of a door; empty if no part turns or slides, or the size is implausible for a door.
+    """Find the hinges of a door; empty if no part turns or slides, or a variant is too large for a door.
 
     Args:
         shown: Triangles of the variant that is shown, Z up [m].
-        other: Triangles of the same door's other variant.
+        other: Triangles of the same door's other variant, Z up [m].
 
     Example:
-        >>> find_hinges(open_door, closed_door)[0].turn  # doctest: +SKIP
+        >>> find_hinges(open_door, closed_door)[0].displacement  # doctest: +SKIP
         -1.5707963267948966
     """
     if not all(map(_is_small_enough, (shown, other))):
@@ -106,7 +106,7 @@ def _leaves(
 def _move_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
-    """Return the pivot, turn and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit."""
+    """Return pivot, displacement and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit."""
     points, tree = _sample(leaf, SAMPLE_SPACING), KDTree(_sample(target, TARGET_SPACING))
     guesses = list(_guesses(leaf, target))
     fits = [_refine(points, tree, *guess) for guess in guesses]
@@ -128,9 +128,9 @@ def _move_onto(
 def _slide(
     points: Float[np.ndarray, "p 3"], shift: Float[np.ndarray, "2"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
-    """Return the result of `_move_onto` for a leaf shifted along itself; None for others.
+    """Return mean point, distance and direction of a leaf's shift in the plan [m]; None if it is not along the leaf.
 
-    An example of others is a board that was taken out of its frame.
+    The shift of a board that was taken out of its frame is across it.
     """
     way = float(np.linalg.norm(shift))
     box = narrowest_box(points)

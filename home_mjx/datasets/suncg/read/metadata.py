@@ -48,7 +48,10 @@ def _read_categories(path: Path) -> dict[str, ModelInfo]:
 
 
 def _read_sizes(path: Path, named: SuncgMetadata) -> dict[str, ModelInfo]:
-    """Read sizes and fronts; variants, missing in the category table, inherit the categories of their base."""
+    """Read sizes [m] and fronts; a front of the category table takes precedence.
+
+    Variants that this table lacks inherit the categories of their base.
+    """
     models: dict[str, ModelInfo] = {}
     for place, (model_id, front, low, high) in read_rows(path, ("id", "front", "minPoint", "maxPoint"), None):
         _check_new(model_id, models, place)

@@ -26,7 +26,11 @@ TEXT_INDEX = re.compile("[0-9]{1,9}")
 
 
 def read_object(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> ObjectNode | None:
-    """Read an object and store its model in `reading.models`; None if it has no volume or the options exclude it."""
+    """Read an object and store its model, or the fallback of a tolerant reader, in `reading.models`.
+
+    Return None if it has no volume, the options exclude it, or an error of its model is collected.
+    `common` has the fields of `Node`.
+    """
     model_id = node.member("modelId").name()
     if reading.is_excluded(model_id):
         return None
