@@ -23,10 +23,11 @@ def distance_field(
         free: Cells that a path may cross.
         source: Cells with distance 0; cells that are not free are ignored.
         cell: Cell size [m].
-        step_factor: Factor on the length of steps between cells, per cell; positive.
+        step_factor: Factor on the length of steps between cells; positive. A step has that of its farther cell from
+            the source.
 
     Returns:
-        Distances [m]; inf if there is no path. Equal to `scene_compile.navigation.geodesic.distance_fields` up to
+        Distances [m]; inf if there is no path. With a factor of 1 equal to `geometry.geodesic.distance_fields` up to
         rounding.
 
     Example:

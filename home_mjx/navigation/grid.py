@@ -103,8 +103,7 @@ def geodesic_distance(
 
     It is the minimum over the 3 × 3 cells around the feet of the cell's distance plus that to its centre. Near
     obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
-    `scene_compile.navigation.extrapolated`. Elsewhere it is the distance of the nearest cell plus the straight line
-    to it.
+    `geometry.extrapolation`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
 
     Args:
         bank: The houses.
@@ -197,7 +196,10 @@ def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"])
 
 
 def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return the row of `field` and `cell_coords` for entries of `NavigationArrays.cell`."""
+    """Return the row of `field` and `cell_coords` for entries of `NavigationArrays.cell`.
+
+    Negative entries mark unreachable cells; their row is that of the nearest reachable cell.
+    """
     return jnp.where(cell >= 0, cell, ~cell)
 
 

@@ -69,7 +69,9 @@ class PathFollower:
 def steer(
     pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " 2"], turn_per_step: float
 ) -> Float[np.ndarray, " 4"]:
-    """Compute the action (forward, left, turn, look) towards a point: turn first, then walk.
+    """Compute the action (forward, left, turn, look) towards a point.
+
+    The agent turns, and walks once the point is less than 0.8 rad off its heading, at a rate of the cosine.
 
     Args:
         pos: Position of the agent [m].
@@ -93,9 +95,9 @@ def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray
 
 
 def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> PathFollower:
-    """Make a path follower that visits a goal in every other room, nearest goals first, before any room twice.
+    """Make a path follower that visits a goal in every other room, nearest to `pos` first, before any room twice.
 
-    Unreachable goals are omitted.
+    Unreachable goals are omitted. Houses with goals upstairs are not supported: grids are those of the ground floor.
 
     Args:
         bank: The houses.

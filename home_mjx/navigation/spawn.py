@@ -34,7 +34,7 @@ def sample_starts(
 
 
 def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Array) -> Float[Array, "3"]:
-    """Sample a free point of a house, `height` [m] above its floor."""
+    """Sample one of a house's start points, raised by `height` [m]."""
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))

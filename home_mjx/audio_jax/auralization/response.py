@@ -211,7 +211,7 @@ def path_basis_weights(
     """Compute the weight of each basis filter (`filter_basis`) per path and channel; the first path has gain 1.
 
     The first path is the direct one. It may cross walls, whose steep spectra the basis does not resolve, so it has
-    octave filters of its own.
+    octave filters of its own. Directions `toward` are unit vectors in the head frame, as of `channel_filters`.
     """
     octaves = octave_filters_at_knots(gain.at[0].set(1.0), config.sample_rate)
     return jnp.real(octaves[:, None] * channel_filters(toward, distance, config, head))

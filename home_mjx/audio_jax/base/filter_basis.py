@@ -138,7 +138,7 @@ def _spectra_at(
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Return log gains per octave, at least `MIN_RELATIVE_GAIN` re the loudest, and 1 where audible, else 0."""
+    """Return natural log gains, at least `MIN_RELATIVE_GAIN` re the path's loudest, and 1 for audible paths, else 0."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)

@@ -83,7 +83,10 @@ def find_image_sources(
 def _of_order(
     mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
 ) -> ImageSources:
-    """Find the image sources of sequences of equal order, given from the source on; pad to `highest` reflections."""
+    """Find the image sources of sequences of equal order, given from the source on; pad to `highest` reflections.
+
+    There is one path per sequence; the length of invalid ones is inf.
+    """
     count, order = rows.shape
     met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]
     image, valid = [jnp.broadcast_to(source, (count, 3))], jnp.ones(count, bool)

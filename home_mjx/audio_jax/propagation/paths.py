@@ -205,5 +205,5 @@ def _nearest_mirrors(
 
 
 def _is_inside(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return whether offsets from the centres of rectangles are within their half extent vectors."""
+    """Return whether offsets from the centres of rectangles, projected on one half-edge vector, are at most as long."""
     return jnp.abs(sum3(offset * half)) <= sum3(half * half)

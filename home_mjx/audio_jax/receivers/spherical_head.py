@@ -244,7 +244,12 @@ def world_to_head(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Fl
 
 
 def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array, "n 2"]:
-    """Compute the angle between each direction in the head frame and the axis of the left and right ear [rad]."""
+    """Compute the angle between each direction and the axis of the left and right ear [rad].
+
+    Args:
+        direction: Unit vectors in the head frame: x right, y up, z back.
+        ear_angle: Angle between nose and ears [degrees].
+    """
     side, back = math.sin(math.radians(ear_angle)), -math.cos(math.radians(ear_angle))
     ears = jnp.array([[-side, 0.0, back], [side, 0.0, back]], jnp.float32)
     return jnp.arccos(jnp.clip(jnp.matmul(direction, ears.T, precision="highest"), -1.0, 1.0))

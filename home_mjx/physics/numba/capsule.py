@@ -194,7 +194,7 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
 @compiled
 @no_type_check
 def _length_beside_face(center, axis, half, end, face):
-    """Return the signed length from an end along the axis that stays in front of its face; NaN for an end inside."""
+    """Return the signed length [half axes] from an end (-1, 1) that stays in front of its face; NaN for ends inside."""
     if face < 0:
         return np.nan
     direction, reach = -end, 2.0
@@ -211,7 +211,7 @@ def _length_beside_face(center, axis, half, end, face):
 @compiled
 @no_type_check
 def _length_from_corner(axis, length, half, t, turn):
-    """Return the signed length from a corner along its edge or face; NaN if the axis points away or at the corner."""
+    """Return the signed length [half axes] along a corner's edge or face; NaN if the axis points away or at it."""
     if turn in (0, 7):
         return np.nan
     direction = 1.0
@@ -228,7 +228,7 @@ def _length_from_corner(axis, length, half, t, turn):
 @compiled
 @no_type_check
 def _length_from_edge(axis, half, t, edge, at, forward, turn):
-    """Return the signed length from an edge across the face least inclined to the axis; NaN if the axis points away."""
+    """Return the signed length [half axes] from an edge across the least inclined face; NaN if the axis points away."""
     if turn not in (1, 2, 4):
         return np.nan
     ax1, ax2 = (edge + 1) % 3, (edge + 2) % 3

@@ -63,7 +63,10 @@ def edge_value(row, friction, normal, first, second):
 @compiled
 @no_type_check
 def contact_velocity(work, n, values):
-    """Compute the velocity, or acceleration, of the second body relative to the first in the contact frame (3)."""
+    """Compute the velocity, or acceleration, of the second body relative to the first in the contact frame (3).
+
+    `values` is `work.vel` or `work.acc`: six per dynamic body, unlike MuJoCo's `qvel`.
+    """
     x = y = z = 0.0
     a, b = work.first[n], work.second[n]
     for d in range(6):

@@ -86,7 +86,10 @@ def tile_width(count: int, width: int) -> int:
 
 
 def launch_grid(environments: int, count: int, width: int) -> tuple[int, int, int]:
-    """Return the grid for `count` rays per environment: blocks of one environment, then environments along two axes."""
+    """Return the grid for `count` rays per environment: blocks of one environment, then environments along two axes.
+
+    `width` is that of the image that the rays form [px]; 0 if none. The last two axes may exceed `environments`.
+    """
     width = tile_width(count, width)
     warps = -(-width // TILE[0]) * -(-count // (width * TILE[1])) if width else -(-count // WARP)
     return -(-warps * WARP // BLOCK), min(environments, MAX_GRID), -(-environments // MAX_GRID)

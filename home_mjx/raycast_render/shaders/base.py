@@ -88,7 +88,9 @@ class Shader(Protocol):
         ...
 
     def display(self, scene: Scene, light: Vec) -> Vec:
-        """Map the light of one sample of an image to linear display light in [0, 1]; by default, clip it.
+        """Map the light of one sample of an image to linear display light in [0, 1].
+
+        By default, scale it by the episode's exposure, see `scale_exposure`, and clip it.
 
         Args:
             scene: Scene of one environment.

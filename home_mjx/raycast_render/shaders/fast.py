@@ -30,7 +30,10 @@ class FastShader(Shader):
 
 
 def shade_headlight(color: Vec, normal: Vec, direction: Vec) -> Vec:
-    """Shade with a light at the camera without distance attenuation; a miss keeps its colour."""
+    """Scale colours by `AMBIENT_WEIGHT` + `HEADLIGHT_WEIGHT` times the cosine between normal and view.
+
+    The light has no distance attenuation. Misses, which have a zero normal, keep their colour.
+    """
     facing = -normal.dot(direction) * direction.inverse_norm()
     missed = normal.dot(normal) == 0
     return color * jnp.where(missed, 1.0, AMBIENT_WEIGHT + HEADLIGHT_WEIGHT * facing)

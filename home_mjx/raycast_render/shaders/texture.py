@@ -113,7 +113,7 @@ def sample_trilinear(
 
 
 def mip_level(texels: Float[Array, "*rays"]) -> Float[Array, "*rays"]:
-    """Return the mip level whose texels are as large as the footprint of a pixel.
+    """Return the mip level whose texels are as large as the footprint of a pixel; negative below one texel.
 
     Source: T. Akenine-Möller et al., "Texture level of detail strategies for real-time ray tracing", Ray Tracing Gems
     2019: half the binary logarithm of the area, in texels of the largest level.

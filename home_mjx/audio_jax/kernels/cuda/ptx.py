@@ -68,5 +68,5 @@ def as_pairs(values: np.ndarray) -> Array:
 
 
 def transform_bytes(size: int) -> int:
-    """Return the memory for the values of a transform and its twiddle factors [bytes]."""
+    """Return the shared memory for one transform's complex values, padded, and its twiddle factors [bytes]."""
     return 8 * (size + size // 16 + sum(done * rows for done, rows, _ in _pass_sizes(size)))

@@ -43,10 +43,10 @@ class PortalStates(NamedTuple):
 def build_portal_states(portal_energy: Float[np.ndarray, "r r"]) -> PortalStates:
     """Build two states per room with energy, and one per ordered pair of rooms with exchange.
 
-    Minor pairs share the main state of the entered room.
+    Pairs below `MIN_STATE_SHARE` have no own state. They share that of the pair with most energy into the same room.
 
     Args:
-        portal_energy: Energy from room to room; on the diagonal the energy that aged in the room.
+        portal_energy: Energy from room (row) to room (column); on the diagonal the energy that aged in the room.
     """
     between = portal_energy * ~np.eye(len(portal_energy), dtype=bool)
     alive = np.flatnonzero(portal_energy.sum(axis=0) > 0)

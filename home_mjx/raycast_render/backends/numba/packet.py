@@ -127,7 +127,7 @@ def _index(counts, field, env, row):
 @compiled
 @no_type_check
 def write_hits(results, first, rows, best):
-    """Write the hits of the lanes that have a ray; `first` is the first ray of their environment."""
+    """Write the hits of lanes to `first` + `rows`, see `assign_lanes`; `first` is their environment's first ray."""
     t, instance, triangle = float_pointer(results[0]), int_pointer(results[1]), int_pointer(results[2])
     u, v, front = float_pointer(results[3]), float_pointer(results[4]), byte_pointer(results[5])
     floats, ints = lane_floats(), lane_ints()
