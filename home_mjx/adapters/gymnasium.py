@@ -61,9 +61,10 @@ class GymEnv(gymnasium.Env, EzPickle):
         self._next_episode = 0
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start an episode; `options={"house": i}` or `{"episode": i}` selects it.
+        """Start an episode; `options={"house": i}` selects a house, `{"episode": i}` a row of saved episodes or tasks.
 
-        Without options, the house is random, or the next saved episode is used; a seed restarts at the first of them.
+        Without rows, the default house is random. With rows, `house` has no effect, because a row has its own house.
+        The default row is the one after the last, the first after a seed, or sampled if rows have weights.
         """
         super().reset(seed=seed)
         options, count = options or {}, tools.count_episodes(self.env)
@@ -93,7 +94,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         return tools.to_numpy(state.obs), reward, bool(state.terminated), bool(state.truncated), info
 
     def render(self) -> np.ndarray | None:
-        """Render the view of the first agent (H, W, 3) uint8."""
+        """Render the view of the first agent (H, W, 3) uint8; None if off or before reset."""
         return None if self._picture is None or self._state is None else self._picture.render(self._state)
 
 
@@ -161,8 +162,8 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
 
         Args:
             seed: Environment i starts as `GymEnv` does with seed + i; or one seed per environment.
-            options: `house` or `episode`: an index, or one per environment; `reset_mask`: True for environments to
-                reset.
+            options: `house` or `episode`: an index, or one per environment, see `GymEnv.reset`; the default row of
+                environment i is i. `reset_mask`: True for environments to reset; others continue.
         """
         seed = int(seed) if isinstance(seed, np.integer) else seed
         super().reset(seed=seed if isinstance(seed, int) else None)
@@ -177,7 +178,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return tools.to_numpy(self._state.obs), tools.with_masks(tools.collect_infos(self._state), mask)
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """Apply one control step to all; rewards of agents are averaged, `info["agent_reward"]` has each."""
+        """Apply one control step to all, and reset by `autoreset_mode`.
+
+        The reward of several agents is their mean, `info["agent_reward"]` has each (N, A).
+        """
         if self._state is None:
             raise tools.reset_needed_error()
         actions = tools.check_action(actions, self.env.action_spec, self.num_envs)

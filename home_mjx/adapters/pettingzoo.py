@@ -76,7 +76,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start an episode; `options={"house": i}` or `{"episode": i}` selects it, see `GymEnv.reset`."""
+        """Start an episode; `seed` and `options`, such as `{"house": i}`, are those of `GymEnv.reset`."""
         options = {name: value for name, value in (options or {}).items() if name != API_TEST_OPTION}
         obs, info = self.gym.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)

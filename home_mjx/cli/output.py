@@ -27,7 +27,7 @@ def make_folder(path: Path) -> Path:
 
 
 def drop_empty_folders() -> None:
-    """Remove folders of `make_folder` that are still empty, after an error."""
+    """Remove folders that `make_folder` created (not those it found) if they are still empty, after an error."""
     for folder in _created:
         with suppress(OSError):  # the folder is not empty
             folder.rmdir()

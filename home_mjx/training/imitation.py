@@ -98,7 +98,7 @@ class BehaviorCloning(AdvisedPPO):
     """
 
     def behavior_policy(self, state: TrainState) -> Policy:
-        """Return a policy that takes the expert's action with a scheduled probability, else the network's."""
+        """Return a policy that takes the expert's action with a scheduled probability per step and row, or its own."""
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
         led = jnp.where(done < STUDENT_ONLY_AFTER, jnp.clip(1 - done / EXPERT_DECAY_FRACTION, MIN_EXPERT_SHARE, 1), 0.0)

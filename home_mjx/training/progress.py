@@ -20,12 +20,12 @@ class RunClock:
         self.seconds, self.compile_seconds = (float(last.get(name, 0.0)) for name in ("seconds", "compile_seconds"))
 
     def start(self, steps: int) -> None:
-        """Mark the end of compilation."""
+        """Mark the end of compilation; the first `lap` counts steps beyond `steps`, which are already done."""
         self.steps, self.time = steps, time.perf_counter()
         self.compile_seconds += self.time - self.begun
 
     def elapsed(self) -> float:
-        """Return the seconds since the first step of the run."""
+        """Return the seconds of the run without compilation, including those before it was resumed."""
         return self.seconds + time.perf_counter() - self.time
 
     def lap(self, steps: int) -> dict[str, float]:

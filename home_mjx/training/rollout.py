@@ -73,11 +73,11 @@ def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32
 def rollout(
     batch: AutoReset, params: EnvParams, actor: RolloutState, policy: Policy, num_steps: int
 ) -> tuple[RolloutState, Transitions, dict[str, Float[Array, ""]]]:
-    """Run `num_steps` steps.
+    """Run T = `num_steps` steps of N environments; each agent is one of the R rows, N times the number of agents.
 
     Returns:
-        The carry, the steps, and sums over the episodes that ended: `episodes`, `return`, `episode_steps`, and the
-        task's metrics at the end.
+        The carry, the steps (T, R, ...), and sums over the episodes that ended: `episodes`, `return` (mean of agents),
+        `episode_steps`, and the task's metrics at the end.
     """
     agents = batch.core.num_agents
 

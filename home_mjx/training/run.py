@@ -98,7 +98,8 @@ def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     """Return the number of updates in the run's checkpoint, 0 if there is none; validate before houses are compiled.
 
     Raises:
-        ConfigError: There is a checkpoint but `resume` is False, its configuration differs, or devices do not fit.
+        ConfigError: There is a checkpoint but `resume` is False, or its configuration differs; or as in
+            `PPOConfig.check_devices`, even without a checkpoint.
         DatasetError: The checkpoint or `config.start` is broken, or has more updates than the run.
     """
     core = make_core(config.env)

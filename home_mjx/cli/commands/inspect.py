@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print counts and tolerated problems of a house, or counts of a dataset; or semantics, or a validation."""
+    """Print counts and problems of a house, counts of a dataset, semantics, or a validation; return 1 if that fails."""
     if args.validate:
         return _validate(args)
     if args.semantics:

@@ -100,7 +100,7 @@ def with_arrangements(
 
 
 def _check_poses(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
-    """Validate cached poses against the bank.
+    """Return cached poses unchanged if they are float32 (houses, `num`, bodies, 7) of the bank: position, quaternion.
 
     Raises:
         ValueError: The shape or dtype is wrong, or a pose is not finite.

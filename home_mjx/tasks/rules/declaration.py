@@ -96,7 +96,7 @@ class Column:
         return row
 
     def _place(self, values: Any, first_axis: int) -> tuple[slice, ...]:
-        """Return the index of values along the axes from `first_axis` on; `ConfigError` if there are too many."""
+        """Return the slice of one axis that values fill, () without it; `ConfigError` beyond a capacity of `AXES`."""
         if first_axis == len(self.axes):
             return ()
         axis = self.axes[first_axis]

@@ -148,7 +148,7 @@ class Stft(Sensor):
     state_owner = Hearing()
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec for both ears, or for each channel."""
+        """Return the spec of `stft` (channels, windows, frequencies)."""
         shape = config.audio.num_channels, *spectrum_shape(config.audio.frame, config.audio.sample_rate)
         return {
             "stft": ArraySpec(
@@ -176,7 +176,7 @@ class LogMel(Sensor):
     state_owner = Stft.state_owner
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec for both ears, or for each channel."""
+        """Return the spec of `log_mel` (channels, windows, mel bands)."""
         windows, _ = spectrum_shape(config.audio.frame, config.audio.sample_rate)
         return {
             "log_mel": ArraySpec(

@@ -58,7 +58,7 @@ class Range(NamedTuple):
     also_allowed: tuple[float, ...] = ()
 
     def contains(self, values: Any) -> Any:
-        """Return whether a number, or each of an array, is within the range."""
+        """Return whether a number, or each of an array, is within the bounds or also allowed; ignore `is_integer`."""
         within = (values >= self.minimum) & (values <= self.maximum)
         return functools.reduce(operator.or_, [values == number for number in self.also_allowed], within)
 
@@ -151,7 +151,7 @@ def column_ranges(special: Mapping[str, Range] = MappingProxyType({})) -> dict[s
 
 @functools.cache
 def values_range(values: str) -> Range:
-    """Return the range with this name; for an attribute with a vocabulary, that of its indices."""
+    """Return the range with this name; for an attribute with a vocabulary, its indices and -1 for any."""
     if values in RANGES:
         return RANGES[values]()
     return index_range(len(vocabularies()[SEMANTIC_COLUMN[Attribute[values.upper()]]]))

@@ -21,7 +21,7 @@ class Distribution(Protocol):
 
     @property
     def num_outputs(self) -> int:
-        """Number of policy outputs per state."""
+        """Number of parameters that depend on the state, which the policy network returns; `num_scales` follow."""
         ...
 
     @property

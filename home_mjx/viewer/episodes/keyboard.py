@@ -13,7 +13,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.actions import action_names
 
-QUIT_KEYS = ("q", "\x03", "\x04")  # also Ctrl-C and Ctrl-D, which a terminal in cbreak mode passes on
+QUIT_KEYS = ("q", "\x03", "\x04")  # also Ctrl-D, and Ctrl-C of other streams; in a terminal it sends SIGINT
 # Keys of discrete actions; other actions get the next unused key of `SPARE_KEYS`.
 DISCRETE_KEYS = {
     "move_forward": "w", "turn_left": "a", "turn_right": "d", "look_up": "r", "look_down": "f", "stop": " ",
@@ -100,7 +100,7 @@ class KeyboardPlayer:
         return None
 
     def _for_all(self, action: Any) -> Any:
-        """Stack the action with no-op actions of the other agents."""
+        """Return the first agent's action stacked with no-op actions of the others; unchanged for one agent."""
         agents = self.config.num_agents
         if agents == 1:
             return action
@@ -124,7 +124,7 @@ def read_keys(source: Any) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _single_keys(terminal: Any) -> Iterator[None]:
-    """Switch a terminal to unbuffered input without echo; restore it on exit."""
+    """Switch a terminal to unbuffered input without echo; restore it on exit. Windows: do nothing."""
     try:
         import termios
         import tty

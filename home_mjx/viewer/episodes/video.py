@@ -98,7 +98,7 @@ class VideoWriter:
             self.add(picture)
 
     def write(self, folder: Path, name: str) -> None:
-        """Write `name.mp4`, and `name.png` with the last frame of every episode."""
+        """Write `name.mp4`, and `name.png` with last frames in a column; the folder and an ended episode must exist."""
         with tempfile.TemporaryDirectory(prefix="home_mjx_film_") as beside:
             wav = None
             if self.sample_rate:
