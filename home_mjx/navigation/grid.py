@@ -47,8 +47,9 @@ def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"])
     """Return level, row and column of the cell below a point, clipped to the grid.
 
     Of the cells above one another, one per level, it is the highest one in a room whose floor or ramp is not above the
-    point, up to `MAX_SHARED_GAP`; where there is none in a room, the highest one; below all floors, the lowest one. Over
-    stairs it is the ramp, not the opening in the floor above: no floor is less than an agent's height above a cell.
+    point, up to `MAX_SHARED_GAP`; where there is none in a room, the highest one; below all floors, the lowest one.
+    Over stairs it is the ramp, not the opening in the floor above: there is no floor between a cell and a point that is
+    less than an agent's height above it.
 
     Args:
         bank: The houses.
