@@ -1,5 +1,7 @@
 """Triangulation of the faces of mesh files: planar or bent polygons, convex or not, with bridges to their holes."""
 
+from collections.abc import Iterator
+
 import mapbox_earcut
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -8,6 +10,7 @@ MAX_FAN_STARTS = 8  # corners from which a fan is tried before ear clipping
 MAX_EAR_CORNERS = 1 << 17  # maximum corners of all polygons of a mesh that need ear clipping; they take some seconds
 MAX_POLYGON_CORNERS = 1 << 13  # maximum corners of one of them; clipping takes quadratic time at worst
 AREA_TOLERANCE = 1e-9  # of the squared extent of a polygon: rounding errors of areas
+MIN_TWIST = 0.05  # minimum distance of a twisted polygon's corners from a plane, as a fraction of its radius
 EAR_TOLERANCE = 1e-6  # maximum relative difference between a polygon's area and that of its triangles
 
 Points = Float[np.ndarray, "n 3"]
@@ -26,18 +29,20 @@ class FaceError(ValueError):
 
 
 def triangulate_faces(
-    points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"]
+    points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], tolerant: bool = False
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
     """Split polygons into triangles of the same winding, in the order of the polygons.
 
     A polygon that its first corner sees whole, as all of a convex one, becomes the fan (0, k, k + 1) with degenerate
     triangles included. Others become the fan of another corner or, by `mapbox_earcut`, clipped ears. Bent polygons
     are cut as seen along their vector area (Newell's method). A bridge to a hole, walked in both directions, is an
-    edge like others.
+    edge like others. A twisted polygon, which is far from any plane and crosses itself as seen along its vector area,
+    is the fan of its first corner; SUNCG has such quads of millimetres.
 
     Args:
         points: Corners of all polygons, one after another [m].
         sides: Number of corners of each polygon; at least 3.
+        tolerant: Take the fan of the first corner for polygons that cannot be cut, instead of raising an error.
 
     Returns:
         Indices into `points`, and the polygon of each triangle.
@@ -55,7 +60,14 @@ def triangulate_faces(
     for count in np.unique(sides[sides > 3]).tolist():
         rows = np.flatnonzero(sides == count)
         start[rows] = _fan_starts(points[first[rows][:, None] + np.arange(count)])
-    return _join_ears(_fans(sides, start), _ears(points, first, sides, np.flatnonzero(start < 0)))
+    found, face = [np.zeros((0, 3), np.int64)], [np.zeros(0, np.int64)]
+    for row, corners in _ears(points, first, sides, np.flatnonzero(start < 0), tolerant):
+        if corners is None:
+            start[row] = 0
+        else:
+            found.append(corners + first[row])
+            face.append(np.full(len(corners), row))
+    return _in_order(_fans(sides, start), (np.concatenate(found), np.concatenate(face)))
 
 
 def _fan_starts(polygons: Float[np.ndarray, "m n 3"]) -> Int[np.ndarray, " m"]:
@@ -95,26 +107,38 @@ def _fans(
 
 
 def _ears(
-    points: Float[np.ndarray, "c 3"], first: Int[np.ndarray, " f"], sides: Int[np.ndarray, " f"], rows: np.ndarray
-) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    if sides[rows].sum() > MAX_EAR_CORNERS:
-        message = f"concave polygons have {sides[rows].sum()} corners, at most {MAX_EAR_CORNERS} are cut"
-        raise FaceError(int(rows[0]), message)
-    found, face = [np.zeros((0, 3), np.int64)], [np.zeros(0, np.int64)]
+    points: Float[np.ndarray, "c 3"],
+    first: Int[np.ndarray, " f"],
+    sides: Int[np.ndarray, " f"],
+    rows: np.ndarray,
+    tolerant: bool,
+) -> Iterator[tuple[int, Int[np.ndarray, "t 3"] | None]]:
+    """Yield polygons with their triangles; None for those that become fans."""
+    is_small = bool(sides[rows].sum() <= MAX_EAR_CORNERS)
     for row in rows.tolist():
-        if sides[row] > MAX_POLYGON_CORNERS:
-            raise FaceError(row, f"concave polygon has {sides[row]} corners, at most {MAX_POLYGON_CORNERS} are cut")
-        corners = _clip_ears(points[first[row] : first[row] + sides[row]])
-        if corners is None:
-            raise FaceError(row, "polygon crosses itself or is too bent to be cut")
-        found.append(corners + first[row])
-        face.append(np.full(len(corners), row))
-    return np.concatenate(found), np.concatenate(face)
+        polygon = points[first[row] : first[row] + sides[row]]
+        corners = _clip_ears(polygon) if is_small and sides[row] <= MAX_POLYGON_CORNERS else None
+        if corners is None and not tolerant:
+            _check_twisted(row, polygon, is_small)
+        yield row, corners
 
 
-def _join_ears(
+def _check_twisted(row: int, polygon: Points, is_small: bool) -> None:
+    """Raise `FaceError` for a polygon without triangles, unless it is twisted."""
+    if not is_small:
+        raise FaceError(row, f"concave polygons have more than {MAX_EAR_CORNERS} corners in all")
+    if len(polygon) > MAX_POLYGON_CORNERS:
+        raise FaceError(row, f"concave polygon has {len(polygon)} corners, at most {MAX_POLYGON_CORNERS} are cut")
+    away = polygon - polygon.mean(axis=0)
+    heights = away @ np.linalg.svd(away)[2][2]
+    if np.ptp(heights) < MIN_TWIST * np.linalg.norm(away, axis=1).max():
+        raise FaceError(row, "polygon crosses itself")
+
+
+def _in_order(
     fans: tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]], ears: tuple[np.ndarray, np.ndarray]
 ) -> tuple[Int[np.ndarray, "n 3"], Int[np.ndarray, " n"]]:
+    """Return all triangles in the order of their polygons."""
     if not len(ears[1]):
         return fans
     face = np.concatenate([fans[1], ears[1]])

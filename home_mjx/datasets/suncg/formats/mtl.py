@@ -15,6 +15,7 @@ from home_mjx.schema.house import Material
 
 MAX_SHININESS = 1000.0  # maximum of the MTL format
 MISSING_COLOR = (0.7, 0.7, 0.7)  # sRGB of faces whose colour is unknown
+REPEATED_MAP = PlacedMap()
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class LibraryMaterial:
     """
 
     material: Material
-    color_map: PlacedMap = PlacedMap()
+    color_map: PlacedMap = REPEATED_MAP
 
 
 def read_mtl(path: Path, textures: TextureLookup, hint: str | None = None) -> tuple[Material, ...]:
@@ -75,7 +76,7 @@ def read_library(path: Path, textures: TextureLookup, hint: str | None = None) -
 
 def _entry(name: str, block: Mapping[str, Any]) -> LibraryMaterial:
     fields = {key: value for key, value in block.items() if key not in ("dissolve", "color_map")}
-    return LibraryMaterial(Material(name, **fields), block.get("color_map", PlacedMap()))
+    return LibraryMaterial(Material(name, **fields), block.get("color_map", REPEATED_MAP))
 
 
 def _new_name(name: str, known: dict, place: Location) -> str:

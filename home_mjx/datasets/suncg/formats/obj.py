@@ -15,7 +15,13 @@ from home_mjx.core.files import resolve_below
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location
 from home_mjx.datasets.suncg.formats.mtl import MISSING_COLOR, LibraryMaterial, read_library
 from home_mjx.datasets.suncg.formats.obj_faces import Rows, line_numbers, read_corners, smooth_normals, split_faces
-from home_mjx.datasets.suncg.formats.statements import OBJ_GEOMETRY, bare_name, read_statement_lines, split_statements
+from home_mjx.datasets.suncg.formats.statements import (
+    OBJ_GEOMETRY,
+    bare_name,
+    read_statement_lines,
+    split_library_names,
+    split_statements,
+)
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup, escape_error
 from home_mjx.errors import DatasetError, did_you_mean
 from home_mjx.schema.house import Material, Mesh
@@ -40,10 +46,10 @@ def read_obj(path: Path, textures: TextureLookup) -> Mesh:
     rows = scan_obj(path, textures.tolerant)
     if not rows["f"]:
         raise Location(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
-    vertices = _table(rows["v"], 3, path)
-    uv = np.vstack([np.zeros(2), _table(rows["vt"], 2, path)])
+    vertices = read_table(rows["v"], 3, path)
+    uv = np.vstack([np.zeros(2), read_table(rows["vt"], 2, path)])
     index, sides = read_corners(rows, path)
-    corner, face = split_faces(vertices[index[:, 0] - 1], sides, rows["f"], path)
+    corner, face = split_faces(vertices[index[:, 0] - 1], sides, rows["f"], path, textures.tolerant)
     entries, slot = _materials(rows, path, textures)
     groups, group = _groups(rows)
     return Mesh(
@@ -96,7 +102,12 @@ def _place_maps(
     return uv
 
 
-def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
+def read_table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
+    """Return the first `width` numbers of each row.
+
+    Raises:
+        DatasetError: A number is missing, not finite or beyond `MAX_COORDINATE`.
+    """
     words = [word for _, rest in rows for word in rest.split(None, width)[:width]]
     try:
         if any("_" in rest or not rest.isascii() for _, rest in rows) and not _is_plain(words):
@@ -135,10 +146,7 @@ def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
 def _materials(
     rows: dict[str, Rows], path: Path, textures: TextureLookup
 ) -> tuple[tuple[LibraryMaterial, ...], Int[np.ndarray, " f"]]:
-    libraries: dict[Path, Location] = {}  # each library is read once, even if named repeatedly
-    for row in rows["mtllib"]:
-        for library, place in _libraries(row, path, textures):
-            libraries.setdefault(library, place)
+    libraries = find_libraries(rows, path, textures)
     entries = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
     if textures.tolerant:
         name = next(iter(libraries), path.with_suffix(".mtl")).name
@@ -189,6 +197,15 @@ def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tu
     return tuple(Material(name, MISSING_COLOR, None, 1.0, missing_file=library) for name in (*named, *others))
 
 
+def find_libraries(rows: dict[str, Rows], path: Path, textures: TextureLookup) -> dict[Path, Location]:
+    """Return the material libraries of an OBJ with the first line of each, in file order; errors as in `read_obj`."""
+    libraries: dict[Path, Location] = {}
+    for row in rows["mtllib"]:
+        for library, place in _libraries(row, path, textures):
+            libraries.setdefault(library, place)
+    return libraries
+
+
 def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> list[tuple[Path, Location]]:
     """Return the files of a `mtllib`: one whose name may contain spaces, or several names.
 
@@ -198,11 +215,11 @@ def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> lis
     place, text = Location(path, f"line {row[0]}"), row[1].strip()
     names = [text]
     if not textures.has_file(text, path.parent):
-        names = [bare_name(name) for name in re.split(r"(?<=\.mtl)[\"\s]+", bare_name(text), flags=re.I) if name]
+        names = split_library_names(text)
         words = text.split()
         if len(words) > 1 and all(textures.has_file(word, path.parent) for word in words):
             names = words
-    found = [(name, resolve_below(textures.root, path.parent, name)) for name in names or [text]]
+    found = [(name, resolve_below(textures.root, path.parent, name)) for name in names]
     for name, library in found:
         if library is None:
             raise escape_error(name, place)

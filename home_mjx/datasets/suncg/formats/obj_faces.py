@@ -92,7 +92,7 @@ def _absolute(
 
 
 def split_faces(
-    points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows, path: Path
+    points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows, path: Path, tolerant: bool = False
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
     """Split polygons into triangles; return corner indices and the polygon of each triangle.
 
@@ -101,12 +101,13 @@ def split_faces(
         sides: Number of corners of each face.
         rows: Lines of `f`, for errors.
         path: The file, for errors.
+        tolerant: As in `triangulate_faces`.
 
     Raises:
         DatasetError: A polygon crosses itself, or has too many corners.
     """
     try:
-        return triangulate_faces(points, sides)
+        return triangulate_faces(points, sides, tolerant)
     except FaceError as error:
         hint = "Triangulate the model in the program that wrote it."
         raise Location(path, f"line {rows[error.face][0]}").error(str(error), hint) from None

@@ -96,3 +96,19 @@ def bare_name(text: str) -> str:
     """
     name = re.split(r"\s#", f" {text}", maxsplit=1)[0].strip()
     return name[1:-1] if len(name) > 2 and name[0] == name[-1] == '"' else name
+
+
+def library_names(text: str) -> list[str]:
+    """Return all file names that the arguments of a `mtllib` may mean, the likely ones first.
+
+    Example:
+        >>> library_names("my wood.mtl oak.mtl")
+        ['my wood.mtl oak.mtl', 'my wood.mtl', 'oak.mtl', 'my', 'wood.mtl']
+    """
+    return list(dict.fromkeys([text, *split_library_names(text), *map(bare_name, text.split())]))
+
+
+def split_library_names(text: str) -> list[str]:
+    """Return the file names in the arguments of a `mtllib`, each of which ends with `.mtl` and may contain spaces."""
+    parts = re.split(r"(?<=\.mtl)[\"\s]+", bare_name(text), flags=re.IGNORECASE)
+    return [bare_name(part.strip('"')) for part in parts if part] or [text]

@@ -109,6 +109,12 @@ def test_a_polygon_that_crosses_itself_is_refused_with_its_line(polygon, tmp_pat
         read_obj(path, TextureLookup(tmp_path))
     assert (caught.value.file, caught.value.element) == (str(path), f"line {len(polygon) + 2}")
     assert caught.value.hint == "Triangulate the model in the program that wrote it."
+    assert len(read_obj(path, TextureLookup(tmp_path, tolerant=True)).faces) == 1 + len(polygon) - 2  # partial copies
+
+
+def test_a_twisted_quad_of_suncg_stays_a_fan():
+    quad = np.array([[0, 0, 0], [2.05, 0, 1.32], [2.05, -2.66, 10.23], [2.89, -2.66, 8.91]]) * 1e-3
+    assert triangulate_faces(quad, np.array([4]))[0].tolist() == [[0, 1, 2], [0, 2, 3]]
 
 
 @pytest.mark.parametrize(
