@@ -12,8 +12,8 @@ from pathlib import Path
 
 from home_mjx.core.files import MAX_BYTES, read_text, resolve_below
 from home_mjx.datasets.suncg.digest_index import DigestIndex, FileFacts, Stamp, file_stamp, index_folder
-from home_mjx.datasets.suncg.formats.statements import library_names, split_statements
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
+from home_mjx.datasets.suncg.formats.statements import library_names, split_statements
 from home_mjx.errors import DatasetError
 
 MODEL_ID_PATTERN = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')

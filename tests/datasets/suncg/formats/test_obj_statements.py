@@ -208,17 +208,23 @@ Ka 1.000000 1.000000 1.000000\nKd 0.800000 0.400000 0.200000\nKs 0.500000 0.5000
 Ni 1.450000\nd 1.000000\nillum 2\nPr 0.5\nPm 0.0\nmap_Bump -bm 1.000000 normal map.png\nmap_refl -type sphere s.png\n"""
 MAX = """# 3ds Max Wavefront OBJ Exporter v0.97b - (c)2007 guruware\n# File Created: 01.02.2012 12:00:00\n
 mtllib cube two.mtl\n\n#\n# object Box001\n#\n\nv  -1.0000 0.0000 1.0000\nv  1 0 1\nv  1 0 -1\nv  -1 0 -1\n# 4 vertices
-vn 0.0000 -1.0000 -0.0000\nvt 1.0000 0.0000 0.0000\n\ng Box001\nusemtl Material__25\ns 2\nf 1/1/1 2/1/1 3/1/1 4/1/1 \n"""
+vn 0.0000 -1.0000 -0.0000\nvt 1.0000 0.0000 0.0000\n\ng Box001\nusemtl Material__25\ns 2\nf 1/1/1 2/1/1 3/1/1 4/1/1
+"""
 MAX_MTL = """# 3ds Max Wavefront OBJ Exporter v0.97b\nnewmtl Material__25\n\tNs 10.0000\n\tNi 1.5000\n\td 1.0000
-\tTr 0.0000\n\tTf 1.0000 1.0000 1.0000 \n\tillum 2\n\tKa 0.5 0.5 0.5\n\tKd 0.8 0.4 0.2\n\tKs 0.5 0.5 0.5\n\tKe 0 0 0\n"""
+\tTr 0.0000\n\tTf 1.0000 1.0000 1.0000 \n\tillum 2\n\tKa 0.5 0.5 0.5\n\tKd 0.8 0.4 0.2\n\tKs 0.5 0.5 0.5\n\tKe 0 0 0
+"""
 MAYA = """# This file uses centimeters as units for non-parametric coordinates.\n\nmtllib cube two.mtl\ng default
-v -0.5 -0.5 0.5\nv 0.5 -0.5 0.5\nv 0.5 0.5 0.5\nv -0.5 0.5 0.5\nvt 0.375 0\nvn 0 0 1\ns off\ng pCube1\nusemtl initialShadingGroup
+v -0.5 -0.5 0.5\nv 0.5 -0.5 0.5\nv 0.5 0.5 0.5\nv -0.5 0.5 0.5\nvt 0.375 0\nvn 0 0 1\ns off\ng pCube1
+usemtl initialShadingGroup
 f 1/1/1 2/1/1 3/1/1 4/1/1\n"""
 MAYA_MTL = "newmtl initialShadingGroup\nillum 4\nKd 0.80 0.40 0.20\nKa 0.00 0.00 0.00\nTf 1.00 1.00 1.00\nNi 1.00\n"
-SKETCHUP = """# Alias OBJ Model File\n# Exported from SketchUp, (c) 2000-2012 Trimble Navigation Limited\n# File units = meters
-mtllib cube two.mtl\ng Mesh1 Group1 Model\n\nusemtl Wood_Floor_Light\nv 0 0 0\nvt 0 0\nvn 0 0 1\nv 1 0 0\nv 1 1 0\nv 0 1 0
+SKETCHUP = """# Alias OBJ Model File\n# Exported from SketchUp, (c) 2000-2012 Trimble Navigation Limited
+# File units = meters
+mtllib cube two.mtl\ng Mesh1 Group1 Model\n\nusemtl Wood_Floor_Light\nv 0 0 0\nvt 0 0\nvn 0 0 1\nv 1 0 0\nv 1 1 0
+v 0 1 0
 f 1/1/1 2/1/1 3/1/1 4/1/1 \n"""
-SKETCHUP_MTL = """#\n## Alias OBJ Material File\n# Exported from SketchUp\n\nnewmtl Wood_Floor_Light\nKa 0.000000 0.000000 0.000000
+SKETCHUP_MTL = """#\n## Alias OBJ Material File\n# Exported from SketchUp\n\nnewmtl Wood_Floor_Light
+Ka 0.000000 0.000000 0.000000
 Kd 0.800000 0.400000 0.200000\nKs 0.330000 0.330000 0.330000\n"""
 ASSIMP = """# File produced by Open Asset Import Library\n# (assimp v5.2)\n\nmtllib cube two.mtl\n\n# 4 vertex positions
 v  0 0 0\nv  1 0 0\nv  1 1 0\nv  0 1 0\n\n# 0 UV coordinates\n\n# 1 vertex normals\nvn 0 0 1\n
