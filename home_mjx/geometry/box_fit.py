@@ -7,7 +7,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.geometry.boxes import BoxSet, bounding_box, empty_boxes, make_boxes
+from home_mjx.geometry.boxes import MIN_HALF_EXTENT, BoxSet, bounding_box, empty_boxes, make_boxes
 from home_mjx.geometry.rotations import yaw_matrix
 
 MAX_CELLS = 16  # maximum number of cells along the longest side of an object
@@ -17,7 +17,6 @@ SAMPLE_SPACING = (
 )
 MAX_OPTIONAL_WASTE = 0.02  # maximum empty volume that an optional merge may add, as a fraction of the bounding box
 WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
-MIN_HALF_EXTENT = 1e-4  # [m], minimum half extent; MuJoCo rejects empty boxes, and a cell may hold a single point
 
 
 def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int) -> BoxSet:

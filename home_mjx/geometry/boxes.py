@@ -9,6 +9,8 @@ from jaxtyping import Float, Int
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.schema.compiled import Colliders
 
+MIN_HALF_EXTENT = 1e-4  # [m], minimum half extent of a collider; MuJoCo rejects boxes without thickness
+
 
 def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
     """Return principal moments of inertia of solid boxes [kg m^2]: m/3 (b^2 + c^2) with half extents b and c.
@@ -46,8 +48,9 @@ class BoxSet:
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:
-        """Convert the boxes to colliders of the physics, with the object id of each."""
-        return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=self.half, object_id=object_id)
+        """Convert the boxes to colliders of the physics, with the object id of each; none is without thickness."""
+        size = np.maximum(self.half, MIN_HALF_EXTENT)
+        return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=size, object_id=object_id)
 
 
 def make_boxes(center: object, half: object, yaw: object = 0.0) -> BoxSet:
@@ -80,6 +83,11 @@ def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
     local = points @ turn
     low, high = local.min(axis=0), local.max(axis=0)
     return make_boxes(turn @ ((low + high) / 2), (high - low) / 2, yaw)
+
+
+def thicken_boxes(boxes: BoxSet, half: float) -> BoxSet:
+    """Return the boxes with half extents of at least `half` [m], around the same centres."""
+    return BoxSet(boxes.center, np.maximum(boxes.half, half), boxes.yaw)
 
 
 def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:

@@ -53,6 +53,20 @@ def bounds(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "2 3"]:
     return np.stack([flat.min(axis=0), flat.max(axis=0)])
 
 
+def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
+    """Return the smallest extent of points [m] along the axes and along their principal axes; 0 for a flat set.
+
+    Example:
+        >>> sheet = np.array([[0.0, 0, 0], [1, 1, 0], [0, 0, 2], [1, 1, 2]])
+        >>> round(min_thickness(sheet), 9)
+        0.0
+    """
+    flat = points.reshape(-1, 3)
+    away = flat - flat.mean(axis=0)
+    principal = away @ np.linalg.eigh(away.T @ away)[1]
+    return float(min(np.ptp(flat, axis=0).min(), np.ptp(principal, axis=0).min()))
+
+
 def transform(pose: Float[np.ndarray, "3 4"], points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
     """Apply an affine map to points."""
     return points @ pose[:, :3].T + pose[:, 3]

@@ -7,6 +7,7 @@ from home_mjx.geometry.slabs import signed_area
 from home_mjx.schema.compiled import RoomTable
 
 MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
+MAX_BEND = 1e-3  # [m], maximum distance of removed corners from an outline
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
@@ -107,16 +108,37 @@ def _walk(following: dict[int, list[int]]) -> list[int]:
     return []
 
 
-def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = 1e-3) -> Float[np.ndarray, "_ 2"]:
-    """Remove corners within `bend` [m] of the line between their neighbours, unless fewer than 3 would remain."""
-    keep = []
-    for i in range(len(polygon)):
-        before, here, after = polygon[i - 1], polygon[i], polygon[(i + 1) % len(polygon)]
-        way = after - before
-        away = abs(way[0] * (here - before)[1] - way[1] * (here - before)[0]) / max(np.hypot(*way), MERGE_DISTANCE)
-        if away > bend:
-            keep.append(i)
-    return polygon[keep] if len(keep) >= 3 else polygon
+def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = MAX_BEND) -> Float[np.ndarray, "_ 2"]:
+    """Remove corners, all within `bend` [m] of the remaining polygon, unless fewer than 3 would remain.
+
+    Each corner is compared with the sides that remain (Douglas and Peucker 1973), so that an arc keeps its shape
+    however finely it is divided. The first two of them are the farthest from the middle and the farthest from it.
+    """
+    if len(polygon) <= 3:
+        return polygon
+    first = int(np.linalg.norm(polygon - polygon.mean(axis=0), axis=1).argmax())
+    ring = np.roll(polygon, -first, axis=0)
+    other = int(np.linalg.norm(ring - ring[0], axis=1).argmax())
+    ring = np.concatenate([ring, ring[:1]])
+    keep, spans = {0, other}, [(0, other), (other, len(ring) - 1)]
+    while spans:
+        start, stop = spans.pop()
+        away = _segment_distance(ring[start + 1 : stop], ring[start], ring[stop])
+        if away.max(initial=0.0) > bend:
+            middle = start + 1 + int(away.argmax())
+            keep.add(middle)
+            spans += [(start, middle), (middle, stop)]
+    rows = np.sort((np.array(sorted(keep)) + first) % len(polygon))
+    return polygon[rows] if len(rows) >= 3 else polygon
+
+
+def _segment_distance(
+    points: Float[np.ndarray, "n 2"], start: Float[np.ndarray, "2"], stop: Float[np.ndarray, "2"]
+) -> Float[np.ndarray, " n"]:
+    """Return the distances from points to a segment [m]."""
+    way = stop - start
+    along = np.clip((points - start) @ way / max(float(way @ way), MERGE_DISTANCE**2), 0, 1)
+    return np.linalg.norm(start + along[:, None] * way - points, axis=1)
 
 
 def _area(polygon: Float[np.ndarray, "n 2"]) -> float:

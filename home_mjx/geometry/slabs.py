@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import mapbox_earcut
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 MIN_CORNER_DISTANCE = (
     1e-6  # [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
@@ -91,10 +91,17 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
         )
         if not straight.any():
             break
-        turned = turned[~straight]
+        turned = turned[~_every_second(straight)]
     if len(turned) < 3 or signed_area(turned) <= MIN_CORNER_DISTANCE:
         raise ValueError("polygon has no area")
     return turned
+
+
+def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    """Return every second entry of each run of True, so that no corner is dropped together with its neighbour."""
+    count = np.arange(len(mask))
+    place = count - np.maximum.accumulate(np.where(mask, -1, count))  # place in its run, from 1
+    return mask & (place % 2 == 1) & ~(np.roll(mask, -1) & (count == len(mask) - 1))
 
 
 def offset_outwards(polygon: Polygon, outset: float) -> Polygon:

@@ -4,6 +4,7 @@ import io
 import json
 import logging
 import os
+import random
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -395,6 +396,18 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
     return prepare
 
 
+def of_seed(rng: random.Random, data: bytes) -> bytes:
+    """Another seed."""
+    return str(rng.randrange(1 << 40)).encode()
+
+
+def odd_house(folder: Path) -> tuple[list[bytes], Read]:
+    """Random odd houses; one that is refused by a typed error is refused, one that differs from its measures fails."""
+    from odd_houses import check_odd_house
+
+    return [b"0"], lambda data: check_odd_house(int(data), folder)
+
+
 JSON, TEXT = (of_json, of_json, of_bytes), (of_text, of_text, of_bytes)
 LINES, ARCHIVE = (of_json_lines,), (of_archive, of_archive, of_bytes)
 TARGETS = {
@@ -426,5 +439,6 @@ TARGETS = {
     "task-lines": Target(task_lines, LINES),
     "episodes": Target(with_bank("episodes"), LINES, quick=False),
     "tasks": Target(with_bank("tasks"), LINES, quick=False),
+    "odd-houses": Target(odd_house, (of_seed,), quick=False),
 }
 logging.disable(logging.WARNING)

@@ -30,6 +30,12 @@ def test_changed_files_are_read_or_refused(tmp_path):
     assert sum(line["read"] for line in found.values()) > 0.1 * 40 * len(found)
 
 
+def test_odd_houses_are_what_trimesh_and_c_mujoco_make_of_them(tmp_path):
+    """`make fuzz ARGS="--targets odd-houses --cases 10000 --seconds 1e9"` has ten thousand."""
+    status, found, said = fuzz("--targets", "odd-houses", "--cases", 4, "--out", tmp_path)
+    assert (status, found.get("odd-houses", {}).get("cases")) == (0, 4), said
+
+
 CARELESS = """
 import os, signal, time
 import fuzz

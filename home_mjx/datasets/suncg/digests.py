@@ -13,11 +13,12 @@ from pathlib import Path
 from home_mjx.core.files import MAX_BYTES, read_text, resolve_below
 from home_mjx.datasets.suncg.digest_index import DigestIndex, FileFacts, Stamp, file_stamp, index_folder
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
+from home_mjx.datasets.suncg.formats.statements import library_names, split_statements
 from home_mjx.errors import DatasetError
 
 MODEL_ID_PATTERN = re.compile(r'"modelId"\s*:\s*("(?:[^"\\]|\\.)*")')
 UNUSED_TABLES = ("joints.csv", "joints.sha256.json")  # tables that the compiler does not read
-MTLLIB_PATTERN = re.compile(rb"^[ \t]*mtllib[ \t]+(\S.*?)[ \t\r]*$", re.MULTILINE)
+MTLLIB_PATTERN = re.compile(rb"(?:^|\r)[ \t]*mtllib[ \t]+(\S[^\r\n]*)", re.MULTILINE | re.IGNORECASE)
 MIN_SAVE_SECONDS = 1.0  # [s], minimum time between two writes of the shared index
 
 
@@ -134,7 +135,11 @@ def _look(path: str, size: int) -> FileFacts:
 
 def _libraries_elsewhere(data: bytes) -> tuple[str, ...]:
     """Find the material libraries in other folders that an OBJ file names."""
-    texts = dict.fromkeys(name.decode(errors="replace").replace("\\", "/") for name in MTLLIB_PATTERN.findall(data))
+    found = [name.decode(errors="replace").rstrip() for name in MTLLIB_PATTERN.findall(data)]
+    if any(text.endswith("\\") for text in found):  # continued on the next line
+        statements = split_statements(data.decode(errors="replace"))
+        found = [rest.rstrip() for _, keyword, rest in statements if keyword == "mtllib"]
+    texts = dict.fromkeys(name.replace("\\", "/") for text in found for name in library_names(text))
     return tuple(text for text in texts if "/" in text)
 
 

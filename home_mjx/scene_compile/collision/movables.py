@@ -7,7 +7,7 @@ import numpy as np
 
 from home_mjx.core.checks import check_number
 from home_mjx.geometry.boxes import BoxSet, concat_boxes
-from home_mjx.geometry.meshes import bounds, compose, invert
+from home_mjx.geometry.meshes import bounds, compose, invert, min_thickness
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_contact
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
@@ -30,6 +30,7 @@ MOVABLE_FINE = {
     *("table_lamp", "teapot", "telephone", "toaster", "toiletries", "trash_can", "tricycle", "utensil_holder"),
     *("vacuum_cleaner", "weight_scale", "xbox"),
 }
+MIN_BODY_HALF = 1e-3  # [m], minimum half extent of a body; inertia of thinner boxes is lost in rounding
 FIXED_FINE = {"bunker_bed", "chair_set", "drumset", "fish_tank", "piano"}
 
 
@@ -44,7 +45,8 @@ class MovableOptions:
         min_lowered_height: Minimum height of a box whose top is lowered to fit under something, such as a chair under
             a table [m].
         max_edge: Maximum longest edge of a movable object [m].
-        min_edge: Minimum shortest edge of a movable object [m]; sheets and plates stay fixed.
+        min_edge: Minimum thickness of a movable object in any direction [m]; sheets and plates stay fixed. Bodies
+            thinner than 2 mm are never made.
 
     Raises:
         ConfigError: A value is not a number of its range.
@@ -85,8 +87,10 @@ def is_movable(item: PlacedObject, options: MovableOptions) -> bool:
         return False
     if item.info.coarse not in MOVABLE_COARSE and item.info.fine not in MOVABLE_FINE:
         return False
-    edges = np.ptp(bounds(item.triangles), axis=0)
-    return bool(edges.max() <= options.max_edge and edges.min() >= options.min_edge)
+    if np.ptp(bounds(item.triangles), axis=0).max() > options.max_edge:
+        return False
+    thickness = min(min_thickness(item.triangles), 2 * float(item.box.half.min()))
+    return thickness >= max(options.min_edge, 2 * MIN_BODY_HALF)
 
 
 def make_bodies(chosen: Sequence[MovableCandidate]) -> Bodies:

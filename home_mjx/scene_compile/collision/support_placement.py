@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, make_boxes, penetration_depth
 from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.collision.movables import MovableCandidate, MovableOptions
+from home_mjx.scene_compile.collision.movables import MIN_BODY_HALF, MovableCandidate, MovableOptions
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 
 MIN_LOAD_RISE = 0.03  # [m], an object with a lower underside above that of another object is beside it, not on it
@@ -152,6 +152,8 @@ def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float 
         else:
             _shrink_side(box, obstacles, i, low, high, gap)
     drawn = np.maximum(box.half[0] - high, low + box.half[0])[:2]
+    if (high - low < 2 * MIN_BODY_HALF).any():  # also of an object that is sunk into the floor
+        return None
     if (drawn > options.max_shrink).any() or (high - low < 0.5 * 2 * box.half[0])[:2].any():
         return None
     return _cut(box, low, high)

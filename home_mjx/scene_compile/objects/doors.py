@@ -7,12 +7,13 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.box_fit import narrowest_box, triangle_components
-from home_mjx.geometry.boxes import BoxSet, rotate_boxes
+from home_mjx.geometry.boxes import BoxSet, rotate_boxes, thicken_boxes
 from home_mjx.geometry.meshes import compose, make_model, transform, tree_order, triangles_z_up
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.schema.compiled import Model
 from home_mjx.schema.house import Joint, Mesh
 
+MIN_LEAF_HALF = 1e-3  # [m], minimum half extent of a leaf's box, which has a mass
 MAX_HINGE_TILT = 1e-3  # maximum tilt of a hinge, and maximum non-uniform stretch in the plan
 
 
@@ -126,8 +127,13 @@ def place_leaf(leaf: LeafPart, pose: Float[np.ndarray, "3 4"], instance: int) ->
 
 
 def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
-    """Return the narrowest box around the largest connected piece of a leaf, without handles, in the world."""
+    """Return the narrowest box around the largest connected piece of a leaf, without handles, in the world.
+
+    A leaf without thickness has a box of 2 mm.
+    """
     triangles = transform(pose, leaf.triangle.astype(np.float64))
     piece = triangle_components(triangles)
-    boxes = [narrowest_box(triangles[piece == p].reshape(-1, 3)) for p in np.unique(piece)]
+    boxes = [
+        thicken_boxes(narrowest_box(triangles[piece == p].reshape(-1, 3)), MIN_LEAF_HALF) for p in np.unique(piece)
+    ]
     return max(boxes, key=lambda box: float(box.half.prod()))

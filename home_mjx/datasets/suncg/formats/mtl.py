@@ -1,20 +1,50 @@
 """Reader of Wavefront MTL files: names, diffuse colours, opacities and colour maps."""
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from home_mjx.core.files import read_text
 from home_mjx.datasets.suncg.formats.json_value import Location
+from home_mjx.datasets.suncg.formats.map_options import PlacedMap, read_color_map
+from home_mjx.datasets.suncg.formats.statements import read_statement_lines, split_statements
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
+from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Material
 
 MAX_SHININESS = 1000.0  # maximum of the MTL format
+MISSING_COLOR = (0.7, 0.7, 0.7)  # sRGB of faces whose colour is unknown
+REPEATED_MAP = PlacedMap()
+
+
+@dataclass(frozen=True)
+class LibraryMaterial:
+    """One `newmtl` of an MTL.
+
+    Attributes:
+        material: The material.
+        color_map: Placement of its colour map.
+    """
+
+    material: Material
+    color_map: PlacedMap = REPEATED_MAP
 
 
 def read_mtl(path: Path, textures: TextureLookup, hint: str | None = None) -> tuple[Material, ...]:
     """Read the materials of an MTL in file order, which is the order of SUNCG's material slots.
 
-    The default material is white and opaque.
+    The default material is white and opaque. `Tr` is 1 - `d`; a `Tr` equal to the `d` above it is taken for `d`, since
+    some exporters write it so. Arguments and errors are those of `read_library`.
+    """
+    return tuple(entry.material for entry in read_library(path, textures, hint))
+
+
+def read_library(path: Path, textures: TextureLookup, hint: str | None = None) -> tuple[LibraryMaterial, ...]:
+    """Read the materials of an MTL with the placement of their colour maps.
+
+    If the lookup is tolerant, a broken line changes its own material only: the line is skipped, a lost colour is grey,
+    and `Material.missing_file` names the library.
 
     Args:
         path: The MTL file.
@@ -26,16 +56,27 @@ def read_mtl(path: Path, textures: TextureLookup, hint: str | None = None) -> tu
     """
     blocks: dict[str, dict] = {}
     block: dict | None = None
-    for number, line in enumerate(read_text(path, hint).split("\n"), 1):
-        keyword, _, rest = line.strip().replace("\t", " ").partition(" ")
+    for number, keyword, rest in split_statements(read_statement_lines(path, hint, textures.tolerant)):
         place = Location(path, f"line {number}")
-        if keyword == "newmtl":
-            block = blocks[_new_name(rest.strip(), blocks, place)] = {"diffuse": (1.0, 1.0, 1.0), "opacity": 1.0}
-        elif keyword in _PROPERTIES:
-            if block is None:
-                raise place.error(f"`{keyword}` before the first `newmtl`")
-            block.update(_PROPERTIES[keyword](rest.strip(), textures, place))
-    return tuple(Material(name, **block) for name, block in blocks.items())
+        try:
+            if keyword == "newmtl":
+                block = None
+                block = blocks[_new_name(rest.strip(), blocks, place)] = {"diffuse": (1.0, 1.0, 1.0), "opacity": 1.0}
+            elif keyword in _PROPERTIES:
+                if block is None:
+                    raise place.error(f"`{_SPELLING[keyword]}` before the first `newmtl`")
+                block.update(_PROPERTIES[keyword](rest.strip(), textures, place, block))
+        except DatasetError:
+            if not textures.tolerant:
+                raise
+            if block is not None:
+                block |= {"missing_file": path.name} | ({"diffuse": MISSING_COLOR} if keyword == "kd" else {})
+    return tuple(_entry(name, block) for name, block in blocks.items())
+
+
+def _entry(name: str, block: Mapping[str, Any]) -> LibraryMaterial:
+    fields = {key: value for key, value in block.items() if key not in ("dissolve", "color_map")}
+    return LibraryMaterial(Material(name, **fields), block.get("color_map", REPEATED_MAP))
 
 
 def _new_name(name: str, known: dict, place: Location) -> str:
@@ -49,7 +90,7 @@ def _new_name(name: str, known: dict, place: Location) -> str:
 def _numbers(text: str, count: int, place: Location, largest: float = 1.0) -> list[float]:
     words = text.split()[:count]
     try:
-        numbers = [float(word) for word in words]
+        numbers = [float(word) for word in words if word.isascii() and "_" not in word]
     except ValueError:
         numbers = []
     if len(numbers) != count or not all(map(math.isfinite, numbers)):
@@ -57,40 +98,43 @@ def _numbers(text: str, count: int, place: Location, largest: float = 1.0) -> li
     return [min(max(x, 0.0), largest) for x in numbers]
 
 
-def _diffuse(text: str, _: TextureLookup, place: Location) -> dict:
+def _diffuse(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
     red, green, blue = _numbers(text, 3, place)
     return {"diffuse": (red, green, blue)}
 
 
-def _opacity(text: str, _: TextureLookup, place: Location) -> dict:
-    return {"opacity": _numbers(text, 1, place)[0]}
+def _opacity(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
+    opacity = _numbers(text.removeprefix("-halo"), 1, place)[0]
+    return {"opacity": opacity, "dissolve": opacity}
 
 
-def _transparency(text: str, _: TextureLookup, place: Location) -> dict:
-    return {"opacity": 1.0 - _numbers(text, 1, place)[0]}
+def _transparency(text: str, _: TextureLookup, place: Location, block: dict) -> dict:
+    value = _numbers(text, 1, place)[0]
+    return {"opacity": value if value == block.get("dissolve") else 1.0 - value}
 
 
-def _specular(text: str, _: TextureLookup, place: Location) -> dict:
+def _specular(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
     red, green, blue = _numbers(text, 3, place)
     return {"specular": (red, green, blue)}
 
 
-def _shininess(text: str, _: TextureLookup, place: Location) -> dict:
+def _shininess(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
     return {"shininess": _numbers(text, 1, place, MAX_SHININESS)[0]}
 
 
-def _color_map(text: str, textures: TextureLookup, place: Location) -> dict:
-    if not text or text.startswith("-"):
-        raise place.error(f"expected a file name, got `{text[:60]}`", "Options of map_Kd are not supported.")
-    name = Path(text.replace("\\", "/")).stem
-    return textures.material_fields(name, lambda: textures.find_color_map(text, place.file.parent, place))
+def _color_map(text: str, textures: TextureLookup, place: Location, _: dict) -> dict:
+    placed = read_color_map(text, place, lambda name: textures.has_file(name, place.file.parent))
+    name = Path(placed.file.replace("\\", "/")).stem
+    found = textures.material_fields(name, lambda: textures.find_color_map(placed.file, place.file.parent, place))
+    return {**found, "color_map": placed}
 
 
 _PROPERTIES = {
-    "Kd": _diffuse,
+    "kd": _diffuse,
     "d": _opacity,
-    "Tr": _transparency,
-    "Ks": _specular,
-    "Ns": _shininess,
-    "map_Kd": _color_map,
+    "tr": _transparency,
+    "ks": _specular,
+    "ns": _shininess,
+    "map_kd": _color_map,
 }
+_SPELLING = {"kd": "Kd", "d": "d", "tr": "Tr", "ks": "Ks", "ns": "Ns", "map_kd": "map_Kd"}

@@ -5,26 +5,34 @@ Lines are first grouped by keyword; material and group of a face then follow fro
 
 import re
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.core.files import read_text, resolve_below
+from home_mjx.core.files import resolve_below
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location
-from home_mjx.datasets.suncg.formats.mtl import read_mtl
-from home_mjx.datasets.suncg.formats.obj_faces import Rows, line_numbers, read_corners, smooth_normals, triangulate_fans
+from home_mjx.datasets.suncg.formats.mtl import MISSING_COLOR, LibraryMaterial, read_library
+from home_mjx.datasets.suncg.formats.obj_faces import Rows, line_numbers, read_corners, smooth_normals, split_faces
+from home_mjx.datasets.suncg.formats.statements import (
+    OBJ_GEOMETRY,
+    bare_name,
+    read_statement_lines,
+    split_library_names,
+    split_statements,
+)
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup, escape_error
 from home_mjx.errors import DatasetError, did_you_mean
 from home_mjx.schema.house import Material, Mesh
 
-MISSING_COLOR = (0.7, 0.7, 0.7)  # sRGB of faces with a missing material library
 DEFAULT_MATERIAL = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # material of faces above the first usemtl
 
 
 def read_obj(path: Path, textures: TextureLookup) -> Mesh:
-    """Read a mesh with its materials; polygons become triangle fans, including degenerate triangles.
+    """Read a mesh with its materials; polygons become triangles as in `geometry.faces.triangulate_faces`.
+
+    Points, lines, free-form curves, smoothing groups and colours of vertices are skipped.
 
     Args:
         path: The OBJ file.
@@ -32,42 +40,78 @@ def read_obj(path: Path, textures: TextureLookup) -> Mesh:
 
     Raises:
         DatasetError: The file or its MTL is missing, or a line is broken: not a number, not finite, an index
-            out of range, an unknown material, a path out of the dataset, or no face at all.
+            out of range, an unknown material, a path out of the dataset, a polygon that crosses itself, a free-form
+            surface, or no face at all.
     """
-    rows = _scan(read_text(path))
+    rows = scan_obj(path, textures.tolerant)
     if not rows["f"]:
         raise Location(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
-    vertices = _table(rows["v"], 3, path)
-    uv = np.vstack([np.zeros(2), _table(rows["vt"], 2, path)])
+    vertices = read_table(rows["v"], 3, path)
+    uv = np.vstack([np.zeros(2), read_table(rows["vt"], 2, path)])
     index, sides = read_corners(rows, path)
-    corner, face = triangulate_fans(sides)
-    materials, slot = _materials(rows, path, textures)
+    corner, face = split_faces(vertices[index[:, 0] - 1], sides, rows["f"], path, textures.tolerant)
+    entries, slot = _materials(rows, path, textures)
     groups, group = _groups(rows)
     return Mesh(
         path=path,
         vertices=vertices,
         faces=(index[corner, 0] - 1).astype(np.int32),
-        uv=uv[index[corner, 1]].astype(np.float32),
+        uv=_place_maps(uv[index[corner, 1]], slot[face], entries, path).astype(np.float32),
         slot=slot[face],
         group=group[face],
-        materials=materials,
+        materials=tuple(entry.material for entry in entries),
         groups=groups,
         normal=smooth_normals(rows["vn"], index[corner, 2], vertices[index[corner, 0] - 1]),
     )
 
 
-def _scan(text: str) -> dict[str, Rows]:
+def scan_obj(path: Path, tolerant: bool = False) -> dict[str, Rows]:
+    """Return the statements of an OBJ by keyword in lower case; arguments of `fo` count as those of `f`.
+
+    Args:
+        path: The file.
+        tolerant: As in `read_statement_lines`.
+
+    Raises:
+        DatasetError: The file cannot be read, or a statement describes a surface that is not read.
+    """
     rows: dict[str, Rows] = defaultdict(list)
-    for number, line in enumerate(text.split("\n"), 1):
-        words = line.split(None, 1)
-        if words:
-            rows[words[0]].append((number, words[1] if len(words) == 2 else ""))
+    for number, keyword, rest in split_statements(read_statement_lines(path, tolerant=tolerant)):
+        rows[keyword].append((number, rest))
+    for keyword in OBJ_GEOMETRY.keys() & rows.keys():
+        hint = "Convert the model to polygons in the program that wrote it."
+        place = Location(path, f"line {rows[keyword][0][0]}")
+        raise place.error(f"`{keyword}` is {OBJ_GEOMETRY[keyword]}, which is not read", hint)
+    if rows["fo"]:  # the same statement in older files
+        rows["f"] = sorted(rows["f"] + rows["fo"])
     return rows
 
 
-def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
+def _place_maps(
+    uv: Float[np.ndarray, "t 3 2"], slot: Int[np.ndarray, " t"], entries: Sequence[LibraryMaterial], path: Path
+) -> Float[np.ndarray, "t 3 2"]:
+    """Return the texture coordinates after scale and offset of the materials' colour maps."""
+    for number, entry in enumerate(entries):
+        placed, own = entry.color_map, slot == number
+        try:
+            if placed.is_clamped or placed.scale != (1, 1) or placed.offset != (0, 0):
+                uv[own] = placed.place(uv[own])
+        except ValueError as error:
+            place = Location(path, f"material `{entry.material.name[:60]}`")
+            raise place.error(str(error), "Remove the option, or repeat the image.") from None
+    return uv
+
+
+def read_table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
+    """Return the first `width` numbers of each row.
+
+    Raises:
+        DatasetError: A number is missing, not finite or beyond `MAX_COORDINATE`.
+    """
     words = [word for _, rest in rows for word in rest.split(None, width)[:width]]
     try:
+        if any("_" in rest or not rest.isascii() for _, rest in rows) and not _is_plain(words):
+            raise ValueError
         table = np.array([float(word) for word in words]).reshape(len(rows), width)
     except ValueError:
         number, rest = next(row for row in rows if not _numeric(row[1], width))
@@ -80,9 +124,16 @@ def _table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
     return table
 
 
+def _is_plain(words: Sequence[str]) -> bool:
+    """Return whether words have only characters of numbers in files; Python also reads `1_0` and other digits."""
+    text = " ".join(words)
+    return text.isascii() and "_" not in text
+
+
 def _numeric(text: str, width: int) -> bool:
+    words = text.split(None, width)[:width]
     try:
-        return len([float(word) for word in text.split(None, width)[:width]]) == width
+        return _is_plain(words) and len([float(word) for word in words]) == width
     except ValueError:
         return False
 
@@ -94,26 +145,34 @@ def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
 
 def _materials(
     rows: dict[str, Rows], path: Path, textures: TextureLookup
-) -> tuple[tuple[Material, ...], Int[np.ndarray, " f"]]:
-    libraries: dict[Path, Location] = {}  # each library is read once, even if named repeatedly
-    for row in rows["mtllib"]:
-        libraries.setdefault(*_library(row, path, textures))
-    materials = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
+) -> tuple[tuple[LibraryMaterial, ...], Int[np.ndarray, " f"]]:
+    libraries = find_libraries(rows, path, textures)
+    entries = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
     if textures.tolerant:
-        materials += missing_materials(rows["usemtl"], materials, next(iter(libraries), path.with_suffix(".mtl")).name)
-    slots = {material.name: slot for slot, material in enumerate(materials)}
+        name = next(iter(libraries), path.with_suffix(".mtl")).name
+        known = [entry.material for entry in entries]
+        entries += tuple(map(LibraryMaterial, missing_materials(rows["usemtl"], known, name)))
+    slots = _slots([entry.material.name for entry in entries])
     used = [_slot(row, slots, path) for row in rows["usemtl"]]
     current = _current(rows["usemtl"], rows["f"])
     if (current < 0).any():
-        materials += (DEFAULT_MATERIAL,)
+        entries += (LibraryMaterial(DEFAULT_MATERIAL),)
     # Index -1, for faces above every usemtl, selects the plain material at the end of both.
-    return materials, np.array([*used, len(materials) - 1], np.int32)[current]
+    return entries, np.array([*used, len(entries) - 1], np.int32)[current]
 
 
-def _read_library(library: Path, place: Location, textures: TextureLookup) -> tuple[Material, ...]:
-    """Read the materials of a library; empty if it is missing or broken and the lookup is tolerant."""
+def _slots(names: Sequence[str]) -> Mapping[str, int]:
+    """Return the slot of each name; the first library counts, and whole names before those without comments."""
+    slots: dict[str, int] = {}
+    for name, slot in (*((n, i) for i, n in enumerate(names)), *((bare_name(n), i) for i, n in enumerate(names))):
+        slots.setdefault(name, slot)
+    return slots
+
+
+def _read_library(library: Path, place: Location, textures: TextureLookup) -> tuple[LibraryMaterial, ...]:
+    """Read the materials of a library; empty if it is missing or unreadable and the lookup is tolerant."""
     try:
-        return read_mtl(library, textures, _remedy(place))
+        return read_library(library, textures, _remedy(place))
     except DatasetError:
         if not textures.tolerant:
             raise
@@ -128,8 +187,9 @@ def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tu
         known: Materials of the libraries.
         library: Name of the library that should define them, with `.mtl`.
     """
+    defined = _slots([material.name for material in known])
     names = dict.fromkeys(name for _, rest in used if (name := rest.strip()))
-    missing = names.keys() - {material.name for material in known}
+    missing = {name for name in names if name not in defined and bare_name(name) not in defined}
     numbers = [int(name[9:]) for name in missing if re.fullmatch("material_[0-9]{1,3}", name)]
     slots = [f"material_{i}" for i in range(len(known), max(numbers, default=-1) + 1)]  # slots are positions
     named = [name for name in slots if name not in names or name in missing]
@@ -137,26 +197,48 @@ def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tu
     return tuple(Material(name, MISSING_COLOR, None, 1.0, missing_file=library) for name in (*named, *others))
 
 
-def _library(row: tuple[int, str], path: Path, textures: TextureLookup) -> tuple[Path, Location]:
-    place = Location(path, f"line {row[0]}")
-    library = resolve_below(textures.root, path.parent, row[1].strip())
-    if library is None:
-        raise escape_error(row[1].strip(), place)
-    return library, place
+def find_libraries(rows: dict[str, Rows], path: Path, textures: TextureLookup) -> dict[Path, Location]:
+    """Return the material libraries of an OBJ with the first line of each, in file order; errors as in `read_obj`."""
+    libraries: dict[Path, Location] = {}
+    for row in rows["mtllib"]:
+        for library, place in _libraries(row, path, textures):
+            libraries.setdefault(library, place)
+    return libraries
+
+
+def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> list[tuple[Path, Location]]:
+    """Return the files of a `mtllib`: one whose name may contain spaces, or several names.
+
+    Raises:
+        DatasetError: A path leads out of the dataset.
+    """
+    place, text = Location(path, f"line {row[0]}"), row[1].strip()
+    names = [text]
+    if not textures.has_file(text, path.parent):
+        names = split_library_names(text)
+        words = text.split()
+        if len(words) > 1 and all(textures.has_file(word, path.parent) for word in words):
+            names = words
+    found = [(name, resolve_below(textures.root, path.parent, name)) for name in names]
+    for name, library in found:
+        if library is None:
+            raise escape_error(name, place)
+    return [(library, place) for _, library in found if library is not None]
 
 
 def _remedy(place: Location) -> str:
     return f"{place.file} needs it: fetch or write it again, or correct {place.element} there."
 
 
-def _slot(row: tuple[int, str], slots: dict[str, int], path: Path) -> int:
+def _slot(row: tuple[int, str], slots: Mapping[str, int], path: Path) -> int:
     name = row[1].strip()
-    if name not in slots:
+    slot = slots.get(name, slots.get(bare_name(name)))
+    if slot is None:
         raise _unknown_material(name, slots, Location(path, f"line {row[0]}"))
-    return slots[name]
+    return slot
 
 
-def _unknown_material(name: str, slots: dict[str, int], place: Location) -> DatasetError:
+def _unknown_material(name: str, slots: Mapping[str, int], place: Location) -> DatasetError:
     hint = did_you_mean(name, slots) if slots else "Add a `mtllib` line that names an MTL file."
     return place.error(f"material `{name[:60]}` is not in the material library", hint)
 

@@ -1,4 +1,4 @@
-"""Reader of the `f` and `vn` lines of an OBJ: corners, their indices, triangle fans and vertex normals."""
+"""Reader of the `f` and `vn` lines of an OBJ: corners, their indices, triangles and vertex normals."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.datasets.suncg.formats.json_value import Location
+from home_mjx.geometry.faces import FaceError, triangulate_faces
 
 Rows = list[tuple[int, str]]  # line number and the text after the keyword
 MAX_CORNERS = 1 << 22  # maximum corners of one mesh
@@ -42,8 +43,11 @@ def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
     corners = [corner for words in faces for corner in words]
+    text = " ".join(corners)
+    if not text.isascii() or "_" in text:  # Python would read `1_0`
+        return None
     slashes = np.array([corner.count("/") for corner in corners])
-    words = " ".join(corners).replace("//", "/0/").replace("/", " ").split()
+    words = text.replace("//", "/0/").replace("/", " ").split()
     try:
         numbers = np.array([int(word) for word in words], np.int64)
     except (ValueError, OverflowError):
@@ -87,13 +91,26 @@ def _absolute(
     return index
 
 
-def triangulate_fans(sides: Int[np.ndarray, " f"]) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    """Split polygons into triangles (0, k, k + 1); return corner indices and the polygon of each triangle."""
-    count = sides - 2
-    face = np.repeat(np.arange(len(sides)), count)
-    start = (np.cumsum(sides) - sides)[face]
-    step = np.arange(len(face)) - (np.cumsum(count) - count)[face] + 1
-    return np.stack([start, start + step, start + step + 1], axis=1), face
+def split_faces(
+    points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows, path: Path, tolerant: bool = False
+) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
+    """Split polygons into triangles; return corner indices and the polygon of each triangle.
+
+    Args:
+        points: Corners of all faces [m].
+        sides: Number of corners of each face.
+        rows: Lines of `f`, for errors.
+        path: The file, for errors.
+        tolerant: As in `triangulate_faces`.
+
+    Raises:
+        DatasetError: A polygon crosses itself, or has too many corners.
+    """
+    try:
+        return triangulate_faces(points, sides, tolerant)
+    except FaceError as error:
+        hint = "Triangulate the model in the program that wrote it."
+        raise Location(path, f"line {rows[error.face][0]}").error(str(error), hint) from None
 
 
 def smooth_normals(

@@ -68,6 +68,11 @@ class TextureLookup:
                 raise
             return {"missing_file": name}
 
+    def has_file(self, relative: str, folder: Path) -> bool:
+        """Return whether a path of an MTL, relative to its folder, is an existing file below the root."""
+        path = resolve_below(self.root, folder, relative)
+        return path is not None and is_file(path)
+
     def find_color_map(self, relative: str, folder: Path, place: Location) -> Path:
         """Return the image of a `map_Kd`, or else the image with the same stem in `texture/`.
 

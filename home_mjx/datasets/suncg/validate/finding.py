@@ -65,6 +65,11 @@ RULES: Mapping[str, ValidationRule] = {
     "floor-down": ValidationRule("warning", "a floor whose upper side faces down"),
     "flat-wall": ValidationRule("warning", "a wall without length"),
     "element-type": ValidationRule("warning", "an architectural element of an unknown type"),
+    # models
+    "flat-model": ValidationRule("warning", "a model without thickness, which never moves"),
+    "bridged-face": ValidationRule("warning", "a face that visits a corner twice, such as one with a hole"),
+    "bent-face": ValidationRule("warning", "a face of more than four corners that are not in one plane"),
+    "unread-statement": ValidationRule("warning", "a statement of an OBJ or MTL that is unknown or has no effect here"),
     # joints
     "joint-model": ValidationRule("error", "a joint of a model without a row in ModelCategoryMapping.csv"),
     "joint-faces": ValidationRule("error", "faces of a joint that its model lacks, or that belong to two joints"),

@@ -8,6 +8,7 @@ from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.datasets.suncg.validate.boxes import check_boxes
 from home_mjx.datasets.suncg.validate.context import ValidationContext
 from home_mjx.datasets.suncg.validate.document import check_document
+from home_mjx.datasets.suncg.validate.faces import check_faces
 from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.materials import check_materials
 from home_mjx.datasets.suncg.validate.meshes import check_joints, check_meshes
@@ -49,7 +50,7 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
         subject.report("nothing-shown", "levels", "house has no visible node")
     elif not any(mesh for level in subject.house.levels for room in level.rooms for mesh in _meshes(room)):
         subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
-    for check in (check_document, check_boxes, check_rooms, check_meshes, check_materials, check_joints):
+    for check in (check_document, check_boxes, check_rooms, check_meshes, check_faces, check_materials, check_joints):
         check(subject)
     return _sorted(subject, str(path))
 

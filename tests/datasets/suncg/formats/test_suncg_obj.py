@@ -116,8 +116,10 @@ def test_numbers_beyond_the_coordinates_are_ignored(read):
 def test_large_mesh_against_a_plain_loop(read, rng):
     count, faces = 500, 2_000
     sides = rng.integers(3, 7, faces)
-    corners = [rng.integers(1, count + 1, (n, 2)) for n in sides]
-    points, uv = rng.normal(size=(count, 3)), rng.random((count, 2))
+    around = [np.sort(rng.choice(count, n, replace=False)) + 1 for n in sides]  # in order round a circle: convex
+    corners = [np.stack([corner, rng.integers(1, count + 1, len(corner))], axis=1) for corner in around]
+    angle, uv = np.linspace(0, 2 * np.pi, count, endpoint=False), rng.random((count, 2))
+    points = np.stack([np.cos(angle), np.sin(angle), np.cos(angle) / 2], axis=1)
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in points.tolist()] + [f"vt {u!r} {v!r}" for u, v in uv.tolist()]
     lines += ["f " + " ".join(f"{v}/{t}" for v, t in face) for face in corners]
     mesh = read("\n".join(lines))
@@ -151,6 +153,15 @@ def test_large_mesh_against_a_plain_loop(read, rng):
         ("f 1/1 2/1 3/2", "face refers to `vt` 2, but the file has 1"),
         ("f 1/1 2/1 3/-2", "face refers to `vt` -2, but the file has 1"),
         ("f 1//1 2//1 3//1", "face refers to `vn` 1, but the file has 0"),
+        ("v 1_0 0 0", "expected 3 numbers, got `1_0 0 0`"),
+        ("v ١ 0 0", "expected 3 numbers"),
+        ("v 0,5 0 0", "expected 3 numbers, got `0,5 0 0`"),
+        ("v 1.#QNAN 0 0", "expected 3 numbers"),
+        ("f 1 2 1_0", "expected a face"),
+        ("surf 0 1 0 1 1 2 3 4", "`surf` is a free-form surface, which is not read"),
+        ("bzp 1 2 3 4", "`bzp` is a Bezier patch, which is not read"),
+        ("call other.obj", "`call` is the content of another file, which is not read"),
+        ("csh -rm x", "`csh` is the output of a program, which is not read"),
         ("usemtl green", "material `green` is not in the material library"),
     ],
 )
@@ -221,7 +232,18 @@ def test_file_too_large(read, monkeypatch):
         ("newmtl", "`newmtl` without a name"),
         ("newmtl red", "material `red` is defined twice"),
         ("map_Kd", "expected a file name"),
-        ("map_Kd -s 2 2 2 wood.png", "expected a file name"),
+        ("map_Kd -s 2 2 2 wood.png", "texture `wood` is missing"),
+        ("map_Kd -s", "expected a file name, got `-s`"),
+        ("map_Kd -s 2 2 2", "texture `2` is missing"),
+        ("map_Kd -s x wood.png", "expected a finite number after an option"),
+        ("map_Kd -s nan 1 1 wood.png", "expected a finite number after an option"),
+        ("map_Kd -gain 2 wood.png", "expected a file name, got `-gain 2 wood.png`"),
+        ("map_Kd -mm 0.2 2 wood.png", "option `-mm 0.2 2` of `map_Kd` is not read"),
+        ("map_Kd -t 0.1 wood.png", "option `-t 0.1` of `map_Kd` is not read"),
+        ("map_Kd -imfchan r wood.png", "option `-imfchan r` of `map_Kd` is not read"),
+        ("map_Kd -type sphere wood.png", "option `-type sphere` of `map_Kd` is not read"),
+        ("Kd 1_0 0 0", "expected 3 finite number(s)"),
+        ("Kd spectral file.rfl 1", "expected 3 finite number(s)"),
         ("map_Kd ../../texture/none.png", "texture `none` is missing"),
         ("map_Kd ../../../none.png", "leads out of the dataset"),
         ("map_Kd /etc/passwd", "leads out of the dataset"),

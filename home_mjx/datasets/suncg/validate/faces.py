@@ -1,0 +1,116 @@
+"""Rules on the OBJ and MTL files themselves: faces with holes, bent faces, statements that are not read."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.core.files import is_file
+from home_mjx.datasets.suncg.formats.obj import find_libraries, read_table, scan_obj
+from home_mjx.datasets.suncg.formats.obj_faces import Rows, read_corners
+from home_mjx.datasets.suncg.formats.statements import (
+    MTL_IGNORED,
+    MTL_READ,
+    OBJ_IGNORED,
+    OBJ_READ,
+    read_statement_lines,
+    split_statements,
+)
+from home_mjx.datasets.suncg.validate.context import ValidationContext
+from home_mjx.errors import DatasetError
+from home_mjx.geometry.meshes import min_thickness
+from home_mjx.schema.house import Mesh
+
+MAX_BEND = 0.01  # maximum distance of corners from the plane of their face, as a fraction of its extent
+MIN_THICKNESS = 1e-6  # [m], minimum thickness of a model that is not flat
+COLOR_WIDTH = 6  # numbers of a vertex with a colour
+
+
+def check_faces(subject: ValidationContext) -> None:
+    """Report faces with holes, bent faces, statements that are not read, and models without thickness."""
+    meshes = {mesh.path: mesh for mesh in subject.reading.results.values() if isinstance(mesh, Mesh)}
+    for path in (path for path in meshes if path.suffix == ".obj" and is_file(path)):
+        subject.reading.attempt(_check_file, subject, path)
+    for mesh in subject.house.models.values():
+        if min_thickness(mesh.vertices[mesh.faces]) < MIN_THICKNESS:
+            message = "it has no thickness: it never moves, and its collision box has 0.2 mm"
+            subject.report("flat-model", "", message, mesh.path)
+
+
+def _check_file(subject: ValidationContext, path: Path) -> None:
+    rows = scan_obj(path, subject.reading.tolerant)
+    points = read_table(rows["v"], 3, path)
+    index, sides = read_corners(rows, path)
+    corners = points[index[:, 0] - 1]
+    for line, rule, message in (*_odd_faces(corners, sides, rows["f"]), *_odd_statements(rows)):
+        subject.report(rule, f"line {line}", message, path)
+    for library in (library for library in find_libraries(rows, path, subject.reading.assets.textures)):
+        _check_library(subject, library)
+
+
+def _check_library(subject: ValidationContext, path: Path) -> None:
+    try:
+        text = read_statement_lines(path, tolerant=subject.reading.tolerant)
+    except DatasetError:
+        return  # reported by the reader
+    seen: dict[str, int] = {}
+    for line, keyword, _ in split_statements(text):
+        if keyword not in MTL_READ | MTL_IGNORED:
+            seen.setdefault(keyword, line)
+    for keyword, line in seen.items():
+        subject.report("unread-statement", f"line {line}", f"`{keyword[:60]}` is not read", path)
+
+
+def _odd_statements(rows: dict[str, Rows]) -> Iterator[tuple[int, str, str]]:
+    """Yield line, rule and message of the first statement of each kind that is not read."""
+    for keyword in rows.keys() - OBJ_READ - OBJ_IGNORED:
+        if rows[keyword]:
+            yield rows[keyword][0][0], "unread-statement", f"`{keyword[:60]}` is not read"
+    for line, rest in rows["v"]:
+        if len(rest.partition("#")[0].split()) >= COLOR_WIDTH:
+            yield line, "unread-statement", "colours of vertices are not read"
+            return
+
+
+def _odd_faces(
+    corners: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows
+) -> Iterator[tuple[int, str, str]]:
+    """Yield line, rule and message of the first face with a bridge and of the first bent one.
+
+    Bent quads are common in SUNCG, and their two triangles leave little doubt.
+    """
+    first = np.cumsum(sides) - sides
+    odd: dict[str, list[int]] = {"bridged-face": [], "bent-face": []}
+    for count in np.unique(sides[sides > 3]).tolist():
+        faces = np.flatnonzero(sides == count)
+        polygons = corners[first[faces][:, None] + np.arange(count)]
+        odd["bridged-face"] += faces[_has_bridge(polygons)].tolist()
+        odd["bent-face"] += faces[_is_bent(polygons)].tolist() if count > 4 else []
+    messages = {
+        "bridged-face": "of the faces visit a corner twice: cut along the bridge to their holes",
+        "bent-face": "of the faces are bent: cut as seen along their mean normal",
+    }
+    for rule, found in odd.items():
+        if found:
+            yield rows[min(found)][0], rule, f"{len(found)} {messages[rule]}"
+
+
+def _has_bridge(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
+    """Return whether a polygon returns to one of its corners; a corner repeated at once does not count."""
+    order = np.lexsort(polygons.transpose(2, 0, 1), axis=1)
+    ordered = np.take_along_axis(polygons, order[..., None], axis=1)
+    same = (np.diff(ordered, axis=1) == 0).all(axis=2)
+    gap = abs(np.diff(order, axis=1))
+    return (same & (gap > 1) & (gap < polygons.shape[1] - 1)).any(axis=1)
+
+
+def _is_bent(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
+    """Return whether corners are off the plane through the first one, across the vector area."""
+    away = polygons - polygons[:, :1]
+    normal = np.cross(away[:, :-1], away[:, 1:]).sum(axis=1)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+    height = np.einsum("mni,mi->mn", away, normal)
+    extent = np.sqrt((away**2).sum(axis=2).max(axis=1))
+    return np.ptp(height, axis=1) > MAX_BEND * extent

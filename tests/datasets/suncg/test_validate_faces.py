@@ -1,0 +1,60 @@
+"""Findings of the validator in OBJ and MTL files."""
+
+import pytest
+from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
+
+from home_mjx.datasets import open_dataset, validate_house
+
+SHEET = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
+FRAME = "v 2 2 0\nv 6 2 0\nv 6 5 0\nv 2 5 0\nv 3 3 0\nv 3 4 0\nv 5 4 0\nv 5 3 0\n"
+CASES = {
+    f"{FRAME}f -8 -7 -6 -5 -8 -4 -3 -2 -1 -4\n": ("bridged-face", "1 of the faces visit a corner twice"),
+    "v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv .5 2 0\nv 0 1 0\nf -5 -4 -3 -2 -1\n": ("bent-face", "1 of the faces are bent"),
+    "v 0 0 0 1 0 0\n": ("unread-statement", "colours of vertices are not read"),
+    "usemap wood\n": ("unread-statement", "`usemap` is not read"),
+    "Strange 1 2\n": ("unread-statement", "`strange` is not read"),
+}
+
+
+@pytest.fixture
+def findings(tmp_path):
+    def validate(obj="", mtl="", whole=False):
+        root = write_tiny_dataset(tmp_path / "data")
+        folder = root / "object" / TABLE
+        before = (folder / f"{TABLE}.obj").read_text()
+        (folder / f"{TABLE}.obj").write_text(obj if whole else before + obj)
+        (folder / f"{TABLE}.mtl").write_text((folder / f"{TABLE}.mtl").read_text() + mtl)
+        rules = {"flat-model", "bridged-face", "bent-face", "unread-statement", "unreadable"}
+        found = [f for f in validate_house(open_dataset(root), HOUSE_ID) if f.rule in rules]
+        return [(f.rule, f.element, f.message, f.file) for f in found], before.count("\n")
+
+    return validate
+
+
+def test_good_files_have_no_finding(findings):
+    assert findings()[0] == []
+
+
+@pytest.mark.parametrize("text", CASES, ids=[rule for rule, _ in CASES.values()])
+def test_faces_and_statements(findings, text):
+    ((rule, element, message, file),), before = findings(text)
+    expected, words = CASES[text]
+    assert (rule, element) == (expected, f"line {before + text.count(chr(10))}")
+    assert message.startswith(words)
+    assert file.endswith(f"{TABLE}.obj")
+
+
+def test_statements_of_a_library(findings):
+    ((rule, _, message, file),), _ = findings(mtl="map_d leaf.png\nNi 1.5\nPr 0.2\n")
+    assert (rule, message, file.endswith(f"{TABLE}.mtl")) == ("unread-statement", "`map_d` is not read", True)
+
+
+def test_a_model_without_thickness(findings):
+    ((rule, _, message, _),), _ = findings(SHEET, whole=True)
+    assert (rule, message.startswith("it has no thickness")) == ("flat-model", True)
+
+
+def test_a_face_that_crosses_itself(findings):
+    ((rule, element, message, _),), before = findings("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf -4 -3 -2 -1\n")
+    assert (rule, element) == ("unreadable", f"line {before + 5}")
+    assert "crosses itself" in message
