@@ -48,6 +48,8 @@ def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"])
 
     Of the cells above one another, one per level, it is the highest one in a room whose floor or ramp is not above the
     point, up to `MAX_SHARED_GAP`; where there is none in a room, the highest one; below all floors, the lowest one.
+    Over stairs it is the ramp, not the opening in the floor above: there is no floor between a cell and a point that is
+    less than an agent's height above it.
 
     Args:
         bank: The houses.
@@ -59,7 +61,10 @@ def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"])
     height = _heights(bank, house, row, column)
     under = (height <= point[2] + jnp.float32(MAX_SHARED_GAP)) & jnp.isfinite(bank.navigation.floor[house])
     inside = under & (bank.navigation.room[house, :, row, column] >= 0)
-    highest = jnp.argmax(jnp.where(jnp.where(jnp.any(inside), inside, under), height, -jnp.inf))
+    near = under & (bank.navigation.cell[house, :, row, column] >= 0)
+    near &= point[2] - height < jnp.float32(bank.spec.agent_height)
+    chosen = jnp.where(jnp.any(near), near, jnp.where(jnp.any(inside), inside, under))
+    highest = jnp.argmax(jnp.where(chosen, height, -jnp.inf))
     level = jnp.where(jnp.any(under), highest, jnp.argmin(height)).astype(jnp.int32)
     return jnp.stack([level, row, column])
 
@@ -125,7 +130,7 @@ def geodesic_distance(
     usable = usable.at[_MIDDLE].set(True)
     nearest = navigation.cell_coords[row_of_cell(cell[_MIDDLE])]
     plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
-    plan = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) + navigation.origin[house]
+    plan = (plan.astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) + navigation.origin[house][None]
     centre = jnp.concatenate([plan, navigation.height[row_of_cell(cell)][:, None]], axis=1)
     way = jnp.linalg.norm(centre - feet[None], axis=-1)
     way = jnp.where(usable, way, jnp.float32(jnp.inf))
@@ -149,7 +154,7 @@ def is_near_home_region(bank: HouseBank, house: Int[Array, ""], feet: Float[Arra
 def _neighbourhood(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Int[Array, "9 3"]:
     """Return the 3 × 3 cells around a cell, clipped to the grid, each on the level where its floor or ramp goes on."""
     offsets = jnp.array([(0, dy, dx) for dy, dx in _OFFSETS], jnp.int32)
-    around = jnp.clip(place + offsets, 0, jnp.array(bank.navigation.room.shape[1:], jnp.int32) - 1)
+    around = jnp.clip(place[None] + offsets, 0, jnp.array(bank.navigation.room.shape[1:], jnp.int32)[None] - 1)
     return continue_levels(bank, house, place, around)
 
 
@@ -175,7 +180,7 @@ def continue_levels(
     rise = jnp.abs(navigation.height[row_of_cell(cell)] - own)
     rise = jnp.where(is_home_cell(bank, house, cell), rise, jnp.inf)
     rise = rise.at[place[0]].add(-jnp.float32(MAX_SHARED_GAP))  # of two cells at one place, that of the own level
-    away = jnp.linalg.norm((around - place)[:, 1:].astype(jnp.float32), axis=1) * jnp.float32(bank.spec.cell)
+    away = jnp.linalg.norm((around - place[None])[:, 1:].astype(jnp.float32), axis=1) * jnp.float32(bank.spec.cell)
     reached = jnp.min(rise, axis=0) <= jnp.float32(MAX_SLOPE) * (away + jnp.float32(bank.spec.cell))
     level = jnp.where(reached, jnp.argmin(rise, axis=0).astype(jnp.int32), place[0])
     return around.at[:, 0].set(level)

@@ -8,6 +8,7 @@ from jaxtyping import Float
 from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import ground_fields
 
+MAX_GOAL_RISE = 1.5  # [m], maximum height above the lowest floor of goals on the ground floor
 LOOK_AHEAD_CELLS = 5  # [cells], distance of the point that the agent steers to
 
 
@@ -97,7 +98,7 @@ def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray
 def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> PathFollower:
     """Make a path follower that visits a goal in every other room, nearest to `pos` first, before any room twice.
 
-    Unreachable goals are omitted. Houses with goals upstairs are not supported: grids are those of the ground floor.
+    Goals that are unreachable or upstairs are omitted: the grids are those of the ground floor.
 
     Args:
         bank: The houses.
@@ -111,8 +112,9 @@ def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"]
     rooms = [_room(bank, house, goal) for goal in np.asarray(navigation.goal[house])]
     seen = [_room(bank, house, pos)]
     reach = fields[:, *walker._free_cell(walker._cell(pos))]
+    upstairs = np.asarray(navigation.goal[house])[:, 2] > float(navigation.floor[house, 0]) + MAX_GOAL_RISE
     order = sorted(range(len(rooms)), key=lambda g: ((seen + rooms[:g]).count(rooms[g]), reach[g]))
-    walker.targets = [g for g in order if np.isfinite(reach[g])] or [0]
+    walker.targets = [g for g in order if np.isfinite(reach[g]) and not upstairs[g]] or [0]
     return walker
 
 

@@ -32,7 +32,9 @@ def test_distances_at_cell_centres_are_those_of_the_field(bank, houses):
     for h, house in enumerate(houses):
         n = house.navigation
         places = n.cell_coords[:: len(n.cell_coords) // 50]
-        points = np.c_[(places[:, :0:-1] + 0.5) * n.cell + n.origin, np.zeros(len(places))].astype(np.float32)
+        points = np.c_[(places[:, :0:-1] + 0.5) * n.cell + n.origin, n.height[:: len(n.cell_coords) // 50]].astype(
+            np.float32
+        )
         found = strictly(jax.vmap(lambda p, h=h: geodesic_distance(bank, jnp.int32(h), None, p)), points)
         wanted = np.stack([n.distance(g)[tuple(places.T)] for g in range(len(n.goal))], axis=1)
         # The way over a neighbour's centre is as long, or longer by what rounding to FIELD_UNIT takes.

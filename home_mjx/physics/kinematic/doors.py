@@ -25,7 +25,11 @@ def drive_doors(
 
 
 def push_doors(
-    leaves: DoorLeaves, angle: Float[Array, " h"], pos: Float[Array, "a 3"], radius: Float[Array, " a"]
+    leaves: DoorLeaves,
+    angle: Float[Array, " h"],
+    pos: Float[Array, "a 3"],
+    radius: Float[Array, " a"],
+    half: Float[Array, " a"],
 ) -> Float[Array, " h"]:
     """Return joint coordinates after agents have pushed overlapping leaves away, within the limits of hinges and rails.
 
@@ -35,8 +39,9 @@ def push_doors(
     Args:
         leaves: Leaves of the house.
         angle: Joint coordinates [rad], of sliding leaves [m].
-        pos: Positions of the agents [m].
+        pos: Positions of the agents' centres [m].
         radius: Radii of the agents [m].
+        half: Half heights of the agents [m]; leaves above or below an agent stay where they are.
     """
     turned = leaves.hinge_mask * angle + leaves.yaw
     along = leaves.size[:, 0] >= leaves.size[:, 1]  # the box's first axis is the leaf's long axis
@@ -49,11 +54,12 @@ def push_doors(
     along_u, along_v = (jnp.sum(gap * axis[:, None], axis=-1) for axis in (u, v))
     lever = jnp.sum((pos[None, :, :2] - leaves.pivot[:, None]) * u[:, None], axis=-1)
     depth = half_v[:, None] + radius[None] - jnp.abs(along_v)
-    met = (depth > 0) & (jnp.abs(along_u) <= half_u[:, None]) & (jnp.abs(lever) > MIN_PUSH_LEVER)
+    as_high = jnp.abs(pos[None, :, 2] - leaves.height[:, None]) < half[None] + leaves.size[:, 2:]
+    met = as_high & (depth > 0) & (jnp.abs(along_u) <= half_u[:, None]) & (jnp.abs(lever) > MIN_PUSH_LEVER)
     turn = -jnp.sign(along_v) * depth / jnp.where(met, lever, 1.0)
     turn = jnp.where(met, turn, 0.0)
     past = half_u[:, None] + radius[None] - jnp.abs(along_u)
-    at_end = (past > 0) & (jnp.abs(along_u) > half_u[:, None]) & (jnp.abs(along_v) <= half_v[:, None])
+    at_end = as_high & (past > 0) & (jnp.abs(along_u) > half_u[:, None]) & (jnp.abs(along_v) <= half_v[:, None])
     shift = jnp.where(at_end, -jnp.sign(along_u) * past, 0.0) * jnp.sum(leaves.slide * u, axis=-1)[:, None]
     push = jnp.where(leaves.hinge_mask[:, None] > 0, turn, shift)
     return jnp.clip(angle + jnp.sum(push, axis=-1), leaves.low, leaves.high)

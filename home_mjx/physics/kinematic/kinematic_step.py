@@ -47,7 +47,7 @@ def step_kinematic(
         cos, sin = jnp.cos(yaw), jnp.sin(yaw)
         x, y = cos * wanted[:, 0] - sin * wanted[:, 1], sin * wanted[:, 0] + cos * wanted[:, 1]
         way = jnp.stack([x, y, jnp.zeros_like(x)], axis=-1)
-        angle = push_doors(leaves, angle, pos + way, sizes[0])
+        angle = push_doors(leaves, angle, pos + way, sizes[0], half)
         boxes = jax.tree.map(lambda *x: jnp.concatenate(x), fixed, Footprints.from_boxes(leaf_boxes(leaves, angle)))
         one = jax.vmap(
             lambda me, old, way, pos=pos, boxes=boxes, step_up=step_up: move_and_slide(

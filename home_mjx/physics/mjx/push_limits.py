@@ -62,7 +62,7 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
     def count(me: Int[Array, " n"], other: Int[Array, " n"], rise: Float[Array, " n"]) -> Int[Array, " a"]:
         carries = (other == FLOOR) | ((other <= STATIC) & (rise >= jnp.float32(MIN_SUPPORT_NORMAL)))
         touches = (contact.dist < 0) & ~carries
-        return jnp.sum((me[:, None] == agent) & touches[:, None], axis=0, dtype=jnp.int32)
+        return jnp.sum((me[:, None] == agent[None]) & touches[:, None], axis=0, dtype=jnp.int32)
 
     return count(first, second, -upward) + count(second, first, upward)
 

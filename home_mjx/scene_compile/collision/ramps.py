@@ -18,7 +18,6 @@ BACK_WALL_CLEARANCE = (
     0.4  # [m], distance from the head down to the top of that wall; clear of agents on slopes up to 60 degrees
 )
 HEAD_FLOOR_DEPTH = 0.12  # [m], depth of the floor piece at the head of a slope
-MIN_HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
 MAX_EDGE_DISTANCE = 0.3  # [m], maximum distance between a landing's edge and the end of an adjoining slope
 MIN_GUARD_GAP = 0.05  # [m], gaps up to this width get no guard
 
@@ -60,7 +59,8 @@ def append_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
 
 def build_guards(stairs: Sequence[Staircase]) -> BoxSet:
     """Return boxes along open sides of stairs, up to a railing above the next floor, and walls below their heads."""
-    return concat_boxes(box for one in stairs for box in (*_guards(one), *_wall_below_head(one)))
+    walls = (_guards, _wall_below_head, _wall_below_open_slopes)
+    return concat_boxes(box for one in stairs for wall in walls for box in wall(one))
 
 
 def build_sills(stairs: Sequence[Staircase]) -> BoxSet:
@@ -76,7 +76,7 @@ def _guards(stairs: Staircase) -> Iterator[BoxSet]:
     """Yield guards beside slopes and landings, down to the floor unless agents can walk below."""
     for i, slope in enumerate(stairs.slopes):
         high, half = slope.high + BARRIER_HEIGHT, slope.width / 2
-        low = stairs.low if slope.low < stairs.low + MIN_HEADROOM else slope.low - RAMP_THICKNESS
+        low = stairs.low if i < stairs.first_open_slope else slope.low - RAMP_THICKNESS
         if slope.high > slope.low:
             for side in ((-half - BARRIER_THICKNESS, -half), (half, half + BARRIER_THICKNESS)):
                 yield _between(slope, (0.0, slope.run), side, low, high)
@@ -93,6 +93,13 @@ def _wall_below_head(stairs: Staircase) -> Iterator[BoxSet]:
         yield _between(
             head, (head.run - BACK_WALL_THICKNESS, head.run), (-half, half), stairs.low, head.high - BACK_WALL_CLEARANCE
         )
+
+
+def _wall_below_open_slopes(stairs: Staircase) -> Iterator[BoxSet]:
+    """Yield a wall that keeps agents under slopes that they can walk under from going on under lower ones."""
+    for slope in stairs.slopes[stairs.first_open_slope :][:1]:
+        half = slope.width / 2
+        yield _between(slope, (0.0, BACK_WALL_THICKNESS), (-half, half), stairs.low, slope.low - BACK_WALL_CLEARANCE)
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:

@@ -113,7 +113,7 @@ def find_free_space(
     points = np.stack(np.meshgrid(x, y), axis=-1)
     for stairs, end, here in _assign_stair_cells(upstairs, downstairs, points, options.cell):
         # If other stairs exit under the head of these stairs, the area below is floor or belongs to the other stairs.
-        over = here if stairs.stacked and end == 0 else stairs.contains(points)
+        over = stairs.contains(points) if end else here if stairs.stacked else stairs.blocks_floor(points)
         mine = here | (over & ~owned)
         room, height = np.where(mine, stairs.room[end], room), np.where(mine, stairs.surface(points), height)
         on_ramp, owned = on_ramp | over, owned | here
@@ -139,16 +139,22 @@ def _assign_stair_cells(
 
     Both levels include the cells around the split between their grids. If stairs exit under others, each cell has only
     one surface: the lower one up to the split and, beyond a gap, the upper one. The next level then includes more of
-    the upper stairs.
+    the upper stairs. The same holds for stairs that agents can walk under.
     """
     under = any(stairs.stacked for stairs in upstairs)
     below = [
-        (stairs, 1, stairs.belongs_to_level(points, 1, (0.0 if under else 3.5 if stairs.stacked else 1.5) * cell))
+        (
+            stairs,
+            1,
+            stairs.belongs_to_level(
+                points, 1, (0.0 if under else 3.5 if stairs.stacked or stairs.is_open else 1.5) * cell
+            ),
+        )
         for stairs in downstairs
     ]
     taken = np.any([here for _, _, here in below], axis=0) if below else np.zeros(points.shape[:2], bool)
     for stairs in upstairs:
-        here = stairs.belongs_to_level(points, 0, 1.5 * cell)
+        here = stairs.belongs_to_level(points, 0, 0.0 if stairs.is_open else 1.5 * cell)
         if stairs.stacked:
             here &= np.logical_not(ndimage.binary_dilation(taken, np.ones((3, 3))))
         yield stairs, 0, here

@@ -17,6 +17,7 @@ from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR, RoomTable
 
 STAIRS_CATEGORY = "stairs"
 MAX_FLOOR_DISTANCE = 0.6  # [m], maximum vertical distance between an end of stairs and the floor that it leads to
+MIN_HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
 ROOM_PROBE_DISTANCE = 0.2  # [m], distance beyond either end of stairs of the test points for rooms
 
 Polygon = Float[np.ndarray, "_ 2"]
@@ -66,6 +67,26 @@ class Staircase:
         return min(slope.width for slope in self.slopes)
 
     @cached_property
+    def first_open_slope(self) -> int:
+        """Index of the first slope that agents can walk under; the number of slopes if there is none."""
+        return next((i for i, s in enumerate(self.slopes) if s.low >= self.low + MIN_HEADROOM), len(self.slopes))
+
+    @property
+    def is_open(self) -> bool:
+        """Whether agents can walk under some of the slopes."""
+        return self.first_open_slope < len(self.slopes)
+
+    @property
+    def split(self) -> float:
+        """Height above which the stairs are in the upper level's grid [m].
+
+        The grids have one surface per cell: under slopes that agents can walk under, that of the lower level is the
+        floor.
+        """
+        depth = self.level_floor - MAX_DEPTH_BELOW_FLOOR
+        return min([depth, *(slope.low for slope in self.slopes[self.first_open_slope :])])
+
+    @cached_property
     def outlines(self) -> tuple[Float[np.ndarray, "4 2"], ...]:
         """Outlines of the slopes in the plan [m]."""
         return tuple(slope.outline for slope in self.slopes)
@@ -73,6 +94,11 @@ class Staircase:
     def contains(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
         """Return whether points are over the stairs."""
         return np.any([slope.contains(points) for slope in self.slopes], axis=0)
+
+    def blocks_floor(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
+        """Return whether points are over the stairs, and not over slopes that agents can walk under."""
+        open_slopes = [slope.contains(points) for slope in self.slopes[self.first_open_slope :]]
+        return self.contains(points) & ~np.any(open_slopes, axis=0) if open_slopes else self.contains(points)
 
     def surface(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
         """Return the height of the highest slope under each point [m]; -inf beside the stairs."""
@@ -87,7 +113,7 @@ class Staircase:
             end: 0 or 1.
             margin: Overlap of both levels beyond the split between them, along the way [m].
         """
-        surface, split = self.surface(points), self.level_floor - MAX_DEPTH_BELOW_FLOOR
+        surface, split = self.surface(points), self.split
         found = np.zeros(surface.shape, bool)
         for slope in self.slopes:
             near = margin * slope.grade

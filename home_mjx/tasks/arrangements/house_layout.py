@@ -29,7 +29,8 @@ class HouseLayout:
         is_selected: Whether each body is selected for a new pose: it is small and supports no others.
         on_furniture: Whether each body is on furniture; the others are on a floor.
         room: Room of each body; -1 none.
-        door_sweeps: Horizontal position of the hinge of each leaf, and the radius that the leaf sweeps [m].
+        door_sweeps: Position of the hinge of each leaf in the plan, the radius that the leaf sweeps, and the heights of
+            its lower and upper edge [m].
         portals: Centres of portals [m].
         goals: Navigation goals [m].
         room_grid: Room of each cell; -1 none.
@@ -45,7 +46,7 @@ class HouseLayout:
     is_selected: Bool[np.ndarray, " k"]
     on_furniture: Bool[np.ndarray, " k"]
     room: Int[np.ndarray, " k"]
-    door_sweeps: Float[np.ndarray, "h 3"]
+    door_sweeps: Float[np.ndarray, "h 5"]
     portals: Float[np.ndarray, "p 3"]
     goals: Float[np.ndarray, "g 3"]
     room_grid: Int[np.ndarray, "l ny nx"]
@@ -126,8 +127,9 @@ def _is_support(bodies: BoxSet) -> Bool[np.ndarray, " k"]:
     return found
 
 
-def _door_sweeps(physics: Any) -> Float[np.ndarray, "h 3"]:
+def _door_sweeps(physics: Any) -> Float[np.ndarray, "h 5"]:
     used = physics.door_valid
     arm = np.linalg.norm(physics.door_pos[used, :2] - physics.door_pivot[used], axis=-1)
     reach = arm + np.hypot(*physics.door_size[used, :2].T)
-    return np.c_[physics.door_pivot[used], reach].astype(float)
+    middle, half = physics.door_pos[used, 2], physics.door_size[used, 2]
+    return np.c_[physics.door_pivot[used], reach, middle - half, middle + half].astype(float)

@@ -52,11 +52,9 @@ def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
     meets = (around.bottom < box.top[0] - TOUCH_TOLERANCE) & (around.top > box.bottom[0] + TOUCH_TOLERANCE)
     if (penetration_depth(box, around[meets]) > -MIN_HORIZONTAL_CLEARANCE).any():
         return False
-    return bool(
-        (
-            footprint_distance(box, 0, house.door_sweeps[:, :2]) > house.door_sweeps[:, 2] + MIN_HORIZONTAL_CLEARANCE
-        ).all()
-    )
+    pivot, reach, low, high = np.split(house.door_sweeps, [2, 3, 4], axis=1)
+    away = footprint_distance(box, 0, pivot) > reach[:, 0] + MIN_HORIZONTAL_CLEARANCE
+    return bool((away | (low[:, 0] > box.top[0]) | (high[:, 0] < box.bottom[0])).all())
 
 
 def _home_after_placement(

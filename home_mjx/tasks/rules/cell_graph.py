@@ -17,6 +17,7 @@ from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 
 MAX_RAMP_STEP = 0.35  # [m] maximum height difference between joined cells of a ramp and of its upper level
+MAX_BESIDE_DISTANCE = 0.3  # [m] maximum distance beyond the nearest cell of cells whose floor an object stands on
 MAX_HEIGHT_ON_STOREY = 2.5  # [m] maximum height above a floor that belongs to its storey
 BRUSH_COST_FACTOR = 4.0  # path cost factor where an agent brushes the leaf of an open door, which may close it
 PUSH_COST_FACTOR = BRUSH_COST_FACTOR**2  # path cost factor where an agent walks into the leaf, which closes it
@@ -117,6 +118,22 @@ class CellGraph:
         away = np.hypot(*gap.T)
         order = np.argsort(away, kind="stable")[:most]
         return storey[order], away[order]
+
+    def floor_beside(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]) -> float:
+        """Return the height of the floor or ramp beside a box, not above its top [m]; -inf if there is none.
+
+        Of the cells nearest in plan it is the highest one, so that an object upstairs is not measured from downstairs.
+        """
+        below = self.place[self.place[:, 2] < high[2]]
+        gap = np.maximum(low[:2] - below[:, :2], 0) + np.maximum(below[:, :2] - high[:2], 0)
+        away = np.hypot(*gap.T)
+        near = away <= away.min(initial=np.inf) + MAX_BESIDE_DISTANCE
+        rise = below[near, 2] - low[2]
+        return (
+            float(below[near, 2][np.argmin(np.where(rise > MAX_RAMP_STEP, np.inf, abs(rise)))])
+            if near.any()
+            else -np.inf
+        )
 
     def cells_in_rooms(self, rooms: Bool[np.ndarray, " r"]) -> EndCells:
         """Return the cells of the given rooms, at distance 0, without those that are cut off."""

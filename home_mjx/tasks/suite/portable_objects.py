@@ -58,8 +58,7 @@ def is_receptacle(view: HouseView, thing: HouseObject, portable_ids: Collection[
     """
     if thing.coarse not in RECEPTACLES or thing.object_id in portable_ids or view.instance_of(thing) < 0:
         return False
-    floors = view.graph.place[:, 2]
-    floor = floors[floors <= thing.box[0, 2] + RECEPTACLE_HEIGHTS[0]].max(initial=-np.inf)
+    floor = view.graph.floor_beside(thing.box[0], thing.box[1])
     return bool(RECEPTACLE_HEIGHTS[0] <= thing.box[1, 2] - floor <= RECEPTACLE_HEIGHTS[1])
 
 

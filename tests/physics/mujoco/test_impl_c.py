@@ -115,7 +115,9 @@ def test_a_heap_accelerates_as_in_the_templates_model(rng):
         pairs = oracle.data.contact.geom
         floor = (pairs == 0).any(axis=1)
         mobiles = oracle.model.geom_bodyid[pairs[~floor]] - 1
-        touched = [(mobiles == agent).any(axis=1).sum() for agent in range(oracle.agents)]
+        rise = oracle.data.contact.frame[~floor, 2] * np.where(mobiles[:, 0] < 0, 1, -1)  # away from what is static
+        carried = (mobiles < 0).any(axis=1) & (rise >= 0.5)
+        touched = [((mobiles == agent).any(axis=1) & ~carried).sum() for agent in range(oracle.agents)]
         assert moved.contacts.num_contacts.tolist() == touched
         total += count
     assert total > 300
@@ -153,8 +155,8 @@ def test_an_exchanged_bank_is_noticed_and_few_houses_are_kept(bank, monkeypatch)
     state = physics.reset(template, bank, jnp.int32(0), jnp.array([[2.6, 0.0, 0.0]]), jnp.zeros(1))
     step = jax.jit(lambda bank: physics.step(template, bank, jnp.int32(0), state, jnp.zeros((1, 3))))
     for _ in range(2):
-        assert not physics.agent_contact(template, step(bank)).any()
-        assert physics.agent_contact(template, step(wide)).all()
+        assert np.abs(step(bank).qvel[:3]).max() < 0.5
+        assert np.abs(step(wide).qvel[:3]).max() > 0.5  # it is in a box, and pushed out
     assert len(c_houses.shared_house_models(template.config, template.layout)._houses) == 1
 
 
