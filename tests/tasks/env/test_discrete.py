@@ -305,7 +305,7 @@ def test_without_looks_there_are_the_four_moves_of_habitat(bank):
     with pytest.raises(ConfigError, match="hands aim by looking up and down"):
         make_config(actions=FOUR, hands=True)
     with pytest.raises(ConfigError, match=r"actions.turn_angle"):
-        DiscreteActions(turn_angle=None)
+        DiscreteActions(turn_angle=-1.0)
 
 
 def test_experts_walk_without_looks(generated_bank):
