@@ -323,7 +323,7 @@ def test_every_adapter_has_the_four_actions(generated_bank):
     assert GymnaxEnv(env).num_actions == 4
     pair = home_mjx.make("PointNav-v0", generated_bank, num_agents=2, **options)
     assert {space.n for space in JaxMarlEnv(pair).action_spaces.values()} == {4}
-    assert PettingZooEnv("PointNav-v0", generated_bank, num_agents=2, **options).action_space("agent_0").n == 4
+    assert PettingZooEnv("PointNav-v0", houses=generated_bank, num_agents=2, **options).action_space("agent_0").n == 4
 
 
 def test_outside_jit_an_action_that_does_not_exist_is_refused():
