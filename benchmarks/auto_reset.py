@@ -32,7 +32,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=7)
     args = parser.parse_args()
     # The goal's radius is zero, so that no episode ends by chance.
-    env = home_mjx.make("PointNav-v0", args.houses, episode_length=LENGTH, task=PointNav(success_radius=0.0))
+    env = home_mjx.make("PointNav-v0", args.houses, episode_length=LENGTH, task=PointNav(success_distance=0.0))
     cases = prepare(env, args.num_envs)
     times: dict[str, list[float]] = {name: [] for name in cases}
     for _ in range(args.rounds):

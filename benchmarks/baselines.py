@@ -54,7 +54,7 @@ CONTACT = 9  # index of the contact flag in `state`
 STOPS = 100  # `wander` stops once in this number of steps
 TURNS = (3, 15)  # minimum and maximum number of 10 degree turns after a contact
 PICKS = 0.25  # share of the steps in which `wander` tries to pick
-HABITAT = {"actions": "discrete", "stop": True, "success_radius": 0.2}
+HABITAT = {"actions": "discrete", "stop": True, "success_distance": 0.2}
 AGENTS = ("random", "blind", "expert")
 UNITS = {"distance": " m"}
 
@@ -185,7 +185,7 @@ def straight(env: Any) -> Act:
             return turns, jnp.stack([ahead, zero, turn, zero], axis=-1)
         side = jnp.where(error > 0, names.index("turn_left"), names.index("turn_right"))
         go = jnp.where(jnp.abs(error) > turning, side, names.index("move_forward"))
-        return turns, jnp.where(distance < env.task.success_radius, names.index("stop"), go)
+        return turns, jnp.where(distance < env.task.success_distance, names.index("stop"), go)
 
     return act
 

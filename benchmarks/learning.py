@@ -65,7 +65,7 @@ class Case:
 
 def point(*sensors: str) -> Case:
     """Return a case of PointNav."""
-    options = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2, "sensors": sensors}
+    options = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_distance": 0.2, "sensors": sensors}
     return Case("PointNav-v0", options)
 
 
@@ -93,7 +93,7 @@ CASES = {
     "unread": task("InstructionFollowing", *WORDS, judged=NEW, combinations="seen"),
     "piper": task("PiedPiper", *EYES, "log_mel", judged=UNHEARD, taken="log_mel"),
     "question": task("HouseQA", *WORDS, "instruction"),
-    "attribute": task("HouseQA", *WORDS, "instruction", kinds=("colour", "location")),
+    "attribute": task("HouseQA", *WORDS, "instruction", kinds=("color", "location")),
     "unseen": task("HouseQA", "prev_action", "instruction"),
 }
 

@@ -54,7 +54,7 @@ def make(
         episodes: File written by `save_episodes` or `save_tasks`: resets take its rows in order, in the houses that it
             names unless `houses` is a bank; None: episodes are sampled.
         **options: Fields of `EnvConfig` and its records, of the task (`task.*`) and of `CompileOptions` (`compile.*`):
-            flat (`width=32`, `friction_corner=0.5`, `success_radius=0.2`), dotted (`**{"physics.friction_corner":
+            flat (`width=32`, `friction_corner=0.5`, `success_distance=0.2`), dotted (`**{"physics.friction_corner":
             0.5}`) or as whole records (`physics=PhysicsConfig(...)`).
 
     Returns:

@@ -8,6 +8,7 @@ Each class also derives from the matching built-in class, so that generic `excep
 | `MissingFileError` | `DatasetError`, `FileNotFoundError` |
 | `UnknownIdError` | `DatasetError`, `KeyError` |
 | `UnknownNameError` | `ConfigError`, `KeyError` |
+| `UnknownMemberError` | `UnknownNameError`, `AttributeError` |
 | `OutOfRangeError` | `ConfigError`, `IndexError` |
 | `BackendError` | `RuntimeError` |
 """
@@ -99,6 +100,10 @@ class ConfigError(HomeMjxError, ValueError):
 
 class UnknownNameError(ConfigError, KeyError):
     """Unknown name of an environment, an option, a sensor or a command."""
+
+
+class UnknownMemberError(UnknownNameError, AttributeError):
+    """Unknown member of an enumeration, such as a column of `Semantic`."""
 
 
 class OutOfRangeError(ConfigError, IndexError):

@@ -120,7 +120,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
         ConfigError: The id has another form or is taken, or a `Task` subclass is not a frozen dataclass.
 
     Example:
-        >>> register("NearGoal-v0", "home_mjx.tasks.suite:PointNav", {"success_radius": 1.0})  # doctest: +SKIP
+        >>> register("NearGoal-v0", "home_mjx.tasks.suite:PointNav", {"success_distance": 1.0})  # doctest: +SKIP
     """
     if not _ID.match(env_id):
         raise ConfigError(f"environment id `{env_id}` is not of the form Name-vN", hint="For example PointNav-v0")

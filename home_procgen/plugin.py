@@ -21,7 +21,7 @@ from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 
 SCHEME = "procedural"
-NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers."
+NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers; V is 1 or 2."
 VERSIONS = (1, 2)  # of the generators, see `home_procgen.generate`
 DEFAULT_VERSION = 1
 
@@ -48,7 +48,8 @@ class ProceduralName:
         check_number("seed", self.seed, 0, integer=True)
         if isinstance(self.version, bool) or self.version not in VERSIONS:
             raise ConfigError(
-                f"there is no generator of version {self.version!r}", hint=f"There are {sorted(VERSIONS)}."
+                f"no generator of houses has version {self.version!r}",
+                hint=f"Write `version=` with one of {', '.join(map(str, VERSIONS))}: `procedural:4?version=2`.",
             )
 
     @classmethod

@@ -11,7 +11,7 @@ from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
 from home_mjx.core import profiling
 from home_mjx.env_factory import make
 
-POINT_NAV = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_radius": 0.2}
+POINT_NAV = {"actions": "discrete", "impl": "kinematic", "stop": True, "success_distance": 0.2}
 
 
 def depth(settings: BenchSettings) -> Measurement:

@@ -4,6 +4,7 @@ Host only: nothing here loads JAX. A distribution adds a dataset with an entry p
 whose name is the scheme and whose object is the function that opens it.
 """
 
+import difflib
 import os
 import re
 from collections.abc import Callable
@@ -108,11 +109,30 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
     path = Path(os.path.abspath(Path(root).expanduser()))
     if not path.is_dir():
         kind = DatasetError if os.path.exists(path) else MissingFileError
-        raise kind("dataset root is not a folder", file=path, hint=f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}")
+        hint = _name_hint(str(name)) if kind is MissingFileError and name is not None else None
+        hint = hint or f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
+        raise kind("dataset root is not a folder", file=path, hint=hint)
     for known in [*_FORMATS.values()]:
         if known.recognizes is not None and known.recognizes(path):
             return known.open(str(path))
     return find_format(SUNCG.name).open(str(path))
+
+
+def _name_hint(text: str) -> str | None:
+    """Return a hint for a missing path that was probably meant as a name with a scheme; None for other paths.
+
+    Example:
+        >>> _name_hint("Procedual:4")
+        'Names of datasets begin with a scheme and a colon: did you mean `procedural:4`?'
+        >>> _name_hint("houses/demo") is None
+        True
+    """
+    match = re.fullmatch(r"([A-Za-z_+-]{2,})(:?)(?://)?([\w?=&.-]*)", text)
+    close = difflib.get_close_matches(match[1].lower(), dataset_schemes(), n=1, cutoff=0.75) if match else []
+    if not match or not close:
+        return None
+    meant = f"{close[0]}:{match[3] or 'N'}"
+    return f"Names of datasets begin with a scheme and a colon: did you mean `{meant}`?"
 
 
 def find_format(scheme: str) -> DatasetFormat:

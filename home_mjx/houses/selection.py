@@ -93,6 +93,6 @@ def _is_range(limits: object) -> bool:
 
 
 def _categories(semantics: Int[np.ndarray, "q columns"]) -> frozenset[str]:
-    rows = semantics[semantics[:, Semantic.OBJECT] >= 0]
+    rows = semantics[semantics[:, Semantic.OBJECT_ID] >= 0]
     fine, coarse = rows[:, Semantic.FINE].tolist(), rows[:, Semantic.COARSE].tolist()
     return frozenset({FINE[i] for i in fine if i >= 0} | {COARSE[i] for i in coarse if i >= 0})

@@ -21,6 +21,7 @@ COMPILER_PATHS = (
     "core/color.py",
     "core/files.py",
     "core/images.py",
+    "core/named_enum.py",
     "core/native/numba_cache.py",
     "datasets/base.py",
     "datasets/seeds.py",

@@ -5,6 +5,7 @@ Ids on the device are indices into these tuples. Names that only v2 has come las
 
 import json
 import re
+from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
 
@@ -49,6 +50,26 @@ def nyu40_index(name: str) -> int:
 def room_type_index(name: str) -> int:
     """Return the index of a name in `ROOM_TYPES`; -1 if unknown."""
     return _positions(ROOM_TYPES).get(name, -1)
+
+
+def room_labels(names: Iterable[str]) -> int:
+    """Return the labels of a room as a bit mask: bit i stands for `ROOM_TYPES[i]`; 0 without a known label.
+
+    Example:
+        >>> room_labels(["Kitchen", "Dining_Room"]), room_labels(["Cellar"])
+        (18, 0)
+    """
+    return sum({1 << index for index in map(room_type_index, names) if index >= 0})
+
+
+def room_types_in(labels: int) -> tuple[int, ...]:
+    """Return the indices into `ROOM_TYPES` of a bit mask of `room_labels`, ascending; () for 0 and for -1, none.
+
+    Example:
+        >>> room_types_in(18)
+        (1, 4)
+    """
+    return tuple(index for index in range(len(ROOM_TYPES)) if labels > 0 and labels >> index & 1)
 
 
 def texture_family(texture: str) -> str:

@@ -5,11 +5,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import IntEnum, IntFlag
+from enum import IntFlag
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8, UInt16
 
+from home_mjx.core.named_enum import NamedIntEnum
 from home_mjx.schema.lighting import Gloss, LightTable
 
 BANDS = (125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # [Hz], octave centres
@@ -75,7 +76,7 @@ class Instances:
 
     model: tuple[str, ...]  # keys into the library
     pose: Float[np.ndarray, "i 3 4"]  # world from model: linear part (rotation, scale, mirror) and translation [m]
-    object_id: Int[np.ndarray, " i"]  # Semantic.OBJECT; -1 for the architecture
+    object_id: Int[np.ndarray, " i"]  # Semantic.OBJECT_ID; -1 for the architecture
     material: Int[np.ndarray, " i"]  # first row of its slots in the house's MaterialTable
     semantic: Int[np.ndarray, " i"]  # first row of its parts in the semantic table
     body: Int[np.ndarray, " i"]  # index of the movable body; -1 static
@@ -88,7 +89,7 @@ class Colliders:
     pos: Float[np.ndarray, "c 3"]  # [m], centre
     quat: Float[np.ndarray, "c 4"]  # wxyz
     size: Float[np.ndarray, "c 3"]  # [m], half extents
-    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT of the box's object; -1 for the architecture and barriers
+    object_id: Int[np.ndarray, " c"]  # Semantic.OBJECT_ID of the box's object; -1 for the architecture and barriers
 
 
 @dataclass(frozen=True)
@@ -149,7 +150,7 @@ class Doors:
 class Ramps:
     """Ramps that replace flights of stairs: static boxes whose upper sides connect two floors."""
 
-    object_id: Int[np.ndarray, " f"]  # Semantic.OBJECT of the stairs
+    object_id: Int[np.ndarray, " f"]  # Semantic.OBJECT_ID of the stairs
     pos: Float[np.ndarray, "f 3"]  # [m], centre
     quat: Float[np.ndarray, "f 4"]  # wxyz; the box's x axis points uphill
     size: Float[np.ndarray, "f 3"]  # [m], half extents
@@ -180,14 +181,15 @@ class Planes:
 class RoomTable:
     """Rooms in file order."""
 
-    type: Int[np.ndarray, " r"]  # index into ROOM_TYPES; -1 unknown
+    type: Int[np.ndarray, " r"]  # first known label, index into ROOM_TYPES; -1 unknown
     level: Int[np.ndarray, " r"]
     polygon: tuple[Float[np.ndarray, "_ 2"], ...]  # [m], floor outline in x and y
     floor: Float[np.ndarray, " r"]  # [m], height of the floor's top
     ceiling: Float[np.ndarray, " r"]  # [m], height of the ceiling's underside
+    labels: Int[np.ndarray, " r"]  # all labels as a bit mask, see `categories.room_labels`; 0 unknown
 
 
-class PortalKind(IntEnum):
+class PortalKind(NamedIntEnum):
     """Kinds of connection between two rooms."""
 
     OPENING = 0

@@ -1,20 +1,19 @@
 """Rows of the semantic table, which describe the surfaces that rays hit."""
 
-from enum import IntEnum
-
 import numpy as np
 from jaxtyping import Int
 
+from home_mjx.core.named_enum import NamedIntEnum
 from home_mjx.schema.categories import coarse_index, fine_index, nyu40_index
 
 SIZES = ("tiny", "small", "normal", "large", "huge")  # size classes within a category
 SUPPORTS = ("floor", "wall", "ceiling", "object")
 
 
-class Semantic(IntEnum):
+class Semantic(NamedIntEnum):
     """Columns of the semantic table; -1 means none."""
 
-    OBJECT = 0  # node index in file order, over all levels
+    OBJECT_ID = 0  # node index in file order, over all levels
     FINE = 1  # index into the sorted v1 fine categories; names only in v2 follow
     COARSE = 2
     NYU40 = 3  # 0 void, 1 wall .. 40 otherprop
@@ -22,12 +21,12 @@ class Semantic(IntEnum):
     LEVEL = 5
     PARTITION = 6  # physical wall or slab; its sound transmission applies once per crossing
     MOVABLE = 7  # index of the movable body
-    ROOM_TYPE = 8  # index into ROOM_TYPES
+    ROOM_TYPE = 8  # first label of the room, index into ROOM_TYPES
     MATERIAL = 9  # index into MATERIAL_KINDS
     SIZE = 10  # within the category, index into SIZES
-    BASIC = 11  # main colour, index into the palette of 16; up to two more follow
-    BASIC_2 = 12
-    BASIC_3 = 13
+    COLOR = 11  # main colour, index into the palette of 16; up to two more follow
+    COLOR_2 = 12
+    COLOR_3 = 13
     CSS = 14  # the same for the palette of 139
     CSS_2 = 15
     CSS_3 = 16
@@ -37,6 +36,7 @@ class Semantic(IntEnum):
     SUPPORT = 20  # index into SUPPORTS
     SUPPORTER = 21  # object id of the supporting object
     CONTAINER = 22  # object id of the containing object
+    ROOM_LABELS = 23  # all labels of the room as a bit mask: bit i stands for ROOM_TYPES[i]
 
 
 def semantic_row(
@@ -67,7 +67,7 @@ def semantic_row(
         array([1, 3], dtype=int32)
     """
     row = np.full(len(Semantic), -1, np.int32)
-    row[Semantic.OBJECT] = object_id
+    row[Semantic.OBJECT_ID] = object_id
     row[Semantic.FINE] = fine_index(fine)
     row[Semantic.COARSE] = coarse_index(coarse)
     row[Semantic.NYU40] = nyu40_index(nyu40)

@@ -6,14 +6,14 @@ from functools import cache
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.core.checks import check_known
-from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES
-from home_mjx.schema.color_names import palettes
+from home_mjx.errors import UnknownNameError, did_you_mean
+from home_mjx.schema.categories import COARSE, FINE, NYU40, ROOM_TYPES, room_types_in
+from home_mjx.schema.color_names import nearest_names, palettes
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import SIZES, SUPPORTS, Semantic
 
 COLORS_PER_LEVEL = 3  # number of columns per level of colour names
-FIRST_COLOR = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
+FIRST_COLOR = {"basic": Semantic.COLOR, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
 
 
 @cache
@@ -57,19 +57,39 @@ def encode_name(column: Semantic, name: str) -> int:
         >>> encode_name(Semantic.SIZE, "large"), encode_name(Semantic.SIZE, "")
         (3, -1)
     """
-    if name not in ("", "unknown"):
-        check_known(f"name in {column.name}", [name], _numbers(column))
+    if name not in ("", "unknown") and name not in _numbers(column):
+        what = f"{column.name.lower().replace('_', ' ')}"
+        hint = _color_hint(column, name) or did_you_mean(name, _numbers(column))
+        raise UnknownNameError(f"unknown {what} `{name}` in `Semantic.{column.name}`", hint=hint)
     return _numbers(column).get(name, -1)
 
 
-def decode_row(row: Int[np.ndarray, " c"]) -> dict[str, str | int]:
+def _color_hint(column: Semantic, name: str) -> str | None:
+    """Return a hint for a colour that another palette has, with the most similar name of this one; None if none has."""
+    own = next((level for level, first in FIRST_COLOR.items() if first <= column < first + COLORS_PER_LEVEL), None)
+    others = [level for level, first in FIRST_COLOR.items() if own is not None and name in _numbers(first)]
+    if own is None or not others:
+        return None
+    palette = palettes()[others[0]]
+    nearest = nearest_names(palette.lab[[palette.names.index(name)]], own)[0]
+    where = " and ".join(f"`Semantic.{FIRST_COLOR[level].name}`" for level in others)
+    known = did_you_mean("", palettes()[own].names)
+    return f"It is a name in {where}; the most similar one here is `{nearest}`. {known}"
+
+
+def decode_row(row: Int[np.ndarray, " c"]) -> dict[str, str | int | tuple[str, ...]]:
     """Convert a row of the semantic table to a dictionary by column name, with names for numbers; omit entries of -1.
+
+    `room_labels` is a tuple of names.
 
     Args:
         row: One entry per `Semantic`.
     """
     named = vocabularies()
     found = {column: int(row[column]) for column in Semantic if row[column] >= 0}
-    return {
+    decoded: dict[str, str | int | tuple[str, ...]] = {
         column.name.lower(): named[column][number] if column in named else number for column, number in found.items()
     }
+    if Semantic.ROOM_LABELS in found:
+        decoded["room_labels"] = tuple(ROOM_TYPES[kind] for kind in room_types_in(found[Semantic.ROOM_LABELS]))
+    return decoded

@@ -69,10 +69,10 @@ def test_options(generated_bank):
     config = default_config()
     config.friction = 0.5
     config.width = 32
-    overrides = {"houses": generated_bank, "task.success_radius": 0.3, "sensors": ("state",), "ctrl_dt": 0.2}
+    overrides = {"houses": generated_bank, "task.success_distance": 0.3, "sensors": ("state",), "ctrl_dt": 0.2}
     env = PlaygroundEnv(config, overrides)
     made = env.brax.env
-    assert (made.config.physics.friction, made.config.width, made.task.success_radius) == (0.5, 32, 0.3)
+    assert (made.config.physics.friction, made.config.width, made.task.success_distance) == (0.5, 32, 0.3)
     assert (env.dt, env.sim_dt, env.n_substeps) == (0.2, made.config.timing.sim_dt, made.config.timing.substeps)
     assert "friction" not in default_config()
     with pytest.raises(ConfigError, match="episode_length"):

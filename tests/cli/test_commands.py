@@ -230,7 +230,7 @@ def test_a_storey_that_is_not_there_is_refused(houses: Path, tmp_path: Path, cap
 def test_a_terrace_does_not_lower_the_camera_of_a_plan():
     """What is outdoors ends where its floor is."""
     floor, ceiling = np.array([0.05, 0.05, 2.85]), np.array([2.69, 0.05, 5.5])
-    rooms = RoomTable(np.zeros(3, int), np.zeros(3, int), (np.zeros((3, 2)),) * 3, floor, ceiling)
+    rooms = RoomTable(np.zeros(3, int), np.zeros(3, int), (np.zeros((3, 2)),) * 3, floor, ceiling, np.zeros(3, int))
     assert _lowest_ceiling(rooms, np.array([0, 1])) == pytest.approx(2.69)
     assert _lowest_ceiling(rooms, np.array([0, 1, 2])) == pytest.approx(2.69)
     assert 1 < _lowest_ceiling(rooms, np.array([1])) < 2

@@ -31,7 +31,7 @@ from home_mjx.tasks.suite import PointNav
 class NearPoint(PointNav):
     "PointNav that is soon over."
 
-    success_radius: float = 1.0
+    success_distance: float = 1.0
 
 
 home_mjx.register("NearPoint-v0", NearPoint, {"ctrl_dt": 0.3})

@@ -17,6 +17,7 @@ ROOM = RoomTable(
     polygon=(np.array([[-3.0, -3], [3, -3], [3, 3], [-3, 3]]),),
     floor=np.array([FLOOR]),
     ceiling=np.array([CEILING]),
+    labels=np.array([0], np.int32),
 )
 
 
@@ -39,4 +40,4 @@ def place(blocks: list[tuple[BoxNode, ModelInfo]]) -> list[PlacedObject]:
     return [replace(o, info=info) for o, (_, info) in zip(placed, blocks, strict=True)]
 
 
-NO_ROOMS = RoomTable(np.zeros(0, np.int32), np.zeros(0, np.int32), (), np.zeros(0), np.zeros(0))
+NO_ROOMS = RoomTable(np.zeros(0, np.int32), np.zeros(0, np.int32), (), np.zeros(0), np.zeros(0), np.zeros(0, np.int32))

@@ -255,7 +255,14 @@ def _join_tables(a: MaterialTable, b: MaterialTable) -> MaterialTable:
 def _rooms(corners: Sequence[tuple], height: float) -> RoomTable:
     outlines = [np.array([(x0, y0), (x1, y0), (x1, y1), (x0, y1)]) for (x0, y0), (x1, y1) in corners]
     count = len(outlines)
-    return RoomTable(np.full(count, -1), np.zeros(count, int), tuple(outlines), np.zeros(count), np.full(count, height))
+    return RoomTable(
+        np.full(count, -1),
+        np.zeros(count, int),
+        tuple(outlines),
+        np.zeros(count),
+        np.full(count, height),
+        np.zeros(count, int),
+    )
 
 
 def _room_planes(low: tuple, high: tuple, z: float, first_row: int | Sequence[int]) -> Planes:

@@ -44,7 +44,7 @@ class Rich(NavigationTask):
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Two rows."""
         thing = next(thing for thing in view.objects if view.is_visible(thing) and thing.coarse == "chair")
-        room = int(view.room_types[view.room_types >= 0][0])
+        room = next(iter(view.rooms_by_type))
         places = view.graph.place[np.flatnonzero(~view.graph.at_leaf)[[0, -1]]].tolist()
         stopped, late = Condition(Feature.STOPPED, minimum=1), Condition(Feature.TIME, minimum=40)
         near = Condition(Feature.DISTANCE, 0, maximum=1.0), Condition(Feature.SEEN, 0, minimum=1)

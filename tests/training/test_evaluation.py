@@ -15,7 +15,7 @@ NUM = 6
 @pytest.fixture(scope="module")
 def env(generated_bank):
     return home_mjx.make(
-        "PointNav-v0", generated_bank, sensors=("goal",), episode_length=30, ctrl_dt=0.3, success_radius=1.0
+        "PointNav-v0", generated_bank, sensors=("goal",), episode_length=30, ctrl_dt=0.3, success_distance=1.0
     )
 
 

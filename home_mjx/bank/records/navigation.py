@@ -62,7 +62,7 @@ def room_surfaces(at: HouseOwner) -> Int[np.ndarray, "r 2"]:
     """Return the rows in the bank's `semantics` of each room's floor and of its first wall; -1 if none."""
     rows = at.house.semantics
     rooms = np.arange(len(at.house.rooms.type))
-    parts = rows[:, Semantic.OBJECT] < 0
+    parts = rows[:, Semantic.OBJECT_ID] < 0
     found = [_first(parts & (rows[:, Semantic.COARSE] == coarse_index(kind)), rows, rooms) for kind in SURFACE_KINDS]
     return np.stack([np.where(row < 0, -1, row + at.start["semantic"]) for row in found], axis=-1)
 
@@ -118,7 +118,12 @@ class NavigationArrays(Pytree):
     room: Int[Array, "h levels grid_rows grid_columns"] = array(
         "-1 outside", source="navigation.room", fill=-1, dtype=np.int16
     )
-    room_type: Int[Array, "h rooms"] = array("index into ROOM_TYPES; -1 none", source="rooms.type", fill=-1)
+    room_type: Int[Array, "h rooms"] = array(
+        "first label, index into ROOM_TYPES; -1 none", source="rooms.type", fill=-1
+    )
+    room_labels: Int[Array, "h rooms"] = array(
+        "all labels as a bit mask: bit i stands for ROOM_TYPES[i]; 0 none", source="rooms.labels", fill=0
+    )
     room_surface: Int[Array, "h rooms 2"] = array(
         "semantic rows of a room's floor and of its first wall, absolute; -1 none", source=room_surfaces, fill=-1
     )

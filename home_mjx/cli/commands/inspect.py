@@ -102,7 +102,7 @@ def _category(house: "CompiledHouse", object_id: int) -> str:
     from home_mjx.schema.categories import FINE
     from home_mjx.schema.semantic import Semantic
 
-    (row,) = house.semantics[house.semantics[:, Semantic.OBJECT] == object_id]
+    (row,) = house.semantics[house.semantics[:, Semantic.OBJECT_ID] == object_id]
     return FINE[row[Semantic.FINE]]
 
 
@@ -151,13 +151,12 @@ def _semantics(args: argparse.Namespace) -> int:
         sys.stdout.write(json.dumps(house_record(meaning)) + "\n")
         return 0
     for part in meaning.parts:
-        sys.stdout.write(_line(f"part {part.index}", part.room_type, "", part.description))
+        sys.stdout.write(_line(f"part {part.index}", "+".join(part.room_types) or "unknown", "", part.description))
     for item in meaning.objects:
         held = meaning.objects_by_id.get(max(item.support.supporter, item.support.container))
         on = f"{held.fine} {held.object_id}" if held else item.support.kind
-        sys.stdout.write(
-            _line(f"object {item.object_id}", item.room_type if item.room >= 0 else "outside", on, item.description)
-        )
+        room = "+".join(item.room_types) or ("unknown" if item.room >= 0 else "outside")
+        sys.stdout.write(_line(f"object {item.object_id}", room, on, item.description))
     sys.stdout.write(
         f"{len(meaning.objects_outside)} objects outside of every room, {len(meaning.relations)} relations\n"
     )

@@ -21,7 +21,7 @@ SEMANTIC_KINDS = {
     "partition": Semantic.PARTITION,
     "room_type": Semantic.ROOM_TYPE,
     "size": Semantic.SIZE,
-    "color": Semantic.BASIC,
+    "color": Semantic.COLOR,
 }
 LENS = Lens()
 KINDS = ("rgb", "depth", "distance", "normal", "albedo", "instance", "material", *SEMANTIC_KINDS, "valid")

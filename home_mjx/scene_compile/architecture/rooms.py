@@ -8,7 +8,7 @@ from jaxtyping import Float
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.meshes import to_z_up
 from home_mjx.geometry.polygons import bounding_outline, outline
-from home_mjx.schema.categories import room_type_index
+from home_mjx.schema.categories import room_labels, room_type_index
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import House, Mesh, RoomNode
 
@@ -58,12 +58,18 @@ def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
     polygons, heights = zip(*(_measure(room, offset) for _, room in found), strict=True)
     floor, ceiling = np.array(heights).T
     return RoomTable(
-        type=np.array([room_type_index(room.types[0]) if room.types else -1 for _, room in found], np.int32),
+        type=np.array([_first_type(room) for _, room in found], np.int32),
         level=np.array([level for level, _ in found], np.int32),
         polygon=tuple(polygons),
         floor=floor,
         ceiling=ceiling,
+        labels=np.array([room_labels(room.types) for _, room in found], np.int32),
     )
+
+
+def _first_type(room: RoomNode) -> int:
+    """Return the first known label of a room as an index into `ROOM_TYPES`; -1 if it has none."""
+    return next((index for index in map(room_type_index, room.types) if index >= 0), -1)
 
 
 def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:

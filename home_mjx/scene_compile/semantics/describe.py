@@ -79,9 +79,8 @@ def _holds(house: HouseSemantics, item: ObjectSemantics) -> str:
 def _where(item: ObjectSemantics) -> str:
     if item.room < 0:
         return f"outside of every room of level {item.level}"
-    kind = (
-        "a room of unknown type" if item.room_type == "unknown" else f"the {item.room_type.replace('_', ' ').lower()}"
-    )
+    names = [name.replace("_", " ").lower() for name in item.room_types]
+    kind = f"the {_listed(names)}" if names else "a room of unknown type"
     return f"in {kind} (room {item.room}, level {item.level})"
 
 

@@ -27,7 +27,7 @@ from home_mjx.scene_compile.semantics.types import (
     PartSemantics,
     RoomSemantics,
 )
-from home_mjx.schema.categories import ROOM_TYPES
+from home_mjx.schema.categories import ROOM_TYPES, room_types_in
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import House, Metadata, ObjectNode
 
@@ -113,6 +113,7 @@ def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _Appearance
         category=category,
         room=part.room,
         room_type=room_type(rooms, part.room),
+        room_types=room_types(rooms, part.room),
         level=part.level,
         partition=int(shell.partition[index]),
         appearance=look,
@@ -142,6 +143,7 @@ def _object(
         nyu40=item.info.nyu40,
         room=item.room,
         room_type=room_type(rooms, item.room),
+        room_types=room_types(rooms, item.room),
         level=item.level,
         box=item.box,
         appearance=look,
@@ -165,7 +167,7 @@ def _volume(item: PlacedObject) -> float:
 
 
 def room_type(rooms: RoomTable, room: int) -> str:
-    """Return the label of a room; `unknown` for no room or no label.
+    """Return the first label of a room; `unknown` for no room or no label.
 
     Args:
         rooms: Rooms of the house.
@@ -173,3 +175,16 @@ def room_type(rooms: RoomTable, room: int) -> str:
     """
     kind = int(rooms.type[room]) if room >= 0 else -1
     return ROOM_TYPES[kind] if kind >= 0 else UNKNOWN
+
+
+def room_types(rooms: RoomTable, room: int) -> tuple[str, ...]:
+    """Return all labels of a room, the first one first; () for no room or no label.
+
+    Args:
+        rooms: Rooms of the house.
+        room: Room index; -1 for none.
+    """
+    if room < 0:
+        return ()
+    first, labels = int(rooms.type[room]), room_types_in(int(rooms.labels[room]))
+    return tuple(ROOM_TYPES[kind] for kind in sorted(labels, key=lambda kind: kind != first))

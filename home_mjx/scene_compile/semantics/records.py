@@ -27,6 +27,7 @@ def house_record(house: HouseSemantics) -> Record:
 
 def _part(part: PartSemantics) -> Record:
     place = {"part": part.index, "category": part.category, "room": part.room, "room_type": part.room_type}
+    place |= {"room_types": list(part.room_types)}
     size = {"level": part.level, "partition": part.partition, "area": part.area, "description": part.description}
     return place | size | _look(part.appearance)
 
@@ -41,6 +42,7 @@ def _object(item: ObjectSemantics) -> Record:
         "nyu40": item.nyu40,
         "room": item.room,
         "room_type": item.room_type,
+        "room_types": list(item.room_types),
         "level": item.level,
         "position": list(item.position),
         "edges": (2 * item.box.half[0]).tolist(),

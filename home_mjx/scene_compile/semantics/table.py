@@ -8,6 +8,7 @@ from jaxtyping import Int
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.semantics.types import HouseSemantics, ObjectSemantics, PartSemantics
+from home_mjx.schema.categories import room_labels
 from home_mjx.schema.compiled import Bodies
 from home_mjx.schema.semantic import Semantic, semantic_row
 from home_mjx.schema.vocabulary import COLORS_PER_LEVEL, FIRST_COLOR, encode_name
@@ -62,8 +63,9 @@ def fill_semantics(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[n
 
 
 def _fill_look(row: Int[np.ndarray, " c"], item: ObjectSemantics | PartSemantics) -> None:
-    """Write room type, first material and first colours of each level into a row."""
+    """Write room labels, first material and first colours of each level into a row."""
     row[Semantic.ROOM_TYPE] = encode_name(Semantic.ROOM_TYPE, item.room_type)
+    row[Semantic.ROOM_LABELS] = room_labels(item.room_types) or -1
     row[Semantic.MATERIAL] = encode_name(Semantic.MATERIAL, next(iter(item.appearance.materials), ""))
     for level, first in FIRST_COLOR.items():
         found = [encode_name(first, name) for name in item.appearance.colors[level][:COLORS_PER_LEVEL]]

@@ -40,6 +40,7 @@ class PartSemantics:
         category: `wall`, `floor` or `ceiling`, in all three vocabularies.
         room: Room index; -1 outdoors.
         room_type: First label of the room, or `unknown`.
+        room_types: All labels of the room; empty without a known one.
         level: Level index.
         partition: Physical wall or slab.
         appearance: Colours and materials of the side that faces its room.
@@ -51,6 +52,7 @@ class PartSemantics:
     category: str
     room: int
     room_type: str
+    room_types: tuple[str, ...]
     level: int
     partition: int
     appearance: Appearance
@@ -71,6 +73,7 @@ class ObjectSemantics:
         nyu40: NYUv2-40 class.
         room: Room index; -1 outside all rooms.
         room_type: First label of the room, or `unknown`.
+        room_types: All labels of the room; empty without a known one.
         level: Level index.
         box: Upright box around it, in the world [m, rad].
         appearance: Colours and materials.
@@ -87,6 +90,7 @@ class ObjectSemantics:
     nyu40: str
     room: int
     room_type: str
+    room_types: tuple[str, ...]
     level: int
     box: BoxSet
     appearance: Appearance

@@ -17,7 +17,7 @@ from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
 from home_mjx.raycast_render.shaders.base import Shader, ShaderSpec, resolve_shader
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
-from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, MOVE_NAMES, DiscreteActions
+from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, DiscreteActions
 
 PIXEL_KINDS = ("rgb", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
@@ -160,7 +160,11 @@ class EnvConfig:
     def __post_init__(self) -> None:
         if self.sensors is not None:
             self._set_fields(sensors=_check_name_tuple("sensors", self.sensors))
-        self._set_fields(cameras=_as_tuple("cameras", self.cameras), speech=_check_name_tuple("speech", self.speech))
+        self._set_fields(cameras=_as_tuple("cameras", self.cameras))
+        if self.sensors == () and not self.cameras:
+            hint = 'Name some, such as ("depth", "goal"), or leave it out for those of the task.'
+            raise ConfigError("`sensors` is empty, so agents would observe nothing", hint=hint)
+        self._set_fields(speech=_check_name_tuple("speech", self.speech))
         self._set_fields(clips=_check_name_tuple("clips", self.clips))
         check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
@@ -210,6 +214,11 @@ class EnvConfig:
             check_known("kind of actions", [self.actions], ACTION_KINDS)
         else:
             check_type("actions", self.actions, DiscreteActions)
+        if self.hands and self.discrete is not None and self.discrete.tilt_angle is None:
+            hint = "Give `actions.tilt_angle` in degrees, such as 15."
+            raise ConfigError(
+                "hands aim by looking up and down, which `actions` lack: its `tilt_angle` is None", hint=hint
+            )
         records = {"physics": PhysicsConfig, "audio": AudioConfig, "body": AgentBody, "timing": Timing}
         for name, kind in records.items():
             check_type(name, getattr(self, name), kind)
@@ -279,7 +288,8 @@ class EnvConfig:
     @property
     def action_names(self) -> tuple[str, ...]:
         """Names of the elements of a continuous action, or of the discrete actions."""
-        own, hands = (ACTION_NAMES, HAND_NAMES) if self.discrete is None else (MOVE_NAMES, HAND_MOVE_NAMES)
+        moves = self.discrete
+        own, hands = (ACTION_NAMES, HAND_NAMES) if moves is None else (moves.move_names, HAND_MOVE_NAMES)
         return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":

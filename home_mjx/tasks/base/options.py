@@ -21,7 +21,7 @@ DISCRETE_ACTION_HINT = (
     "It is an option of discrete actions: actions=home_mjx.tasks.DiscreteActions(forward_step_size=0.25, ...); on the "
     """command line, --env 'actions={"forward_step_size": 0.25}'."""
 )
-SUCCESS_OPTION_HINT = "PointNav has `success_radius`, tasks whose goals are things or sounds have `success_distance`."
+SUCCESS_OPTION_HINT = "Tasks whose goal is a point, an object or a sound have `success_distance`."
 HOUSES_HINT = "Give `houses`, such as the folder of a dataset, `num_houses` and `split`."
 # Option names of other simulators and their counterparts here.
 FOREIGN_OPTION_HINTS = {
@@ -41,6 +41,7 @@ FOREIGN_OPTION_HINTS = {
     "tilt_angle": DISCRETE_ACTION_HINT,
     "success_radius": SUCCESS_OPTION_HINT,
     "success_distance": SUCCESS_OPTION_HINT,
+    "goal_radius": SUCCESS_OPTION_HINT,
     "allow_sliding": "Agents slide along what they touch, always; `contact_cost` is what that costs.",
     "scenes": HOUSES_HINT,
     "scene": HOUSES_HINT,

@@ -12,6 +12,7 @@ from home_mjx.schema.agent import AgentBody
 ACTION_NAMES = ("forward", "left", "turn_left", "look_up")
 HAND_NAMES = ("pick", "throw", "turn_door")  # see `hand_actions.decode_hand_commands`
 MOVE_NAMES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")  # Habitat's, in its order
+LOOK_NAMES = ("look_up", "look_down")
 HAND_MOVE_NAMES = ("pick", "drop", "throw", "open", "close")
 
 
@@ -24,7 +25,8 @@ class DiscreteActions:
     Attributes:
         forward_step_size: Distance of `move_forward` [m].
         turn_angle: Angle of `turn_left` and `turn_right` [degrees].
-        tilt_angle: Angle of `look_up` and `look_down` [degrees].
+        tilt_angle: Angle of `look_up` and `look_down` [degrees]. None: there are no looks, as in Habitat's PointNav of
+            four actions; hands need looks.
 
     Raises:
         ConfigError: A value is invalid.
@@ -32,15 +34,24 @@ class DiscreteActions:
     Example:
         >>> round(DiscreteActions(turn_angle=30).min_duration(AgentBody()), 3)  # [s], for a turn
         0.333
+        >>> DiscreteActions(tilt_angle=None).move_names
+        ('stop', 'move_forward', 'turn_left', 'turn_right')
     """
 
     forward_step_size: float = 0.25
     turn_angle: float = 10.0
-    tilt_angle: float = 15.0
+    tilt_angle: float | None = 15.0
 
     def __post_init__(self) -> None:
         for option in fields(self):
-            check_number(f"actions.{option.name}", getattr(self, option.name), 0)
+            value = getattr(self, option.name)
+            if value is not None or option.name != "tilt_angle":
+                check_number(f"actions.{option.name}", value, 0)
+
+    @property
+    def move_names(self) -> tuple[str, ...]:
+        """Names of the moves, in Habitat's order."""
+        return tuple(name for name in MOVE_NAMES if self.tilt_angle is not None or name not in LOOK_NAMES)
 
     def min_duration(self, body: AgentBody) -> float:
         """Return the time that a body needs for its longest move or turn at full speed [s]."""

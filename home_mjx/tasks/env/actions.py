@@ -18,7 +18,7 @@ from home_mjx.tasks.base.specs import (
     DiscreteActions,
 )
 from home_mjx.tasks.base.state import World
-from home_mjx.tasks.env.checks import clip_action, validate_choice
+from home_mjx.tasks.env.checks import check_choice, clip_action, validate_choice
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.variation.noise import add_move_noise
 from home_mjx.tasks.variation.sample import MOVE_NOISE
@@ -79,10 +79,11 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
         config: Options.
         action: As `action_spec` describes.
         stopped: (a,) bool, agents that have stopped before and stay idle. Read after the action has been validated.
-        num_commanded: Number of agents in `action`, the first ones; the others are idle. None: all.
+        num_commanded: Number of agents in `action`, the first ones; the others are idle. None: all, by a task.
 
     Raises:
         ConfigError: The action has another shape or type.
+        OutOfRangeError: A caller's discrete action does not exist; only outside `jit`, which cannot raise.
     """
     names, told = action_names(config), num_commanded or config.num_agents
     if config.discrete is None:
@@ -91,6 +92,8 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
         stop, said = jnp.zeros(config.num_agents, bool), jnp.full(config.num_agents, NO_TOKEN, jnp.int32)
         look, understood = numbers[:, 3] * jnp.float32(config.max_pitch_rate * config.timing.ctrl_dt), numbers
     else:
+        if num_commanded is not None:
+            check_choice(action, names)
         chosen, unusable = validate_choice(action, told, len(names))
         chosen = _pad_agents(config, chosen, len(names))
         stop = stopped | (chosen == names.index("stop"))
@@ -166,7 +169,7 @@ def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, 
         sizes = {
             "forward": moves.forward_step_size / (body.forward_speed * config.timing.ctrl_dt),
             "turn_left": math.radians(moves.turn_angle) / (body.turn_rate * config.timing.ctrl_dt),
-            "look_up": math.radians(moves.tilt_angle),
+            "look_up": math.radians(moves.tilt_angle or 0),
         }
         for row, name in enumerate(names):
             if name in CONTINUOUS_ELEMENTS:

@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
-from home_mjx.errors import ConfigError
+from home_mjx.errors import MAX_LISTED, ConfigError, OutOfRangeError
 from home_mjx.houses.bakes import Bake
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
@@ -63,6 +63,30 @@ def validate_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array
     action = _add_agent_axis(action, num_agents, ())
     known = (action >= 0) & (action < count)
     return jnp.where(known, action, count).astype(jnp.int32), jnp.any(~known)
+
+
+def check_choice(action: Any, names: Sequence[str]) -> None:
+    """Raise `OutOfRangeError` if a discrete action does not exist; inside `jit` do nothing.
+
+    Args:
+        action: Numbers of actions.
+        names: All actions.
+
+    Example:
+        >>> check_choice(jnp.int32(9), ("stop", "move_forward"))
+        Traceback (most recent call last):
+        ...
+        home_mjx.errors.OutOfRangeError: there is no action 9. Give a number from 0 to 1: 0 stop, 1 move_forward
+    """
+    if isinstance(action, jax.core.Tracer | dict):  # pyright: ignore[reportAttributeAccessIssue]
+        return
+    numbers = np.atleast_1d(np.asarray(action))
+    wrong = numbers[(numbers < 0) | (numbers >= len(names))] if numbers.dtype.kind in "iu" else ()
+    if len(wrong):
+        listed = ", ".join(f"{number} {name}" for number, name in enumerate(names[:MAX_LISTED]))
+        more = ", …" if len(names) > MAX_LISTED else ""
+        hint = f"Give a number from 0 to {len(names) - 1}: {listed}{more}"
+        raise OutOfRangeError(f"there is no action {wrong[0]}", hint=hint)
 
 
 def _as_array(action: Any) -> Array:

@@ -9,14 +9,14 @@ import numpy as np
 from jaxtyping import Array, Bool
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_number, check_type
+from home_mjx.core.checks import check_flag, check_number, check_type
 from home_mjx.core.files import as_path, read_json_lines, write_json_lines
 from home_mjx.errors import ConfigError, DatasetError, UnknownIdError
 from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.suite.point_goals import OTHER_BANK_HINT
+from home_mjx.tasks.suite.point_goals import OTHER_BANK_HINT, ROW_FORMAT_HINT
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.task_io import load_tasks
 
@@ -34,6 +34,7 @@ def sample_episodes(
     task: Task = POINT_NAV,
     min_length: float = 1.0,
     max_length: float = np.inf,
+    same_storey: bool = False,
 ) -> Episodes:
     """Sample random episodes: all houses equally often, starts uniform by area, the rest by the task.
 
@@ -44,6 +45,7 @@ def sample_episodes(
         task: Task that samples the episodes.
         min_length: Minimum length of the shortest path [m].
         max_length: Maximum length of the shortest path [m].
+        same_storey: Sample start and goal on the same storey; for PointNav. False: as the task's own option has it.
 
     Raises:
         ConfigError: No path of such a length was found for one of them.
@@ -53,9 +55,15 @@ def sample_episodes(
         >>> states = jax.vmap(env.with_tasks(episodes).reset)(keys)  # doctest: +SKIP
     """
     check_number("num", num, 1, integer=True)
+    check_flag("same_storey", same_storey)
+    if same_storey and not isinstance(task, PointNav):
+        message = f"`same_storey` is for PointNav, whose goals are points, got {type(task).__name__}"
+        raise ConfigError(message, hint="Leave it out, or choose rows by their start and goal: tasks.where(mask).")
     keys = jax.random.split(jax.random.key(seed), num)
     house = jnp.arange(num, dtype=jnp.int32) % bank.num_houses
-    limits = {"min_length": jnp.float32(min_length), "max_length": jnp.float32(max_length)}
+    limits: dict[str, Any] = {"min_length": jnp.float32(min_length), "max_length": jnp.float32(max_length)}
+    if same_storey:
+        limits["same_storey"] = True
 
     def one(house: Array, key: Array) -> Episodes:
         start, yaw, columns = task.sample(bank, house, key, **limits)
@@ -65,8 +73,9 @@ def sample_episodes(
     lost = np.flatnonzero(~np.isfinite(np.asarray(episodes.columns.get("length", np.zeros(num)))))
     if len(lost):
         name = bank.house_ids[int(house[lost[0]])]
+        where = " on one storey" if same_storey or getattr(task, "same_storey", False) else ""
         raise ConfigError(
-            f"house {name} has hardly any path of {min_length} m to {max_length} m",
+            f"house {name} has hardly any path of {min_length} m to {max_length} m{where}",
             hint="Choose other lengths, or other houses.",
         )
     return episodes
@@ -135,10 +144,24 @@ def load_episodes_or_tasks(path: str | Path, bank: HouseBank, task: Task) -> Epi
     is_bank = isinstance(task, RowTask)
     lines = read_json_lines(as_path(path, "episodes"), "episode", lambda line: "stages" in line, MAX_FILE_BYTES)
     if next(iter(lines), is_bank) != is_bank:
-        kinds = [f"holds what `{name}` writes" for name in ("save_episodes", "save_tasks")]
-        hint = f"{type(task).__name__} takes what `{'save_tasks' if is_bank else 'save_episodes'}` writes."
-        raise DatasetError(f"file {kinds[not is_bank]}", file=path, hint=hint)
+        raise _wrong_kind(as_path(path, "episodes"), task, is_bank)
     return load_tasks(path, bank) if is_bank else load_episodes(path, bank, task)
+
+
+def _wrong_kind(path: Path, task: Task, is_bank: bool) -> DatasetError:
+    """Return the error about a file of the other kind than `load_episodes_or_tasks` reads for a task."""
+    name = type(task).__name__
+    if is_bank:
+        message = "file holds what `save_episodes` writes: episodes of a `goal`, without `stages`"
+        hint = f"{name} takes rows, as `save_tasks` writes them; make PointNav-v0 for this file. {ROW_FORMAT_HINT}"
+    else:
+        message = "file holds what `save_tasks` writes: rows with `stages`"
+        hint = (
+            f"{name} takes episodes with a `goal`, as `save_episodes` writes them (docs/dataset.md, Saved episodes). "
+            "Make the environment of the task that the rows name; those of PointGoals, PointNav as rows, and of your "
+            "own tasks load in RoomNav-v0."
+        )
+    return DatasetError(message, file=path, hint=hint)
 
 
 def read_house_ids(path: str | Path) -> tuple[str, ...]:

@@ -76,9 +76,9 @@ def _point_nav_action(task: PointNav, snapshot: Snapshot, state: PointNavState) 
 
     def ahead(agent: Array) -> tuple[Array, Array]:
         far = lambda _, cell: stored_distance(field, cell, state.goal)  # noqa: E731
-        return descend_field(snapshot, agent, far, tolerance=STOP_RADIUS_FRACTION * task.success_radius / 2)
+        return descend_field(snapshot, agent, far, tolerance=STOP_RADIUS_FRACTION * task.success_distance / 2)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
-    stop = (state.distance <= jnp.float32(STOP_RADIUS_FRACTION * task.success_radius)) | there
+    stop = (state.distance <= jnp.float32(STOP_RADIUS_FRACTION * task.success_distance)) | there
     stop = stop & jnp.bool_(task.stop)
     return to_actions(snapshot.config, turn_towards(snapshot, aim), -pose.pitch, jnp.zeros_like(stop), stop)

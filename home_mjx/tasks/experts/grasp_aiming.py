@@ -114,7 +114,7 @@ def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
     """Return whether no turn and no look would move the view centre closer to the hand's target."""
     if config.discrete is None:
         return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(MAX_AIM_ERROR / 2)
-    half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
+    half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle or 0))
     return (jnp.abs(grip.turn) < half) & (jnp.abs(grip.tilt) < step)
 
 
@@ -213,6 +213,6 @@ def _round_to_steps(
     most, pitch = jnp.float32(config.max_pitch + PITCH_TOLERANCE), pitch[:, None]
     if config.discrete is None:
         return turn, jnp.clip(pitch + tilt, -most, most) - pitch
-    step, rise = (jnp.float32(math.radians(x)) for x in (config.discrete.turn_angle, config.discrete.tilt_angle))
+    step, rise = (jnp.float32(math.radians(x)) for x in (config.discrete.turn_angle, config.discrete.tilt_angle or 0))
     up, down = jnp.floor((most - pitch) / rise), -jnp.floor((most + pitch) / rise)
     return jnp.round(turn / step) * step, jnp.clip(jnp.round(tilt / rise), down, up) * rise

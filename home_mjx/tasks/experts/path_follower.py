@@ -11,6 +11,7 @@ from home_mjx.core.transforms import wrap_angle
 from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import DiscreteActions
 from home_mjx.tasks.env.actions import action_names
 from home_mjx.tasks.experts.carry_clearance import (
     MAX_FIELD_DISPLACEMENT,
@@ -281,13 +282,21 @@ def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop:
     return actions.at[:, 0].set(forward).at[:, 2].set(turn).at[:, 3].set(look)
 
 
+def _look_or_forward(moves: DiscreteActions, names: tuple[str, ...], tilt: Array) -> Array | int:
+    """Return the look towards `tilt` [rad]; `move_forward` where it is closer than half a look, or without looks."""
+    forward = names.index("move_forward")
+    if moves.tilt_angle is None:
+        return forward
+    look = jnp.where(tilt > 0, names.index("look_up"), names.index("look_down"))
+    return jnp.where(jnp.abs(tilt) > math.radians(moves.tilt_angle) / 2, look, forward)
+
+
 def _discrete(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Int[Array, " a"]:
     moves, names = config.discrete, action_names(config)
     assert moves is not None
-    half, step = math.radians(moves.turn_angle) / 2, math.radians(moves.tilt_angle) / 2
+    half = math.radians(moves.turn_angle) / 2
     turn = jnp.where(error > 0, names.index("turn_left"), names.index("turn_right"))
-    look = jnp.where(tilt > 0, names.index("look_up"), names.index("look_down"))
-    there = jnp.where(jnp.abs(tilt) > step, look, names.index("move_forward"))
+    there = _look_or_forward(moves, names, tilt)
     ahead = jnp.where(near, there, names.index("move_forward"))
     chosen = jnp.where(jnp.abs(error) > half + 1e-3, turn, ahead)
     return jnp.where(stop, names.index("stop"), chosen).astype(jnp.int32)

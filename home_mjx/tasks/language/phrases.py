@@ -1,7 +1,7 @@
 """Referring expressions: phrases for objects, rooms and goals, and minimal words that identify an object."""
 
 from collections.abc import Sequence
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from jaxtyping import Int
@@ -18,7 +18,7 @@ DISTINGUISHING_ATTRIBUTES = (Attribute.COLOR, Attribute.SIZE, Attribute.MATERIAL
 SEMANTIC_COLUMN = {
     Attribute.FINE: Semantic.FINE,
     Attribute.COARSE: Semantic.COARSE,
-    Attribute.COLOR: Semantic.BASIC,
+    Attribute.COLOR: Semantic.COLOR,
     Attribute.SIZE: Semantic.SIZE,
     Attribute.MATERIAL: Semantic.MATERIAL,
     Attribute.ROOM_TYPE: Semantic.ROOM_TYPE,
@@ -52,9 +52,11 @@ def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
 
 
 def has_attribute(thing: HouseObject, word: Attribute, value: int) -> bool:
-    """Return whether an object has a word's value; for colour, any of its main colours counts."""
+    """Return whether an object has a word's value: any of its main colours, any label of its room."""
+    if word == Attribute.ROOM_TYPE:
+        return value in thing.room_types
     columns = (
-        (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3) if word == Attribute.COLOR else (SEMANTIC_COLUMN[word],)
+        (Semantic.COLOR, Semantic.COLOR_2, Semantic.COLOR_3) if word == Attribute.COLOR else (SEMANTIC_COLUMN[word],)
     )
     return any(thing.semantic(column) == value for column in columns)
 
@@ -83,13 +85,19 @@ def minimal_identifying_words(
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     for count in range(len(known) + 1):
         sets = [
-            noun | {word: thing.semantic(SEMANTIC_COLUMN[word]) for word in chosen}
+            noun | dict(zip(chosen, values, strict=True))
             for chosen in combinations(known, count)
+            for values in product(*(_naming_values(thing, word) for word in chosen))
         ]
         alone = [words for words in sets if select_matching(things, words) == [thing]]
         if alone:
             return alone
     return []
+
+
+def _naming_values(thing: HouseObject, word: Attribute) -> tuple[int, ...]:
+    """Return the values by which a word may name an object: its main one, or any label of its room."""
+    return thing.room_types if word == Attribute.ROOM_TYPE else (thing.semantic(SEMANTIC_COLUMN[word]),)
 
 
 def describe_goal(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:

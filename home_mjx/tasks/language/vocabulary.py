@@ -22,7 +22,7 @@ FUNCTION_WORDS = (
 NUMBERS = tuple(str(number) for number in range(11))
 # After all others, so that existing tokens do not change.
 LATER_WORDS = ("does", "have", "one", "ask", "tell", "number")
-NAME_COLUMNS = (Semantic.COARSE, Semantic.FINE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
+NAME_COLUMNS = (Semantic.COARSE, Semantic.FINE, Semantic.COLOR, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
 
 
 def to_word(name: str) -> str:

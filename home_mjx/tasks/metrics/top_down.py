@@ -5,13 +5,13 @@ al., "Habitat: A Platform for Embodied AI Research", 2019 (arXiv:1904.01201).
 """
 
 import math
-from enum import IntEnum
 from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int, UInt8
 
+from home_mjx.core.named_enum import NamedIntEnum
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.errors import ConfigError
@@ -25,7 +25,7 @@ NUM_RAYS = 64  # number of rays across the horizontal field of view
 OTHER_STOREY = -1  # row and column of positions on another storey
 
 
-class CellOccupancy(IntEnum):
+class CellOccupancy(NamedIntEnum):
     """Class of a map cell."""
 
     OUTSIDE = 0  # outside of all rooms, or within a wall

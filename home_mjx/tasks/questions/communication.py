@@ -68,9 +68,10 @@ class Communication(NavigationTask):
         return 2
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows about room types of the house, endlessly in random order; none if there are fewer than two."""
-        types = np.unique(view.room_types[view.room_types >= 0])
-        while len(types) > 1:
+        """Yield rows about room types of the house, endlessly in random order; none if all have the same rooms."""
+        rooms = view.rooms_by_type
+        types = np.array(list(rooms), int)
+        while len(set(rooms.values())) > 1:
             for kind in random.permutation(types).tolist():
                 yield self._row(kind)
 

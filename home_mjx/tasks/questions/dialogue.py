@@ -82,7 +82,8 @@ class Dialogue(NavigationTask):
         there = Condition(Feature.DISTANCE, 1, maximum=self.success_distance), Condition(Feature.SEEN, 1, minimum=1)
         first = [word for word in QUESTION_WORDS if word in words]
         asked = [*first, *(word for word in QUESTION_WORDS if word not in words)]
-        oracle = [(QUESTION_WORDS[word], reply_word(thing, word)) for word in asked]
+        said = {word: attribute_text(word, words[word]) for word in first}
+        oracle = [(QUESTION_WORDS[word], said.get(word) or reply_word(thing, word)) for word in asked]
         oracle.append(("on", support_word(things, thing)))
         return TaskRow(
             [Selector.objects(coarse=thing.semantic(Semantic.COARSE)), Selector.objects(object_id=thing.object_id)],
@@ -95,7 +96,7 @@ class Dialogue(NavigationTask):
 
 
 def reply_word(thing: HouseObject, word: Attribute) -> str:
-    """Return the oracle's word for a property of an object; of several colours the main one."""
+    """Return the oracle's word for a property of an object; of several colours the main one, of labels the first."""
     value = thing.semantic(SEMANTIC_COLUMN[word])
     return attribute_text(word, value) if value >= 0 else UNKNOWN
 

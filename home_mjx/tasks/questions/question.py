@@ -17,7 +17,7 @@ YES_NO = ("yes", "no")
 MAX_COUNT = 6  # maximum answer to questions of kind `count`
 NOUNS = tuple(name for name in COARSE if name not in EXCLUDED_CATEGORIES)
 ATTRIBUTE_OF_KIND = {
-    "colour": Attribute.COLOR,
+    "color": Attribute.COLOR,
     "material": Attribute.MATERIAL,
     "size": Attribute.SIZE,
     "location": Attribute.ROOM_TYPE,
@@ -25,7 +25,7 @@ ATTRIBUTE_OF_KIND = {
 ANSWERS = {
     "existence": YES_NO,
     "count": tuple(str(number) for number in range(1, MAX_COUNT + 1)),
-    "colour": vocabularies()[Semantic.BASIC],
+    "color": vocabularies()[Semantic.COLOR],
     "material": vocabularies()[Semantic.MATERIAL],
     "size": vocabularies()[Semantic.SIZE],
     "location": ROOM_TYPES,

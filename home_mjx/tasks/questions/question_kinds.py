@@ -33,7 +33,7 @@ SMALL_CATEGORIES = (
     *("clock", "decoration", "kitchenware", "household_appliance", "picture_frame", "trinket", "magazines", "pillow"),
 )
 ATTRIBUTES = {
-    "colour": ("what colour is {}", "what is the colour of {}"),
+    "color": ("what colour is {}", "what is the colour of {}"),
     "material": ("what is {} made of", "of which material is {}"),
     "size": ("what size is {}", "what is the size of {}"),
     "location": ("in which room is {}", "where is {}"),
@@ -45,6 +45,8 @@ def attribute_questions(
 ) -> Iterator[Question]:
     """Yield questions about an attribute of single objects, or about the room they are in.
 
+    Objects with several main colours have no question about colour, those in rooms of several labels none about place.
+
     Args:
         things: Objects among which a phrase must identify one.
         kind: A key of `ATTRIBUTES`.
@@ -52,19 +54,18 @@ def attribute_questions(
     """
     word = ATTRIBUTE_OF_KIND[kind]
     for thing in askable_objects(things if about is None else about):
-        value = thing.semantic(SEMANTIC_COLUMN[word])
-        several = word == Attribute.COLOR and thing.semantic(Semantic.BASIC_2) >= 0  # more than one main colour
-        if value < 0 or several:
+        values = thing.room_types if word == Attribute.ROOM_TYPE else (thing.semantic(SEMANTIC_COLUMN[word]),)
+        several = word == Attribute.COLOR and thing.semantic(Semantic.COLOR_2) >= 0  # more than one main colour
+        if len(values) != 1 or values[0] < 0 or several:
             continue
         for words in identifying_words(things, thing, (word,)):
             texts = tuple(text.format(noun_phrase(words)) for text in ATTRIBUTES[kind])
-            yield Question(kind, texts, attribute_text(word, value), (Selector.objects_with(words),))
+            yield Question(kind, texts, attribute_text(word, values[0]), (Selector.objects_with(words),))
 
 
 def unique_rooms(view: HouseView) -> list[tuple[int, int]]:
-    """Return index and type of the rooms that are unique in their type."""
-    types = view.room_types.tolist()
-    return [(room, kind) for room, kind in enumerate(types) if kind >= 0 and types.count(kind) == 1]
+    """Return index and type of the rooms that are unique in a type; a room with several labels once per label."""
+    return [(rooms[0], kind) for kind, rooms in view.rooms_by_type.items() if len(rooms) == 1]
 
 
 def count_in_rooms(view: HouseView) -> Iterator[tuple[str, int, int]]:
@@ -121,7 +122,7 @@ def comparison_questions(view: HouseView) -> Iterator[Question]:
                 f"is {definite_noun(a)} the same colour as {definite_noun(b)}",
                 f"do {definite_noun(a)} and {definite_noun(b)} have the same colour",
             )
-            same = a.semantic(Semantic.BASIC) == b.semantic(Semantic.BASIC)
+            same = a.semantic(Semantic.COLOR) == b.semantic(Semantic.COLOR)
             yield Question("comparison", texts, YES_NO[not same], (select_unique(a), select_unique(b)))
 
 
@@ -172,7 +173,7 @@ def select_unique(thing: HouseObject) -> Selector:
 
 def has_one_color(thing: HouseObject) -> bool:
     """Return whether an object has exactly one main colour."""
-    return thing.semantic(Semantic.BASIC) >= 0 and thing.semantic(Semantic.BASIC_2) < 0
+    return thing.semantic(Semantic.COLOR) >= 0 and thing.semantic(Semantic.COLOR_2) < 0
 
 
 def volume(thing: HouseObject) -> float:

@@ -19,8 +19,8 @@ from home_mjx.tasks.rules.enums import FAILURE, Feature
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
 
-KINDS = ("existence", "count", "colour", "material", "size")
-ATTRIBUTE_KINDS = ("colour", "material", "size")
+KINDS = ("existence", "count", "color", "material", "size")
+ATTRIBUTE_KINDS = ("color", "material", "size")
 AFTER_FIRST_STEP = Condition(Feature.TIME, minimum=1)
 
 

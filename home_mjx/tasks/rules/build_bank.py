@@ -1,6 +1,7 @@
 """Task bank construction from the rows that task generators yield."""
 
 import itertools
+import logging
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol, runtime_checkable
@@ -25,6 +26,8 @@ from home_mjx.tasks.rules.task_bank import RowStart, TaskBank
 from home_mjx.tasks.sounds.sound_events import SoundEvent
 
 GOAL_TOLERANCE = 0.15  # [m] distance tolerance: agents move in steps and may miss the centre of a cell by this much
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -133,9 +136,10 @@ def build_task_bank(
         progress: Show a progress bar.
 
     Raises:
-        ConfigError: No house has a feasible task, or the generators keep none.
+        ConfigError: The generators yield no row, no house has a feasible one, or the generators keep none.
     """
     drawn: list[FeasibleRow] = []
+    generated = np.zeros(len(generators), int)  # number of rows that each one yielded
     fields = {}
     for view in tqdm(house_views(bank), desc="tasks", unit="house", disable=not progress):
         random = np.random.default_rng([seed, view.house])
@@ -146,13 +150,9 @@ def build_task_bank(
         ]
         found, fields[view.house] = _feasible_rows(bank, view, rows, random, (min_length, max_length))
         drawn += found
+        generated += np.bincount([g for g, _ in rows], minlength=len(generators))
     names = tuple(generator.name for generator in generators)
-    if not drawn:
-        hint = "Choose other path lengths, or other houses."
-        raise ConfigError(
-            f"no house has a task of {', '.join(names)} with a shortest path of {min_length} m to {max_length} m",
-            hint=hint,
-        )
+    _check_generated(bank, names, generated, drawn, (min_length, max_length))
     kept = _select_rows(generators, drawn, num_tasks, np.random.default_rng([seed, bank.num_houses]))
     if len(kept) < len(drawn):
         kept, fields = _drop_unused_fields(kept, fields)
@@ -161,6 +161,34 @@ def build_task_bank(
         hint = "Give more houses, or a larger `num_tasks`."
         raise ConfigError(f"none of the {len(drawn)} tasks of {', '.join(names)} is kept", hint=hint)
     return pack_task_bank(bank, columns, fields, names)
+
+
+def _check_generated(
+    bank: HouseBank,
+    names: tuple[str, ...],
+    generated: Int[np.ndarray, " g"],
+    drawn: list[FeasibleRow],
+    limits: tuple[float, float],
+) -> None:
+    """Raise `ConfigError` if no task is feasible; log the generators of a mix that add no task."""
+    houses = f"{bank.num_houses} house{'s' * (bank.num_houses > 1)}"
+    silent = [name for name, count in zip(names, generated, strict=True) if not count]
+    if len(silent) == len(names):
+        hint = "Check what `rows` looks for: these houses may have no such object or room. Give others, or more."
+        raise ConfigError(f"{' and '.join(silent)} yields no row in any of {houses}", hint=hint)
+    way = f"a shortest path of {limits[0]} m to {limits[1]} m"
+    if not drawn:
+        raise ConfigError(
+            f"none of {generated.sum()} rows of {', '.join(names)} in {houses} has a goal within reach, and {way}",
+            hint="Choose other path lengths, or other houses.",
+        )
+    lost = {names[task] for task in range(len(names)) if generated[task]} - {names[row.task] for row in drawn}
+    for name in silent:
+        log.warning("%s yields no row in any of %s: the mix has none of its tasks", name, houses)
+    for name in sorted(lost):
+        log.warning(
+            "no row of %s in %s has a goal within reach, and %s: the mix has none of its tasks", name, houses, way
+        )
 
 
 def _generate_rows(generator: TaskGenerator, view: HouseView, random: np.random.Generator, most: int) -> list[TaskRow]:

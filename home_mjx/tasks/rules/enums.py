@@ -1,6 +1,6 @@
 """Capacities of a row, and enumerations of the codes in its columns."""
 
-from enum import IntEnum
+from home_mjx.core.named_enum import NamedIntEnum
 
 NUM_DESCRIPTORS = 4  # objects, rooms, places or agents that a row refers to
 NUM_CONDITIONS = 8
@@ -16,7 +16,7 @@ NO_WORD = -1  # token of no word
 SUCCESS, FAILURE = -1, -2  # stages that end an episode
 
 
-class TargetKind(IntEnum):
+class TargetKind(NamedIntEnum):
     """Kind of a descriptor's target."""
 
     NOTHING = -1
@@ -26,7 +26,7 @@ class TargetKind(IntEnum):
     AGENT = 3
 
 
-class Attribute(IntEnum):
+class Attribute(NamedIntEnum):
     """Columns of a descriptor: its kind, and the properties that all targets share; `ANY` if unconstrained."""
 
     KIND = 0
@@ -35,7 +35,7 @@ class Attribute(IntEnum):
     COLOR = 3  # index into the palette of 16; any of an object's main colours
     MATERIAL = 4  # index into MATERIAL_KINDS
     SIZE = 5  # index into SIZES
-    ROOM_TYPE = 6  # index into ROOM_TYPES; of a room, or of the room that an object is in
+    ROOM_TYPE = 6  # index into ROOM_TYPES; any label of a room, or of the room that an object is in
     OBJECT_ID = 7  # one object of the house
     ROOM = 8  # one room of the house, or the room that an object is in
     ON = 9  # index of another descriptor of the row: rests on one of its targets
@@ -43,7 +43,7 @@ class Attribute(IntEnum):
     AGENT = 11  # index of an agent
 
 
-class Feature(IntEnum):
+class Feature(NamedIntEnum):
     """Quantity that a condition tests; `i` and `j` are its descriptors."""
 
     TRUE = 0  # always 1
@@ -62,7 +62,7 @@ class Feature(IntEnum):
     SAID = 13  # token of the word that the agent said in the last step; -1 if none
 
 
-class Purpose(IntEnum):
+class Purpose(NamedIntEnum):
     """Purpose of going to an object; it determines the end cells of paths."""
 
     LOOK = 0

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import transform_bounds
 from home_mjx.physics.hand_control import CARRY_CLEARANCE
-from home_mjx.schema.categories import COARSE
+from home_mjx.schema.categories import COARSE, room_types_in
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.cell_graph import CellGraph, EndCells
 from home_mjx.tasks.rules.enums import Purpose, TargetKind
@@ -43,6 +43,12 @@ class HouseObject:
     def semantic(self, column: Semantic) -> int:
         """Return a column of the object's semantic row; -1 if unknown."""
         return int(self.semantics[column])
+
+    @property
+    def room_types(self) -> tuple[int, ...]:
+        """All labels of the object's room as indices into ROOM_TYPES, the first one first; () if unknown."""
+        first = self.semantic(Semantic.ROOM_TYPE)
+        return tuple(sorted(room_types_in(self.semantic(Semantic.ROOM_LABELS)), key=lambda kind: kind != first))
 
     @property
     def coarse(self) -> str:
@@ -103,9 +109,13 @@ class HouseView:
         return int(parts[0]) if len(parts) == 1 else -1
 
     @cached_property
-    def room_types(self) -> Int[np.ndarray, " r"]:
-        """Type of each room as an index into ROOM_TYPES; -1 if unknown, and for padding."""
-        return np.asarray(self.bank.navigation.room_type[self.house])
+    def rooms_by_type(self) -> dict[int, tuple[int, ...]]:
+        """Rooms that have each label, by index into ROOM_TYPES; a room with several labels is in several entries."""
+        found: dict[int, tuple[int, ...]] = {}
+        for room, labels in enumerate(np.asarray(self.bank.navigation.room_labels[self.house]).tolist()):
+            for kind in room_types_in(labels):
+                found[kind] = (*found.get(kind, ()), room)
+        return dict(sorted(found.items()))
 
     def end_cells(
         self,

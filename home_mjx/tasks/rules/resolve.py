@@ -13,15 +13,14 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.enums import ANY, NUM_DESCRIPTORS, Attribute, TargetKind
 
-# Columns of the semantic table by word; an object matches if any of them has the word's value.
+# Columns of the semantic table by word; an object matches if any of them has the word's value. Room types are bits.
 SEMANTIC_COLUMNS = {
     Attribute.FINE: (Semantic.FINE,),
     Attribute.COARSE: (Semantic.COARSE,),
-    Attribute.COLOR: (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3),
+    Attribute.COLOR: (Semantic.COLOR, Semantic.COLOR_2, Semantic.COLOR_3),
     Attribute.MATERIAL: (Semantic.MATERIAL,),
     Attribute.SIZE: (Semantic.SIZE,),
-    Attribute.ROOM_TYPE: (Semantic.ROOM_TYPE,),
-    Attribute.OBJECT_ID: (Semantic.OBJECT,),
+    Attribute.OBJECT_ID: (Semantic.OBJECT_ID,),
     Attribute.ROOM: (Semantic.ROOM,),
 }
 SUPPORT_COLUMNS = {Attribute.ON: Semantic.SUPPORTER, Attribute.IN: Semantic.CONTAINER}
@@ -42,10 +41,10 @@ def resolve_targets(bank: HouseBank, house: Int[Array, ""], descriptor: Int[Arra
         house: Index of the house.
         descriptor: Descriptors, with the columns of `Attribute`.
     """
-    geometry, types = bank.geometry, bank.navigation.room_type[house]
+    geometry, labels = bank.geometry, bank.navigation.room_labels[house]
     known = geometry.instance_object[house] >= 0
     rows = jnp.where(known[:, None], bank.semantics[geometry.instance_semantic[house]], ANY)
-    return ResolvedTargets(instance=_match_instances(rows, known, descriptor), room=_match_rooms(types, descriptor))
+    return ResolvedTargets(instance=_match_instances(rows, known, descriptor), room=_match_rooms(labels, descriptor))
 
 
 def _match_instances(
@@ -56,6 +55,8 @@ def _match_instances(
         value = descriptor[:, word, None]
         same = functools.reduce(operator.or_, [rows[None, :, column] == value for column in columns])
         fits = fits & ((value == ANY) | same)
+    kind = descriptor[:, Attribute.ROOM_TYPE, None]
+    fits = fits & ((kind == ANY) | _has_label(rows[None, :, Semantic.ROOM_LABELS], kind))
     return _filter_supported(rows, fits, descriptor)
 
 
@@ -69,18 +70,23 @@ def _filter_supported(
     found = fits
     for word, column in SUPPORT_COLUMNS.items():
         other = descriptor[:, word]
-        carries = (rows[:, None, Semantic.OBJECT] == rows[None, :, column]) & (rows[None, :, column] != ANY)
+        carries = (rows[:, None, Semantic.OBJECT_ID] == rows[None, :, column]) & (rows[None, :, column] != ANY)
         chosen = jnp.take(fits, jnp.clip(other, 0, NUM_DESCRIPTORS - 1), axis=0)  # targets of that descriptor
         carried = jnp.any(chosen[:, :, None] & carries[None], axis=1)
         found = found & ((other[:, None] == ANY) | carried)
     return found
 
 
-def _match_rooms(types: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[Array, "d r"]:
+def _has_label(labels: Int[Array, "..."], kind: Int[Array, "..."]) -> Bool[Array, "..."]:
+    """Return whether bit masks of `schema.categories.room_labels` have a label; a mask of 0 or -1 has none."""
+    return (labels > 0) & ((labels >> jnp.maximum(kind, 0)) & 1 == 1)
+
+
+def _match_rooms(labels: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[Array, "d r"]:
     kind, number = descriptor[:, Attribute.ROOM_TYPE, None], descriptor[:, Attribute.ROOM, None]
-    fits = (descriptor[:, Attribute.KIND, None] == TargetKind.ROOM) & (types[None] != ANY)
-    fits = fits & ((kind == ANY) | (types[None] == kind))
-    return fits & ((number == ANY) | (jnp.arange(types.shape[0])[None] == number))
+    fits = (descriptor[:, Attribute.KIND, None] == TargetKind.ROOM) & (labels[None] > 0)
+    fits = fits & ((kind == ANY) | _has_label(labels[None], kind))
+    return fits & ((number == ANY) | (jnp.arange(labels.shape[0])[None] == number))
 
 
 def resolve_targets_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> ResolvedTargets:

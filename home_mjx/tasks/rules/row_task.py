@@ -1,6 +1,6 @@
 """Task whose episodes are rows of a task bank."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
@@ -11,6 +11,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
+from home_mjx.tasks.base.goal_observation import GOAL_SPEC, MAX_GOAL_DISTANCE, observe_goal
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task, path_scores
@@ -25,7 +26,6 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sounds.sound_events import SoundEvents, has_voices
 from home_mjx.tasks.sounds.sources import row_sources
 
-MAX_DISTANCE = 1000.0  # [m] upper bound of distances; no house is larger
 MAX_STEP_PROGRESS = 2.0  # [m] maximum progress per step: distances jump when a target changes storey or appears
 COST_OPTIONS = ("step_cost", "contact_cost", "question_cost", "failure_cost")
 SPEECH_OBSERVATIONS = {
@@ -81,7 +81,7 @@ class RowTask(Task):
     num_tasks: int = 64
     task_seed: int = 0
     min_length: float = 1.0
-    max_length: float = MAX_DISTANCE
+    max_length: float = MAX_GOAL_DISTANCE
     progress_reward: float = 1.0
     step_cost: float = 0.01
     contact_cost: float = 0.01
@@ -132,9 +132,9 @@ class RowTask(Task):
     @property
     def observation_spec(self) -> Specs:
         """Specs of `goal`, `goal_words` and `instruction`; of `reply` and `heard_words` in tasks that use them."""
-        polar = "distance [m], cosine and sine of the bearing of a goal point, left positive; 0 for other goals"
+        goal = replace(GOAL_SPEC, text=f"{GOAL_SPEC.text}; 0 for goals that are no points")
         return {
-            "goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (MAX_DISTANCE, 1.0, 1.0), polar),
+            "goal": goal,
             "goal_words": ArraySpec(
                 (len(Attribute),), "int32", -1, 32767, "first descriptor, columns `Attribute`; -1 any"
             ),
@@ -222,9 +222,7 @@ class RowTask(Task):
         """Return the observations of `observation_spec`; uninstructed agents have no goal and no instruction."""
         pose, place = snapshot.pose, state.program.place[0]
         known = jnp.all(jnp.isfinite(place))
-        offset = jnp.where(known, place[:2] - pose.pos[:, :2], 0.0)
-        bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
-        goal = jnp.stack([jnp.linalg.norm(offset, axis=-1), jnp.cos(bearing), jnp.sin(bearing)], axis=-1)
+        goal = observe_goal(snapshot, jnp.where(known, place, 0.0))
         told = is_instructed(state.speech, pose.yaw.shape[0])[:, None]
         words = jnp.where(has_voices(state.sound_events), NO_WORD, words_of_others(snapshot.spoken_token))
         heard = {"reply": state.reply, "heard_words": words}

@@ -12,7 +12,7 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 
 MAX_COORDINATE = 1000.0  # [m], bound of positions; larger than any house
-HELD_COLUMNS = (Semantic.FINE, Semantic.COARSE, Semantic.BASIC, Semantic.MATERIAL, Semantic.SIZE)
+HELD_COLUMNS = (Semantic.FINE, Semantic.COARSE, Semantic.COLOR, Semantic.MATERIAL, Semantic.SIZE)
 MAX_VELOCITY = 100.0  # [m/s, rad/s], bound of velocities; far above those of motors and falls
 
 

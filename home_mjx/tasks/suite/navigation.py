@@ -76,11 +76,11 @@ class NavigationTask(RowTask):
 
 @dataclass(frozen=True)
 class RoomNav(NavigationTask):
-    """Go into a room of some type."""
+    """Go into a room of some type; any label of a room counts, as in House3D."""
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield a row per room type of the house, endlessly, in a new random order each round."""
-        types = np.unique(view.room_types[view.room_types >= 0])
+        types = np.array(list(view.rooms_by_type), int)
         while len(types):
             for kind in random.permutation(types).tolist():
                 stage = arrival_stage((Condition(Feature.INSIDE, 0, minimum=1),), self.stop, self.success_reward)

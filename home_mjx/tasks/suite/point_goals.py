@@ -16,27 +16,57 @@ from home_mjx.tasks.base.state import MAX_FLOOR_OFFSET, Episodes
 
 MAX_GOAL_OFFSET = 0.01  # [m], maximum distance between a file's goal and the bank's goal
 OTHER_BANK_HINT = "Use a bank of the houses that the episodes were drawn in, compiled alike."
+ROW_FORMAT_HINT = "Rows of tasks go to any place of the floor: docs/own_task.md, File format."
 MAX_START_OFFSET = (
     0.025  # [m], maximum offset of a start from the centre of its cell: half of the clearance of compiled houses
 )
 NUM_START_SAMPLES = 64  # samples of a start per episode
 
 
-def pick_goal(snapshot: Snapshot, key: Array, min_distance: float) -> Int[Array, ""]:
-    """Sample a goal of the house at least `min_distance` [m] from the first agent, or any if there is none."""
+def pick_goal(snapshot: Snapshot, key: Array, min_distance: float, same_storey: bool = False) -> Int[Array, ""]:
+    """Sample a goal of the house.
+
+    Args:
+        snapshot: The environment.
+        key: Random key.
+        min_distance: Minimum distance from the first agent, if there is such a goal [m].
+        same_storey: Sample a goal on the first agent's storey, if it has one to which a path leads.
+    """
     bank, house = snapshot.bank, snapshot.house
     distance = geodesic_distance(bank, house, None, snapshot.feet[0])
-    fit = jnp.isfinite(distance) & (distance >= jnp.float32(min_distance))
+    fit = jnp.isfinite(distance)
+    for wanted in [is_on_storey(bank, house, snapshot.feet[0])] * same_storey + [distance >= jnp.float32(min_distance)]:
+        fit = jnp.where(jnp.any(fit & wanted), fit & wanted, fit)
     fit = fit | ~jnp.any(fit)
     return jax.random.categorical(key, jnp.where(fit, 0.0, -jnp.inf)).astype(jnp.int32)
 
 
+def is_on_storey(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Bool[Array, " goals"]:
+    """Return which goals of a house are on the storey of a point [m]."""
+    goals = bank.navigation.goal[bank.clip_house_index(house)]
+    levels = jax.vmap(lambda goal: cell_at_feet(bank, house, goal)[0])(goals)
+    return levels == cell_at_feet(bank, house, feet)[0]
+
+
 def sample_goal(
-    bank: HouseBank, house: Int[Array, ""], key: Array, min_length: Float[Array, ""], max_length: Float[Array, ""]
+    bank: HouseBank,
+    house: Int[Array, ""],
+    key: Array,
+    min_length: Float[Array, ""],
+    max_length: Float[Array, ""],
+    same_storey: bool = False,
 ) -> tuple[Float[Array, "3"], Float[Array, ""], dict[str, Array]]:
     """Sample a start of the house, and a goal whose shortest path has a length within limits [m].
 
     Starts are uniform by area, but not where door leaves are, nor where leaves cut off an area from the rest.
+
+    Args:
+        bank: The houses.
+        house: Index of the house.
+        key: Random key.
+        min_length: Minimum length of the shortest path [m].
+        max_length: Maximum length of the shortest path [m].
+        same_storey: Sample start and goal on the same storey.
 
     Returns:
         Start, yaw, and the columns `goal` and `length`; the length is inf if none of `NUM_START_SAMPLES` starts had
@@ -46,6 +76,8 @@ def sample_goal(
     starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, NUM_START_SAMPLES))
     lengths = jax.vmap(lambda p: geodesic_distance(bank, house, None, p))(starts)
     fits = (lengths >= min_length) & (lengths <= max_length) & jnp.isfinite(lengths)
+    if same_storey:
+        fits = fits & jax.vmap(lambda p: is_on_storey(bank, house, p))(starts)
     attempt = jnp.argmax(jnp.any(fits, axis=1)).astype(jnp.int32)  # the first usable start
     weight = jnp.where(fits[attempt], jnp.float32(0), -jnp.inf)
     goal = jax.random.categorical(choose, jnp.where(jnp.any(fits[attempt]), weight, 0.0)).astype(jnp.int32)
@@ -91,5 +123,6 @@ def from_json(bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, An
         raise ValueError("`length` must be a finite number of at least 0")
     away = np.linalg.norm(np.asarray(bank.navigation.goal[house]) - place, axis=-1)
     if away.min() > MAX_GOAL_OFFSET:
-        raise DatasetError(f"house {line['house']} has no goal at {line['goal']}", hint=OTHER_BANK_HINT)
+        message = f"house {line['house']} has no goal at {line['goal']}; its nearest one is {away.min():.2f} m away"
+        raise DatasetError(message, hint=f"{OTHER_BANK_HINT} {ROW_FORMAT_HINT}")
     return {"goal": int(away.argmin()), "length": length}

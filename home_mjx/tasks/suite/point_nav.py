@@ -14,13 +14,12 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.navigation.grid import geodesic_distance
+from home_mjx.tasks.base.goal_observation import GOAL_SPEC, observe_goal
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.base.specs import ArraySpec, Specs
+from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.suite import point_goals
-
-MAX_DISTANCE = 1000.0  # [m], bound of distances; larger than any house
 
 
 class PointNavState(Pytree):
@@ -28,7 +27,7 @@ class PointNavState(Pytree):
 
     goal: Int[Array, ""]  # index into the house's goals
     distance: Float[Array, " a"]  # [m], geodesic
-    reached: Bool[Array, " a"]  # has been within `success_radius` since the start; with `stopped`: has stopped there
+    reached: Bool[Array, " a"]  # has been within `success_distance` since the start; with `stopped`: has stopped there
     arrived: Bool[Array, " a"]  # reached the goal in the last step
     length: Float[Array, " a"]  # [m], of the shortest path from the start
     path_length: Float[Array, " a"]  # [m], length of the path until arrival
@@ -38,32 +37,36 @@ class PointNavState(Pytree):
 
 @dataclass(frozen=True)
 class PointNav(Task):
-    """Reach the goal within `success_radius`; with several agents, all of them.
+    """Reach the goal within `success_distance`; with several agents, all of them.
 
     An episode ends when each agent has arrived or has chosen the discrete action `stopped`.
 
     Attributes:
-        success_radius: Maximum distance on arrival [m].
-        stop: Agents must choose `stopped` on arrival: only `stopped` within `success_radius` counts. With
-            `success_radius=0.2` this is PointNav as in Habitat.
+        success_distance: Maximum distance on arrival [m].
+        stop: Agents must choose `stopped` on arrival: only `stopped` within `success_distance` counts. With
+            `success_distance=0.2` this is PointNav as in Habitat.
         min_distance: Minimum distance of goals at the start, if there are such goals [m].
+        same_storey: Goals are on the storey of the start, if it has one to which a path leads.
         success_reward: Added once, on arrival.
         step_cost: Subtracted every step.
         contact_cost: Subtracted while touching anything but the floor.
     """
 
-    success_radius: float = 0.36
+    success_distance: float = 0.36
     stop: bool = False
     min_distance: float = 1.0
+    same_storey: bool = False
     success_reward: float = 2.5
     step_cost: float = 0.01
     contact_cost: float = 0.01
 
     def __post_init__(self) -> None:
-        check_flag("stop", self.stop)
         for option in fields(self):
-            if option.name != "stop":
-                check_number(option.name, getattr(self, option.name), 0)
+            value = getattr(self, option.name)
+            if option.name in ("stop", "same_storey"):
+                check_flag(option.name, value)
+            else:
+                check_number(option.name, value, 0)
 
     @property
     def requires_stop(self) -> bool:
@@ -73,8 +76,7 @@ class PointNav(Task):
     @property
     def observation_spec(self) -> Specs:
         """Spec of `goal`."""
-        text = "distance in the plane [m], cosine and sine of the bearing in the agent's frame, left positive"
-        return {"goal": ArraySpec((3,), "float32", (0.0, -1.0, -1.0), (MAX_DISTANCE, 1.0, 1.0), text)}
+        return {"goal": GOAL_SPEC}
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -84,7 +86,7 @@ class PointNav(Task):
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
         """Return the initial state, with the goal of `columns` or a random one, if possible beyond `min_distance`."""
         if columns is None:
-            goal = point_goals.pick_goal(snapshot, key, self.min_distance)
+            goal = point_goals.pick_goal(snapshot, key, self.min_distance, self.same_storey)
         else:
             goal = columns["goal"]
         distance = self._distance(snapshot, goal)
@@ -103,7 +105,7 @@ class PointNav(Task):
     def update(self, snapshot: Snapshot, state: PointNavState) -> PointNavState:
         """Update distances, arrivals, collisions, and path lengths up to the first arrival."""
         distance = self._distance(snapshot, state.goal)
-        there = distance <= jnp.float32(self.success_radius)
+        there = distance <= jnp.float32(self.success_distance)
         there = there & snapshot.stopped if self.stop else there
         place = snapshot.pose.pos
         moved = jnp.linalg.norm(place - state.last_pos, axis=-1)
@@ -117,12 +119,8 @@ class PointNav(Task):
         )
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:
-        """Return `goal`: plan distance [m], cosine and sine of the bearing in each agent's frame (left positive)."""
-        pose, goal = snapshot.pose, snapshot.bank.navigation.goal[snapshot.house, state.goal]
-        offset = goal[None, :2] - pose.pos[:, :2]
-        distance = jnp.linalg.norm(offset, axis=-1)
-        bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw
-        return {"goal": jnp.stack([distance, jnp.cos(bearing), jnp.sin(bearing)], axis=-1)}
+        """Return `goal`: plan distance [m], cosine and sine of the bearing, height above the feet [m] of each agent."""
+        return {"goal": observe_goal(snapshot, snapshot.bank.navigation.goal[snapshot.house, state.goal])}
 
     def reward(self, snapshot: Snapshot, before: PointNavState, state: PointNavState) -> Float[Array, " a"]:
         """Return progress [m] minus costs, plus `success_reward` on arrival."""
@@ -150,8 +148,11 @@ class PointNav(Task):
         return {name: jnp.mean(figure) for name, figure in figures.items()}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
-        """Sample an episode by `point_goals.sample_goal`; limits are `min_length` and `max_length` of the path [m]."""
-        return point_goals.sample_goal(bank, house, key, **limits)
+        """Sample an episode by `point_goals.sample_goal`.
+
+        Limits are `min_length` and `max_length` of the path [m], and `same_storey`, by default the task's own.
+        """
+        return point_goals.sample_goal(bank, house, key, **{"same_storey": self.same_storey} | limits)
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
         """Return the goal's position, so that any bank of the houses can load it, and the path length."""

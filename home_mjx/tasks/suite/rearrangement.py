@@ -12,7 +12,6 @@ import numpy as np
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import AgentBody
-from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import attribute_text, draw_identifying_words, noun_phrase
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rules.build_bank import TaskRow
@@ -107,9 +106,9 @@ class Fetch(ManipulationTask):
     def _to_room(
         self, view: HouseView, thing: PortableObject, words: Words, random: np.random.Generator
     ) -> Iterator[TaskRow]:
-        own = thing.object.semantic(Semantic.ROOM_TYPE)
-        others = [kind for kind in np.unique(view.room_types).tolist() if kind >= 0 and kind != own]
-        if others and own >= 0:
+        own = thing.object.room_types
+        others = [kind for kind in view.rooms_by_type if kind not in own]
+        if others and own:
             kind = others[int(random.integers(len(others)))]
             inside = Condition(Feature.INSIDE, 1, minimum=1)
             yield self._row(

@@ -136,9 +136,9 @@ def test_ids_are_those_of_what_was_hit(bank, look):
     assert set(np.unique(who)) == {-1, 0, 1, agent_id(bank)}
     semantics = np.asarray(bank.semantics)
     columns = {"fine": Semantic.FINE, "coarse": Semantic.COARSE, "nyu40": Semantic.NYU40, "room": Semantic.ROOM}
-    columns |= {"room_type": Semantic.ROOM_TYPE, "size": Semantic.SIZE, "color": Semantic.BASIC}
+    columns |= {"room_type": Semantic.ROOM_TYPE, "size": Semantic.SIZE, "color": Semantic.COLOR}
     for number in (0, 1):
-        row = semantics[semantics[:, Semantic.OBJECT] == number]
+        row = semantics[semantics[:, Semantic.OBJECT_ID] == number]
         assert len(row) == 1
         for kind, column in columns.items():
             assert set(images[kind][who == number]) <= {row[0, column]}, kind

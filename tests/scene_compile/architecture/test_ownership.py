@@ -64,7 +64,7 @@ def test_every_place_is_covered_once_by_the_smallest_room(nested, rng, category,
 
 def part_rows(house, category: str) -> list[int]:
     fine = encode_name(Semantic.FINE, category)
-    is_part = (house.semantics[:, Semantic.FINE] == fine) & (house.semantics[:, Semantic.OBJECT] < 0)
+    is_part = (house.semantics[:, Semantic.FINE] == fine) & (house.semantics[:, Semantic.OBJECT_ID] < 0)
     return np.flatnonzero(is_part).tolist()
 
 

@@ -24,7 +24,7 @@ NUM_FENCE = 4
 
 def rooms_of(*polygons: np.ndarray) -> RoomTable:
     n = len(polygons)
-    return RoomTable(np.full(n, -1), np.zeros(n, int), polygons, np.zeros(n), np.full(n, 2.7))
+    return RoomTable(np.full(n, -1), np.zeros(n, int), polygons, np.zeros(n), np.full(n, 2.7), np.zeros(n, int))
 
 
 def wall(start, end, thickness: float = 0.1, low: float = 0.0, high: float = 2.7) -> BoxSet:

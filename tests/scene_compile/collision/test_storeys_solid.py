@@ -219,7 +219,14 @@ def test_stairs_that_turn_without_a_landing_have_no_ramp():
 def rooms_of(polygons: list, floors: list) -> RoomTable:
     count = len(polygons)
     arrays = tuple(np.array(p, float) for p in polygons)
-    return RoomTable(np.full(count, -1), np.zeros(count, int), arrays, np.array(floors, float), np.array(floors) + 2.5)
+    return RoomTable(
+        np.full(count, -1),
+        np.zeros(count, int),
+        arrays,
+        np.array(floors, float),
+        np.array(floors) + 2.5,
+        np.zeros(count, int),
+    )
 
 
 @pytest.mark.parametrize("yaw", [0.0, 0.3, -0.7])

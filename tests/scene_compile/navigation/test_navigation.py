@@ -26,7 +26,7 @@ def square(low: float, high: float) -> np.ndarray:
 
 def rooms_of(*polygons: np.ndarray) -> RoomTable:
     n = len(polygons)
-    return RoomTable(np.full(n, -1), np.zeros(n, int), polygons, np.zeros(n), np.full(n, 2.7))
+    return RoomTable(np.full(n, -1), np.zeros(n, int), polygons, np.zeros(n), np.full(n, 2.7), np.zeros(n, int))
 
 
 def relaxed(free: np.ndarray, goal: tuple[int, int], cell: float) -> np.ndarray:

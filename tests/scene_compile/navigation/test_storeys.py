@@ -34,7 +34,7 @@ def outline(x0: float, y0: float, x1: float, y1: float) -> np.ndarray:
 def rooms_of(*polygons: np.ndarray, level: tuple[int, ...] = ()) -> RoomTable:
     n = len(polygons)
     levels = np.array(level or [0] * n)
-    return RoomTable(np.full(n, -1), levels, polygons, UP * levels.astype(float), UP * levels + 2.5)
+    return RoomTable(np.full(n, -1), levels, polygons, UP * levels.astype(float), UP * levels + 2.5, np.zeros(n, int))
 
 
 def stairs_at(x: float, y: float, level: int = 0) -> PlacedObject:

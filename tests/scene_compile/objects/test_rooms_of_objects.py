@@ -19,7 +19,14 @@ from home_mjx.schema.house import House, Level, Metadata, RoomNode
 ELL = np.array([[0.0, 0], [6, 0], [6, 3], [3, 3], [3, 6], [0, 6]])
 SQUARE = np.array([[3.0, 3], [6, 3], [6, 6], [3, 6]])
 CLOSET = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
-ROOMS = RoomTable(np.array([0, 1, 2], np.int32), np.zeros(3, np.int32), (ELL, SQUARE, CLOSET), np.zeros(3), np.ones(3))
+ROOMS = RoomTable(
+    np.array([0, 1, 2], np.int32),
+    np.zeros(3, np.int32),
+    (ELL, SQUARE, CLOSET),
+    np.zeros(3),
+    np.ones(3),
+    np.array([1, 2, 4]),
+)
 
 
 def room_of(x: float, y: float, listed: tuple[int, ...]) -> int:

@@ -77,7 +77,7 @@ def test_a_way_through_a_wall_crosses_one_partition(houses):
 def test_semantic_rows_name_their_instances(houses):
     for house in houses:
         rows = house.semantics[house.instances.semantic[1:]]
-        np.testing.assert_array_equal(rows[:, Semantic.OBJECT], house.instances.object_id[1:])
+        np.testing.assert_array_equal(rows[:, Semantic.OBJECT_ID], house.instances.object_id[1:])
         np.testing.assert_array_equal(rows[:, Semantic.MOVABLE], house.instances.body[1:])
         # One instance per object, and one more for each leaf of its doors.
         leaves = len(house.doors.instance) + house.report["shut_leaves"]

@@ -125,7 +125,7 @@ def test_categories_are_those_of_the_table(compiled, suncg_root):
         names = FINE[row[Semantic.FINE]], COARSE[row[Semantic.COARSE]], NYU40[row[Semantic.NYU40]]
         columns = ("fine_grained_class", "coarse_grained_class", "nyuv2_40class")
         assert names == tuple(expected[c] for c in columns)
-        assert row[Semantic.OBJECT] == compiled.instances.object_id[i]
+        assert row[Semantic.OBJECT_ID] == compiled.instances.object_id[i]
         assert row[Semantic.MOVABLE] == compiled.instances.body[i]
 
 

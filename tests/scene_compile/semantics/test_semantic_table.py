@@ -21,7 +21,7 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.vocabulary import decode_row, encode_name, vocabularies
 from home_procgen.v1.dataset import generate_dataset
 
-FIRST = {"basic": Semantic.BASIC, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
+FIRST = {"basic": Semantic.COLOR, "css": Semantic.CSS, "xkcd": Semantic.XKCD}
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def bank(compiled):
 
 
 def test_every_column_with_names_has_a_vocabulary_without_repeats():
-    unnamed = {"OBJECT", "ROOM", "LEVEL", "PARTITION", "MOVABLE", "SUPPORTER", "CONTAINER"}
+    unnamed = {"OBJECT_ID", "ROOM_LABELS", "ROOM", "LEVEL", "PARTITION", "MOVABLE", "SUPPORTER", "CONTAINER"}
     assert {column.name for column in Semantic} - {column.name for column in vocabularies()} == unnamed
     for column, names in vocabularies().items():
         assert len(set(names)) == len(names)
@@ -69,6 +69,7 @@ def test_rows_say_what_the_records_say(meanings, compiled):
         for row, item in zip(house.semantics, (*meaning.parts, *meaning.objects), strict=True):
             named = decode_row(row)
             assert named.get("room_type", "unknown") == item.room_type
+            assert named.get("room_labels", ()) == item.room_types
             assert named.get("room", -1) == item.room
             assert named["level"] == item.level
             assert named.get("material", "") == next(iter(item.appearance.materials), "")
@@ -78,14 +79,14 @@ def test_rows_say_what_the_records_say(meanings, compiled):
                 assert columns[0] in named
         for row, item in zip(house.semantics[len(meaning.parts) :], meaning.objects, strict=True):
             named = decode_row(row)
-            assert named["object"] == item.object_id
+            assert named["object_id"] == item.object_id
             assert (named["fine"], named["coarse"], NYU40[row[Semantic.NYU40]]) == (item.fine, item.coarse, item.nyu40)
             assert (named.get("size", ""), named.get("support", "")) == (item.size, item.support.kind)
             held = (named.get("supporter", -1), named.get("container", -1))
             assert held == (item.support.supporter, item.support.container)
         for row, part in zip(house.semantics, meaning.parts, strict=False):
             assert decode_row(row)["fine"] == part.category
-            assert {"object", "size", "support", "movable"}.isdisjoint(decode_row(row))
+            assert {"object_id", "size", "support", "movable"}.isdisjoint(decode_row(row))
 
 
 @pytest.mark.parametrize(
@@ -99,7 +100,9 @@ def test_objects_are_looked_up_by_id_inside_jit(column, bank, compiled):
         look_up = jax.jit(HouseBank.semantics_of, static_argnums=3)
         found = [np.asarray(look_up(bank, jnp.int32(h), ids, int(column)))[0] for h in range(len(compiled))]
     for house, numbers in zip(compiled, found, strict=True):
-        rows = {int(row[Semantic.OBJECT]): int(row[column]) for row in house.semantics if row[Semantic.OBJECT] >= 0}
+        rows = {
+            int(row[Semantic.OBJECT_ID]): int(row[column]) for row in house.semantics if row[Semantic.OBJECT_ID] >= 0
+        }
         person = encode_name(column, "person") if column == Semantic.FINE else -1
         assert numbers.tolist() == [-1, *(rows.get(i, -1) for i in range(capacity)), person, person]
 

@@ -74,10 +74,10 @@ def test_options_are_refused_by_name(make, name, value):
 
 
 def test_a_text_with_commas_is_no_list_of_names():
-    """As `--env kinds=colour,size` has it: the hint says how to write it there."""
+    """As `--env kinds=color,size` has it: the hint says how to write it there."""
     with pytest.raises(ConfigError) as caught:
-        check_names("kind of question", "colour,size", ("colour", "size"))
-    assert 'NAME=["colour", "size"]' in caught.value.hint
+        check_names("kind of question", "color,size", ("color", "size"))
+    assert 'NAME=["color", "size"]' in caught.value.hint
 
 
 def test_words_that_are_sounds_need_ears():
@@ -125,7 +125,7 @@ calls |= {
     "late in words": lambda: AudioConfig(late="baked"),
     "air in words": lambda: AudioConfig(air="cold"),
     "places in words": lambda: make_config(receiver="array", positions="left"),
-    "kinds with commas": lambda: make("HouseQA-v0", kinds="colour,size"),
+    "kinds with commas": lambda: make("HouseQA-v0", kinds="color,size"),
     "no kinds": lambda: make("HouseQA-v0", kinds=[]),
     "one kind": lambda: AgentCamera("scanner", "depth"),
     "place": lambda: AgentCamera("scanner", offset=(0.0, "up", 0.0)),

@@ -27,9 +27,9 @@ RECORDS = {"": EnvConfig(), "task": PointNav(), "compile": CompileOptions()}
 
 @pytest.mark.parametrize("value", ["x", True, None, 1j, (0.5,)])
 def test_a_tasks_option_has_the_type_of_its_default(value):
-    with pytest.raises(ConfigError, match=r"`task.success_radius` must be a float, got"):
-        override_options(RECORDS, {"success_radius": value})
-    assert override_options(RECORDS, {"success_radius": 1})["task"].success_radius == 1
+    with pytest.raises(ConfigError, match=r"`task.success_distance` must be a float, got"):
+        override_options(RECORDS, {"success_distance": value})
+    assert override_options(RECORDS, {"success_distance": 1})["task"].success_distance == 1
 
 
 def test_a_hint_names_no_option_that_could_be_several():
@@ -39,11 +39,11 @@ def test_a_hint_names_no_option_that_could_be_several():
 
 def test_a_field_is_found_at_any_depth():
     chosen = override_options(
-        RECORDS, {"width": 32, "num_agents": 2, "success_radius": 0.5, "cell": 0.05, "mass": 70.0, "sim_dt": 0.05}
+        RECORDS, {"width": 32, "num_agents": 2, "success_distance": 0.5, "cell": 0.05, "mass": 70.0, "sim_dt": 0.05}
     )
     config = chosen[""]
     assert (config.width, config.physics.num_agents, config.body.mass, config.timing.sim_dt) == (32, 2, 70.0, 0.05)
-    assert chosen["task"] == PointNav(success_radius=0.5)
+    assert chosen["task"] == PointNav(success_distance=0.5)
     assert chosen["compile"].navigation.cell == 0.05
 
 
@@ -53,7 +53,7 @@ def test_paths_and_whole_records_say_the_same():
     assert override_options(RECORDS, {"physics": PhysicsConfig(friction=0.5)}) == flat
     both = override_options(RECORDS, {"physics": PhysicsConfig(friction=0.5), "physics.num_agents": 3})
     assert (both[""].physics.friction, both[""].physics.num_agents) == (0.5, 3)
-    assert override_options(RECORDS, {"task.success_radius": 0.5})["task"].success_radius == 0.5
+    assert override_options(RECORDS, {"task.success_distance": 0.5})["task"].success_distance == 0.5
 
 
 def test_fields_that_only_fit_together_are_changed_together():
@@ -90,7 +90,7 @@ def test_agents_have_the_common_body_or_their_own():
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("sucess_radius", "Did you mean `success_radius`"),
+        ("sucess_distance", "Did you mean `success_distance`"),
         ("celll", "Did you mean `cell`"),
         ("physics.frictoin", r"Did you mean `physics\.friction`"),
         ("agent_radius", r"is now `body\.radius`"),
@@ -101,7 +101,7 @@ def test_agents_have_the_common_body_or_their_own():
         ("max_episode_steps", "`episode_length`"),
         ("gps", "gps_compass"),
         ("compass", "gps_compass"),
-        ("success_distance", "`success_radius`"),
+        ("success_radius", "`success_distance`"),
         ("allow_sliding", "slide"),
         ("turn_angle", "DiscreteActions"),
         ("render_mode", "Gymnasium"),
@@ -135,12 +135,12 @@ def test_wrong_records_are_refused():
 
 def test_make_refuses_before_it_compiles(monkeypatch):
     monkeypatch.setattr("home_mjx.env_factory._load", None)  # would fail if it were called
-    with pytest.raises(ConfigError, match="success_radius"):
-        home_mjx.make("PointNav-v0", sucess_radius=1.0)
+    with pytest.raises(ConfigError, match="success_distance"):
+        home_mjx.make("PointNav-v0", sucess_distance=1.0)
     with pytest.raises(ConfigError, match="Did you mean `num_houses`"):
         home_mjx.make("PointNav-v0", num_hoses=2)
-    with pytest.raises(ConfigError, match="success_radius"):
-        home_mjx.make("PointNav-v0", success_radius=-1.0)
+    with pytest.raises(ConfigError, match="success_distance"):
+        home_mjx.make("PointNav-v0", success_distance=-1.0)
     with pytest.raises(ConfigError, match="Did you mean `goal`"):
         home_mjx.make("PointNav-v0", sensors=("gaol",))
 

@@ -47,7 +47,7 @@ class World:
         item = self.file.objects_by_id[object_id]
         material = MATERIAL_KINDS.index(item.appearance.materials[0]) if item.appearance.materials else -1
         wanted = object_id, coarse_index(item.coarse), item.room, material
-        columns = Semantic.OBJECT, Semantic.COARSE, Semantic.ROOM, Semantic.MATERIAL
+        columns = Semantic.OBJECT_ID, Semantic.COARSE, Semantic.ROOM, Semantic.MATERIAL
         return tuple(row[list(columns)].tolist()) == wanted
 
 
@@ -59,7 +59,7 @@ def world(tmp_path_factory):
 def test_mobiles_mean_their_objects(world):
     own, other = world.meaning([])
     bodies, doors, owner = world.house.bodies, world.house.doors, world.house.instances.object_id
-    assert own[0, Semantic.OBJECT] == -1  # the agent, whose row is that of all agents
+    assert own[0, Semantic.OBJECT_ID] == -1  # the agent, whose row is that of all agents
     assert own[0, Semantic.FINE] >= 0
     assert all(world.says(own[1 + k], int(owner[i])) for k, i in enumerate(bodies.instance))
     first = 1 + world.bank.spec.num_bodies

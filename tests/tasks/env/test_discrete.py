@@ -10,15 +10,20 @@ import pytest
 from checked import checked
 from handmade import Furniture, shoebox
 from numpy.testing import assert_allclose, assert_array_equal
+from whole_episodes import begun, played
 
 import home_mjx
 from home_mjx import AutoReset, HouseBank
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
-from home_mjx.errors import ConfigError
+from home_mjx.adapters.gymnax import GymnaxEnv
+from home_mjx.adapters.jaxmarl import JaxMarlEnv
+from home_mjx.adapters.pettingzoo import PettingZooEnv
+from home_mjx.errors import ConfigError, OutOfRangeError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema import AgentBody
-from home_mjx.tasks import DiscreteActions, Status, make_config
+from home_mjx.tasks import DiscreteActions, Status, add_expert, make_config, sample_episodes
 from home_mjx.tasks.env.actions import decode_actions
+from home_mjx.viewer.episodes.keyboard import key_actions
 
 MOVES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")
 NAMES = (*MOVES, "pick", "drop", "throw", "open", "close")
@@ -160,7 +165,7 @@ def at_goal(room: Room, state, away: float):
 
 def test_stop_declares_arrival(bank):
     """As in Habitat: only `stopped` within 0.2 m of the goal is success, and `stopped` anywhere ends the episode."""
-    room = Room(bank, impl="kinematic", stop=True, success_radius=0.2)
+    room = Room(bank, impl="kinematic", stop=True, success_distance=0.2)
     start = room.at(0, 0, 0)
     there, beside = at_goal(room, start, 0.05), at_goal(room, start, 0.5)
     silent = room.do(there, "turn_left")
@@ -277,6 +282,56 @@ def test_actions_that_are_no_number_are_refused(bank, action, words):
         action = np.zeros(2, np.int32)
     with pytest.raises(ConfigError, match=words):
         jax.eval_shape(lambda s: env.step(s, action), state)
+
+
+FOUR = DiscreteActions(tilt_angle=None)
+
+
+def test_without_looks_there_are_the_four_moves_of_habitat(bank):
+    """Names, numbers, spaces and keys; a step of each does as its name says, and the pitch stays."""
+    room = Room(bank, FOUR, impl="kinematic")
+    assert room.env.core.action_names == MOVES[:4]
+    assert (room.env.action_spec.low, room.env.action_spec.high, room.env.core.action_size) == (0, 3, 4)
+    assert sorted(key_actions(room.env.config)) == [" ", "a", "d", "w"]
+    for number, name in enumerate(MOVES[1:4], 1):
+        before = room.at(0.2, -0.3, 0.5)
+        after = room.step(room.env.params, before, jnp.int32(number))
+        wanted = expected(pose(before)[None], name, 0.25, np.radians(10), 0.0)[0]
+        assert_allclose(pose(after), wanted, atol=2e-6)
+    assert Status.names(room.program(room.env.params, before, jnp.int32(4)).status) == ["ACTION"]
+    assert make_config(actions={"tilt_angle": None}).actions == FOUR
+    said = make_config(actions=FOUR, speech=("say:yes",))
+    assert said.action_names == (*MOVES[:4], "say:yes")
+    with pytest.raises(ConfigError, match="hands aim by looking up and down"):
+        make_config(actions=FOUR, hands=True)
+    with pytest.raises(ConfigError, match=r"actions.turn_angle"):
+        DiscreteActions(turn_angle=-1.0)
+
+
+def test_experts_walk_without_looks(generated_bank):
+    options = {"sensors": ("state",), "impl": "kinematic", "stop": True, "actions": FOUR}
+    env = home_mjx.make("PointNav-v0", generated_bank, **options)
+    env = add_expert(env.with_tasks(sample_episodes(generated_bank, 16)))
+    ended = played(env, begun(env), lambda state, key: state.obs["expert"], 300)
+    assert np.asarray(ended.metrics["success"]).mean() > 0.9
+
+
+def test_every_adapter_has_the_four_actions(generated_bank):
+    options = {"actions": FOUR, "impl": "kinematic", "sensors": ("state", "goal")}
+    env = home_mjx.make("PointNav-v0", generated_bank, **options)
+    assert GymEnv(houses=generated_bank, **options).action_space == gymnasium.spaces.Discrete(4)
+    assert GymnaxEnv(env).num_actions == 4
+    pair = home_mjx.make("PointNav-v0", generated_bank, num_agents=2, **options)
+    assert {space.n for space in JaxMarlEnv(pair).action_spaces.values()} == {4}
+    assert PettingZooEnv("PointNav-v0", houses=generated_bank, num_agents=2, **options).action_space("agent_0").n == 4
+
+
+def test_outside_jit_an_action_that_does_not_exist_is_refused():
+    config = make_config(actions="discrete")
+    for wrong in (6, -1):
+        with pytest.raises(OutOfRangeError, match=rf"no action {wrong}. Give a number from 0 to 5: 0 stop, 1 move_for"):
+            decode_actions(config, jnp.int32(wrong), jnp.zeros(1, bool), 1)
+    assert bool(jax.jit(lambda a: decode_actions(config, a, jnp.zeros(1, bool), 1).is_invalid)(jnp.int32(6)))
 
 
 def test_gymnasium_has_discrete_spaces(bank):

@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 from checked import checked
 from handmade import Furniture, shoebox
+from storey_homes import homes_bank
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
 from home_mjx.env_factory import make_core
 from home_mjx.errors import ConfigError, DatasetError, OutOfRangeError, UnknownIdError
 from home_mjx.houses import load_bank
-from home_mjx.navigation.grid import geodesic_distance
+from home_mjx.navigation.grid import cell_at_feet, geodesic_distance
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.options import make_config
+from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import (
@@ -228,9 +230,46 @@ def test_rows_of_a_task_bank_are_read_for_tasks_that_are_rows(generated_bank, tm
     np.testing.assert_array_equal(found.rows.start, tasks.rows.start)
     save_episodes(tmp_path / "e.jsonl", generated_bank, sample_episodes(generated_bank, 2))
     for name, task in (("t", PointNav()), ("e", RoomNav())):
-        with pytest.raises(DatasetError, match="holds what") as caught:
+        with pytest.raises(DatasetError, match=r"holds what .* writes: ") as caught:
             load_episodes_or_tasks(tmp_path / f"{name}.jsonl", generated_bank, task)
         assert type(task).__name__ in caught.value.hint
+        assert ("RoomNav-v0" if name == "t" else "PointNav-v0") in caught.value.hint
+
+
+def storeys_of(episodes, bank):
+    """Index of the storey of each start and each goal."""
+    level = jax.vmap(lambda house, place: cell_at_feet(bank, house, place)[0])
+    goals = bank.navigation.goal[episodes.house, episodes.columns["goal"]]
+    return np.asarray(level(episodes.house, episodes.start)), np.asarray(level(episodes.house, goals))
+
+
+def test_episodes_on_one_storey_start_on_that_of_their_goal():
+    bank = homes_bank(("straight", "to and fro"))
+    start, goal = storeys_of(sample_episodes(bank, 100), bank)
+    assert (start != goal).any()
+    for drawn in (
+        sample_episodes(bank, 100, same_storey=True),
+        sample_episodes(bank, 100, task=PointNav(same_storey=True)),
+    ):
+        start, goal = storeys_of(drawn, bank)
+        np.testing.assert_array_equal(start, goal)
+        assert set(start.tolist()) == {0, 1, 2}
+    with pytest.raises(ConfigError, match="hardly any path of 30 m to inf m on one storey"):
+        sample_episodes(bank, 4, min_length=30, same_storey=True)
+    with pytest.raises(ConfigError, match="`same_storey` is for PointNav"):
+        sample_episodes(bank, 4, task=Task(), same_storey=True)
+
+
+def test_resets_of_point_nav_on_one_storey_choose_goals_of_the_starts():
+    bank = homes_bank(("straight", "to and fro"))
+    levels, options = {}, {"sensors": ("goal",), "impl": "kinematic"}
+    for same in (False, True):
+        env = home_mjx.make("PointNav-v0", bank, same_storey=same, **options)
+        states = jax.jit(jax.vmap(env.core.reset, (None, 0)))(env.params, jax.random.split(jax.random.key(0), 64))
+        levels[same] = abs(np.asarray(states.obs["goal"])[:, 3]) > 1.5
+        assert np.isfinite(np.asarray(states.task.distance)).all()
+    assert levels[False].any()
+    assert not levels[True].any()
 
 
 def test_files_of_another_task_are_refused(generated_bank, tmp_path):

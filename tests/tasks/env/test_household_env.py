@@ -87,7 +87,7 @@ def test_observations_have_the_promised_shapes_and_ranges(env, reset, step):
         "ids/head_fine": ((16, 16), np.int32),
         "audio": ((2, 1600), np.float32),
         "state": ((10,), np.float32),
-        "goal": ((3,), np.float32),
+        "goal": ((4,), np.float32),
     }
     assert {k: (v.shape[1:], v.dtype.type) for k, v in obs.items()} == {k: (s, d) for k, (s, d) in shapes.items()}
     assert all(np.isfinite(v).all() for v in obs.values())

@@ -204,14 +204,14 @@ def test_a_spec_makes_the_same_environment_again(tmp_path, bank):
         "sensors": ("depth", "goal"),
         "shader": LitShader(num_lights=2),
         "cameras": (AgentCamera("scan", ("depth",), Lens(8, 4, "lidar"), follow_pitch=False),),
-        "task.success_radius": 0.5,
+        "task.success_distance": 0.5,
         "body.radius": 0.12,
     }
     env = home_mjx.make("PointNav-v0", tmp_path, num_houses=1, filter=HouseFilter(levels=(1, 3)), **options)
     again = home_mjx.make(EnvSpec.from_json(env.spec.to_json()))
     assert again.spec == env.spec
     assert again.config == env.config
-    assert again.task == env.task == PointNav(success_radius=0.5)
+    assert again.task == env.task == PointNav(success_distance=0.5)
     jax.tree.map(np.testing.assert_array_equal, again.bank, env.bank)
     with pytest.raises(ConfigError, match="in memory"):
         home_mjx.make("PointNav-v0", bank).spec.to_json()

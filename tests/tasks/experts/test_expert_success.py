@@ -13,7 +13,7 @@ EPISODES = 24
 HOUSES = range(61_000, 61_004)
 CASES = {
     "PointNav-v0": {},
-    "PointNav-v0 as Habitat has it": {"actions": "discrete", "stop": True, "success_radius": 0.2},
+    "PointNav-v0 as Habitat has it": {"actions": "discrete", "stop": True, "success_distance": 0.2},
     "RoomNav-v0": {},
     "ObjectNav-v0": {},
     "InstructionFollowing-v0": {},

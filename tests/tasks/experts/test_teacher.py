@@ -81,7 +81,7 @@ def test_a_task_without_an_expert_is_refused(env):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "options", [{}, {"actions": "discrete", "stop": True, "success_radius": 0.2}], ids=["continuous", "Habitat's"]
+    "options", [{}, {"actions": "discrete", "stop": True, "success_distance": 0.2}], ids=["continuous", "Habitat's"]
 )
 def test_an_expert_finds_points(generated_bank, options: dict):
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", **options)

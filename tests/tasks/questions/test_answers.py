@@ -24,7 +24,7 @@ from home_mjx.tasks.rules.resolve import resolve_targets_on_host
 from home_mjx.tasks.suite import VQA, HouseQA
 
 THE = r"the (?:\w+ )*?\w+(?: in the \w+)?"
-ASKED = {"colour": Semantic.BASIC, "material": Semantic.MATERIAL, "size": Semantic.SIZE, "room": Semantic.ROOM_TYPE}
+ASKED = {"colour": Semantic.COLOR, "material": Semantic.MATERIAL, "size": Semantic.SIZE, "room": Semantic.ROOM_TYPE}
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +77,7 @@ class Looker:
             whole[0, at] = phrase if isinstance(phrase, np.ndarray) else descriptor(phrase)
         mask = resolve_targets_on_host(self.bank, house, whole).instance[0, 0]
         rows = np.asarray(self.bank.semantics)[np.asarray(self.bank.geometry.instance_semantic[house])[mask]]
-        return {int(row[Semantic.OBJECT]): row for row in rows}
+        return {int(row[Semantic.OBJECT_ID]): row for row in rows}
 
     def one(self, house, phrase):
         found = self.objects(house, phrase)
@@ -133,7 +133,7 @@ def compared(look, house, text):
         r"(?:is|do) (the \w+) (?:the same colour as|and) (the \w+)(?: have the same colour)?", text
     ):
         _, _, a, b = look.pair(house, match[1], match[2])
-        return yes(a[Semantic.BASIC] == b[Semantic.BASIC])
+        return yes(a[Semantic.COLOR] == b[Semantic.COLOR])
     match = re.fullmatch(r"is (the \w+) (?:next to|near) (the \w+)", text)
     assert match, text
     a, b, _, _ = look.pair(house, match[1], match[2])
@@ -202,7 +202,7 @@ def test_views_show_what_they_are_asked_about(bank):
             kinds.add("count")
         elif match := re.fullmatch(r"what (?:colour is|is the colour of) the (\w+)", text):
             mine = seen["coarse"][at] == number(Attribute.COARSE, match[1])
-            assert {said} == {vocabularies()[Semantic.BASIC][c] for c in np.unique(seen["color"][at][mine])}
+            assert {said} == {vocabularies()[Semantic.COLOR][c] for c in np.unique(seen["color"][at][mine])}
             kinds.add("colour")
     assert kinds == {"yes", "no", "count", "colour"}
     assert prior_accuracy(tasks, tasks) == pytest.approx(chance_accuracy(tasks), abs=1e-12)

@@ -25,7 +25,7 @@ from home_mjx.tasks.suite import VQA, Communication, Dialogue, HouseQA, HouseTas
 
 STOPS = {"stop": True}
 MIX = HouseTasks(
-    tasks=(HouseQA(kinds=("existence", "colour")), Dialogue(**STOPS), Communication(**STOPS), ObjectNav(**STOPS)),
+    tasks=(HouseQA(kinds=("existence", "color")), Dialogue(**STOPS), Communication(**STOPS), ObjectNav(**STOPS)),
     num_tasks=4,
     failure_cost=0.25,
 )

@@ -81,9 +81,9 @@ def test_of_several_things_the_one_that_is_nearest_is_seen(views):
         meant = [(thing, instance) for thing, instance in in_one_piece(view) if thing.coarse == kind]
         mask = np.zeros(view.bank.spec.num_instances, bool)
         mask[[instance for _, instance in meant]] = True
-        for cell in view.end_cells(TargetKind.OBJECT, mask, np.zeros(view.room_types.shape, bool), np.zeros(3))[
-            0
-        ].tolist():
+        for cell in view.end_cells(
+            TargetKind.OBJECT, mask, np.zeros(view.bank.navigation.room_type.shape[1], bool), np.zeros(3)
+        )[0].tolist():
             middle = view.graph.place[cell] + [0, 0, view.bank.spec.agent_height / 2]
             gaps = [np.linalg.norm(np.clip(middle, *thing.box) - middle) for thing, _ in meant]
             eyes.append(view.graph.place[cell] + [0, 0, EYES])

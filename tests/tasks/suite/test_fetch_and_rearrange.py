@@ -53,7 +53,7 @@ def meant_by(view, words: np.ndarray) -> list:
     """The things that a descriptor means, by a loop over what is in the house."""
     columns = {
         Attribute.COARSE: (Semantic.COARSE,),
-        Attribute.COLOR: (Semantic.BASIC, Semantic.BASIC_2, Semantic.BASIC_3),
+        Attribute.COLOR: (Semantic.COLOR, Semantic.COLOR_2, Semantic.COLOR_3),
         Attribute.SIZE: (Semantic.SIZE,),
         Attribute.MATERIAL: (Semantic.MATERIAL,),
         Attribute.ROOM_TYPE: (Semantic.ROOM_TYPE,),
