@@ -18,7 +18,7 @@ CASES = {
     "ObjectNav-v0": {},
     "InstructionFollowing-v0": {},
     "AudioNav-v0": {},
-    "AudioNav-v0 of what moves": {"moving": True},
+    "AudioNav-v0 of what moves": {"moving_source": True},
     "Exploration-v0": {},
     "PiedPiper-v0": {},
     "HouseQA-v0": {},

@@ -23,7 +23,7 @@ def play(impl: str, per_kind: int, names: tuple[str, ...] = tuple(HOMES)) -> dic
     kinds = [(h, k) for h in range(len(names)) for k in (-1, 0, 1)]
     rows = np.concatenate([np.flatnonzero((house == h) & (kind == k))[:per_kind] for h, k in kinds])
     env = home_mjx.make(
-        "PointNav-v0", bank, impl=impl, actions="discrete", stop=True, success_radius=0.2, sensors=("state",),
+        "PointNav-v0", bank, impl=impl, actions="discrete", stop=True, success_distance=0.2, sensors=("state",),
         episode_length=MOST_STEPS,
     )  # fmt: skip
     core, params = (env := add_expert(env.with_tasks(drawn.pick(jnp.asarray(rows))))).core, env.params
