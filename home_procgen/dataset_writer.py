@@ -11,10 +11,9 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple, SupportsIndex
 
-from tqdm import tqdm
-
 from home_mjx.core.files import write_synced
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
+from home_mjx.core.progress import ProgressCount, plural, say
 from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets.seeds import GENERATED_MARKER, house_id
 from home_mjx.datasets.suncg.write.house import PARTIAL_PREFIX, is_house_complete
@@ -53,7 +52,10 @@ def write_seeds(
         for seed, name in names.items()
         if not (_has_intact_house(root, name) and generator.has_library(root, name))
     ]
-    with _pool_map(len(missing)) as run, tqdm(total=len(missing), disable=not progress, unit="house") as bar:
+    text = f"generating {plural(len(missing), 'house')}"
+    if missing:
+        say(f"{text} (once, then cached)" if root.parent == cache_folder().absolute() else text, progress)
+    with _pool_map(len(missing)) as run, ProgressCount(text, len(missing), "house", progress) as bar:
         for _ in run(partial(generator.write_house, root), missing):
             bar.update()
     return tuple(names[seed] for seed in seeds)

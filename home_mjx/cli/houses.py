@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from home_mjx.cli.parsing import parse_natural, parse_path
 from home_mjx.core.paths import dataset_root
+from home_mjx.core.progress import is_progress_shown
 from home_mjx.errors import ConfigError
 
 DEFAULT_DATASET = "procedural:1"  # where no dataset is named
@@ -118,7 +119,7 @@ def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
     dataset = open_selected_dataset(args)
     house_id = args.house or dataset.house_ids[0]
     if args.house is None:
-        dataset.prepare((house_id,))
+        dataset.prepare((house_id,), is_progress_shown())
     return dataset, house_id
 
 

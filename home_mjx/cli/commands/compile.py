@@ -59,7 +59,6 @@ def run(args: argparse.Namespace) -> int:
         resume=args.resume,
         report=args.report,
         scheduler=args.scheduler,
-        progress=True,
     )
     _print_summary(summary)
     return int(summary.failed > 0)

@@ -13,6 +13,7 @@ from home_mjx.cli.learning.arguments import add_import_option, import_modules
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
+from home_mjx.core.progress import say
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import CAMERA_MODELS
 from home_mjx.viewer.pictures import pictures
@@ -83,6 +84,7 @@ def run(args: argparse.Namespace) -> int:
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     width, height = args.size
     lens = Lens(width, height, model, args.samples)
+    say("compiling the renderer (once, up to a minute)")
     look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, shader=shader, depth_max=DEPTH_MAX))
     images = {kind: np.asarray(image) for kind, image in look(scene, camera).items()}
     if args.top is not None:  # The camera is inside the cut walls and sees the floor below; draw them dark.
@@ -119,7 +121,7 @@ def _add_bakes(args: argparse.Namespace, view: Viewpoint, names: tuple[str, ...]
 
     if not names:
         return view.scene
-    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], names, progress=True))
+    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], names))
 
 
 def _parse_storey(text: str) -> int:

@@ -9,6 +9,7 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from home_mjx.core.files import as_path, read_arrays, write_durably
+from home_mjx.core.progress import silence
 from home_mjx.errors import DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
@@ -101,7 +102,8 @@ def load_states(path: str | Path, env: Env) -> State:
         DatasetError: The file is malformed, or its states are of another environment.
     """
     key = jax.ShapeDtypeStruct((2,), np.uint32)
-    like: Any = jax.eval_shape(env.core.reset, env.params, key)
+    with silence():
+        like: Any = jax.eval_shape(env.core.reset, env.params, key)
     leaves, structure = jax.tree_util.tree_flatten_with_path(like.replace(info={}))
     arrays = _read(path, [jax.tree_util.keystr(place) for place, _ in leaves])
     for (place, leaf), array in zip(leaves, arrays, strict=True):
