@@ -29,6 +29,7 @@ COMMANDS = {
     "compile": "compile a house or a dataset; write MJCF",
     "render": "render images of a house from a viewpoint",
     "listen": "render a sound at a listening point of a house",
+    "look": "print and draw a saved state: pose, room, contacts, task, status; view and plan",
     "doctor": "check whether this machine is ready",
 }
 LEARNING_COMMANDS = {
