@@ -3,24 +3,36 @@
 from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Array, Float, UInt8
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import cell_at_feet, room_at_feet
+from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene.surface import semantics
 from home_mjx.scene_compile import decode_row
 from home_mjx.schema.categories import ROOM_TYPES
-from home_mjx.tasks.base.snapshot import contact_semantics
+from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.base.snapshot import Snapshot, contact_semantics
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.rules.cell_graph import CellGraph, EndCells
 from home_mjx.tasks.rules.features import current_boxes
+from home_mjx.tasks.sensors.cameras import agent_ids
 from home_mjx.viewer.episodes.camera import CameraShot, FilmCamera, scene_without_agents
 from home_mjx.viewer.episodes.goal_markers import GoalMarkers, get_goal_markers, get_instruction
 from home_mjx.viewer.episodes.overlay import TopDownOverlay
 
+NUM_DIRECTIONS = 32  # number of rays around an agent, at each height
+RAY_HEIGHTS = (-0.8, -0.4, 0.0, 0.4, 0.8)  # heights of these rays from the middle of the body, in half heights
+MAX_GAP = 0.1  # [m], beyond the body: a step of sliding and rounding
+MAX_NEIGHBOURS = 4  # number of things beside an agent that are listed
+SIDES = ("ahead", "ahead to the left", "to the left", "behind to the left") + (
+    "behind", "behind to the right", "to the right", "ahead to the right",
+)  # fmt: skip
 GOAL_HEIGHT_MARGIN = 0.1  # [m], by which a goal may lie below the floor of its cell
 NOTHING, FLOOR = -1, -2  # values of `contact_partner`
 TITLE_WIDTH = 10  # [characters]
@@ -56,6 +68,8 @@ class _Facts(NamedTuple):
     body: Any  # (M, columns)
     other: Any  # (M, columns)
     boxes: Any  # (I, 2, 3), bounds of all instances [m]
+    gap: Any  # (A, H, D), free distance beyond the body at heights and in directions of `_surroundings` [m]
+    near: Any  # (A, H, D, columns), semantics of what is there; -1 none
 
 
 def describe_state(env: Env[HouseholdEnv], state: State) -> list[str]:
@@ -133,7 +147,7 @@ def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
     """Return the figures of a state; jitted."""
     snapshot = core.snapshot(params, state)
     contacts, bank, house = snapshot.body_contacts, snapshot.bank, snapshot.house
-    meaning = contact_semantics(snapshot.scene, contacts)
+    meaning, (gap, near) = contact_semantics(snapshot.scene, contacts), _surroundings(core, snapshot)
     return _Facts(
         feet=snapshot.feet,
         yaw=snapshot.pose.yaw,
@@ -149,7 +163,31 @@ def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
         body=meaning.body,
         other=meaning.other,
         boxes=current_boxes(snapshot),
+        gap=gap,
+        near=near,
     )
+
+
+def _surroundings(core: HouseholdEnv, snapshot: Snapshot) -> tuple[Array, Array]:
+    """Return the free distance beyond each agent's body [m], and semantics of what is there (A, H, D, columns)."""
+    agents = core.config.agents
+    half = jnp.array([body.height / 2 for body in agents], jnp.float32)
+    radius = jnp.array([body.radius for body in agents], jnp.float32)
+    own = agent_ids(snapshot.bank, len(agents))
+    angle = jnp.linspace(0.0, 2 * jnp.pi, NUM_DIRECTIONS, endpoint=False, dtype=jnp.float32)
+
+    def of_agent(pos: Array, yaw: Array, half: Array, radius: Array, own: Array) -> tuple[Array, Array]:
+        height = half * jnp.array(RAY_HEIGHTS, jnp.float32)
+        origin = pos[None, None] + jnp.zeros((len(RAY_HEIGHTS), NUM_DIRECTIONS, 3)).at[..., 2].set(height[:, None])
+        plan = jnp.stack([jnp.cos(yaw + angle), jnp.sin(yaw + angle), jnp.zeros(NUM_DIRECTIONS)], axis=-1)
+        direction = jnp.broadcast_to(plan, origin.shape)
+        hit = cast(snapshot.scene, origin, direction, t_max=radius + MAX_GAP, exclude=own)
+        rows = jnp.stack([semantics(snapshot.scene, hit, column) for column in Semantic], axis=-1)
+        return hit.t - radius, rows
+
+    pose = snapshot.pose
+    found = [of_agent(pose.pos[a], pose.yaw[a], half[a], radius[a], own[a]) for a in range(len(agents))]
+    return tuple(jnp.stack(part) for part in zip(*found, strict=True))  # pyright: ignore[reportReturnType]
 
 
 def _feet_of(env: Env[HouseholdEnv], shot: CameraShot) -> Float[np.ndarray, " 3"]:
@@ -174,6 +212,7 @@ def _describe_agent(bank: HouseBank, house: int, facts: _Facts, agent: int) -> l
     lines = [_line(f"agent {agent}", pose), _line("", f"in {_describe_room(bank, house, facts, agent)}")]
     lines += [_line("", f"walks {forward:.2f} m/s forward, {left:.2f} m/s left; turns {turn:.2f} rad/s left")]
     lines += [_line("", _describe_contact(facts, agent))]
+    lines += [_line("", text) for text in _describe_surroundings(facts, agent)]
     if facts.held[agent] >= 0:
         body = facts.body[len(facts.yaw) + int(facts.held[agent])]
         lines += [_line("", f"holds {_name(body)} (body {int(facts.held[agent])})")]
@@ -199,7 +238,31 @@ def _describe_contact(facts: _Facts, agent: int) -> str:
         return "touches nothing but the floor"
     if facts.partner[agent] == NOTHING:
         return "touches something (this physics does not record what)"
-    return f"touches {_partner_name(facts, agent)} with {_strength(facts, agent)}"
+    also = "touches something beside it; the strongest contact is" if facts.partner[agent] == FLOOR else "touches"
+    return f"{also} {_partner_name(facts, agent)} with {_strength(facts, agent)}"
+
+
+def _describe_surroundings(facts: _Facts, agent: int) -> list[str]:
+    """Return a text for each thing within `MAX_GAP` beyond the body, nearest first."""
+    nearest: dict[str, tuple[float, int]] = {}
+    for number in np.argsort(facts.gap[agent], axis=None, kind="stable"):
+        at = np.unravel_index(number, facts.gap[agent].shape)
+        if np.isfinite(facts.gap[agent][at]):
+            nearest.setdefault(_name(facts.near[agent][at]), (float(facts.gap[agent][at]), int(at[1])))
+    return [
+        f"beside {name}, {max(gap, 0.0):.2f} m from the body, {_side(number)}"
+        for name, (gap, number) in list(nearest.items())[:MAX_NEIGHBOURS]
+    ]
+
+
+def _side(number: int) -> str:
+    """Return a direction of `_surroundings` in words.
+
+    Example:
+        >>> _side(0), _side(NUM_DIRECTIONS // 4), _side(NUM_DIRECTIONS - 1)
+        ('ahead', 'to the left', 'ahead')
+    """
+    return SIDES[round(number * len(SIDES) / NUM_DIRECTIONS) % len(SIDES)]
 
 
 def _describe_touching_bodies(facts: _Facts, num_agents: int) -> list[str]:
