@@ -30,9 +30,10 @@ NUM_DIRECTIONS = 32  # number of rays around an agent, at each height
 RAY_HEIGHTS = (-0.8, -0.4, 0.0, 0.4, 0.8)  # heights of these rays from the middle of the body, in half heights
 MAX_GAP = 0.1  # [m], beyond the body: a step of sliding and rounding
 MAX_NEIGHBOURS = 4  # number of things beside an agent that are listed
-SIDES = ("ahead", "ahead to the left", "to the left", "behind to the left") + (
-    "behind", "behind to the right", "to the right", "ahead to the right",
-)  # fmt: skip
+SIDES = (  # names of directions, from ahead to the left around
+    *("ahead", "ahead to the left", "to the left", "behind to the left"),
+    *("behind", "behind to the right", "to the right", "ahead to the right"),
+)
 GOAL_HEIGHT_MARGIN = 0.1  # [m], by which a goal may lie below the floor of its cell
 NOTHING, FLOOR = -1, -2  # values of `contact_partner`
 TITLE_WIDTH = 10  # [characters]
