@@ -4,8 +4,6 @@ The network is that of DD-PPO (Wijmans et al., 2020) in small: a CNN for depth, 
 only if the agent chooses `stop` at the goal. The LSTM starts every episode with zeros, in rollouts and in updates.
 """
 
-import os
-
 import jax
 import numpy as np
 import torch
@@ -16,7 +14,7 @@ import home_mjx
 from home_mjx.adapters.pytorch import to_jax, to_torch
 from home_mjx.tasks import AutoReset
 
-NUM_ENVS, NUM_STEPS, NUM_UPDATES = 16, 32, int(os.environ.get("NUM_UPDATES", 4))  # 512, 64 and 10^4 for an agent
+NUM_ENVS, NUM_STEPS, NUM_UPDATES = 16, 32, 4  # 512, 64 and 10^4 for an agent
 EPOCHS, MINIBATCHES, MEMORY = 2, 2, 64
 GAMMA, LAMBDA, CLIP, VALUE_COST, ENTROPY_COST, RATE, MAX_NORM = 0.99, 0.95, 0.2, 0.5, 0.01, 2.5e-4, 0.5
 MAX_DEPTH = 10.0  # [m], `EnvConfig.max_depth`
@@ -115,7 +113,7 @@ for update in range(1, NUM_UPDATES + 1):
         states = step(env.params, states, to_jax(action.int()))
         done = np.asarray(states.done)
         now = {**obs, "begins": begins, "action": action, "log_prob": choice.log_prob(action), "value": value}
-        begins = torch.as_tensor(done, dtype=torch.float32, device=value.device)
+        begins = torch.tensor(done, dtype=torch.float32, device=value.device)
         kept.append({**now, "reward": to_torch(states.reward), "goes_on": 1.0 - begins})
         obs = observe(states)
         ended += int(done.sum())

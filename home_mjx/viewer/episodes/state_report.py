@@ -239,8 +239,9 @@ def _describe_contact(facts: _Facts, agent: int) -> str:
         return "touches nothing but the floor"
     if facts.partner[agent] == NOTHING:
         return "touches something (this physics does not record what)"
-    also = "touches something beside it; the strongest contact is" if facts.partner[agent] == FLOOR else "touches"
-    return f"{also} {_partner_name(facts, agent)} with {_strength(facts, agent)}"
+    if facts.partner[agent] == FLOOR:
+        return f"touches something beside it; its strongest contact is the floor with {_strength(facts, agent)}"
+    return f"touches {_partner_name(facts, agent)} with {_strength(facts, agent)}"
 
 
 def _describe_surroundings(facts: _Facts, agent: int) -> list[str]:
@@ -277,13 +278,11 @@ def _describe_touching_bodies(facts: _Facts, num_agents: int) -> list[str]:
 
 def _partner_name(facts: _Facts, row: int) -> str:
     partner = int(facts.partner[row])
-    if partner == FLOOR:
-        return "the floor"
     return f"agent {partner}" if 0 <= partner < len(facts.yaw) else _name(facts.other[row])
 
 
 def _strength(facts: _Facts, row: int) -> str:
-    return f"{facts.impulse[row]:.3g} N s, strongest at {_point(facts.contact[row])} m"
+    return f"{facts.impulse[row]:.3g} N s at {_point(facts.contact[row])} m"
 
 
 def _describe_goals(bank: HouseBank, state: State, facts: _Facts) -> list[str]:

@@ -99,8 +99,8 @@ def test_contacts_have_names(env, states):
     item = int(physics.collider_object[house, box])
     meaning = decode_row(np.asarray(env.bank.semantics[int(env.bank.geometry.object_semantic[house, item])]))
     assert f"touches {meaning['fine']} (" in told
-    assert "with 318 N s, strongest at (1.00, 2.00, 0.15) m" in told
-    assert "the strongest contact is the floor" in "\n".join(describe_state(env, touching(env, one, -2)))
+    assert "with 318 N s at (1.00, 2.00, 0.15) m" in told
+    assert "its strongest contact is the floor with 318 N s" in "\n".join(describe_state(env, touching(env, one, -2)))
     bare = describe_state(env, one.replace(reward=one.reward * jnp.nan))
     assert bare[-1].split() == ["NaN", "in", ".reward"]
 
