@@ -95,7 +95,7 @@ def describe_state(env: Env[HouseholdEnv], state: State) -> list[str]:
     lines += [_line("reward", f"{rewards} in the last step")]
     metrics = ", ".join(f"{name} {float(value):.4g}" for name, value in sorted(state.metrics.items()))
     lines += [_line("metrics", metrics or "none")]
-    flags = ", ".join(Status.names(np.asarray(state.status)))
+    flags = ", ".join(Status.names(int(state.status)))
     return [*lines, _line("status", flags or "no flag"), *_describe_not_a_number(state)]
 
 
