@@ -1,22 +1,20 @@
-"""Train with Stable-Baselines3's PPO on the Gymnasium environment."""
+"""Train with Stable-Baselines3's PPO on a batch of environments, which is one `VecEnv`."""
 
-import gymnasium
 from stable_baselines3 import PPO
+from stable_baselines3.common.vec_env import VecMonitor
 
 import home_mjx
+from home_mjx.adapters.stable_baselines3 import BatchVecEnv
 
 home_mjx.use_compile_cache()
-env = gymnasium.make(
-    "home_mjx/PointNav-v0", num_houses=2, sensors=("state", "goal"), impl="kinematic", ctrl_dt=0.3, episode_length=60
+options = {"sensors": ("state", "goal"), "impl": "kinematic", "actions": "discrete", "stop": True}
+envs = BatchVecEnv(16, "PointNav-v0", num_houses=2, episode_length=60, **options)
+envs = VecMonitor(envs, info_keywords=("success", "spl"))
+model = PPO("MultiInputPolicy", envs, n_steps=32, batch_size=128, n_epochs=2, seed=0, verbose=0)
+model.learn(1024)
+episodes = list(model.ep_info_buffer or ())
+mean = {name: sum(episode[name] for episode in episodes) / max(len(episodes), 1) for name in ("r", "success", "spl")}
+print(
+    f"after {model.num_timesteps} steps: return {mean['r']:+.2f}, success {mean['success']:.2f}, SPL {mean['spl']:.2f}"
 )
-model = PPO("MultiInputPolicy", env, n_steps=256, batch_size=64, n_epochs=2, seed=0, verbose=0)
-model.learn(512)
-
-obs, _ = env.reset(seed=0)
-gained, over = 0.0, False
-while not over:
-    action, _ = model.predict(obs, deterministic=True)
-    obs, reward, terminated, truncated, info = env.step(action)
-    gained, over = gained + float(reward), terminated or truncated
-print(f"after {model.num_timesteps} steps: return {gained:+.2f}, success {info['success']:.0f}")
-env.close()
+envs.close()

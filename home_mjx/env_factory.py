@@ -1,13 +1,13 @@
 """`make`: from an id, options and the name of houses to an environment, in the order of its steps."""
 
 import dataclasses
-import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.files import as_path
+from home_mjx.core.progress import is_progress_shown
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import DEFAULT_NUM_HOUSES, EnvSpec, find_spec, is_task, load_entry_point, task_names
 
@@ -48,7 +48,8 @@ def make(
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
         split: Only houses of `train`, `val` or `test`.
         filter: Only houses of a dataset that pass this `HouseFilter`.
-        progress: Show progress bars while houses are generated and compiled; None: only in a terminal.
+        progress: Say on stderr what is generated, compiled and baked, also at the first reset and step; None: by the
+            rule of `home_mjx.core.progress`.
         variation: Domain randomisation per episode: a `tasks.Variation`, or its ranges by name such as
             `{"lamps": 0.5, "colors": (0, 0.3)}`; None: none.
         episodes: File written by `save_episodes` or `save_tasks`: resets take its rows in order, in the houses that it
@@ -114,12 +115,12 @@ def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "Env[
     Args:
         spec: Id, entry point and options.
         houses: As of `make`; `spec.houses` for a spec from a file.
-        progress: Show progress bars; None: only in a terminal.
+        progress: As of `make`.
     """
     entry_point, options = load_entry_point(spec.entry_point), dict(spec.options)
     variation, file = _ranges(options.pop("variation", None)), options.pop("episodes", None)
     file = None if file is None else as_path(file, "episodes")
-    shown = sys.stderr.isatty() if progress is None else progress
+    shown = is_progress_shown(progress)
 
     def get_bank(compile_options: "CompileOptions | None" = None, bakes: "tuple[Bake, ...]" = ()) -> "HouseBank":
         """Load the houses; a bank in memory is taken as it is."""
@@ -173,6 +174,7 @@ def _task_env(
     from home_mjx.tasks.base.state import EnvParams
 
     core, compile_options = core_of(task, options)
+    core.progress = progress
     bank = get_bank(compile_options, core.bakes)
     if core.acting_config.arrangement == "random" and bank is not houses:
         import jax

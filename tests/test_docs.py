@@ -18,6 +18,7 @@ OPTIONAL = {
     "home_mjx.adapters.pettingzoo": "pettingzoo",
     "home_mjx.adapters.playground": "mujoco_playground",
     "home_mjx.adapters.pytorch": "torch",
+    "home_mjx.adapters.stable_baselines3": "stable_baselines3",
 }
 MODULES = sorted(module.name for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."))
 

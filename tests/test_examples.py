@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parent.parent
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 NEEDS = {
     "cleanrl_ppo": "torch",
+    "recurrent_ppo": "torch",
     "stable_baselines3_ppo": "stable_baselines3",
     "brax_ppo": "brax",
     "ppo_from_pixels": "flax",

@@ -64,7 +64,7 @@ def test_no_module_starts_a_jax_backend():
 import importlib, pkgutil, home_mjx
 from home_mjx.errors import ConfigError
 optional = {"brax", "flax", "jaxmarl", "matplotlib", "mujoco_playground", "optax", "pettingzoo"}
-optional |= {"pyarrow", "tensorboardX", "torch"}
+optional |= {"pyarrow", "stable_baselines3", "tensorboardX", "torch"}
 for module in pkgutil.walk_packages(home_mjx.__path__, "home_mjx."):
     if module.name == "home_mjx.adapters.jaxmarl":  # JaxMARL itself starts one
         continue

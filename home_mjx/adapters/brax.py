@@ -16,6 +16,7 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.adapters.gymnasium_tools import DisplayCamera
+from home_mjx.core.progress import silence
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.registry import list_envs
@@ -65,7 +66,8 @@ class BraxEnv(BraxBaseEnv):
     @property
     def observation_size(self) -> dict[str, tuple[int, ...]]:
         """Shapes of the observations."""
-        shapes = jax.eval_shape(self.reset, jax.ShapeDtypeStruct((2,), jnp.uint32)).obs
+        with silence():
+            shapes = jax.eval_shape(self.reset, jax.ShapeDtypeStruct((2,), jnp.uint32)).obs
         return {name: leaf.shape for name, leaf in shapes.items()}
 
     @property

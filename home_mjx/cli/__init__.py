@@ -17,6 +17,7 @@ from home_mjx.cli.output import drop_empty_folders
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.checks import check_known
 from home_mjx.core.compile_cache import use_compile_cache
+from home_mjx.core.progress import command_progress
 from home_mjx.errors import ConfigError, HomeMjxError
 
 __all__ = ["main"]
@@ -28,6 +29,7 @@ COMMANDS = {
     "compile": "compile a house or a dataset; write MJCF",
     "render": "render images of a house from a viewpoint",
     "listen": "render a sound at a listening point of a house",
+    "look": "print and draw a saved state: pose, room, contacts, task, status; view and plan",
     "doctor": "check whether this machine is ready",
 }
 LEARNING_COMMANDS = {
@@ -101,7 +103,8 @@ def _dispatch(argv: list[str]) -> int:
     module = _load_command(args.command)
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
-    return module.run(parser.parse_args(args.arguments))
+    with command_progress():
+        return module.run(parser.parse_args(args.arguments))
 
 
 def _load_command(name: str) -> ModuleType:

@@ -4,8 +4,9 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.parsing import parse_natural, parse_path
+from home_mjx.cli.parsing import parse_dataset, parse_natural
 from home_mjx.core.paths import dataset_root
+from home_mjx.core.progress import is_progress_shown
 from home_mjx.errors import ConfigError
 
 DEFAULT_DATASET = "procedural:1"  # where no dataset is named
@@ -22,12 +23,14 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
     """Add `--dataset ROOT`, and its old name `--suncg`."""
     parser.add_argument(
         "--dataset",
-        type=parse_path,
+        type=parse_dataset,
         default=dataset_root(),
         metavar="ROOT",
         help="folder of a dataset, or its name such as procedural:16 (default: $SUNCG_DATA_DIR, or generated houses)",
     )
-    parser.add_argument("--suncg", dest="dataset", type=parse_path, default=argparse.SUPPRESS, help=argparse.SUPPRESS)
+    parser.add_argument(
+        "--suncg", dest="dataset", type=parse_dataset, default=argparse.SUPPRESS, help=argparse.SUPPRESS
+    )
 
 
 def add_house_arguments(
@@ -73,10 +76,17 @@ def compile_options(args: argparse.Namespace) -> "CompileOptions":
 
 
 def selected_root(args: argparse.Namespace) -> str | Path:
-    """Return the folder or name of the dataset that the arguments name, by default of one generated house."""
+    """Return the folder or name of the dataset that the arguments select, by default of one generated house."""
     if is_dataset_root(args):
         return args.house
     return str(args.dataset or DEFAULT_DATASET)
+
+
+def is_dataset_name(args: argparse.Namespace) -> bool:
+    """Return whether `HOUSE` is the name of a dataset, such as `procedural:1?seed=40`."""
+    from home_mjx.datasets.registry import has_scheme
+
+    return has_scheme(args.house)
 
 
 def is_dataset_root(args: argparse.Namespace) -> bool:
@@ -86,7 +96,7 @@ def is_dataset_root(args: argparse.Namespace) -> bool:
     name = args.house
     if name is None or Path(name).name != name or has_scheme(name):
         return name is not None
-    known = args.dataset is not None and (args.dataset / "house" / name / "house.json").exists()
+    known = args.dataset is not None and (Path(args.dataset) / "house" / name / "house.json").exists()
     return Path(name).is_dir() and not known
 
 
@@ -108,17 +118,20 @@ def selected_houses(args: argparse.Namespace) -> "HouseSet":
 def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
     """Return the dataset and the id of the selected house, by default the dataset's first.
 
+    A name such as `procedural:1?seed=40` selects the first of its houses.
+
     Raises:
         DatasetError: The dataset cannot be read.
-        ConfigError: The arguments select a whole dataset.
+        ConfigError: The arguments select the folder of a whole dataset.
     """
-    if is_dataset_root(args):
+    is_root, is_named = is_dataset_root(args), is_dataset_name(args)
+    if is_root and not is_named:
         hint = f"Pass one of its houses: HOUSE --dataset {args.house}"
         raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
     dataset = open_selected_dataset(args)
-    house_id = args.house or dataset.house_ids[0]
-    if args.house is None:
-        dataset.prepare((house_id,))
+    house_id = dataset.house_ids[0] if args.house is None or is_named else args.house
+    if args.house is None or is_named:
+        dataset.prepare((house_id,), is_progress_shown())
     return dataset, house_id
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
@@ -18,6 +19,8 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(allow_abbrev=False, **kwargs)
+        # No option is a number, so that values such as `-3:2` and `-1e-3` are values, not unknown options.
+        self._negative_number_matcher = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
         self.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:
@@ -75,6 +78,31 @@ def parse_path(text: str) -> Path:
     if not text.strip() or "\0" in text:
         raise argparse.ArgumentTypeError(f"expected a path, got {text!r}")
     return Path(text)
+
+
+def parse_dataset(text: str) -> Path | str:
+    """Parse the root of a dataset: a path, or a name such as `procedural:16?seed=0`, which stays a text.
+
+    Example:
+        >>> parse_dataset("procedural:16"), parse_dataset("houses").name
+        ('procedural:16', 'houses')
+    """
+    from home_mjx.datasets.registry import has_scheme
+
+    return text if has_scheme(text) else parse_path(text)
+
+
+def parse_names(text: str) -> tuple[str, ...]:
+    """Parse names that are separated by commas; spaces around them are dropped.
+
+    Example:
+        >>> parse_names("depth, goal")
+        ('depth', 'goal')
+    """
+    names = tuple(name.strip() for name in text.split(","))
+    if not all(names):
+        raise argparse.ArgumentTypeError(f"expected names separated by commas, got `{text}`")
+    return names
 
 
 def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:

@@ -1,5 +1,6 @@
 """Size-bounded file reading and atomic file writing."""
 
+import codecs
 import io
 import itertools
 import json
@@ -30,6 +31,20 @@ MAX_LINES = 1 << 20
 MAX_LINE_BYTES = 1 << 20  # [bytes], maximum length of a JSON line; a task has about 1,500
 MAX_UNPACKED_BYTES = 1 << 32  # [bytes], maximum size of the unpacked arrays of one file
 MAX_PATH_LENGTH = 1000  # maximum length of a path in a message [characters]
+NUM_HEAD_BYTES = 4096  # number of bytes that tell what a file is
+ZIP_MAGIC = b"PK"
+FILE_KINDS = (  # first bytes, at the start or after a length of four bytes, and what the file is
+    (b"\x89PNG", "a PNG picture"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"GIF8", "a GIF picture"),
+    (b"ftyp", "a film (MP4)"),
+    (b"RIFF", "sound (WAV)"),
+    (b"\x1f\x8b", "compressed by gzip; unpack it first"),
+    (b"\x93NUMPY", "one NumPy array (.npy)"),
+    (b"\x80", "a Python pickle, which is never loaded"),
+    (b"\x89HDF", "an HDF5 file"),
+    (b"%PDF", "a PDF document"),
+)
 TEMPORARY_SUFFIX = ".tmp"  # suffix of incomplete files; their names begin with a dot
 TEMPORARY_PATTERN = f".{'[0-9a-f]' * 32}{TEMPORARY_SUFFIX}"  # pattern of the temporary names of `write_atomically`
 MIN_LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write takes that long
@@ -156,9 +171,42 @@ def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> li
     except FileNotFoundError:
         raise MissingFileError(f"there is no {content}", file=path, hint=hint) from None
     except KeyError as error:
-        raise DatasetError(f"file lacks {error.args[0]}", file=path, hint="Another version made it.") from None
+        raise DatasetError(
+            f"file lacks {error.args[0]}", file=path, hint=f"It is of another kind or version. {hint}"
+        ) from None
     except Exception as error:  # a crafted file can make NumPy and zipfile raise nearly anything, including MemoryError
-        raise DatasetError(f"file is not a valid {content}: {error!s:.300}", file=path, hint=hint) from None
+        kind = _describe_content(path)
+        what = f": {error!s:.300}" if kind is None else f", but {kind}"
+        raise DatasetError(f"file is not a valid {content}{what}", file=path, hint=hint) from None
+
+
+def _describe_content(path: Path) -> str | None:
+    """Return in words what a file holds, from its first bytes; None if it is unreadable, or an archive (`.npz`)."""
+    try:
+        with open_regular(path) as file:
+            head = file.read(NUM_HEAD_BYTES)
+    except OSError:
+        return None
+    if head.startswith(ZIP_MAGIC):
+        return None
+    for magic, kind in FILE_KINDS:
+        if head.startswith(magic) or head[4 : 4 + len(magic)] == magic:
+            return kind
+    return _describe_text(head) if head else "empty"
+
+
+def _describe_text(head: bytes) -> str:
+    """Return what a file holds that begins with these bytes and has no known signature."""
+    try:
+        text = codecs.getincrementaldecoder("utf-8")().decode(head).lstrip()
+    except UnicodeDecodeError:
+        return "binary data of an unknown kind"
+    if any(ord(letter) < ord(" ") and not letter.isspace() for letter in text):
+        return "binary data of an unknown kind"
+    first = text.partition("\n")[0].strip()
+    if first.startswith("{") and first.endswith("}"):
+        return "JSON lines, such as the results of `play` or episodes"
+    return "JSON text" if text.startswith(("{", "[")) else "text"
 
 
 def _is_array(found: Any, name: str) -> np.ndarray:

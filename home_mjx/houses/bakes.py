@@ -15,16 +15,15 @@ from typing import Any, Protocol, runtime_checkable
 
 import jax
 import numpy as np
-from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.array_store import READ_ERRORS, flatten, read_entry, rebuild, write_entry
 from home_mjx.core.paths import cache_folder
+from home_mjx.core.progress import ProgressCount, plural
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.schema.compiled import CompiledHouse
 
 GROUP = "home_mjx.bakes"
-PROGRESS_DELAY = 1.0  # [s], before a progress bar appears
 
 log = logging.getLogger(__name__)
 
@@ -127,7 +126,7 @@ def add_bakes(
     bank: HouseBank,
     houses: Sequence[CompiledHouse],
     bakes: "Bake | str | Sequence[Bake | str]",
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> HouseBank:
     """Return the bank with baked records of its houses; records that are not in the store are computed and stored.
 
@@ -135,7 +134,7 @@ def add_bakes(
         bank: The bank.
         houses: The compiled houses of the bank, in the same order.
         bakes: One or several bakes, or their names.
-        progress: Show a progress bar.
+        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
     Raises:
         ConfigError: The houses are not those of the bank, or a value is not a bake.
@@ -152,13 +151,17 @@ def add_bakes(
     for bake in [find_bake(item) if isinstance(item, str) else item for item in listed]:
         if not isinstance(bake, Bake):
             raise ConfigError(f"expected a bake or its name, got {bake!r}")
-        shown = tqdm(houses, desc=f"bake {bake.name}", unit="house", disable=not progress, delay=PROGRESS_DELAY)
-        records = [_record(bake, bank, index, house) for index, house in enumerate(shown)]
+        records = []
+        text = f"loading {bake.name} of {plural(len(houses), 'house')}"
+        with ProgressCount(text, len(houses), "house", progress) as count:
+            for index, house in enumerate(houses):
+                records.append(_record(bake, bank, index, house, count))
+                count.update()
         bank = bank.replace(bakes={**bank.bakes, bake.name: bake.stack(records, houses, bank)})
     return bank
 
 
-def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
+def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count: ProgressCount) -> Any:
     """Return the record of one house from the store; compute and store it if it is missing or corrupted."""
     entry = bake_entry(bake, house)
     try:
@@ -167,6 +170,7 @@ def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> An
         pass
     except READ_ERRORS as error:
         log.warning("broken cache entry %s is made again: %s", entry, error)
+    count.describe(f"baking {bake.name} of {plural(bank.num_houses, 'house')} (once, then cached)")
     record = bake.bake_house(bank, index, house)
     try:
         write_entry(entry, *flatten(record))

@@ -8,7 +8,7 @@ import hashlib
 import logging
 import os
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from home_mjx.core.array_store import (
     write_entry,
 )
 from home_mjx.core.files import resolve_below
+from home_mjx.core.progress import say
 from home_mjx.datasets.base import Dataset
 from home_mjx.houses.integrity import check_house, check_models
 from home_mjx.houses.selection import HouseContents, summarize_contents
@@ -57,6 +58,7 @@ class HouseCache:
         self.dataset = dataset
         self.options = replace(options, read=dataset.resolved(options.read))  # part of the key
         self.library: dict[str, Model] = {} if library is None else library
+        self.on_compile: Callable[[], None] | None = None  # called before a house is compiled
         self.num_compiled = 0  # number of houses that were not in the cache
         self.write_error: OSError | None = None  # error of the last write; None if it succeeded
         self.fallbacks: dict[str, tuple[Fallback, ...]] = {}  # by id of loaded house
@@ -158,6 +160,8 @@ class HouseCache:
         return replace(house, materials=replace(house.materials, texture=texture))
 
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
+        if self.on_compile is not None:
+            self.on_compile()
         house = self.dataset.load_house(house_id, self.options.read)
         compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
         self.num_compiled += 1
@@ -219,4 +223,6 @@ def load_compiled(
     Raises:
         DatasetError: The house is unknown or broken.
     """
-    return HouseCache(dataset, options, library).load(house_id)
+    cache = HouseCache(dataset, options, library)
+    cache.on_compile = lambda: say(f"compiling house {house_id}")
+    return cache.load(house_id)

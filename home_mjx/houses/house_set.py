@@ -7,9 +7,8 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from tqdm import tqdm
-
 from home_mjx.core.checks import check_known, check_number, check_type
+from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
 from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.registry import has_scheme, open_dataset
 from home_mjx.datasets.splits import SPLITS, split_of
@@ -112,37 +111,41 @@ class HouseSet:
             ConfigError: No house is left.
             DatasetError: The dataset, or with `filter` a house, is missing or broken.
         """
-        return self._checked(tuple(self._choose(self.open_cache(), progress=False)))
+        return self._checked(tuple(self._choose(self.open_cache())))
 
     def open_cache(self) -> HouseCache:
         """Return a new cache of the dataset's compiled houses, with the set's compile options."""
         return HouseCache(self.resolved_dataset, self.options)
 
-    def load(self, progress: bool = False) -> list[CompiledHouse]:
+    def load(self, progress: bool | None = None) -> list[CompiledHouse]:
         """Return the compiled houses, in order, with shared models; houses that are not in the cache are compiled.
 
         Args:
-            progress: Show a progress bar.
+            progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
         Raises:
             ConfigError: No house is left.
             DatasetError: The dataset or one of the houses is missing or broken.
         """
-        cache = self.open_cache()
+        cache, total = self.open_cache(), self.num_houses
         if self.filter is None:
-            self.resolved_dataset.prepare(self.house_ids, progress)
-        houses = tuple(cache.load(house_id) for house_id in self._choose(cache, progress))
-        return list(self._checked(houses))
+            self.resolved_dataset.prepare(self.house_ids, is_progress_shown(progress))
+            total = len(self.house_ids)
+        what = "houses" if total is None else plural(total, "house")
+        with ProgressCount(f"loading {what}", total, "house", progress) as count:
+            cache.on_compile = lambda: count.describe(f"compiling {what}")
+            houses = []
+            for house_id in self._choose(cache):
+                houses.append(cache.load(house_id))
+                count.update()
+        return list(self._checked(tuple(houses)))
 
-    def _choose(self, cache: HouseCache, progress: bool) -> Iterator[str]:
+    def _choose(self, cache: HouseCache) -> Iterator[str]:
         """Yield the ids of the selected houses in order; with `filter`, compile no more houses than necessary."""
         known = self.resolved_dataset.house_ids if self.ids is None else self.ids
         found = (i for i in known if self.split is None or split_of(i) == self.split)
-        candidates = islice(found, self.num_houses) if self.filter is None else found
-        total = None if self.num_houses is None else min(self.num_houses, len(known))
-        with tqdm(candidates, desc="houses", unit="house", disable=not progress, total=total) as bar:
-            wanted = (i for i in bar if self.filter is None or self.filter.matches(cache.contents(i)))
-            yield from islice(wanted, self.num_houses)
+        wanted = (i for i in found if self.filter is None or self.filter.matches(cache.contents(i)))
+        yield from islice(wanted, self.num_houses)
 
     def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
         if not found:

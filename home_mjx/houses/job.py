@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from functools import lru_cache, partial
 from pathlib import Path
 
-from tqdm import tqdm
-
 from home_mjx.core.files import write_error
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
+from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_cache import HouseCache
@@ -44,7 +43,7 @@ def compile_dataset(
     report: Path | None = None,
     scheduler: str | None = None,
     options: CompileOptions = DEFAULT_OPTIONS,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> CompileSummary:
     """Compile houses into the cache, from which `load_bank` loads them.
 
@@ -63,7 +62,7 @@ def compile_dataset(
         scheduler: Address of a Dask scheduler, whose workers are used instead; they must see the same dataset and
             cache folder. Needs the extra `distributed`.
         options: Compile options.
-        progress: Show a progress bar.
+        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
     Returns:
         Counts; the report lists the errors of failed houses.
@@ -88,7 +87,7 @@ def compile_dataset(
     chosen = list(dict.fromkeys(houses.house_ids))
     for house_id in chosen:
         dataset.check_known(house_id)
-    dataset.prepare(chosen, progress)
+    dataset.prepare(chosen, is_progress_shown(progress))
     path = Path(report or report_path(dataset.root, options))
     earlier = load_report(path)
     done = find_done_houses(earlier) if resume else set()
@@ -101,14 +100,15 @@ def compile_dataset(
         run_jobs(task, left, workers, scheduler) as found,
         # Opened after the scheduler, so that an old report is not truncated if there is none.
         open_journal(path, append=resume or not houses.is_complete) as note,
-        tqdm(total=len(left), desc="compile", unit="house", disable=not progress) as bar,
+        ProgressCount(f"compiling {plural(len(left), 'house')}", len(left), "house", progress) as bar,
     ):
         for outcome in found:
             note(outcome)
             counts[outcome.status] += 1
             incomplete += bool(outcome.fallbacks)
             fixed += outcome.fixed
-            bar.set_postfix(failed=counts[FAILED], refresh=False)
+            if counts[FAILED]:
+                bar.describe(f"compiling {plural(len(left), 'house')}, {counts[FAILED]} failed")
             bar.update()
     compiled, cached, failed = counts.values()
     seconds = time.perf_counter() - begin

@@ -7,6 +7,7 @@ from pathlib import Path
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.core.paths import dataset_root
+from home_mjx.core.progress import plural, say
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake, add_bakes
@@ -28,7 +29,7 @@ def load_bank(
     split: str | None = None,
     filter: HouseFilter | None = None,
     options: CompileOptions = DEFAULT_OPTIONS,
-    progress: bool = False,
+    progress: bool | None = None,
     bakes: Sequence[Bake | str] = (),
 ) -> HouseBank:
     """Load houses onto the device; those that are not in the cache are compiled first.
@@ -41,7 +42,7 @@ def load_bank(
         split: Only houses of `train`, `val` or `test`.
         filter: Only houses that pass this filter.
         options: How to compile; ignored for a `HouseSet` with options of its own.
-        progress: Show progress bars.
+        progress: Show what happens, on stderr; None: by the rule of `home_mjx.core.progress`.
         bakes: Baked records that the bank gets, or their names; see `add_bakes`.
 
     Raises:
@@ -55,8 +56,9 @@ def load_bank(
     """
     chosen = house_set(houses, ids=ids, num_houses=num_houses, split=split, filter=filter, options=options)
     compiled = chosen.load(progress)
+    say(f"moving {plural(len(compiled), 'house')} to the device", progress)
     bank = HouseBank.from_compiled(compiled)
-    return add_bakes(bank, compiled, bakes, progress or bool(bakes)) if bakes else bank
+    return add_bakes(bank, compiled, bakes, progress) if bakes else bank
 
 
 def house_set(

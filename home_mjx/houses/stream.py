@@ -12,7 +12,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Int
-from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank, to_bank
 from home_mjx.bank.packing.capacity import capacity_of, slot_stride
@@ -23,6 +22,7 @@ from home_mjx.bank.records.declaration import Key
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.array_store import READ_ERRORS
 from home_mjx.core.checks import check_number
+from home_mjx.core.progress import is_progress_shown, plural, track
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError, HomeMjxError
 from home_mjx.houses.house_set import HouseSet
@@ -93,7 +93,7 @@ class HouseStream:
         split: str | None = None,
         seed: int = 0,
         options: CompileOptions = DEFAULT_OPTIONS,
-        progress: bool = False,
+        progress: bool | None = None,
         filter: HouseFilter | None = None,
         num_houses: int | None = None,
     ) -> None:
@@ -107,7 +107,7 @@ class HouseStream:
         self.skipped: dict[str, str] = {}
         self.num_swaps = 0
         self._cache = houses.open_cache()
-        houses.resolved_dataset.prepare(houses.house_ids, progress)
+        houses.resolved_dataset.prepare(houses.house_ids, is_progress_shown(progress))
         models, textures = self._look_through(houses.house_ids, progress)
         self._order = self._endless(houses.house_ids, np.random.default_rng(seed))
         first = self._first_houses(num_slots)
@@ -173,14 +173,14 @@ class HouseStream:
     def __exit__(self, kind: type | None, value: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def _look_through(self, ids: Sequence[str], progress: bool) -> tuple[dict[str, Model], tuple[str, ...]]:
+    def _look_through(self, ids: Sequence[str], progress: bool | None) -> tuple[dict[str, Model], tuple[str, ...]]:
         """Collect the agent's model, and the houses' library models and texture paths, compiling houses if necessary.
 
         Models of the architecture are left out. Houses that cannot be compiled or read are added to `skipped`.
         """
         agent = agent_model()
         models, textures = {agent.key: agent}, set()
-        for house_id in tqdm(ids, desc="models", unit="house", disable=not progress):
+        for house_id in track(ids, f"reading models of {plural(len(ids), 'house')}", "house", progress):
             try:
                 notes = self._cache.notes(house_id)
                 for key in notes["instances.model"][ARCHITECTURE + 1 :]:

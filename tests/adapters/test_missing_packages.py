@@ -16,6 +16,7 @@ from home_mjx.errors import ConfigError
         ("pettingzoo", "pettingzoo", r"pip install '\.\[multiagent\]'"),
         ("playground", "mujoco_playground", r"pip install '\.\[playground\]'"),
         ("pytorch", "torch", "pip install torch"),
+        ("stable_baselines3", "stable_baselines3", r"pip install '\.\[sb3\]'"),
     ],
 )
 def test_without_its_package_an_adapter_says_what_to_install(adapter, package, hint, monkeypatch: pytest.MonkeyPatch):

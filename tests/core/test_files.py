@@ -163,6 +163,31 @@ def test_arrays_that_unpack_to_too_much_are_refused(tmp_path, monkeypatch):
     assert read_arrays(tmp_path / "a.npz", ["b"], "checkpoint", "Name one.")[0].tolist() == [1, 1]
 
 
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "empty"),
+        (b'{"task": "PointNav"}\n{"task": "PointNav"}\n', "JSON lines, such as the results of `play`"),
+        (b'[\n {"a": 1}\n]', "JSON text"),
+        ("größe".encode(), "but text"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(9), "a PNG picture"),
+        (b"\x00\x00\x00\x20ftypisom", "a film"),
+        (b"\x1f\x8b\x08\x00", "compressed by gzip"),
+        (b"\x80\x04\x95", "a Python pickle, which is never loaded"),
+        (b"\x93NUMPY\x01\x00", "one NumPy array"),
+        (bytes(range(1, 9)), "binary data"),
+        (b"\xff\xfe\xfd", "binary data"),
+    ],
+)
+def test_a_file_of_another_kind_is_named(tmp_path, content: bytes, words: str):
+    """NumPy's own message said that pickled data can be loaded unsafely."""
+    (tmp_path / "a").write_bytes(content)
+    with pytest.raises(DatasetError, match=words) as caught:
+        read_arrays(tmp_path / "a", ["x"], "checkpoint", "Name one.")
+    assert "pickle=" not in str(caught.value)
+    assert str(caught.value).endswith("Name one.")
+
+
 @pytest.mark.parametrize("order", ["<", ">"])
 def test_text_of_characters_that_there_are_not_is_refused(tmp_path, order):
     """NumPy makes strings of them, of which `str.encode_srgb` and `difflib` raise what nobody expects."""

@@ -16,6 +16,7 @@ import pytest
 
 pytest.importorskip("flax", reason="needs the extra `train`")
 
+from home_mjx.cli import main
 from home_mjx.core.jsonable import to_json
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.registry import EnvSpec
@@ -141,6 +142,16 @@ def test_a_file_does_not_choose_what_is_run(tmp_path: Path):
         EnvSpec.from_json(text)
     assert not harm.exists()
     assert "antigravity" not in sys.modules
+
+
+def test_results_of_episodes_are_no_checkpoint(tmp_path: Path, capsys: pytest.CaptureFixture):
+    path = tmp_path / "result.jsonl"
+    path.write_text('{"number": 1, "task": "PointNav"}\n')
+    assert main(["evaluate", str(path)]) == 2
+    told = capsys.readouterr().err
+    assert "not a valid checkpoint, but JSON lines" in told
+    assert "Pass the folder of a `home-mjx train` run" in told
+    assert "pickle" not in told
 
 
 def test_an_empty_file_and_a_bare_array_are_no_checkpoints(tmp_path: Path):

@@ -9,6 +9,7 @@ from home_mjx.cli.houses import (
     add_house_arguments,
     add_movable_option,
     add_strict_option,
+    is_dataset_name,
     is_dataset_root,
     load_compiled_house,
     selected_houses,
@@ -59,7 +60,6 @@ def run(args: argparse.Namespace) -> int:
         resume=args.resume,
         report=args.report,
         scheduler=args.scheduler,
-        progress=True,
     )
     _print_summary(summary)
     return int(summary.failed > 0)
@@ -68,7 +68,7 @@ def run(args: argparse.Namespace) -> int:
 def _write_mjcf(args: argparse.Namespace) -> int:
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
-    if is_dataset_root(args):
+    if is_dataset_root(args) and not is_dataset_name(args):
         raise ConfigError("--mjcf needs one house, not a dataset", hint="Pass a house, and its dataset with --dataset.")
     house = load_compiled_house(args)
     path = export_mjcf(house, args.mjcf, collision=args.collision)

@@ -4,6 +4,7 @@ import argparse
 import sys
 
 from home_mjx.cli.parsing import parse_path, parse_seed_range
+from home_mjx.core.progress import is_progress_shown
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +30,7 @@ def run(args: argparse.Namespace) -> int:
     """Write the houses and print their location."""
     from home_procgen.generate import generate_dataset
 
-    ids = generate_dataset(args.out, args.seeds, progress=True, version=args.generator)
+    ids = generate_dataset(args.out, args.seeds, progress=is_progress_shown(), version=args.generator)
     sys.stdout.write(f"{len(ids)} houses in {args.out}: {ids[0]} .. {ids[-1]}\n")
     sys.stdout.write(f"Use them with: home-mjx demo --dataset {args.out}\n")
     return 0

@@ -17,6 +17,7 @@ from home_mjx.cli.houses import (
     open_selected_dataset,
     selected_house,
 )
+from home_mjx.core.progress import is_progress_shown, plural, track
 from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -112,14 +113,13 @@ def _print_row(name: str, count: int) -> None:
 
 def _dataset(args: argparse.Namespace) -> int:
     """Print the bank memory of all houses of a dataset, which compiles those that are not cached."""
-    from tqdm import tqdm
-
     from home_mjx.bank.usage import bank_usage
     from home_mjx.houses.house_cache import HouseCache
 
     dataset = open_selected_dataset(args)
     cache = HouseCache(dataset, compile_options(args))
-    taken = bank_usage([cache.load(house_id) for house_id in tqdm(dataset.house_ids, desc="houses", unit="house")])
+    ids = dataset.house_ids
+    taken = bank_usage([cache.load(i) for i in track(ids, f"loading {plural(len(ids), 'house')}", "house")])
     houses, models = list(taken.houses.values()), list(taken.models.values())
     counts = {
         "houses": len(houses),
@@ -171,7 +171,7 @@ def _validate(args: argparse.Namespace) -> int:
     """Print the findings of the house, or of all houses of a root; return 1 if there are errors, else 0."""
     dataset = open_selected_dataset(args)
     ids = dataset.house_ids if is_dataset_root(args) else [args.house or dataset.house_ids[0]]
-    dataset.prepare(ids, progress=True)
+    dataset.prepare(ids, is_progress_shown())
     return int(sum(_validate_one(dataset, house_id, args.json) for house_id in ids) > 0)
 
 

@@ -9,6 +9,7 @@ from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, place_head
+from home_mjx.core.progress import say
 from home_mjx.core.variants import override_fields
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
@@ -78,6 +79,7 @@ def run(args: argparse.Namespace) -> int:
         raise ConfigError(given, hint="The result would be silent. `home-mjx render --top` shows the rooms.")
     scene = _bake_late_reverb(args, view) if args.late == "baked" else view.scene
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
+    say("compiling and tracing the sound (about a minute)")
     survey = jax.jit(survey_room, static_argnames="config")
     found = survey(scene, SoundSource(jnp.asarray(source)), listener, jax.random.key(0), config)
     response = np.asarray(found.response)
@@ -86,6 +88,7 @@ def run(args: argparse.Namespace) -> int:
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")
     if args.map:
+        say("mapping level and T30 over the floor plan (minutes)")
         for name, picture in draw_storey_maps(scene, source, config).items():
             write_png(args.out / f"{name}.png", picture)
             sys.stdout.write(f"{args.out / name}.png\n")
@@ -101,7 +104,7 @@ def _bake_late_reverb(args: argparse.Namespace, view: Viewpoint) -> "Scene":
     """Return the scene with baked late reverberation, cached or computed now."""
     from home_mjx.houses.bakes import add_bakes
 
-    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], "late_reverb", progress=True))
+    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], "late_reverb"))
 
 
 def format_parameters(survey: "Survey") -> str:

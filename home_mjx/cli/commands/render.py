@@ -9,18 +9,22 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from home_mjx.cli.houses import load_compiled_house
-from home_mjx.cli.learning.arguments import add_import_option, import_modules
+from home_mjx.cli.learning.arguments import add_import_option, add_sensors_option, import_modules
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
+from home_mjx.core.checks import check_known
+from home_mjx.core.progress import say
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import CAMERA_MODELS
+from home_mjx.tasks.base.config import ID_KINDS, PIXEL_KINDS
 from home_mjx.viewer.pictures import pictures
 
 if TYPE_CHECKING:
     from home_mjx.raycast_render.scene.types import Scene
 
 KINDS = ("rgb", "depth", "normal", "instance", "fine", "room", "material")
+IMAGE_KINDS = (*PIXEL_KINDS, *ID_KINDS)
 DEPTH_MAX = 10.0  # [m] depth of the last colour
 DEFAULT_FOVY = 75.0  # [degrees] default vertical field of view
 STOREY_MARGIN = 0.4  # [m] margin around a storey
@@ -57,6 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--shader", default="fast", metavar="NAME", help="shader of the colours, such as fast or lit (default: fast)"
     )
     add_import_option(parser)
+    add_sensors_option(parser, f"kinds of images (default: {','.join(KINDS)})")
     parser.add_argument("--samples", type=positive_int_type, default=1, help="rays per pixel for colours (default: 1)")
     parser.add_argument("--lens", choices=CAMERA_MODELS, help="camera model (default: pinhole)")
     parser.add_argument(
@@ -76,6 +81,8 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.viewer.pictures.top_view import is_in_wall
 
     import_modules(args.modules)
+    kinds = tuple(dict.fromkeys(args.sensors or KINDS))
+    check_known("kind of image", kinds, IMAGE_KINDS)
     shader = resolve_shader(args.shader)
     make_folder(args.out)
     view, fovy, model = _place_camera(args)
@@ -83,12 +90,15 @@ def run(args: argparse.Namespace) -> int:
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     width, height = args.size
     lens = Lens(width, height, model, args.samples)
-    look = jax.jit(functools.partial(render, lens=lens, kinds=KINDS, shader=shader, depth_max=DEPTH_MAX))
+    say("compiling the renderer (once, up to a minute)")
+    look = jax.jit(functools.partial(render, lens=lens, kinds=kinds, shader=shader, depth_max=DEPTH_MAX))
     images = {kind: np.asarray(image) for kind, image in look(scene, camera).items()}
-    if args.top is not None:  # The camera is inside the cut walls and sees the floor below; draw them dark.
+    if (
+        args.top is not None and "rgb" in images
+    ):  # The camera is inside the cut walls and sees the floor below; draw them dark.
         cut = np.asarray(is_in_wall(scene, camera_rays(camera, lens)[0]))
         images["rgb"] = np.where(cut[..., None], CUT_WALL_GREY, images["rgb"])
-    for kind in KINDS:
+    for kind in kinds:
         path = args.out / f"{kind}.png"
         write_png(path, _to_colours(kind, images[kind]))
         sys.stdout.write(f"{path}\n")
@@ -119,7 +129,7 @@ def _add_bakes(args: argparse.Namespace, view: Viewpoint, names: tuple[str, ...]
 
     if not names:
         return view.scene
-    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], names, progress=True))
+    return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], names))
 
 
 def _parse_storey(text: str) -> int:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.parsing import parse_path
+from home_mjx.cli.parsing import parse_names, parse_path
 from home_mjx.errors import ConfigError, HomeMjxError
 
 if TYPE_CHECKING:
@@ -26,6 +26,11 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
         "--import", dest="modules", action="append", default=[], metavar="MODULE",
         help="import a module first, such as one that registers your tasks or shaders",
     )  # fmt: skip
+
+
+def add_sensors_option(parser: argparse.ArgumentParser, text: str) -> None:
+    """Add `--sensors A,B` with a help text."""
+    parser.add_argument("--sensors", type=parse_names, metavar="A,B", help=text)
 
 
 def add_episode_option(parser: argparse.ArgumentParser) -> None:

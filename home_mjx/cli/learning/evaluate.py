@@ -16,7 +16,7 @@ from home_mjx.cli.learning.arguments import (
     parse_checkpoint_path,
 )
 from home_mjx.cli.output import make_folder
-from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
+from home_mjx.cli.parsing import house_count_type, parse_dataset, parse_path, parse_seed, positive_int_type
 
 LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 
@@ -42,9 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_episode_option(parser)
     parser.add_argument(
         "--dataset",
-        type=parse_path,
+        type=parse_dataset,
         metavar="ROOT",
-        help="root of a dataset in SUNCG's format (default: that of the run)",
+        help="folder of a dataset, or its name such as procedural:16 (default: that of the run)",
     )
     add_import_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")

@@ -13,6 +13,7 @@ from home_mjx.cli.learning.arguments import (
     add_episode_option,
     add_import_option,
     add_observe_option,
+    add_sensors_option,
     find_checkpoint,
     import_modules,
     parse_checkpoint_path,
@@ -21,6 +22,7 @@ from home_mjx.cli.learning.arguments import (
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, image_side_type, parse_path, parse_seed, positive_int_type
 from home_mjx.core.jsonable import parse_assignments
+from home_mjx.datasets.registry import has_scheme
 from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -51,12 +53,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
     parser.add_argument("--houses", type=house_count_type, default=4, help="number of houses (default: 4)")
     parser.add_argument(
-        "--split", choices=("train", "val", "test"), default="val", help="split of the dataset (default: val)"
+        "--split",
+        choices=("train", "val", "test"),
+        help="split of the dataset (default: val; all houses of a name such as procedural:4)",
     )
     add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
     add_observe_option(parser, "`terminal`")
+    add_sensors_option(
+        parser,
+        "observed sensors (default: those of the checkpoint, else state, and audio for films of tasks with sounds)",
+    )
     parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of home_mjx.make")
 
 
@@ -66,10 +74,11 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.viewer.episodes.run import AGENT_NAMES, PlayOptions, run_play
 
     import_modules(args.modules)
+    args.split = args.split or (None if has_scheme(args.dataset) else "val")
     path = args.checkpoint and find_checkpoint(args.checkpoint)
     width, height = args.size
     options = PlayOptions(
-        env=env_spec(args, path, None if path else BLIND_SENSORS),
+        env=_play_spec(args, path),
         agent=args.agent or (EXPERT if path is None else TRAINED),
         checkpoint=path,
         episodes=args.episodes,
@@ -88,6 +97,30 @@ def run(args: argparse.Namespace) -> int:
             f"Watch   {options.out / options.file_name}.mp4\nLook at {options.out / options.file_name}.png\n"
         )
     return 0
+
+
+def _play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
+    """Return the spec with the sensors of the arguments or the checkpoint; else few, with sound for films that have it.
+
+    Agents without a checkpoint use no observations, so that the default computes as few as possible.
+    """
+    if args.sensors is not None or checkpoint is not None:
+        return env_spec(args, checkpoint, args.sensors)
+    spec = env_spec(args, None, BLIND_SENSORS)
+    if args.no_film or spec.options["sensors"] != BLIND_SENSORS or not _has_sounds(spec):
+        return spec
+    return dataclasses.replace(spec, options={**spec.options, "sensors": (*BLIND_SENSORS, "audio")})
+
+
+def _has_sounds(spec: "EnvSpec") -> bool:
+    """Return whether a task plays sounds of its own, or bodies sound when they touch."""
+    from home_mjx.env_factory import make_core
+
+    hearing = dataclasses.replace(spec, options={**spec.options, "sensors": (*BLIND_SENSORS, "audio")})
+    core = make_core(hearing)
+    return core is not None and bool(
+        core.task.clips or core.task.requires_hearing or core.config.contact_sounds is not None
+    )
 
 
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":

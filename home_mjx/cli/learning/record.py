@@ -11,6 +11,7 @@ from home_mjx.cli.learning.arguments import (
     TASK_HELP,
     add_episode_option,
     add_import_option,
+    add_sensors_option,
     find_checkpoint,
     import_modules,
     parse_checkpoint_path,
@@ -18,6 +19,8 @@ from home_mjx.cli.learning.arguments import (
 from home_mjx.cli.learning.play import EXPERT, TRAINED, env_spec
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
+
+RECORDED_SENSORS = ("rgb", "state", "instruction")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--checkpoint", type=parse_checkpoint_path, help=f"for the agent `trained`: {CHECKPOINT_HELP}")
     parser.add_argument("--greedy", action="store_true", help="take a trained agent's most likely action")
-    parser.add_argument("--sensors", metavar="A,B", help="recorded sensors (default: rgb,state,instruction)")
+    add_sensors_option(parser, "recorded sensors (default: rgb,state,instruction)")
     parser.add_argument(
         "--frames", type=positive_int_type, default=10_000, help="minimum number of steps (default: 10000)"
     )
@@ -59,8 +62,7 @@ def run(args: argparse.Namespace) -> int:
     import_modules(args.modules)
     path = args.checkpoint and find_checkpoint(args.checkpoint)
     check_agent(args.agent, path)
-    sensors = tuple((args.sensors or "rgb,state,instruction").split(","))
-    spec = env_spec(args, path, sensors if path is None or args.sensors else None)
+    spec = env_spec(args, path, args.sensors or (RECORDED_SENSORS if path is None else None))
     out = make_folder(args.out or Path("data") / spec.id)
     env = make(spec)
     env = add_expert(env) if args.agent == EXPERT else env

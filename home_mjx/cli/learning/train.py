@@ -12,6 +12,7 @@ from home_mjx.cli.learning.arguments import (
     TASK_HELP,
     add_import_option,
     add_observe_option,
+    add_sensors_option,
     find_checkpoint,
     import_modules,
     parse_checkpoint_path,
@@ -27,12 +28,13 @@ if TYPE_CHECKING:
     from home_mjx.training import PPOConfig, RunConfig
 
 MAX_STEPS = 10**15
+TRAINED_SENSORS = ("state", "goal")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `home-mjx train`."""
     parser.add_argument("task", metavar="TASK", help=TASK_HELP)
-    parser.add_argument("--sensors", default="state,goal", metavar="A,B", help="sensors (default: state,goal)")
+    add_sensors_option(parser, "observed sensors (default: state,goal)")
     parser.add_argument("--num-envs", type=positive_int_type, help="environments in the batch")
     parser.add_argument(
         "--steps", type=whole_number_type(MAX_STEPS), help="environment steps, summed over all environments"
@@ -112,7 +114,7 @@ def env_spec(args: argparse.Namespace) -> "EnvSpec":
     """Return the spec of task and training houses."""
     import dataclasses
 
-    options = {"sensors": tuple(args.sensors.split(",")), **parse_assignments(args.env)}
+    options = {"sensors": args.sensors or TRAINED_SENSORS, **parse_assignments(args.env)}
     known = task_spec(args.task)
     houses = None if args.dataset is None else str(args.dataset)
     return dataclasses.replace(

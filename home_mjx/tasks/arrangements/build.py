@@ -11,12 +11,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
-from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.array_store import READ_ERRORS, read_entry, write_entry
 from home_mjx.core.checks import check_number
 from home_mjx.core.paths import cache_folder
+from home_mjx.core.progress import track
 from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.tasks.arrangements.candidates import sample_candidates
 from home_mjx.tasks.arrangements.house_layout import HouseLayout
@@ -51,7 +51,7 @@ class ArrangementCounts:
 
 
 def with_arrangements(
-    bank: HouseBank, num_arrangements: int, key: Array, progress: bool = False
+    bank: HouseBank, num_arrangements: int, key: Array, progress: bool | None = None
 ) -> tuple[HouseBank, ArrangementCounts]:
     """Add arrangements of the bodies of its houses to a bank, all at rest; on the host, once per bank.
 
@@ -64,7 +64,7 @@ def with_arrangements(
         bank: The houses.
         num_arrangements: Number of arrangements per house.
         key: Random key; equal keys yield equal arrangements of equal banks.
-        progress: Whether to show a progress bar.
+        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
     Returns:
         The bank, whose resets sample an arrangement with `EnvConfig(arrangement="random")`; and counts of bodies
@@ -124,7 +124,7 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
     return cache_folder() / "arrangements" / f"{name.hexdigest()}.zip"
 
 
-def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool) -> tuple[Array, ArrangementCounts]:
+def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | None) -> tuple[Array, ArrangementCounts]:
     """Return settled poses and counts: place objects, settle, repeat with objects restored that did not stay."""
     placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
     placed = jnp.repeat(placed[:, None], num, axis=1)
@@ -154,7 +154,7 @@ def _place(
     poses = np.repeat(placed[:, None], num, axis=1)
     moved = np.zeros(poses.shape[:3], bool)
     kept = np.zeros(poses.shape[:3], bool)
-    for house, house_id in enumerate(tqdm(bank.house_ids, desc="arrange", unit="house", disable=not progress)):
+    for house, house_id in enumerate(track(bank.house_ids, "arranging objects", "house", progress)):
         furnished, used = HouseLayout.from_bank(host, house), host.physics.body_valid[house]
         seeds = [np.random.default_rng([*words.tolist(), zlib.crc32(house_id.encode()), p]) for p in range(num)]
         for p, found in enumerate(_arrange_house(bank, house, furnished, seeds)):

@@ -5,10 +5,10 @@ import functools
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
-from tqdm import tqdm
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.progress import track
 from home_mjx.navigation.doors import door_angles
 from home_mjx.physics import PhysicsConfig, PhysicsState, Template
 
@@ -17,19 +17,21 @@ AGENT_OFFSET = -10.0  # [m], position of the unused agent in x and y re a corner
 MAX_SHIFT, MAX_TURN = 0.01, 0.03  # [m], [rad], maximum displacement of bodies that rest where they were placed
 
 
-def settle_bodies(bank: HouseBank, progress: bool = False) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
+def settle_bodies(
+    bank: HouseBank, progress: bool | None = None
+) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
     """Simulate all arrangements for `SETTLE_SECONDS` with open doors; return poses and which bodies are at rest.
 
     Args:
         bank: Houses, whose arrangements are the initial poses.
-        progress: Whether to show a progress bar.
+        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
     """
     template = Template(PhysicsConfig(), bank.spec)
     houses, arrangements = bank.physics.arrangement_pose.shape[:2]
     each, number = jnp.meshgrid(jnp.arange(houses), jnp.arange(arrangements), indexing="ij")
     house = each.reshape(-1).astype(jnp.int32)
     state = _reset_states(template, bank, house, number.reshape(-1).astype(jnp.int32))
-    for _ in tqdm(range(SETTLE_SECONDS), desc="settle", unit="s", disable=not progress):
+    for _ in track(range(SETTLE_SECONDS), "settling objects", "s", progress):
         state = jax.block_until_ready(_step_second(template, bank, house, state))
     pose = state.qpos[:, template.layout.body_qpos].reshape(houses, arrangements, -1, 7)
     speed = state.qvel[:, template.layout.body_qvel].reshape(houses, arrangements, -1, 6)

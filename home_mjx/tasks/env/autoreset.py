@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_known
+from home_mjx.core.progress import silence
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
 from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, fold_key
@@ -82,6 +83,7 @@ class AutoReset:
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """Step all environments, reset those whose episode ends, and store their last observations; see `final_obs`."""
+        self.core._announce_compile("step", state.status)
         stepped, last = jax.vmap(self._advance, (None, 0, 0))(params, state, action)
         done = stepped.done
         # One branch for the whole batch: steps in which no episode ends skip the reset.
@@ -109,7 +111,8 @@ class AutoReset:
 
         def one(state: State, done: Bool[Array, ""]) -> State:
             episode = state.world.episode + num if is_sequential(params.tasks) else None
-            new = self.core.reset(params, fold_key(state.world.key, RENEW_TAG), None, episode, observe=False)
+            with silence():  # part of the step, which is announced
+                new = self.core.reset(params, fold_key(state.world.key, RENEW_TAG), None, episode, observe=False)
             world = new.world.replace(num_faults=state.world.num_faults)
             status = state.status | new.status
             new = state.replace(physics=new.physics, world=world, task=new.task, status=status)

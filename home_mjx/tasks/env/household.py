@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.progress import say
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake, find_bake
 from home_mjx.physics import PhysicsState
@@ -54,6 +55,8 @@ class HouseholdEnv:
         task: The task.
         acting_config: The options restricted to the acting agents, as passed to sensors.
         sensors: The sensors, without those of the task.
+        progress: Say on stderr that `reset` or `step` compiles, once each; None: by the rule of
+            `home_mjx.core.progress`.
         action_spec: Forward, left, turn left, look up: each in [-1, 1], as a fraction of its maximum rate. Discrete:
             the index of one of `action_names`.
         observation_spec: Specs of `State.obs` by name; with a leading agent axis if several agents act.
@@ -82,6 +85,8 @@ class HouseholdEnv:
         )
         self.acting_config = self.config.select_agents(self.num_agents)
         self.sensors = select_sensors(self.acting_config, self.task)
+        self.progress: bool | None = None
+        self._announced: set[str] = set()
         spoken_tokens(self.config)  # raises for words that the language lacks
         self.action_spec = action_spec(self.acting_config)
         self.observation_spec = self._observation_spec()
@@ -151,6 +156,7 @@ class HouseholdEnv:
         Returns:
             A state with its first observation, zero reward, neither terminated nor truncated.
         """
+        self._announce_compile("reset", key)
         state, snapshot = self._init(params, key, house, episode)
         return self._observe(state, snapshot, update=True) if observe else state
 
@@ -171,6 +177,7 @@ class HouseholdEnv:
             not finite is undone and ends the episode. The state stays finite; `status` and `World.num_faults` record
             the fault.
         """
+        self._announce_compile("step", state.status)
         state, snapshot = self._advance(params, state, action)
         return self._observe(state, snapshot, update=True) if observe else state
 
@@ -192,6 +199,13 @@ class HouseholdEnv:
     def template(self, bank: HouseBank) -> physics.Template:
         """Return the physics template for banks of this capacity."""
         return physics_template(self.config, bank.spec)
+
+    def _announce_compile(self, name: str, argument: Any) -> None:
+        """Say once that a function compiles: a traced argument means that it does."""
+        is_traced = isinstance(argument, jax.core.Tracer)  # pyright: ignore[reportAttributeAccessIssue]
+        text = f"compiling {name} (once, about a minute)"
+        if is_traced and name not in self._announced and say(text, self.progress):
+            self._announced.add(name)
 
     def _init(
         self,

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 
 from home_mjx.bank.usage import bank_bytes
 from home_mjx.core.checks import check_number
+from home_mjx.core.progress import silence
 from home_mjx.tasks.env.env import Env
 
 
@@ -49,7 +50,8 @@ def estimate_memory(env: Env, num_envs: int) -> MemoryEstimate:
         1.7 GiB: bank 49.3 MiB, states 2 x 850.1 MiB (212.5 KiB each)
     """
     check_number("num_envs", num_envs, 1, integer=True)
-    state = jax.eval_shape(env.core.reset, env.params, jax.ShapeDtypeStruct((2,), jnp.uint32))
+    with silence():
+        state = jax.eval_shape(env.core.reset, env.params, jax.ShapeDtypeStruct((2,), jnp.uint32))
     each, seen = (sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(tree)) for tree in (state, state.obs))
     return MemoryEstimate(bank_bytes(env.bank), num_envs * each, num_envs * seen, each)
 

@@ -1,7 +1,9 @@
 """States on disk, to inspect faults and to resume."""
 
+import dataclasses
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -9,20 +11,24 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from home_mjx.core.files import as_path, read_arrays, write_durably
-from home_mjx.errors import DatasetError
+from home_mjx.core.progress import silence
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.env import Env
 
+SPEC_ARRAY, HOUSES_ARRAY, STATUS_ARRAY = "spec", "houses", ".status"
 ACTION_ARRAY = "action"  # array name of the actions in a dump; names of state leaves begin with a dot
 
 
-def save_states(path: str | Path, states: State) -> int:
+def save_states(path: str | Path, states: State, env: Env | None = None) -> int:
     """Write states to an `.npz` file, one array per leaf.
 
     Args:
         path: The file.
         states: Of one environment or a batch; their keys are raw, so no typed key must be converted.
+        env: The environment: its spec and the ids of its houses are stored, so that `home-mjx look` can make it again.
+            None: they are not.
 
     Returns:
         Number of environments written.
@@ -35,12 +41,17 @@ def save_states(path: str | Path, states: State) -> int:
         64
     """
     host = _to_host_batch(states)
-    _write(path, _leaves_by_path(host))
+    _write(path, _leaves_by_path(host) | _origin(env))
     return len(host.status)
 
 
 def dump_flagged(
-    path: str | Path, before: State, action: ArrayLike, after: State, flags: int = Status.NOT_A_NUMBER
+    path: str | Path,
+    before: State,
+    action: ArrayLike,
+    after: State,
+    flags: int = Status.NOT_A_NUMBER,
+    env: Env | None = None,
 ) -> int:
     """Write the environments of a batch whose last step raised a flag, so that the step can be repeated.
 
@@ -52,6 +63,7 @@ def dump_flagged(
         action: Actions of all environments.
         after: The states after the step.
         flags: Flags of `Status`; any of them counts.
+        env: As for `save_states`.
 
     Returns:
         Number of environments written.
@@ -67,8 +79,40 @@ def dump_flagged(
     rows = np.flatnonzero(np.asarray(after.status) & int(flags))
     if len(rows):
         arrays = _leaves_by_path(_to_host_batch(before)) | {ACTION_ARRAY: np.asarray(action)}
-        _write(path, {name: values[rows] for name, values in arrays.items()})
+        _write(path, {name: values[rows] for name, values in arrays.items()} | _origin(env))
     return len(rows)
+
+
+class StateOrigin(NamedTuple):
+    """Environment of a file of states.
+
+    Attributes:
+        spec: Spec as JSON; "" if the file was written without it, or it cannot be represented as JSON.
+        house_ids: Ids of the houses; empty if the file was written without them.
+        num_envs: Number of environments in the file.
+    """
+
+    spec: str
+    house_ids: tuple[str, ...]
+    num_envs: int
+
+
+def read_origin(path: str | Path) -> StateOrigin:
+    """Read the environment of a file of states, without the states.
+
+    Args:
+        path: The file.
+
+    Raises:
+        MissingFileError: The file does not exist.
+        DatasetError: The file is not one of states.
+
+    Example:
+        >>> read_origin("states.npz").num_envs  # doctest: +SKIP
+        64
+    """
+    spec, houses, status = _read(path, [SPEC_ARRAY, HOUSES_ARRAY, STATUS_ARRAY])
+    return StateOrigin(str(spec), tuple(map(str, houses)), len(status))
 
 
 def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
@@ -101,7 +145,8 @@ def load_states(path: str | Path, env: Env) -> State:
         DatasetError: The file is malformed, or its states are of another environment.
     """
     key = jax.ShapeDtypeStruct((2,), np.uint32)
-    like: Any = jax.eval_shape(env.core.reset, env.params, key)
+    with silence():
+        like: Any = jax.eval_shape(env.core.reset, env.params, key)
     leaves, structure = jax.tree_util.tree_flatten_with_path(like.replace(info={}))
     arrays = _read(path, [jax.tree_util.keystr(place) for place, _ in leaves])
     for (place, leaf), array in zip(leaves, arrays, strict=True):
@@ -110,6 +155,15 @@ def load_states(path: str | Path, env: Env) -> State:
             hint = "Make the environment with the options that the states were saved with."
             raise DatasetError(message, file=path, element=jax.tree_util.keystr(place), hint=hint)
     return jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
+
+
+def _origin(env: Env | None) -> dict[str, np.ndarray]:
+    """Return the arrays of `read_origin`, without the spec if an option exists in memory only."""
+    spec, houses = "", () if env is None else env.bank.house_ids
+    if env is not None and env.spec is not None:
+        with suppress(ConfigError):
+            spec = dataclasses.replace(env.spec, in_memory=False).to_json()
+    return {SPEC_ARRAY: np.array(spec), HOUSES_ARRAY: np.array(houses, np.str_)}
 
 
 def _to_host_batch(states: State) -> State:

@@ -45,6 +45,7 @@ class ExpertObservationEnv(HouseholdEnv):
         super().__init__(
             core.config, dataclasses.replace(task, store_features=True) if isinstance(task, RowTask) else task
         )
+        self.progress = core.progress
 
     def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
         return {EXPERT: _expert_action(self.task, snapshot, state.task)}

@@ -9,9 +9,9 @@ from typing import Protocol, runtime_checkable
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
-from tqdm import tqdm
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.progress import plural, track
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.base.state import Episodes
@@ -121,7 +121,7 @@ def build_task_bank(
     seed: int = 0,
     min_length: float = 1.0,
     max_length: float = np.inf,
-    progress: bool = False,
+    progress: bool | None = None,
 ) -> TaskBank:
     """Build a task bank with tasks of all houses.
 
@@ -133,7 +133,7 @@ def build_task_bank(
         seed: Seed of the random draws.
         min_length: Minimum shortest-path length from start to goal [m].
         max_length: Maximum shortest-path length from start to goal [m].
-        progress: Show a progress bar.
+        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
     Raises:
         ConfigError: The generators yield no row, no house has a feasible one, or the generators keep none.
@@ -141,7 +141,8 @@ def build_task_bank(
     drawn: list[FeasibleRow] = []
     generated = np.zeros(len(generators), int)  # number of rows that each one yielded
     fields = {}
-    for view in tqdm(house_views(bank), desc="tasks", unit="house", disable=not progress):
+    text = f"drawing tasks of {plural(bank.num_houses, 'house')}"
+    for view in track(house_views(bank), text, "house", progress):
         random = np.random.default_rng([seed, view.house])
         rows = [
             (g, row)

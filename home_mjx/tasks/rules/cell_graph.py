@@ -106,6 +106,27 @@ class CellGraph:
         graph = csr_matrix((ways, (begins, stops)), shape=(cells + goals,) * 2)
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
+    def shortest_path(self, feet: Float[np.ndarray, " 3"], ends: EndCells) -> Float[np.ndarray, "n 3"]:
+        """Return the centres of the cells along the shortest path from the cell nearest to `feet` [m] to a goal.
+
+        Args:
+            feet: Lowest point of an agent, or a point on a floor [m].
+            ends: End cells of the goal.
+
+        Returns:
+            Points on the floor, the first one beneath the feet; none if there is no path.
+        """
+        cells, (sources, targets, lengths) = len(self.place), self._edges
+        begins = np.concatenate([sources, targets, np.full(len(ends[0]), cells)])
+        stops = np.concatenate([targets, sources, ends[0]])
+        ways = np.concatenate([lengths, lengths, np.maximum(ends[1], MIN_EDGE_LENGTH)])
+        graph = csr_matrix((ways, (begins, stops)), shape=(cells + 1, cells + 1))
+        _, previous = dijkstra(graph, indices=cells, return_predecessors=True)
+        path = [int(self.nearest_cell(feet)[0][0])]
+        while 0 <= previous[path[-1]] < cells:
+            path.append(int(previous[path[-1]]))
+        return self.place[path] if previous[path[-1]] == cells else np.zeros((0, 3))
+
     def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
         """Return the cells of a box's storey that are nearest to it in plan, at most `most`, and their distances [m].
 

@@ -41,7 +41,7 @@ class DemoOptions:
 
     Attributes:
         out: Folder for the files.
-        suncg: Root of a SUNCG dataset; None for generated houses.
+        suncg: Root of a dataset, or its name; None for generated houses.
         num_houses: Houses in the bank.
         num_envs: Environments in the batch.
         num_steps: Steps of the walk.
@@ -50,7 +50,7 @@ class DemoOptions:
     """
 
     out: Path = Path("demo")
-    suncg: Path | None = None
+    suncg: str | Path | None = None
     num_houses: int = 8
     num_envs: int = 64
     num_steps: int = 150

@@ -9,12 +9,12 @@ AGENT_FILE = Path(__file__).with_name("agent.npz")  # for its training see docs/
 RADIO_OPTIONS = {"clip_split": "radio"}
 
 
-def film_search(out: Path, suncg: Path | None = None, episodes: int = 3, seed: int = 0) -> list[EpisodeResult]:
+def film_search(out: Path, suncg: str | Path | None = None, episodes: int = 3, seed: int = 0) -> list[EpisodeResult]:
     """Film the packaged agent while it searches for a radio; print nothing.
 
     Args:
         out: Folder for `radio.mp4`, with binaural sound, `radio.png` and `radio.jsonl`; it exists.
-        suncg: Root of a SUNCG dataset, of which any houses are used; None: generated houses of the `val` split.
+        suncg: Root of a dataset, or its name, of which any houses are used; None: generated houses of the `val` split.
         episodes: Number of episodes, each in another house if there are enough.
         seed: Seed of episodes and actions.
 

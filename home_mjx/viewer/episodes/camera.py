@@ -8,6 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, UInt8
 
 from home_mjx import physics
+from home_mjx.core.progress import say
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -45,10 +46,13 @@ class FilmCamera:
     def __init__(self, env: Env[HouseholdEnv], width: int = 480, height: int = 360, samples: int = 1) -> None:
         self.env = env
         self._camera = AgentCamera("film", ("rgb",), Lens(width, height, samples=samples), fovy=FOVY, shader="lit")
-        self._see = jax.jit(self._seen)
+        self._see, self._is_compiled = jax.jit(self._seen), False
 
     def capture(self, state: State) -> CameraShot:
         """Render the view of a state and copy it to the host with the positions."""
+        if not self._is_compiled:
+            self._is_compiled = True
+            say("compiling the film's camera (once, about a minute)", self.env.core.progress)
         return CameraShot(*(np.asarray(x) for x in self._see(self.env.params, state)))
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:

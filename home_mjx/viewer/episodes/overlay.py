@@ -15,6 +15,8 @@ from home_mjx.viewer.pictures.top_view import TopView
 PLAN_PIXELS = 640  # length of the longer side of the house [px]
 AGENT_COLOURS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
 PATH_COLOUR, GOAL_COLOUR, START_COLOUR = (40, 120, 255), (255, 205, 40), (235, 235, 235)
+SHORTEST_STRIDE = 2  # [cells], distance of the dots of a shortest path
+FLOOR_MARGIN = 0.01  # [m], by which a point on a floor is raised to count as above it
 VIEW_CONE_LENGTH = 0.9  # [m] length of a view cone
 
 
@@ -29,13 +31,20 @@ class TopDownOverlay:
     def __init__(self, bank: HouseBank, house: int) -> None:
         self.bank, self.house, self.views = bank, house, {}
 
-    def draw(self, scene: Scene | None, sights: Sequence[CameraShot], goals: GoalMarkers) -> UInt8[np.ndarray, "_ _ 3"]:
+    def draw(
+        self,
+        scene: Scene | None,
+        sights: Sequence[CameraShot],
+        goals: GoalMarkers,
+        shortest: Float[np.ndarray, "n 3"] | None = None,
+    ) -> UInt8[np.ndarray, "_ _ 3"]:
         """Draw the first agent's storey with goals, paths and agents, cropped to the extent of the rooms.
 
         Args:
             scene: The house without agents, to render again; None: use the previous rendering.
             sights: All steps so far.
             goals: The current goal.
+            shortest: Points on the floor along the shortest path to the goal [m], drawn on their storey; None: no path.
         """
         level = self._level(sights[-1].pos[0])
         if scene is not None:
@@ -45,7 +54,10 @@ class TopDownOverlay:
             self.views[level] = TopView(self.bank, self.scene, PLAN_PIXELS, level)
         top: TopView = self.views[level]
         picture = Image.fromarray(self._tinted(top, goals, level)).convert("RGB")
-        self._draw(ImageDraw.Draw(picture, "RGBA"), top, sights, goals, level)
+        draw = ImageDraw.Draw(picture, "RGBA")
+        if shortest is not None:
+            self._draw_shortest(draw, top, shortest, level)
+        self._draw(draw, top, sights, goals, level)
         return top.crop(np.asarray(picture))
 
     def _level(self, pos: Float[np.ndarray, " 3"]) -> int:
@@ -67,12 +79,20 @@ class TopDownOverlay:
         mixed = 0.65 * top.image + 0.35 * np.array(GOAL_COLOUR)
         return np.where(meant[..., None], mixed, top.image).astype(np.uint8)
 
+    def _draw_shortest(
+        self, draw: ImageDraw.ImageDraw, top: TopView, points: Float[np.ndarray, "n 3"], level: int
+    ) -> None:
+        """Draw the parts of the shortest path that are on a storey, as dots."""
+        for point in points[::SHORTEST_STRIDE]:
+            if self._level(point + np.array([0, 0, FLOOR_MARGIN])) == level:
+                _dot(draw, top.to_pixel(point), 2 * PLAN_PIXELS / 512, GOAL_COLOUR, GOAL_COLOUR)
+
     def _draw(
         self, draw: ImageDraw.ImageDraw, top: TopView, sights: Sequence[CameraShot], goals: GoalMarkers, level: int
     ) -> None:
         unit = PLAN_PIXELS / 512
         for place in goals.places:
-            if self._level(place + np.array([0, 0, 0.01])) == level:
+            if self._level(place + np.array([0, 0, FLOOR_MARGIN])) == level:
                 _dot(draw, top.to_pixel(place), 9 * unit, None, GOAL_COLOUR)
         for agent in range(len(sights[-1].yaw)):
             path = [top.to_pixel(s.pos[agent]) for s in sights if self._level(s.pos[agent]) == level]

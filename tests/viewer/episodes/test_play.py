@@ -55,6 +55,25 @@ def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_follow
     assert sum(sound.shape[1] for sound in heard.sounds) == 16000 * 0.3 * len(heard.frames)
 
 
+def test_a_film_with_sound_has_a_stereo_stream_as_long_as_its_frames(tmp_path: Path, rng: np.random.Generator):
+    film, picture = VideoWriter(0.3, 16000), np.zeros((64, 64, 3), np.uint8)
+    for _ in range(10):
+        film.add(picture, rng.normal(size=(2, 4800)).astype(np.float32) * [[1.0], [0.1]])
+    film.add_final(picture)
+    film.write(tmp_path, "film")
+    ffmpeg = imageio_ffmpeg.get_ffmpeg_exe()
+    told = subprocess.run(
+        [ffmpeg, "-i", str(tmp_path / "film.mp4")], capture_output=True, text=True, check=False
+    ).stderr
+    assert re.search(r"Audio: aac.* 16000 Hz, stereo", told)
+    assert re.search(r"Video: h264.* 3\.33 fps", told)
+    command = [ffmpeg, "-loglevel", "error", "-i", str(tmp_path / "film.mp4"), "-f", "f32le", "-"]
+    heard = np.frombuffer(subprocess.run(command, capture_output=True, check=True).stdout, np.float32).reshape(-1, 2)
+    assert len(heard) / 16000 == pytest.approx(0.3 * len(film.frames), abs=0.2)
+    left, right = np.sqrt(np.mean(heard[:48000] ** 2, axis=0))
+    assert left > 5 * right > 0
+
+
 @pytest.mark.parametrize("size", [0, 1000, 50_000, 10**7])
 def test_a_full_disk_leaves_all_of_a_film_or_nothing(tmp_path: Path, rng: np.random.Generator, size: int):
     """Half a film was left, or one without its picture and its outcomes."""
