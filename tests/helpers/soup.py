@@ -43,6 +43,8 @@ class Soup:
     placed: list[Placed]
     slots: list[np.ndarray] = field(default_factory=list)
     material_mask: np.ndarray = field(default_factory=lambda: np.full(8, 7))
+    uvs: list[np.ndarray] = field(default_factory=list)
+    cutout: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 1), np.uint32))
 
     def __post_init__(self):
         trees = [build_triangle_tree(m) for m in self.models]
@@ -50,6 +52,7 @@ class Soup:
         self.trees = [tree for tree, _ in trees]
         self.first = np.cumsum([0, *(len(m) for m in self.models)])
         self.slots = self.slots or [np.zeros(len(m), int) for m in self.models]
+        self.uvs = self.uvs or [np.zeros((len(m), 3, 2)) for m in self.models]
 
     def world_triangles(self):
         """Float64 triangles of everything, and their instance, absolute triangle index, object id and mask."""
@@ -89,7 +92,7 @@ class Soup:
             node_box=f32(np.concatenate(boxes)),
             node_child=i32(np.concatenate(children)),
             triangle=f32(triangles),
-            triangle_uv=f32(np.zeros((len(triangles), 3, 2))),
+            triangle_uv=f32(np.concatenate([x[o] for x, o in zip(self.uvs, self.order, strict=True)])),
             triangle_slot=i32(slot),
             triangle_part=i32(np.zeros(len(triangles))),
             model_root=i32(roots[:-1]),
@@ -104,6 +107,7 @@ class Soup:
             instance_body=i32(np.full((1, len(pose)), -1)),
             object_semantic=i32(np.full((1, len(pose)), -1)),
             material_mask=i32(self.material_mask),
+            cutout=jnp.asarray(self.cutout),
             agent_model=i32(0),
             agent_material=i32(0),
             agent_semantic=i32(0),

@@ -43,12 +43,13 @@ extern "C" void run(void** p, int count, int environments, int kind) {
   for (unsigned e = 0; e < unsigned(environments); ++e)
     for (unsigned r = 0; r < unsigned(count); ++r) {
       blockIdx = {r, e, 0};
-#define IN (const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float4*)p[3], (const float4*)p[4], \\
-    (const float2*)p[5], (const int*)p[6], (const int*)p[7], (const float*)p[8], (const float*)p[9], \\
-    (const float*)p[10], (const float*)p[11], (const int*)p[12], (const int*)p[13], (const int*)p[14]
-#define OUT (float*)p[15], (int*)p[16], (int*)p[17], (float*)p[18], (float*)p[19], (bool*)p[20]
+#define IN (const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float*)p[3], (const unsigned*)p[4], \\
+    (const float4*)p[5], (const float4*)p[6], (const float2*)p[7], (const int*)p[8], (const int*)p[9], \\
+    (const float*)p[10], (const float*)p[11], (const float*)p[12], (const float*)p[13], (const int*)p[14], \\
+    (const int*)p[15], (const int*)p[16]
+#define OUT (float*)p[17], (int*)p[18], (int*)p[19], (float*)p[20], (float*)p[21], (bool*)p[22]
       if (kind == 0) cast_closest(IN, OUT);
-      else if (kind == 1) cast_any(IN, (int*)p[15]);
+      else if (kind == 1) cast_any(IN, (int*)p[17]);
       else cast_through(IN, OUT);
     }
 }
@@ -116,7 +117,7 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
     read = jax.jit(lambda *x: cuda.kernel_operands(*x, RayQuery(num_hits=1)))
     inputs = [np.array(x) for x in jax.device_get(read(*given))]
     leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * compiled.MAX_DEPTH + 4)
-    whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[14]
+    whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[16]
     size[11] = num_nodes
     for waits, last, house_root, model_root in itertools.product(
         (leaf, compiled.EMPTY_LEAF),
@@ -127,8 +128,8 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
         code = np.stack([np.arange(num_nodes) + 1, np.full(num_nodes, waits)], axis=1).astype(np.int32)
         code[-1] = last
         node = np.hstack([np.tile(whole, (num_nodes, 2)), code.view(np.float32), np.zeros((num_nodes, 2), np.float32)])
-        call = [node, *inputs[1:6], np.full_like(inputs[6], house_root), *inputs[7:]]
-        for number in (3, 4):
+        call = [node, *inputs[1:8], np.full_like(inputs[8], house_root), *inputs[9:]]
+        for number in (5, 6):
             call[number] = inputs[number].copy()
             call[number][..., 12] = np.int32(model_root).view(np.float32)
         program.add([*call, *results], 6, 0)
