@@ -2,7 +2,7 @@
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from jaxtyping import UInt8
@@ -91,24 +91,33 @@ def read_texture(
         size: Edge of the square to which it is resized [px]; None: its own size.
         resampling: Filter of the resizing.
     """
-    image = open_texture(path)
-    if size is None:
-        return _fill_cut_outs(np.asarray(image), image)
     from PIL.Image import Resampling
 
-    kernel = Resampling[resampling.upper()]
-    pixels = np.asarray(image.resize((size, size), kernel))  # Pillow weights by alpha
-    plain = image.convert("RGB").resize((size, size), kernel) if pixels[..., 3].min() < MIN_OPAQUE_ALPHA else image
-    return _fill_cut_outs(pixels, plain)
+    image, kernel = open_texture(path), Resampling[resampling.upper()]
+    pixels = np.asarray(image if size is None else image.resize((size, size), kernel))
+    if image.getchannel("A").getextrema()[0] == 255 or size is None:
+        return _fill_cut_outs(pixels)
+    if pixels[..., 3].max() < MIN_OPAQUE_ALPHA:  # nothing to weight by
+        return np.dstack([np.asarray(image.convert("RGB").resize((size, size), kernel)), pixels[..., 3]])
+    return _fill_cut_outs(_resize_weighted(np.asarray(image), size, kernel))
 
 
-def _fill_cut_outs(pixels: UInt8[np.ndarray, "h w 4"], plain: "Image") -> UInt8[np.ndarray, "h w 4"]:
-    """Replace colours of cut-out texels by that of the nearest opaque texel; by those of `plain` if none is opaque."""
+def _resize_weighted(pixels: UInt8[np.ndarray, "h w 4"], size: int, kernel: Any) -> UInt8[np.ndarray, "s s 4"]:
+    """Resize an image with colours weighted by alpha; Pillow's own weights are clipped, which changes colours."""
+    from PIL import Image
+
+    alpha = pixels[..., 3].astype(np.float32)
+    planes = [*(pixels[..., i] * alpha for i in range(3)), alpha]
+    small = [np.asarray(Image.fromarray(plane).resize((size, size), kernel)) for plane in planes]
+    color = np.stack(small[:3], axis=-1) / np.maximum(small[3], 1)[..., None]
+    return np.round(np.clip(np.dstack([color, small[3]]), 0, 255)).astype(np.uint8)
+
+
+def _fill_cut_outs(pixels: UInt8[np.ndarray, "h w 4"]) -> UInt8[np.ndarray, "h w 4"]:
+    """Replace the colour of each cut-out texel by that of the nearest opaque texel, if there is one."""
     opaque = pixels[..., 3] >= MIN_OPAQUE_ALPHA
-    if opaque.all():
+    if opaque.all() or not opaque.any():
         return pixels
-    if not opaque.any():
-        return np.dstack([np.asarray(plain)[..., :3], pixels[..., 3]])
     from scipy.ndimage import distance_transform_edt
 
     row, column = distance_transform_edt(~opaque, return_distances=False, return_indices=True)

@@ -13,6 +13,7 @@ from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
+from home_mjx.bank.records.geometry import CUTOUT_SHIFT
 from home_mjx.geometry.bvh import build_tree, build_triangle_tree
 from home_mjx.raycast_render.scene.types import DynamicInstances, Scene
 
@@ -186,6 +187,17 @@ def random_soup(rng):
     placed = [Placed(m, p, i - 1, i % 3, moves=i >= 6) for i, (m, p) in enumerate(zip(kinds, poses, strict=True))]
     slots = [rng.integers(0, 4, len(m)) for m in models]
     return Soup(models, placed, slots, np.array([7, 6, 1, 5, 4, 3, 2, 7]))
+
+
+def random_cut_outs(rng, edge=40):
+    """The same with cut-outs in most materials: random texels of two layers, and texture coordinates beyond 0..1."""
+    soup = random_soup(rng)
+    holes = rng.random((2, edge, edge)) < 0.5
+    padded = np.pad(holes, ((0, 0), (0, 0), (0, -edge % 32)))
+    soup.cutout = np.packbits(padded, axis=-1, bitorder="little").view("<u4")
+    soup.material_mask = soup.material_mask | np.array([1, 2, 0, 1, 2, 2, 0, 1]) << CUTOUT_SHIFT
+    soup.uvs = [rng.uniform(-2, 3, (len(m), 3, 2)).astype(np.float32) for m in soup.models]
+    return soup, holes
 
 
 def random_rays(rng, n):

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
 from pathlib import Path
 
 import numpy as np
@@ -78,7 +77,9 @@ class Library:
                 found.setdefault(kind, []).extend(owners)
         materials = self.agent_materials
         agent = AgentRows(materials, agent_semantics(), Gloss.matt(len(materials.mask)))
-        row = HouseOwner(agent, dict.fromkeys(self.num_rows, 0), self.model_index, self.texture_layer, frozenset(), sizes)
+        row = HouseOwner(
+            agent, dict.fromkeys(self.num_rows, 0), self.model_index, self.texture_layer, frozenset(), sizes
+        )
         return found | {"material": [row], "semantic": [row]}
 
     def shared_owners(self, texture_size: int) -> Owners:

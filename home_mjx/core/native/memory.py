@@ -105,9 +105,7 @@ def unlikely(typing_context, condition) -> Any:
     @no_type_check
     def lower(context, builder, signature, args):
         bit = ir.IntType(1)
-        expect = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1"
-        )
+        expect = cgutils.get_or_insert_function(builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1")
         return builder.call(expect, [args[0], ir.Constant(bit, 0)])
 
     return types.boolean(types.boolean), lower

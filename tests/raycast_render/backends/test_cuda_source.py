@@ -13,8 +13,9 @@ import trimesh
 from compiled_kernels import shared_library
 from odd_numbers import garbled
 from sanitized import Program
-from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, random_soup
+from soup import Placed, Soup, f32, i32, in_jit, random_cut_outs, random_pose, random_rays, random_soup
 
+from home_mjx.bank.records.geometry import CUTOUT_SHIFT
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
@@ -86,7 +87,7 @@ def checked(library, folder):
 
 def six_scenes(rng):
     """A bank and six scenes, each with 16 rays; and where results go."""
-    scene = random_soup(rng).scene()
+    scene = random_cut_outs(rng)[0].scene()
     origin, direction = (f32(x.reshape(6, 16, 3)) for x in random_rays(rng, 96))
     values = {"t_min": f32(np.zeros((6, 16))), "t_max": f32(np.full((6, 16), np.inf))}
     values |= {"exclude": i32(np.full((6, 16), -1)), "mask": i32(np.full((6, 16), 7))}
@@ -166,6 +167,16 @@ def test_it_casts_as_the_other_executors(library):
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, N)
     found = assert_same(library, scene, origin, direction)
     assert set(found[1]) > {-1, 0, 6, 7}, "rays must miss, and meet static and moving instances"
+
+
+@pytest.mark.parametrize("mask", [1, 2, 5, -1])
+def test_rays_pass_cut_out_texels(library, mask):
+    rng = np.random.default_rng(22)
+    (soup, _), (origin, direction) = random_cut_outs(rng), random_rays(rng, N)
+    scene = soup.scene()
+    found = assert_same(library, scene, origin, direction, mask=mask)
+    solid = scene.replace(bank=scene.bank.replace(geometry=scene.geometry.replace(cutout=scene.geometry.cutout * 0)))
+    assert 0.002 < (run(library, solid, origin, direction, mask=mask)[2] != found[2]).mean() < 0.8
 
 
 def test_range_exclusion_and_mask(library):
@@ -259,6 +270,9 @@ def test_constants_are_those_of_the_other_executors():
     assert (int(told["TILE_WIDTH"]), int(told["TILE_HEIGHT"])) == cuda.TILE
     assert int(told["MAX_DEPTH"]) == compiled.MAX_DEPTH
     assert int(told["EMPTY"]) == compiled.EMPTY_LEAF
+    assert int(told["ALL_KINDS"]) == compiled.RayKind.ALL
+    assert int(told["SOUND"]) == compiled.RayKind.SOUND
+    assert int(told["CUTOUT_SHIFT"]) == CUTOUT_SHIFT
     for name in ("MISS", "TINY", "FAR_SLACK"):
         assert sum(float(part.rstrip("f")) for part in told[name].split("+")) == getattr(scene_types, name)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from compiled_kernels import shared_library
-from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
+from soup import Placed, Soup, f32, i32, random_cut_outs, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.backends.registry import find_backend
@@ -81,6 +81,13 @@ def test_rays_of_a_warp_that_go_through_more_and_less(library, count, width):
     met = np.sum(assert_same(library, scene, rays, THROUGH).instance >= 0, axis=2)
     if count > 1:
         assert set(met.ravel().tolist()) == set(range(STEPS + 1))
+
+
+def test_rays_of_a_warp_that_pass_cut_out_texels(library):
+    rng = np.random.default_rng(91)
+    scene, rays = random_cut_outs(rng)[0].scene(), some_rays(rng, 2, 90)
+    for query in (CLOSEST_HIT, THROUGH):
+        assert_same(library, scene, rays, query)
 
 
 def test_more_moving_instances_than_a_group_holds(library):

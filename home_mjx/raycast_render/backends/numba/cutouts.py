@@ -37,10 +37,11 @@ def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
     store(weight, LANES, v)
     store(flag, 0, select(wins, broadcast(np.int32(1)), np.int32(0)))
     store(flag, LANES, mask)
+    layer = np.int64(stops) >> CUTOUT_SHIFT
     for lane in range(LANES):
-        if flag[lane] != 0 and (flag[LANES + lane] & stops & SOUND) == 0:
-            if _is_cut_out(world, np.int64(triangle), np.int64(stops) >> CUTOUT_SHIFT, weight[lane], weight[LANES + lane]):
-                flag[lane] = 0
+        may_pass = flag[lane] != 0 and (flag[LANES + lane] & stops & SOUND) == 0
+        if may_pass and _is_cut_out(world, np.int64(triangle), layer, weight[lane], weight[LANES + lane]):
+            flag[lane] = 0
     return ~(load(flag, 0) == np.int32(0))
 
 
