@@ -75,7 +75,7 @@ def has_cut_outs(path: Path) -> bool:
             return False
     except Exception:
         pass  # `open_texture` raises the typed error
-    return open_texture(path).getchannel("A").getextrema()[0] < MIN_OPAQUE_ALPHA
+    return int(np.asarray(open_texture(path).getchannel("A")).min()) < MIN_OPAQUE_ALPHA
 
 
 def read_texture(
@@ -95,7 +95,7 @@ def read_texture(
 
     image, kernel = open_texture(path), Resampling[resampling.upper()]
     pixels = np.asarray(image if size is None else image.resize((size, size), kernel))
-    if image.getchannel("A").getextrema()[0] == 255 or size is None:
+    if size is None or int(np.asarray(image.getchannel("A")).min()) == 255:
         return _fill_cut_outs(pixels)
     if pixels[..., 3].max() < MIN_OPAQUE_ALPHA:  # nothing to weight by
         return np.dstack([np.asarray(image.convert("RGB").resize((size, size), kernel)), pixels[..., 3]])
@@ -183,7 +183,7 @@ def _reduce_to_bytes(image: "Image") -> "Image":
 
 def _check_palette(image: "Image") -> None:
     """Raise an error if pixels refer to palette entries that do not exist, which Pillow shows as black."""
-    count, largest = len(image.palette.palette) // len(image.palette.mode), image.getextrema()[1]  # type: ignore
+    count, largest = len(image.palette.palette) // len(image.palette.mode), int(np.asarray(image).max())  # type: ignore
     if largest >= count:
         raise _UnsupportedImageError(f"a pixel has the palette entry {largest} of {count}")
 
@@ -231,7 +231,7 @@ def _apply_profile(image: "Image", data: bytes) -> "Image":
 
     try:
         profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
-        space = profile.profile.xcolor_space.strip()
+        space = profile.profile.xcolor_space.strip()  # type: ignore
         if space == "RGB" and image.mode != "CMYK" and "srgb" in ImageCms.getProfileDescription(profile).lower():
             return image.convert("RGB")
         if space == "RGB" and image.mode == "L":
