@@ -120,7 +120,7 @@ def _fill_cut_outs(pixels: UInt8[np.ndarray, "h w 4"]) -> UInt8[np.ndarray, "h w
         return pixels
     from scipy.ndimage import distance_transform_edt
 
-    row, column = distance_transform_edt(~opaque, return_distances=False, return_indices=True)
+    row, column = distance_transform_edt(~opaque, return_distances=False, return_indices=True)  # type: ignore
     return np.dstack([pixels[row, column, :3], pixels[..., 3]])
 
 
