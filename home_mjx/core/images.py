@@ -2,11 +2,12 @@
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from jaxtyping import UInt8
 
+from home_mjx.core.color import encode_srgb
 from home_mjx.core.files import read_bytes
 from home_mjx.errors import DatasetError
 
@@ -14,33 +15,67 @@ if TYPE_CHECKING:
     from PIL.Image import Image
 
 MAX_PIXELS = 1 << 26  # maximum decoded size: 8,192 x 8,192; SUNCG's images have at most 2,048 x 2,048
+MIN_OPAQUE_ALPHA = 128  # minimum alpha of an opaque texel; texels below it are cut out
+SRGB_GAMMA = 1 / 2.2  # gAMA chunk of sRGB images
+GAMMA_TOLERANCE = 0.02  # difference from `SRGB_GAMMA` up to which no conversion is needed
+PNG_DEPTH = 24  # byte of a PNG file that has the bits per sample, in the IHDR chunk
+ORIENTATION = 0x0112  # EXIF tag
+# Other formats by their first bytes, for messages.
+OTHER_FORMATS = {b"GIF8": "GIF", b"BM": "BMP", b"II*\0": "TIFF", b"MM\0*": "TIFF", b"RIFF": "WebP", b"DDS ": "DDS"}
+
+
+class _UnsupportedImageError(ValueError):
+    """Reason why an image that Pillow decodes would have wrong pixels."""
 
 
 def open_texture(path: Path) -> "Image":
-    """Read a PNG or JPEG file as an RGBA image.
+    """Read a PNG or JPEG file as an RGBA image in sRGB.
+
+    Grey values of 16 bits are scaled to 8. Transparent colours and palette entries become alpha 0. Embedded ICC
+    profiles and PNG gamma are converted to sRGB, and the EXIF orientation is applied. CMYK without a profile is
+    converted without colour management. The first frame of an animated image is read.
 
     Args:
         path: A PNG or JPEG file.
 
     Raises:
         MissingFileError: The file is missing.
-        DatasetError: The file is truncated, broken, of another format, or has more than `MAX_PIXELS` pixels. A few
-            kilobytes can claim gigabytes, so the size is checked before anything is decoded.
+        DatasetError: The file is empty, truncated, broken, of another format, or has more than `MAX_PIXELS` pixels. A
+            few kilobytes can claim gigabytes, so the size is checked before anything is decoded. Also if a palette
+            has fewer entries than the pixels use, a 16-bit RGB image has a transparent colour, or a profile does not
+            fit its image.
     """
-    from PIL import Image, UnidentifiedImageError
+    from PIL import UnidentifiedImageError
 
+    data = read_bytes(path)
     try:
-        image = Image.open(io.BytesIO(read_bytes(path)), formats=("PNG", "JPEG"))
+        image = _identify(data)
         if image.width * image.height <= MAX_PIXELS:
-            return image.convert("RGBA")
+            return _decode_rgba(image, data)
         reason = f"it has {image.width} x {image.height} pixels, at most {MAX_PIXELS} are decoded"
-    except DatasetError:
-        raise
     except UnidentifiedImageError:  # its message only contains a memory address
-        reason = "it cannot be identified as PNG or JPEG"
+        reason = "the file is empty" if not data else f"it cannot be identified as PNG or JPEG{_other_format(data)}"
+    except _UnsupportedImageError as error:
+        reason = str(error)
     except Exception as error:  # a broken file can make Pillow raise anything
         reason = str(error) if isinstance(error, OSError) else f"{type(error).__name__}: {error}"
     raise DatasetError(f"cannot read texture: {reason}", file=path, hint="Restore the file, as 8-bit PNG or JPEG.")
+
+
+def has_cut_outs(path: Path) -> bool:
+    """Return whether any pixel has an alpha below `MIN_OPAQUE_ALPHA`; opaque formats are not decoded.
+
+    Raises:
+        DatasetError: As of `open_texture`.
+    """
+    data = read_bytes(path)
+    try:
+        image = _identify(data)
+        if "A" not in image.getbands() and "transparency" not in image.info:
+            return False
+    except Exception:
+        pass  # `open_texture` raises the typed error
+    return int(np.asarray(open_texture(path).getchannel("A")).min()) < MIN_OPAQUE_ALPHA
 
 
 def read_texture(
@@ -48,17 +83,164 @@ def read_texture(
 ) -> UInt8[np.ndarray, "h w 4"]:
     """Read a PNG or JPEG file as sRGB and alpha; errors as of `open_texture`.
 
+    Colours are weighted by alpha. Texels below `MIN_OPAQUE_ALPHA` get the colour of the nearest opaque texel, so that
+    filters across the edge of a cut-out do not darken it.
+
     Args:
         path: A PNG or JPEG file.
         size: Edge of the square to which it is resized [px]; None: its own size.
         resampling: Filter of the resizing.
     """
-    image = open_texture(path)
-    if size is not None:
-        from PIL.Image import Resampling
+    from PIL.Image import Resampling
 
-        image = image.resize((size, size), Resampling[resampling.upper()])
-    return np.asarray(image)
+    image, kernel = open_texture(path), Resampling[resampling.upper()]
+    pixels = np.asarray(image if size is None else image.resize((size, size), kernel))
+    if size is None or int(np.asarray(image.getchannel("A")).min()) == 255:
+        return _fill_cut_outs(pixels)
+    if pixels[..., 3].max() < MIN_OPAQUE_ALPHA:  # nothing to weight by
+        return np.dstack([np.asarray(image.convert("RGB").resize((size, size), kernel)), pixels[..., 3]])
+    return _fill_cut_outs(_resize_weighted(np.asarray(image), size, kernel))
+
+
+def _resize_weighted(pixels: UInt8[np.ndarray, "h w 4"], size: int, kernel: Any) -> UInt8[np.ndarray, "s s 4"]:
+    """Resize an image with colours weighted by alpha; Pillow's own weights are clipped, which changes colours."""
+    from PIL import Image
+
+    alpha = pixels[..., 3].astype(np.float32)
+    planes = [*(pixels[..., i] * alpha for i in range(3)), alpha]
+    small = [np.asarray(Image.fromarray(plane).resize((size, size), kernel)) for plane in planes]
+    color = np.stack(small[:3], axis=-1) / np.maximum(small[3], 1)[..., None]
+    return np.round(np.clip(np.dstack([color, small[3]]), 0, 255)).astype(np.uint8)
+
+
+def _fill_cut_outs(pixels: UInt8[np.ndarray, "h w 4"]) -> UInt8[np.ndarray, "h w 4"]:
+    """Replace the colour of each cut-out texel by that of the nearest opaque texel, if there is one."""
+    opaque = pixels[..., 3] >= MIN_OPAQUE_ALPHA
+    if opaque.all() or not opaque.any():
+        return pixels
+    from scipy.ndimage import distance_transform_edt
+
+    row, column = distance_transform_edt(~opaque, return_distances=False, return_indices=True)  # type: ignore
+    return np.dstack([pixels[row, column, :3], pixels[..., 3]])
+
+
+def _identify(data: bytes) -> "Image":
+    """Read the header of a PNG or JPEG file."""
+    from PIL import Image
+
+    return Image.open(io.BytesIO(data), formats=("PNG", "JPEG"))
+
+
+def _other_format(data: bytes) -> str:
+    """Return a remark that names the format of other images; empty if it is unknown."""
+    found = [name for start, name in OTHER_FORMATS.items() if data.startswith(start)]
+    return f", but as {found[0]}" if found else ""
+
+
+def _decode_rgba(image: "Image", data: bytes) -> "Image":
+    """Decode an image to RGBA in sRGB, upright."""
+    from PIL import Image
+
+    image.load()
+    alpha = _decode_alpha(image, data[PNG_DEPTH] if image.format == "PNG" else 8)
+    color = _convert_to_srgb(_reduce_to_bytes(image), image.info)
+    color.putalpha(alpha)
+    color.info = {}  # holds the profile and the transparent colour, which are applied already
+    turn = {
+        2: Image.Transpose.FLIP_LEFT_RIGHT,
+        3: Image.Transpose.ROTATE_180,
+        4: Image.Transpose.FLIP_TOP_BOTTOM,
+        5: Image.Transpose.TRANSPOSE,
+        6: Image.Transpose.ROTATE_270,
+        7: Image.Transpose.TRANSVERSE,
+        8: Image.Transpose.ROTATE_90,
+    }.get(_orientation(image))
+    return color if turn is None else color.transpose(turn)
+
+
+def _orientation(image: "Image") -> int:
+    """Return the EXIF orientation, 1 to 8; 1 if there is none, or if the metadata is broken, as viewers do."""
+    try:
+        return image.getexif().get(ORIENTATION, 1)
+    except Exception:  # Pillow raises anything on broken metadata
+        return 1
+
+
+def _reduce_to_bytes(image: "Image") -> "Image":
+    """Return the colours with 8 bits per channel, as L, RGB or CMYK."""
+    from PIL import Image
+
+    if image.mode in ("I;16", "I"):  # 16-bit grey; Pillow's own conversion clips at 255
+        values = np.asarray(image).astype(np.uint32)
+        return Image.fromarray(((values + 128) // 257).astype(np.uint8))
+    if image.mode == "P":
+        _check_palette(image)
+        return image.convert("RGBA").convert("RGB")  # Pillow warns of direct conversions
+    if image.mode in ("L", "RGB", "CMYK"):
+        return image
+    return image.convert("L" if image.mode in ("1", "LA") else "RGB")
+
+
+def _check_palette(image: "Image") -> None:
+    """Raise an error if pixels refer to palette entries that do not exist, which Pillow shows as black."""
+    count, largest = len(image.palette.palette) // len(image.palette.mode), int(np.asarray(image).max())  # type: ignore
+    if largest >= count:
+        raise _UnsupportedImageError(f"a pixel has the palette entry {largest} of {count}")
+
+
+def _decode_alpha(image: "Image", depth: int) -> "Image":
+    """Return the alpha channel, of an image's own or from its transparent colour.
+
+    PNG stores a transparent colour in the bits of the file; Pillow compares it with 8-bit values.
+
+    Args:
+        image: A decoded image.
+        depth: Bits per sample in the file.
+    """
+    from PIL import Image
+
+    key = image.info.get("transparency")
+    if key is None or image.mode in ("LA", "RGBA"):
+        return image.getchannel("A") if "A" in image.getbands() else Image.new("L", image.size, 255)
+    if image.mode == "P":
+        return image.convert("RGBA").getchannel("A")
+    if image.mode == "RGB" and depth == 16:
+        raise _UnsupportedImageError("16-bit RGB with a transparent colour is not supported, only an alpha channel")
+    if image.mode == "L" and depth < 8:
+        key = key * 255 // (2**depth - 1)
+    values = np.asarray(image.convert("L") if image.mode == "1" else image)
+    keyed = values == np.asarray(key)
+    keyed = keyed.all(axis=-1) if keyed.ndim == 3 else keyed
+    return Image.fromarray(np.where(keyed, 0, 255).astype(np.uint8))
+
+
+def _convert_to_srgb(image: "Image", info: dict) -> "Image":
+    """Convert colours (L, RGB or CMYK) to sRGB by an image's ICC profile or PNG gamma."""
+    if info.get("icc_profile"):
+        return _apply_profile(image, info["icc_profile"])
+    image, gamma = image.convert("RGB"), info.get("gamma", 0)
+    if "srgb" in info or gamma <= 0 or abs(gamma - SRGB_GAMMA) <= GAMMA_TOLERANCE:
+        return image
+    curve = encode_srgb((np.arange(256) / 255) ** (1 / gamma))
+    return image.point(np.round(255 * curve).astype(int).tolist() * 3)
+
+
+def _apply_profile(image: "Image", data: bytes) -> "Image":
+    """Convert colours (L, RGB or CMYK) to sRGB by an ICC profile."""
+    from PIL import ImageCms
+
+    try:
+        profile = ImageCms.ImageCmsProfile(io.BytesIO(data))
+        space = profile.profile.xcolor_space.strip()  # type: ignore
+        if space == "RGB" and image.mode != "CMYK" and "srgb" in ImageCms.getProfileDescription(profile).lower():
+            return image.convert("RGB")
+        if space == "RGB" and image.mode == "L":
+            image = image.convert("RGB")
+        if {"RGB": "RGB", "GRAY": "L", "CMYK": "CMYK"}.get(space) != image.mode:
+            raise _UnsupportedImageError(f"its colour profile is for {space}, its pixels are {image.mode}")
+        return ImageCms.profileToProfile(image, profile, ImageCms.createProfile("sRGB"), outputMode="RGB")  # type: ignore
+    except (OSError, ImageCms.PyCMSError) as error:
+        raise _UnsupportedImageError(f"its colour profile is broken: {error}") from error
 
 
 def encode_png(image: UInt8[np.ndarray, "h w 3"]) -> bytes:

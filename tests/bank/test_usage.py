@@ -20,7 +20,7 @@ def test_usage_adds_up_to_the_bank():
     total = sum(leaf.nbytes for leaf in jax.tree.leaves(bank))
     counted = taken.textures + sum(taken.models.values()) + sum(taken.houses.values())
     assert counted < total < 1.25 * counted + 64 * 1024
-    assert taken.textures == bank.materials.textures.nbytes
+    assert taken.textures == bank.materials.textures.nbytes + bank.geometry.cutout.nbytes
 
 
 def test_models_are_counted_once():

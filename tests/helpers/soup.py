@@ -13,6 +13,7 @@ from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import Geometry
+from home_mjx.bank.records.geometry import CUTOUT_SHIFT
 from home_mjx.geometry.bvh import build_tree, build_triangle_tree
 from home_mjx.raycast_render.scene.types import DynamicInstances, Scene
 
@@ -43,6 +44,8 @@ class Soup:
     placed: list[Placed]
     slots: list[np.ndarray] = field(default_factory=list)
     material_mask: np.ndarray = field(default_factory=lambda: np.full(8, 7))
+    uvs: list[np.ndarray] = field(default_factory=list)
+    cutout: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 1), np.uint32))
 
     def __post_init__(self):
         trees = [build_triangle_tree(m) for m in self.models]
@@ -50,6 +53,7 @@ class Soup:
         self.trees = [tree for tree, _ in trees]
         self.first = np.cumsum([0, *(len(m) for m in self.models)])
         self.slots = self.slots or [np.zeros(len(m), int) for m in self.models]
+        self.uvs = self.uvs or [np.zeros((len(m), 3, 2)) for m in self.models]
 
     def world_triangles(self):
         """Float64 triangles of everything, and their instance, absolute triangle index, object id and mask."""
@@ -89,7 +93,7 @@ class Soup:
             node_box=f32(np.concatenate(boxes)),
             node_child=i32(np.concatenate(children)),
             triangle=f32(triangles),
-            triangle_uv=f32(np.zeros((len(triangles), 3, 2))),
+            triangle_uv=f32(np.concatenate([x[o] for x, o in zip(self.uvs, self.order, strict=True)])),
             triangle_slot=i32(slot),
             triangle_part=i32(np.zeros(len(triangles))),
             model_root=i32(roots[:-1]),
@@ -104,6 +108,7 @@ class Soup:
             instance_body=i32(np.full((1, len(pose)), -1)),
             object_semantic=i32(np.full((1, len(pose)), -1)),
             material_mask=i32(self.material_mask),
+            cutout=jnp.asarray(self.cutout),
             agent_model=i32(0),
             agent_material=i32(0),
             agent_semantic=i32(0),
@@ -182,6 +187,17 @@ def random_soup(rng):
     placed = [Placed(m, p, i - 1, i % 3, moves=i >= 6) for i, (m, p) in enumerate(zip(kinds, poses, strict=True))]
     slots = [rng.integers(0, 4, len(m)) for m in models]
     return Soup(models, placed, slots, np.array([7, 6, 1, 5, 4, 3, 2, 7]))
+
+
+def random_cut_outs(rng, edge=40):
+    """The same with cut-outs in most materials: random texels of two layers, and texture coordinates beyond 0..1."""
+    soup = random_soup(rng)
+    holes = rng.random((2, edge, edge)) < 0.5
+    padded = np.pad(holes, ((0, 0), (0, 0), (0, -edge % 32)))
+    soup.cutout = np.packbits(padded, axis=-1, bitorder="little").view("<u4")
+    soup.material_mask = soup.material_mask | np.array([1, 2, 0, 1, 2, 2, 0, 1]) << CUTOUT_SHIFT
+    soup.uvs = [rng.uniform(-2, 3, (len(m), 3, 2)).astype(np.float32) for m in soup.models]
+    return soup, holes
 
 
 def random_rays(rng, n):

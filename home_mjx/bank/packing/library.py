@@ -3,14 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.bank.packing.capacity import cumulative_starts, shared_rows
-from home_mjx.bank.packing.texture_layers import load_textures
+from home_mjx.bank.packing.texture_layers import cutout_bits, load_textures
 from home_mjx.bank.records.declaration import HOUSE_AXIS, SHARED, Sizes
 from home_mjx.bank.records.owners import AgentRows, Counts, HouseOwner, ModelOwner, SharedArrays, SharedOwner, TreeOwner
+from home_mjx.core.images import has_cut_outs
 from home_mjx.geometry.meshes import box_triangles, make_model
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, MaterialTable, Model
@@ -55,6 +57,11 @@ class Library:
         return {"": -1} | {path: i for i, path in enumerate(self.textures)}
 
     @cached_property
+    def cutouts(self) -> frozenset[str]:
+        """Paths of textures with cut-out texels; the first access reads all textures that have alpha."""
+        return frozenset(path for path in self.textures if has_cut_outs(Path(path)))
+
+    @cached_property
     def num_rows(self) -> dict[str, int]:
         """Rows of the library in each concatenated table, which precede those of the houses."""
         return shared_rows(self.models.values(), self.agent_materials, agent_semantics())
@@ -70,13 +77,15 @@ class Library:
                 found.setdefault(kind, []).extend(owners)
         materials = self.agent_materials
         agent = AgentRows(materials, agent_semantics(), Gloss.matt(len(materials.mask)))
-        row = HouseOwner(agent, dict.fromkeys(self.num_rows, 0), self.model_index, self.texture_layer, sizes)
+        row = HouseOwner(
+            agent, dict.fromkeys(self.num_rows, 0), self.model_index, self.texture_layer, frozenset(), sizes
+        )
         return found | {"material": [row], "semantic": [row]}
 
     def shared_owners(self, texture_size: int) -> Owners:
         """Return the owner of shared arrays without rows; this reads the textures."""
-        pixels = load_textures(self.textures, texture_size).view("<u4")[..., 0]
-        return {SHARED: [SharedOwner(SharedArrays(pixels))]}
+        layers = load_textures(self.textures, texture_size)
+        return {SHARED: [SharedOwner(SharedArrays(layers.view("<u4")[..., 0], cutout_bits(layers, texture_size)))]}
 
     def house_owners(self, house: CompiledHouse, start: Counts, sizes: Sizes) -> Owners:
         """Return the owners of a house's private rows, by kind.
@@ -89,7 +98,7 @@ class Library:
         own = house.models[house.instances.model[ARCHITECTURE]]
         found = model_owners(own, start)
         found["node"].append(TreeOwner(house.top_bvh, start["node"] + len(own.tree.child), 0))  # leaves hold instances
-        at = HouseOwner(house, start, self.model_index, self.texture_layer, sizes)
+        at = HouseOwner(house, start, self.model_index, self.texture_layer, self.cutouts, sizes)
         return found | {kind: [at] for kind in ("material", "semantic", "cell", HOUSE_AXIS)}
 
 

@@ -21,7 +21,7 @@ from home_mjx.bank.packing.capacity import (
     required_lengths,
 )
 from home_mjx.bank.packing.library import Library, Owners
-from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE, texture_shape
+from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE, cutout_shape, texture_shape
 from home_mjx.bank.records.bank_arrays import BankSpec, declarations
 from home_mjx.bank.records.declaration import HOUSE_AXIS, ROW_KINDS, SHARED, Arrays, Declaration, Key, Sizes
 from home_mjx.bank.records.geometry import LEAF_BITS
@@ -182,7 +182,9 @@ def _packed(
 def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, texture_size: int) -> dict[str, int]:
     """Return the length of every axis of a bank."""
     layers, texels = texture_shape(len(library.textures), texture_size)
-    return {**axis_lengths(capacity), **rows, HOUSE_AXIS: num_houses, "layers": layers, "texels": texels}
+    edge, words = cutout_shape(texture_size)
+    shared = {"layers": layers, "texels": texels, "edge": edge, "words": words}
+    return {**axis_lengths(capacity), **rows, HOUSE_AXIS: num_houses, **shared}
 
 
 def _declared(shared: bool) -> list[Declaration]:

@@ -4,15 +4,16 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, UInt8, UInt32
 
 from home_mjx.bank.packing.capacity import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
-from home_mjx.core.images import read_texture
+from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import TextureArray
 
 TEXTURE_SIZE = 128  # [px], edge of a layer
+WORD_BITS = 32
 
 
 def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:
@@ -32,6 +33,23 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     for layer, path in zip(layers, paths, strict=False):
         layer[...] = mip_levels(read_texture(Path(path), size, "lanczos"))
     return layers
+
+
+def cutout_bits(layers: TextureArray, size: int) -> UInt32[np.ndarray, "l s w"]:
+    """Return one bit per texel of the largest mip level, 1 if it is cut out; rows are padded to whole words.
+
+    Args:
+        layers: Layers with mip levels.
+        size: Edge of the square layers [px].
+    """
+    holes = layers[:, : size * size, 3].reshape(-1, size, size) < MIN_OPAQUE_ALPHA
+    padded = np.pad(holes, ((0, 0), (0, 0), (0, -size % WORD_BITS)))
+    return np.packbits(padded, axis=-1, bitorder="little").view("<u4")
+
+
+def cutout_shape(size: int = TEXTURE_SIZE) -> tuple[int, int]:
+    """Return the rows of one layer of `cutout_bits`, and the words per row."""
+    return size, -(-size // WORD_BITS)
 
 
 def mip_sizes(size: int) -> list[int]:
@@ -72,6 +90,7 @@ def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
 
 
 def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
-    """Return the bytes of the layers of `count` images."""
+    """Return the bytes of the layers of `count` images, with the bits of their cut-outs."""
     layers, texels = texture_shape(count, size)
-    return layers * texels * 4
+    rows, words = cutout_shape(size)
+    return layers * (texels + rows * words) * 4

@@ -4,7 +4,7 @@ from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.bank.records.gpu_geometry import GpuGeometry
 from home_mjx.bank.records.owners import HouseOwner, ModelOwner, TreeOwner
@@ -13,6 +13,7 @@ from home_mjx.geometry.meshes import invert
 from home_mjx.schema.compiled import ARCHITECTURE
 
 LEAF_BITS = 4  # a leaf code is `~(first << LEAF_BITS | count)`
+CUTOUT_SHIFT = 8  # bits of `Geometry.material_mask` below the number of the cut-out layer
 EMPTY_BOX = np.array([[np.inf] * 3 + [-np.inf] * 3])  # an empty box that no ray hits
 IDENTITY_POSE = np.eye(3, 4)
 
@@ -58,6 +59,13 @@ def first_material(at: HouseOwner) -> Int[np.ndarray, " i"]:
 def first_semantic(at: HouseOwner) -> Int[np.ndarray, " i"]:
     """Return the first semantic row of each instance."""
     return at.house.instances.semantic + at.start["semantic"]
+
+
+def ray_mask(at: HouseOwner) -> Int[np.ndarray, " r"]:
+    """Return the ray bits of each material, with the cut-out layer + 1 of its texture above them; 0 if it has none."""
+    table = at.record.materials
+    layer = [1 + at.texture_layer[path] if path in at.cutouts else 0 for path in table.texture]
+    return table.mask | np.array(layer, np.int32) << CUTOUT_SHIFT
 
 
 def semantic_by_object(at: HouseOwner) -> Int[np.ndarray, " o"]:
@@ -106,7 +114,13 @@ class Geometry(Pytree):
     object_semantic: Int[Array, "h instances"] = array(
         "semantic row of each object id, absolute; -1 none", source=semantic_by_object, fill=-1
     )
-    material_mask: Int[Array, " material"] = array("Ray bits that each material blocks", source="materials.mask")
+    material_mask: Int[Array, " material"] = array(
+        "Ray bits that each material blocks; from bit 8 on: layer in `cutout` + 1; 0 none", source=ray_mask
+    )
+    cutout: UInt32[Array, "layers edge words"] = array(
+        "bit per texel of `materials.textures`, 1: cut out; row 0 is the top (v = 1), lowest bit first",
+        source="cutout",
+    )
     agent_model: Int[Array, ""] = array("library model of an agent, in its real size", source="agent")
     agent_material: Int[Array, ""] = array("first material row of an agent", source="agent")
     agent_semantic: Int[Array, ""] = array("semantic row of agents", source="agent")

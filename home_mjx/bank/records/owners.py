@@ -48,6 +48,7 @@ class HouseOwner:
         start: First row of each kind.
         model_index: Index of each library model, by key.
         texture_layer: Layer of each texture, by path; -1 for "".
+        cutouts: Paths of textures with cut-out texels.
         sizes: Lengths of the bank's axes, by name.
     """
 
@@ -55,6 +56,7 @@ class HouseOwner:
     start: Counts
     model_index: Mapping[str, int]
     texture_layer: Mapping[str, int]
+    cutouts: frozenset[str]
     sizes: Counts
 
     @property
@@ -73,6 +75,7 @@ class SharedArrays:
     """Values shared by all houses of a bank."""
 
     textures: UInt32[np.ndarray, "layers texels"]
+    cutout: UInt32[np.ndarray, "layers edge words"]
     agent: int = 0  # agents come first in the library, and in the tables of materials and semantics
 
 

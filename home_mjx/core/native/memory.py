@@ -99,6 +99,20 @@ def symbol_address(typing_context, name) -> Any:
 
 @intrinsic
 @no_type_check
+def unlikely(typing_context, condition) -> Any:
+    """Return a condition that is rarely true, so that LLVM keeps its branch out of the registers of the others."""
+
+    @no_type_check
+    def lower(context, builder, signature, args):
+        bit = ir.IntType(1)
+        expect = cgutils.get_or_insert_function(builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1")
+        return builder.call(expect, [args[0], ir.Constant(bit, 0)])
+
+    return types.boolean(types.boolean), lower
+
+
+@intrinsic
+@no_type_check
 def offset_pointer(typing_context, pointer, count) -> Any:
     """Return the pointer advanced by `count` items."""
 

@@ -22,6 +22,9 @@ constexpr int TILE_HEIGHT = 4;
 constexpr int EMPTY = -1;          // code of an empty leaf; on the stack, the bottom of a tree
 constexpr int MAX_DEPTH = 32;      // maximum depth of a tree, as in bvh.py
 constexpr int STACK = 2 * MAX_DEPTH + 4;  // entries for the deferred nodes of two trees and their bottoms
+constexpr int ALL_KINDS = 7;       // bits of all ray kinds, as in schema/compiled.py
+constexpr int SOUND = 4;
+constexpr int CUTOUT_SHIFT = 8;    // bits of material_mask below the number of the cut-out layer, as in geometry.py
 constexpr float MISS = 3e38f;      // as in scene/types.py, like the next two
 constexpr float FAR_SLACK = 1 + 6e-7f;
 constexpr float TINY = 1e-20f;
@@ -79,6 +82,9 @@ struct Operands {
   const float4* __restrict__ node;      // 4 per node: centre and half size of each child's box, then their codes
   const float4* __restrict__ triangle;  // 3 per triangle: its corners; w of the first is the material slot
   const int* __restrict__ material_mask;
+  const float* __restrict__ uv;          // 6 per triangle: texture coordinates of its corners
+  const unsigned* __restrict__ cutout;   // a bit per texel, rows of whole words
+  const int* __restrict__ texels;        // number of layers and their edge
   const float4* __restrict__ fixed;   // 4 per static instance: rows of its inverse, then root, number, object, material
   const float4* __restrict__ moving;  // the same for moving instances
   const float2* __restrict__ box;     // 3 per moving instance: centre and half size of its world bounds
@@ -203,6 +209,24 @@ INLINE bool comes_first(float t, int instance, int triangle, const Best& best) {
   return instance == best.instance ? triangle < best.triangle : instance < best.instance;
 }
 
+// Returns the texel of a texture coordinate that repeats; 0 for NaN
+INLINE int texel_at(const float* uv, float u, float v, int edge) {
+  float a = __fmul_rn(__fsub_rn(__fsub_rn(1, u), v), __ldg(uv));
+  float x = __fadd_rn(__fadd_rn(a, __fmul_rn(u, __ldg(uv + 2))), __fmul_rn(v, __ldg(uv + 4)));
+  float place = __fmul_rn(__fsub_rn(x, floorf(x)), float(edge));
+  return place >= 0 ? min(int(place), edge - 1) : 0;
+}
+
+// Returns whether the nearest texel of a hit is cut out
+INLINE bool is_cut_out(const float* uv, const unsigned* cutout, const int* texels, int layer, float u, float v,
+                       float total) {
+  int layers = __ldg(texels), edge = __ldg(texels + 1);
+  u = __fdiv_rn(u, total), v = __fdiv_rn(v, total);
+  int column = texel_at(uv, u, v, edge), row = edge - 1 - texel_at(uv + 1, u, v, edge);
+  long long line = (long long)min(layer, layers - 1) * edge + row;
+  return __ldg(cutout + line * ((edge + 31) / 32) + column / 32) >> column % 32 & 1;
+}
+
 INLINE void test(const Operands& world, int triangle, int instance, int material, const Ray& ray, const Shear& s,
                  Best& best) {
   const float4* at = world.triangle + 3ll * triangle;
@@ -220,7 +244,13 @@ INLINE void test(const Operands& world, int triangle, int instance, int material
   float t = __fdiv_rn(__fadd_rn(__fadd_rn(__fmul_rn(u, a.z), __fmul_rn(v, b.z)), __fmul_rn(w, c.z)), total);
   if (!(t >= ray.t_min) || !comes_first(t, instance, triangle, best)) return;
   unsigned row = min(unsigned(material) + unsigned(__float_as_int(first.w)), unsigned(world.materials - 1));
-  if ((__ldg(world.material_mask + row) & ray.mask) == 0) return;
+  int material_mask = __ldg(world.material_mask + row), stops = material_mask & ray.mask & ALL_KINDS;
+  if (stops == 0) return;
+  // The hint keeps the registers of the others: the compiler spills within this rare branch.
+  if (__builtin_expect(material_mask > ALL_KINDS && (stops & SOUND) == 0, 0)) {
+    int layer = max((material_mask >> CUTOUT_SHIFT) - 1, 0);
+    if (is_cut_out(world.uv + 6ll * triangle, world.cutout, world.texels, layer, v, w, total)) return;
+  }
   bool mirrored = s.axis != 2;  // swapping an axis with z changes the orientation
   bool front = positive == ((s.iz > 0) != mirrored);
   best = {t, instance, triangle, v, w, total, front};
@@ -443,7 +473,7 @@ INLINE bool can_hit(const Task& task) { return task.row >= 0 && is_finite(task.r
 // Loads this thread's environment and ray; returns false for blocks that have none. `size` holds the numbers of
 // environments, rays per environment, static and moving instances per environment, and pixels in a row. Then follow
 // six flags, 1 if a field of the rays has one value per ray; the numbers of nodes, triangles, materials and houses;
-// the query's steps and the bits of its skin.
+// the query's steps and the bits of its skin; the number of cut-out layers and their edge.
 INLINE bool find_task(Operands& world, const int* __restrict__ house_root, const int* __restrict__ house,
                       const Rays& rays, const int* __restrict__ size, Task& task) {
   int env = blockIdx.y + gridDim.y * blockIdx.z;
@@ -454,6 +484,7 @@ INLINE bool find_task(Operands& world, const int* __restrict__ house_root, const
   task.row = number < 0 ? -1 : row;
   world.instances = __ldg(size + 2), world.num_moving = __ldg(size + 3);
   world.nodes = __ldg(size + 11), world.triangles = __ldg(size + 12), world.materials = __ldg(size + 13);
+  world.texels = size + 17;
   world.root = __ldg(house_root + at);
   world.fixed += 4ll * at * world.instances;
   world.moving += 4ll * env * world.num_moving;
@@ -475,11 +506,12 @@ INLINE int object_of(const Operands& world, int instance) {
 
 // Operands in the order of cuda.py
 #define OPERANDS                                                                                                     \
-  const float4 *node, const float4 *corner, const int *material_mask, const float4 *fixed, const float4 *moving,     \
-      const float2 *box, const int *house_root, const int *house, const float *origin, const float *direction,       \
-      const float *t_min, const float *t_max, const int *exclude, const int *mask, const int *size
+  const float4 *node, const float4 *corner, const int *material_mask, const float *uv, const unsigned *cutout,       \
+      const float4 *fixed, const float4 *moving, const float2 *box, const int *house_root, const int *house,         \
+      const float *origin, const float *direction, const float *t_min, const float *t_max, const int *exclude,       \
+      const int *mask, const int *size
 #define WORLD \
-  Operands { node, corner, material_mask, fixed, moving, box, 0, 0, 0, 0, 0, 0 }
+  Operands { node, corner, material_mask, uv, cutout, size, fixed, moving, box, 0, 0, 0, 0, 0, 0 }
 #define RAYS \
   Rays { origin, direction, t_min, t_max, exclude, mask }
 #define RESULTS float *t, int *instance, int *triangle, float *u, float *v, bool *front

@@ -46,6 +46,8 @@ def cast_cpu(
         geometry.instance_object,
         geometry.instance_material,
         geometry.material_mask,
+        geometry.triangle_uv,
+        geometry.cutout,
         house,
         moving.instance,
         moving.model,

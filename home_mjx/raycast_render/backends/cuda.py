@@ -64,11 +64,14 @@ def kernel_operands(
     tiled = tile_width(rays.shape[1], rays.width)
     rows = (x.shape[0] for x in (gpu.node, gpu.triangle, geometry.material_mask, geometry.house_root))
     walk = query.num_hits, int(np.float32(query.hit_epsilon).view(np.int32))
-    size = (*rays.shape, gpu.instance.shape[1], moving.instance.shape[1], tiled, *own, *rows, *walk)
+    texels = geometry.cutout.shape[:2]
+    size = (*rays.shape, gpu.instance.shape[1], moving.instance.shape[1], tiled, *own, *rows, *walk, *texels)
     return (
         gpu.node,
         gpu.triangle,
         geometry.material_mask.astype(jnp.int32),
+        geometry.triangle_uv.astype(jnp.float32),
+        geometry.cutout.astype(jnp.uint32),
         gpu.instance,
         pack_instances(moving.inverse, root, moving.instance, moving.object_id, moving.material),
         to_center_half(low, high),

@@ -57,6 +57,7 @@ def _geometry() -> Geometry:
         instance_body=jnp.full((1, 1), -1, jnp.int32),
         object_semantic=jnp.full((1, 1), -1, jnp.int32),
         material_mask=jnp.ones(1, jnp.int32),
+        cutout=jnp.zeros((1, 1, 1), jnp.uint32),
         agent_model=jnp.zeros((), jnp.int32),
         agent_material=jnp.zeros((), jnp.int32),
         agent_semantic=jnp.zeros((), jnp.int32),

@@ -16,12 +16,14 @@ from jax import lax
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.records import Geometry
+from home_mjx.bank.records.geometry import CUTOUT_SHIFT
 from home_mjx.core.native.partition import varying_false
 from home_mjx.raycast_render.backends.multi_hit_loop import cast_multi_hit_by_loop
 from home_mjx.raycast_render.scene.types import FAR_SLACK, MISS, TINY, DynamicInstances, RawHit, RayQuery, Rays
-from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
+from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH, RayKind
 
 TRIANGLES_PER_TEST = 4  # triangles tested at once
+WORD_BITS = 32  # texels per word of `Geometry.cutout`
 MAX_CPU_CHUNK = 1 << 12  # rays in lock step on CPUs, whose state fits into the cache
 MAX_CHUNK = 1 << 20  # rays in lock step on accelerators, enough to fill them; about 1 kB each
 
@@ -245,8 +247,15 @@ def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], co
     step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
     t, u, v, front = _intersect(geometry.triangle[triangle], state.origin, state.direction)
-    stops = geometry.material_mask[state.material[:, None] + geometry.triangle_slot[triangle]] & rays.mask[:, None]
+    material = geometry.material_mask[state.material[:, None] + geometry.triangle_slot[triangle]]
+    stops = material & rays.mask[:, None] & int(RayKind.ALL)
     valid = (step < count[:, None]) & (t >= rays.t_min[:, None]) & (t <= best.t[:, None]) & (stops != 0)
+    may_pass = valid & (material >> CUTOUT_SHIFT > 0) & (stops & int(RayKind.SOUND) == 0)
+    valid = lax.cond(  # most leaves have no cut-outs
+        jnp.any(may_pass),
+        lambda: valid & ~(may_pass & _is_cut_out(geometry, triangle, u, v, material >> CUTOUT_SHIFT)),
+        lambda: valid,
+    )
     nearest = jnp.argmin(jnp.where(valid, t, jnp.inf), axis=1, keepdims=True)
 
     def take(x: Array) -> Array:
@@ -258,6 +267,27 @@ def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], co
     lower = jnp.where(same, found.triangle < best.triangle, found.instance < best.instance)
     wins = take(valid) & ((found.t < best.t) | (best.instance < 0) | lower)
     return _Best(*(jnp.where(wins, new, old) for new, old in zip(found, best, strict=True)))
+
+
+def _is_cut_out(
+    geometry: Geometry,
+    triangle: Int[Array, "n k"],
+    u: Float[Array, "n k"],
+    v: Float[Array, "n k"],
+    layer: Int[Array, "n k"],
+) -> Bool[Array, "n k"]:
+    """Return whether the nearest texel at barycentric weights u and v is cut out; `layer` counts from 1."""
+    uv, edge = geometry.triangle_uv[triangle], geometry.cutout.shape[1]
+    weight = jnp.stack([1 - u - v, u, v], axis=-1)
+
+    def texel(axis: int) -> Int[Array, "n k"]:
+        x = jnp.sum(weight * uv[..., axis], axis=-1)
+        place = (x - jnp.floor(x)) * edge
+        return jnp.where(place >= 0, jnp.minimum(place.astype(jnp.int32), edge - 1), 0)  # NaN is texel 0
+
+    column, row = texel(0), edge - 1 - texel(1)
+    word = geometry.cutout[jnp.clip(layer - 1, 0, geometry.cutout.shape[0] - 1), row, column // WORD_BITS]
+    return (word >> (column % WORD_BITS).astype(jnp.uint32)) & 1 == 1
 
 
 def _intersect(

@@ -68,7 +68,7 @@ class LitShader(Shader):
     Attributes:
         num_lights: Lights per point, those with the highest unoccluded irradiance; lights of other rooms are weighted
             by 0.1. A shadow ray tests each light, so none shines through walls.
-        max_specular_depth: Maximum number of specular events: glass, cut-out textures and mirrors.
+        max_specular_depth: Maximum number of specular events: glass and mirrors.
         sun: Normal irradiance of the sun [W/m^2]; 0 disables the sun and its rays.
         sun_azimuth: Direction to the sun from +x towards +y [degrees].
         sun_elevation: Elevation of the sun above the horizon [degrees]; below 18 sunlight and horizon are redder.

@@ -1,23 +1,21 @@
-"""Specular transport of camera rays: through glass and cut-out textures, and off mirrors."""
+"""Specular transport of camera rays: through glass and off mirrors."""
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Materials
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras.camera import pixel_footprint
 from home_mjx.raycast_render.casting.cast import cast
-from home_mjx.raycast_render.scene.surface import material_rows, texture_coordinates, unit_normals
+from home_mjx.raycast_render.scene.surface import material_rows, unit_normals
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
-from home_mjx.raycast_render.shaders import texture
 from home_mjx.raycast_render.shaders.base import CameraRays
 from home_mjx.schema.compiled import RayKind
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 
 GLASS = MATERIAL_KINDS.index("glass")
-MIN_OPAQUE_ALPHA = 128  # minimum opacity of an opaque texel; texels below it are holes
 HIT_EPSILON = 1e-4  # [m], offset from a surface at which a ray continues
 
 
@@ -76,24 +74,22 @@ def _extend_path(
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0
     mirror = seen & take(bank.finish.mirror, row)
-    hole = seen & ~mirror & _is_cut_out(scene, hit, row)
     glass = (take(bank.materials.kind, row) == GLASS) & (take(bank.materials.albedo, row, 3) < 1)
-    on = mirror | hole | (seen & glass)
+    on = mirror | (seen & glass)
     normal = unit_normals(scene, sight.direction, hit)
     bent = sight.direction - normal * (2 * sight.direction.dot(normal))
     direction = select(mirror, bent, sight.direction)
     # Offset the origin from a mirror, since float32 rounding may put the hit point behind it.
     pos = select(on, select(mirror, sight.end + normal * HIT_EPSILON, sight.end), sight.origin)
     # The barrier prevents recomputation after the cast.
-    pos, direction, on, hole, mirror, row = jax.lax.optimization_barrier((pos, direction, on, hole, mirror, row))
+    pos, direction, on, mirror, row = jax.lax.optimization_barrier((pos, direction, on, mirror, row))
     found = cast(
         scene,
         pos.pack(),
         direction.pack(),
-        t_min=jnp.where(hole, HIT_EPSILON * direction.inverse_norm(), 0.0),
         t_max=jnp.where(on, jnp.inf, -1.0),
         exclude=jnp.where(mirror, -1, exclude),
-        mask=jnp.where(hole, int(RayKind.CAMERA), int(RayKind.LIGHT)),
+        mask=int(RayKind.LIGHT),
     )
     tint = select(mirror, take_vec(bank.materials.albedo, row), _transmittance(bank.materials, row))
     return PathState(
@@ -101,7 +97,7 @@ def _extend_path(
         direction=direction,
         hit=jax.tree.map(lambda new, old: jnp.where(on, new, old), found, hit),
         footprint=sight.footprint + growth * jnp.where(on, hit.t, 0.0),
-        throughput=select(on & ~hole, sight.throughput * tint, sight.throughput),
+        throughput=select(on, sight.throughput * tint, sight.throughput),
     )
 
 
@@ -109,11 +105,3 @@ def _transmittance(materials: Materials, row: Int[Array, "*rays"]) -> Vec:
     """Return the transmittance of glass: 1 for clear glass, mostly its own colour for coloured glass."""
     opacity = take(materials.albedo, row, 3)
     return take_vec(materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))
-
-
-def _is_cut_out(scene: Scene, hit: Hit, row: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
-    """Return whether rays have hit a texture where it is cut out."""
-    materials = scene.bank.materials
-    layer = take(materials.texture, row)
-    texel = texture.sample_nearest(materials.textures, jnp.maximum(layer, 0), *texture_coordinates(scene, hit))
-    return (layer >= 0) & (texture.texel_channel(texel, texture.ALPHA_CHANNEL) < MIN_OPAQUE_ALPHA)

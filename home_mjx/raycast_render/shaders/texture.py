@@ -21,7 +21,6 @@ def _decode_table() -> Float[np.ndarray, "256"]:
 SRGB_TO_LINEAR = _decode_table()
 # Minimax polynomial of the curve above byte 10, highest power first, fitted to the 245 bytes.
 SRGB_TO_LINEAR_POLYNOMIAL = (-0.05466916, 0.22675983, -0.43463315, 0.71703972, 0.51144349, 0.03313933, 0.00091457)
-ALPHA_CHANNEL = 3  # index of the alpha channel
 EXPOSURE = 1.0  # maps a white surface under full light to white
 MISS_COLOR = (0.53, 0.68, 0.86)  # linear light on a miss
 
@@ -54,7 +53,7 @@ def texture_edge(textures: UInt32[Array, "l p"]) -> int:
 
 
 def texel_channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
-    """Return a byte of texels: red, green, blue, `ALPHA_CHANNEL`."""
+    """Return a byte of texels: red, green, blue, alpha."""
     return ((texel >> (8 * place)) & 255).astype(jnp.int32)
 
 

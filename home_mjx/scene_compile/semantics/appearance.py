@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.color import decode_srgb, linear_to_lab
-from home_mjx.core.images import read_texture
+from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.schema.categories import texture_family
@@ -103,7 +103,7 @@ def _slot_colors(skin: TexturedTriangles, slot: int) -> tuple[Float[np.ndarray, 
         return diffuse, np.array([surface.opacity])
     mine = skin.slot == slot
     texel = _texels(surface.texture, _sample(skin.area[mine], skin.uv[mine]))
-    return diffuse * decode_srgb(texel[:, :3]), surface.opacity * texel[:, 3]
+    return diffuse * decode_srgb(texel[:, :3]), surface.opacity * (texel[:, 3] >= MIN_OPAQUE_ALPHA / 255)
 
 
 def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Float[np.ndarray, "n 2"]:

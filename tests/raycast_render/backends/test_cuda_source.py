@@ -13,8 +13,9 @@ import trimesh
 from compiled_kernels import shared_library
 from odd_numbers import garbled
 from sanitized import Program
-from soup import Placed, Soup, f32, i32, in_jit, random_pose, random_rays, random_soup
+from soup import Placed, Soup, f32, i32, in_jit, random_cut_outs, random_pose, random_rays, random_soup
 
+from home_mjx.bank.records.geometry import CUTOUT_SHIFT
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
@@ -43,12 +44,13 @@ extern "C" void run(void** p, int count, int environments, int kind) {
   for (unsigned e = 0; e < unsigned(environments); ++e)
     for (unsigned r = 0; r < unsigned(count); ++r) {
       blockIdx = {r, e, 0};
-#define IN (const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float4*)p[3], (const float4*)p[4], \\
-    (const float2*)p[5], (const int*)p[6], (const int*)p[7], (const float*)p[8], (const float*)p[9], \\
-    (const float*)p[10], (const float*)p[11], (const int*)p[12], (const int*)p[13], (const int*)p[14]
-#define OUT (float*)p[15], (int*)p[16], (int*)p[17], (float*)p[18], (float*)p[19], (bool*)p[20]
+#define IN (const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float*)p[3], (const unsigned*)p[4], \\
+    (const float4*)p[5], (const float4*)p[6], (const float2*)p[7], (const int*)p[8], (const int*)p[9], \\
+    (const float*)p[10], (const float*)p[11], (const float*)p[12], (const float*)p[13], (const int*)p[14], \\
+    (const int*)p[15], (const int*)p[16]
+#define OUT (float*)p[17], (int*)p[18], (int*)p[19], (float*)p[20], (float*)p[21], (bool*)p[22]
       if (kind == 0) cast_closest(IN, OUT);
-      else if (kind == 1) cast_any(IN, (int*)p[15]);
+      else if (kind == 1) cast_any(IN, (int*)p[17]);
       else cast_through(IN, OUT);
     }
 }
@@ -85,7 +87,7 @@ def checked(library, folder):
 
 def six_scenes(rng):
     """A bank and six scenes, each with 16 rays; and where results go."""
-    scene = random_soup(rng).scene()
+    scene = random_cut_outs(rng)[0].scene()
     origin, direction = (f32(x.reshape(6, 16, 3)) for x in random_rays(rng, 96))
     values = {"t_min": f32(np.zeros((6, 16))), "t_max": f32(np.full((6, 16), np.inf))}
     values |= {"exclude": i32(np.full((6, 16), -1)), "mask": i32(np.full((6, 16), 7))}
@@ -116,7 +118,7 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
     read = jax.jit(lambda *x: cuda.kernel_operands(*x, RayQuery(num_hits=1)))
     inputs = [np.array(x) for x in jax.device_get(read(*given))]
     leaf, num_nodes = ~(0 << 4 | 2), 4 * (2 * compiled.MAX_DEPTH + 4)
-    whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[14]
+    whole, size = np.float32([0, 0, 0, 1e6, 1e6, 1e6]), inputs[16]
     size[11] = num_nodes
     for waits, last, house_root, model_root in itertools.product(
         (leaf, compiled.EMPTY_LEAF),
@@ -127,8 +129,8 @@ def test_trees_that_fill_the_stack_stay_within_it(library, tmp_path):
         code = np.stack([np.arange(num_nodes) + 1, np.full(num_nodes, waits)], axis=1).astype(np.int32)
         code[-1] = last
         node = np.hstack([np.tile(whole, (num_nodes, 2)), code.view(np.float32), np.zeros((num_nodes, 2), np.float32)])
-        call = [node, *inputs[1:6], np.full_like(inputs[6], house_root), *inputs[7:]]
-        for number in (3, 4):
+        call = [node, *inputs[1:8], np.full_like(inputs[8], house_root), *inputs[9:]]
+        for number in (5, 6):
             call[number] = inputs[number].copy()
             call[number][..., 12] = np.int32(model_root).view(np.float32)
         program.add([*call, *results], 6, 0)
@@ -165,6 +167,16 @@ def test_it_casts_as_the_other_executors(library):
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, N)
     found = assert_same(library, scene, origin, direction)
     assert set(found[1]) > {-1, 0, 6, 7}, "rays must miss, and meet static and moving instances"
+
+
+@pytest.mark.parametrize("mask", [1, 2, 5, -1])
+def test_rays_pass_cut_out_texels(library, mask):
+    rng = np.random.default_rng(22)
+    (soup, _), (origin, direction) = random_cut_outs(rng), random_rays(rng, N)
+    scene = soup.scene()
+    found = assert_same(library, scene, origin, direction, mask=mask)
+    solid = scene.replace(bank=scene.bank.replace(geometry=scene.geometry.replace(cutout=scene.geometry.cutout * 0)))
+    assert 0.002 < (run(library, solid, origin, direction, mask=mask)[2] != found[2]).mean() < 0.8
 
 
 def test_range_exclusion_and_mask(library):
@@ -258,6 +270,9 @@ def test_constants_are_those_of_the_other_executors():
     assert (int(told["TILE_WIDTH"]), int(told["TILE_HEIGHT"])) == cuda.TILE
     assert int(told["MAX_DEPTH"]) == compiled.MAX_DEPTH
     assert int(told["EMPTY"]) == compiled.EMPTY_LEAF
+    assert int(told["ALL_KINDS"]) == compiled.RayKind.ALL
+    assert int(told["SOUND"]) == compiled.RayKind.SOUND
+    assert int(told["CUTOUT_SHIFT"]) == CUTOUT_SHIFT
     for name in ("MISS", "TINY", "FAR_SLACK"):
         assert sum(float(part.rstrip("f")) for part in told[name].split("+")) == getattr(scene_types, name)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from compiled_kernels import shared_library
-from soup import Placed, Soup, f32, i32, random_pose, random_rays, random_soup
+from soup import Placed, Soup, f32, i32, random_cut_outs, random_pose, random_rays, random_soup
 
 from home_mjx.raycast_render.backends import cuda
 from home_mjx.raycast_render.backends.registry import find_backend
@@ -29,10 +29,11 @@ def library(tmp_path_factory):
         + cuda.SOURCE.read_text().replace("constexpr int BLOCK = 64;", "constexpr int BLOCK = 32;")
         + """
 static void** p;
-#define CALL(kernel) kernel((const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float4*)p[3], \\
-    (const float4*)p[4], (const float2*)p[5], (const int*)p[6], (const int*)p[7], (const float*)p[8], \\
-    (const float*)p[9], (const float*)p[10], (const float*)p[11], (const int*)p[12], (const int*)p[13], \\
-    (const int*)p[14], (float*)p[15], (int*)p[16], (int*)p[17], (float*)p[18], (float*)p[19], (bool*)p[20])
+#define CALL(kernel) kernel((const float4*)p[0], (const float4*)p[1], (const int*)p[2], (const float*)p[3], \\
+    (const unsigned*)p[4], (const float4*)p[5], (const float4*)p[6], (const float2*)p[7], (const int*)p[8], \\
+    (const int*)p[9], (const float*)p[10], (const float*)p[11], (const float*)p[12], (const float*)p[13], \\
+    (const int*)p[14], (const int*)p[15], (const int*)p[16], (float*)p[17], (int*)p[18], (int*)p[19], (float*)p[20], \\
+    (float*)p[21], (bool*)p[22])
 static void closest() { CALL(cast_closest); }
 static void through() { CALL(cast_through); }
 
@@ -80,6 +81,13 @@ def test_rays_of_a_warp_that_go_through_more_and_less(library, count, width):
     met = np.sum(assert_same(library, scene, rays, THROUGH).instance >= 0, axis=2)
     if count > 1:
         assert set(met.ravel().tolist()) == set(range(STEPS + 1))
+
+
+def test_rays_of_a_warp_that_pass_cut_out_texels(library):
+    rng = np.random.default_rng(91)
+    scene, rays = random_cut_outs(rng)[0].scene(), some_rays(rng, 2, 90)
+    for query in (CLOSEST_HIT, THROUGH):
+        assert_same(library, scene, rays, query)
 
 
 def test_more_moving_instances_than_a_group_holds(library):

@@ -12,15 +12,16 @@ from home_mjx.core.native import simd as lanes
 from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.memory import stack_of
 from home_mjx.core.native.numba_cache import verify_cache
+from home_mjx.raycast_render.backends.numba import cutouts as native_cutouts
 from home_mjx.raycast_render.backends.numba import intersect as native_intersect
 from home_mjx.raycast_render.backends.numba import packet as native_packet
 from home_mjx.raycast_render.backends.numba import traverse as native
 from home_mjx.raycast_render.scene import types as scene_types
 
 ANY_HIT, WIDTH = 0, 1  # indices of attributes, which are sorted by name
-NUM_OPERANDS, NUM_RESULTS = 24, 6
+NUM_OPERANDS, NUM_RESULTS = 26, 6
 # Operands whose shapes define the numbers of rows
-NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12
+NODE, TRIANGLE, MODEL, HOUSE, INSTANCE_MODEL, MATERIAL, CUTOUT, MOVING_INSTANCE = 1, 2, 4, 5, 6, 10, 12, 14
 NUM_RAY_FIELDS = NUM_OPERANDS - native_packet.FIRST_RAY_OPERAND
 CHUNK = 16  # packets per chunk of work
 
@@ -33,7 +34,16 @@ compiled = njit(error_model="numpy")
 def compile_chunks() -> tuple[Any, Any]:
     """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
     # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
-    parts: tuple[Any, ...] = (ffi, lanes, native, native_intersect, native_memory, native_packet, scene_types)
+    parts: tuple[Any, ...] = (
+        ffi,
+        lanes,
+        native,
+        native_cutouts,
+        native_intersect,
+        native_memory,
+        native_packet,
+        scene_types,
+    )
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
     @cfunc(WORD_FUNCTION, cache=True)
@@ -76,6 +86,8 @@ def _sizes(frame):
         ffi.dim(frame, ffi.OPERANDS, MODEL, 0),
         ffi.dim(frame, ffi.OPERANDS, HOUSE, 0),
         ffi.dim(frame, ffi.OPERANDS, MATERIAL, 0),
+        ffi.dim(frame, ffi.OPERANDS, CUTOUT, 0),
+        ffi.dim(frame, ffi.OPERANDS, CUTOUT, 1),
         ffi.dim(frame, ffi.OPERANDS, INSTANCE_MODEL, 1),
         ffi.dim(frame, ffi.OPERANDS, MOVING_INSTANCE, 1),
     )

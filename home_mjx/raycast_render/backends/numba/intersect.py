@@ -6,7 +6,9 @@ from typing import Any, NamedTuple, no_type_check
 import numpy as np
 from numba import njit
 
+from home_mjx.core.native.memory import unlikely
 from home_mjx.core.native.simd import absolute, any_lane, broadcast, maximum, minimum, select
+from home_mjx.raycast_render.backends.numba.cutouts import ALL_KINDS, drop_cut_outs
 from home_mjx.raycast_render.scene import types as scene_types
 
 # As float32, since Numba would otherwise compute in float64.
@@ -173,9 +175,11 @@ def test_triangle(world, instance, triangle, ray, shear, reaches, best):
     row = np.int64(instance.material) + np.int64(world.triangle_slot[triangle])
     stops = world.material_mask[min(max(row, np.int64(0)), world.sizes.materials - 1)]
     wins = meets & ~(total == ZERO) & (t >= ray.t_min) & ((t < best.t) | ((t == best.t) & lower))
-    wins = wins & ~((ray.mask & stops) == np.int32(0))
+    wins = wins & ~((ray.mask & (stops & ALL_KINDS)) == np.int32(0))
     if not any_lane(wins):
         return best
+    if unlikely(stops > ALL_KINDS):
+        wins = drop_cut_outs(world, triangle, stops, ray.mask, v / total, w / total, wins)
     front = positive == (shear.iz > ZERO)
     return BestHits(
         select(wins, broadcast(-INF) if ray.any_hit else t, best.t),

@@ -12,7 +12,7 @@ from home_mjx.raycast_render.backends.numba.intersect import INF, ONE, ZERO, Lan
 from home_mjx.raycast_render.scene import types as scene_types
 
 TILE_WIDTH = 4  # [px], width of the image tile of a packet
-FIRST_RAY_OPERAND = 18  # index of the first operand that is a field of `types.Rays`
+FIRST_RAY_OPERAND = 20  # index of the first operand that is a field of `types.Rays`
 
 MISS = np.float32(scene_types.MISS)
 float_pointer, int_pointer, byte_pointer = map(pointer_to, (types.float32, types.int32, types.uint8))
@@ -39,6 +39,8 @@ class RowCounts(NamedTuple):
     models: np.int64
     houses: np.int64
     materials: np.int64
+    layers: np.int64
+    edge: np.int64  # texels along the side of a layer
     instances: np.int64
     moving: np.int64
 

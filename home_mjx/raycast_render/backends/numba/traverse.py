@@ -42,7 +42,7 @@ from home_mjx.raycast_render.backends.numba.packet import (
 from home_mjx.schema.compiled import EMPTY_LEAF, MAX_DEPTH
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
-float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
+float_pointer, int_pointer, word_pointer = map(pointer_to, (types.float32, types.int32, types.uint32))
 # The top tree uses the lower half of the stacks, the tree of the instance being visited the upper one.
 code_stack, enter_stack = stack_of(types.int32, 2 * MAX_DEPTH), stack_of(FLOATS, 2 * MAX_DEPTH)
 compiled = njit(error_model="numpy", forceinline=True)
@@ -62,6 +62,8 @@ class SceneArrays(NamedTuple):
     instance_object: Pointer  # (h, i) int32
     instance_material: Pointer  # (h, i) int32
     material_mask: Pointer  # (r,) int32
+    triangle_uv: Pointer  # (t, 3, 2) float32
+    cutout: Pointer  # (l, s, w) uint32
     house: Pointer  # (e,) int32
     moving_instance: Pointer  # (e, d) int32
     moving_model: Pointer  # (e, d) int32
@@ -113,13 +115,15 @@ def _world(at, sizes):
         int_pointer(at[8]),
         int_pointer(at[9]),
         int_pointer(at[10]),
-        int_pointer(at[11]),
-        int_pointer(at[12]),
+        float_pointer(at[11]),
+        word_pointer(at[12]),
         int_pointer(at[13]),
-        float_pointer(at[14]),
-        float_pointer(at[15]),
-        int_pointer(at[16]),
-        int_pointer(at[17]),
+        int_pointer(at[14]),
+        int_pointer(at[15]),
+        float_pointer(at[16]),
+        float_pointer(at[17]),
+        int_pointer(at[18]),
+        int_pointer(at[19]),
         sizes,
     )
 
