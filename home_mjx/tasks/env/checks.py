@@ -81,8 +81,8 @@ def check_choice(action: Any, names: Sequence[str]) -> None:
     if isinstance(action, jax.core.Tracer | dict):  # pyright: ignore[reportAttributeAccessIssue]
         return
     numbers = np.atleast_1d(np.asarray(action))
-    wrong = numbers[(numbers < 0) | (numbers >= len(names))] if numbers.dtype.kind in "iu" else ()
-    if len(wrong):
+    wrong = numbers[(numbers < 0) | (numbers >= len(names))]
+    if numbers.dtype.kind in "iu" and len(wrong):
         listed = ", ".join(f"{number} {name}" for number, name in enumerate(names[:MAX_LISTED]))
         more = ", …" if len(names) > MAX_LISTED else ""
         hint = f"Give a number from 0 to {len(names) - 1}: {listed}{more}"

@@ -152,7 +152,8 @@ class PointNav(Task):
 
         Limits are `min_length` and `max_length` of the path [m], and `same_storey`, by default the task's own.
         """
-        return point_goals.sample_goal(bank, house, key, **{"same_storey": self.same_storey} | limits)
+        limits.setdefault("same_storey", self.same_storey)
+        return point_goals.sample_goal(bank, house, key, **limits)
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
         """Return the goal's position, so that any bank of the houses can load it, and the path length."""
