@@ -9,9 +9,10 @@ import numpy as np
 from jax.typing import ArrayLike
 
 from home_mjx.core.files import as_path, read_arrays, write_durably
-from home_mjx.errors import DatasetError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
+from home_mjx.tasks.env.checks import check_state
 from home_mjx.tasks.env.env import Env
 
 ACTION_ARRAY = "action"  # array name of the actions in a dump; names of state leaves begin with a dot
@@ -98,7 +99,7 @@ def load_states(path: str | Path, env: Env) -> State:
 
     Raises:
         MissingFileError: The file does not exist.
-        DatasetError: The file is malformed, or its states are of another environment.
+        DatasetError: The file is malformed, or its states are of another environment or of other houses.
     """
     key = jax.ShapeDtypeStruct((2,), np.uint32)
     like: Any = jax.eval_shape(env.core.reset, env.params, key)
@@ -109,7 +110,13 @@ def load_states(path: str | Path, env: Env) -> State:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape[1:]}"
             hint = "Make the environment with the options that the states were saved with."
             raise DatasetError(message, file=path, element=jax.tree_util.keystr(place), hint=hint)
-    return jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
+    states = jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
+    try:
+        check_state(env.core.template(env.bank).layout, env.params, states)
+    except ConfigError as error:
+        hint = "Make the environment with the houses that the states were saved with."
+        raise DatasetError(error.message, file=path, element=error.element, hint=hint) from None
+    return states
 
 
 def _to_host_batch(states: State) -> State:

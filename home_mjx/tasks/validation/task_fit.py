@@ -1,10 +1,11 @@
 """Validation of tasks against an environment and its houses, when they are passed in (host side)."""
 
+from itertools import pairwise
 from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import UInt16
+from jaxtyping import Float, UInt16
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
@@ -12,7 +13,7 @@ from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.rules.build_bank import is_feasible
+from home_mjx.tasks.rules.build_bank import is_feasible, sum_leg_lengths
 from home_mjx.tasks.rules.declaration import row_columns
 from home_mjx.tasks.rules.enums import Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import HouseView
@@ -27,7 +28,14 @@ from home_mjx.tasks.validation.column_ranges import (
     feature_ranges,
     index_range,
 )
-from home_mjx.tasks.validation.row_violations import Violation, blocked_start, find_violation, is_standable
+from home_mjx.tasks.validation.row_violations import (
+    Violation,
+    blocked_start,
+    find_violation,
+    is_same_length,
+    is_standable,
+    wrong_length,
+)
 
 RESOLVED_KINDS = (TargetKind.OBJECT, TargetKind.ROOM)
 OTHER_HOUSES_HINT = (
@@ -129,7 +137,8 @@ def find_infeasible(
 ) -> Violation | None:
     """Return the first infeasible row of a house; None if all are feasible.
 
-    Feasible: the house has its targets, an agent can stand at its start, and paths lead close enough to its targets.
+    Feasible: the house has its targets, an agent can stand at its start, paths lead close enough to its targets, and
+    `length` is that of the shortest path.
 
     Args:
         bank: The houses.
@@ -155,4 +164,31 @@ def find_infeasible(
         if not is_feasible(row, nearest):
             message = "no path leads to a target of the task, or none close enough to it"
             return Violation(number, "selectors", message, "Choose another goal, or a greater `maximum` of `distance`.")
+    return _find_wrong_length(view, rows, fields[: len(home)])
+
+
+def _find_wrong_length(
+    view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
+) -> Violation | None:
+    """Return the first row whose `length` no path to its targets has, see `_path_lengths`."""
+    for number, row in enumerate(rows):
+        lengths = _path_lengths(view, row, fields)
+        if len(lengths) and not is_same_length(row["length"], lengths).any():
+            return Violation(number, "length", *wrong_length(float(row["length"]), float(lengths[0])))
     return None
+
+
+def _path_lengths(
+    view: HouseView, row: dict[str, np.ndarray], fields: UInt16[np.ndarray, "c g"]
+) -> Float[np.ndarray, " n"]:
+    """Return the lengths that a row may have [m]: a row does not say which of its descriptors its length leads to.
+
+    First is that of the path to the targets of all guides in order; then those of the first guides of them, and to each
+    descriptor alone.
+    """
+    way = fields[np.argmin(np.linalg.norm(view.graph.place - row["start"], axis=1))] * FIELD_UNIT
+    columns = row["field"].tolist()
+    guides = [columns[i] for i in dict.fromkeys(row["guide"].tolist()) if i >= 0 and columns[i] >= 0]
+    legs = [way[column] for column in guides[:1]] + [sum_leg_lengths(fields, pair) for pair in pairwise(guides)]
+    alone = [way[column] for column in columns if column >= 0]
+    return np.concatenate([np.cumsum(legs)[::-1], alone])

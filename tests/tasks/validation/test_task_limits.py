@@ -67,6 +67,8 @@ NEED = ("stages", 0, "transitions", 0, "require", 0)
         (("yaw",), True, "yaw"),
         (("length",), -1.0, "length"),
         (("length",), GONE, "`length` is missing"),
+        (("length",), 0.0, "but the shortest path from start to goal is"),
+        (("length",), 90.0, "but the shortest path from start to goal is"),
         (("task",), 5, "task"),
         (("house",), [], "house"),
         (("colour",), "red", "unknown field 'colour'"),
