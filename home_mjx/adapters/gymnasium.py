@@ -18,6 +18,7 @@ from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.env.autoreset import AutoReset, select_envs
 from home_mjx.tasks.env.reset import is_sequential
 from home_mjx.tasks.env.spaces import action_space, observation_space
+from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 class GymEnv(gymnasium.Env, EzPickle):
@@ -28,7 +29,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         render_mode: None, or "rgb_array": `render()` returns an image of the first agent's view, independent of the
             observations.
         render_size: Width and height of that image [px].
-        episodes: Saved episodes (or their file); resets use their rows in order.
+        episodes: Saved episodes or a task bank, or the file of either; resets use their rows in order.
         **options: As for `home_mjx.make`.
 
     Raises:
@@ -47,7 +48,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
         render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
-        episodes: Episodes | str | Path | None = None,
+        episodes: Episodes | TaskBank | str | Path | None = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, env_id, render_mode, render_size, episodes, **options)
@@ -124,7 +125,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         env_id: An id of `home_mjx.list_envs()`.
         render_mode: None, or "rgb_array": `render()` returns an image per environment.
         render_size: Width and height of these images [px].
-        episodes: Saved episodes (or their file): environment i uses the rows i, i + n, i + 2n, ...
+        episodes: Saved episodes or a task bank, or the file of either: environment i uses the rows i, i + n, ...
         autoreset_mode: `AutoresetMode.SAME_STEP`, or `NEXT_STEP`, which Gymnasium's observation wrappers need; or
             "SameStep", "NextStep".
         **options: As for `home_mjx.make`.
@@ -142,7 +143,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
         render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
-        episodes: Episodes | str | Path | None = None,
+        episodes: Episodes | TaskBank | str | Path | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         **options: Any,
     ) -> None:

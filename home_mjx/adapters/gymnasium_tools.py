@@ -23,6 +23,7 @@ from home_mjx.tasks.base.status import status_report
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import load_episodes_or_tasks
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 RENDER_MODES = (None, "rgb_array")
@@ -36,7 +37,9 @@ MAX_LISTED_ROWS = 8  # maximum number of rows that a message lists
 DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
 
 
-def make_env(env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]) -> Env[HouseholdEnv]:
+def make_env(
+    env_id: str, episodes: Episodes | TaskBank | str | Path | None, options: Mapping[str, Any]
+) -> Env[HouseholdEnv]:
     """Make an environment whose resets use `episodes`, if any; a file also selects its houses unless `options` do."""
     if isinstance(episodes, str | Path):
         if not HOUSE_OPTIONS.intersection(name for name, value in options.items() if value is not None):

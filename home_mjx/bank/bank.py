@@ -18,6 +18,10 @@ from home_mjx.core.native.fork_guard import record_process
 from home_mjx.schema.compiled import CompiledHouse
 
 
+FINGERPRINT_FACTOR = 16777619  # prime factor of the FNV-1 hash
+NUM_HASHED_GOALS = 4  # goals of a house that its fingerprint covers
+
+
 class HouseBank(BankArrays):
     """Compiled houses packed into one pytree.
 
@@ -56,7 +60,7 @@ class HouseBank(BankArrays):
         return self.geometry.clip_house_index(house)
 
     def fingerprint(self, house: Int[Array, ""] | int) -> UInt32[Array, ""]:
-        """Return a number that states carry to identify their house: a hash of its id, grid origin and goals.
+        """Return a number that states carry to identify their house: a hash of its id, grid and first goals.
 
         Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
 
@@ -68,7 +72,7 @@ class HouseBank(BankArrays):
             False
         """
         house, navigation = self.clip_house_index(house), self.navigation
-        places = jnp.concatenate([navigation.origin[house], navigation.goal[house].ravel()])
+        places = jnp.concatenate([navigation.origin[house], navigation.goal[house, :NUM_HASHED_GOALS].ravel()])
         words = [self.house_id[house].astype(jnp.uint32), jax.lax.bitcast_convert_type(places, jnp.uint32)]
         words = jnp.concatenate([*words, navigation.num_cells[house][None].astype(jnp.uint32)])
         factors = [pow(FINGERPRINT_FACTOR, k + 1, 2**32) for k in range(words.shape[0])]
@@ -93,9 +97,6 @@ class HouseBank(BankArrays):
         row = jnp.where(object_id < rows.shape[0], rows[known], self.geometry.agent_semantic)
         found = self.semantics[:, column][jnp.maximum(row, 0)]
         return jnp.where((object_id < 0) | (row < 0), -1, found)
-
-
-FINGERPRINT_FACTOR = 16777619  # prime factor of the FNV-1 hash
 
 
 def to_bank(packed: PackedBank) -> HouseBank:

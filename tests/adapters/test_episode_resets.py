@@ -8,10 +8,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from gymnasium.vector import AutoresetMode
 from storey_homes import homes_bank
 
 import home_mjx
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
+from home_mjx.adapters.gymnasium_tools import make_env
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import BackendError, ConfigError
 from home_mjx.tasks import AutoReset, sample_episodes, save_episodes, save_tasks
@@ -20,8 +22,9 @@ from home_mjx.tasks.suite import RoomNav
 NUM, ROWS = 3, 7
 ALL = np.arange(NUM)
 CHEAP = {"impl": "kinematic", "sensors": ("state",), "episode_length": 1}
-SOURCES = ["drawn", "file", "episodes", "task bank", "task file", "with_tasks", "weights"]
+SOURCES = ["drawn", "file", "episodes", "task bank", "task file", "weights"]
 SEQUENTIAL = SOURCES[1:-1]
+ROOMS = SOURCES[3:]  # of a task whose program takes long to compile
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +47,6 @@ def make(bank, tmp_path_factory):
             "drawn": points,
             "file": points | {"episodes": root / "e.jsonl"},
             "episodes": points | {"episodes": rows},
-            "with_tasks": points | {"episodes": rows.pick(jnp.arange(ROWS))},
             "task bank": rooms | {"episodes": tasks},
             "task file": rooms | {"episodes": root / "t.jsonl"},
             "weights": rooms | {"episodes": tasks.with_weights(jnp.arange(ROWS) < 2)},
@@ -53,19 +55,35 @@ def make(bank, tmp_path_factory):
     return options
 
 
-@pytest.fixture(scope="module", params=SOURCES)
-def source(request):
-    return request.param
-
-
 @pytest.fixture(scope="module")
-def single(make, source):
-    return GymEnv(**make(source))
+def made(make):
+    """One environment per adapter and id, whose compiled programs take the episodes of any source."""
+    return {}
 
 
-@pytest.fixture(scope="module")
-def batch(make, source):
-    return GymVectorEnv(NUM, **make(source))
+def with_source(made, cls, options, *args):
+    """The environment with the episodes of a source, loaded as the adapter loads them."""
+    env = made.setdefault((cls, options["env_id"]), None) or cls(*args, **options)
+    made[cls, options["env_id"]] = env
+    others = {name: value for name, value in options.items() if name not in ("env_id", "episodes")}
+    env.env = make_env(options["env_id"], options.get("episodes"), others)
+    env._state, env._next_episode = None, 0
+    return env
+
+
+slow_rooms = pytest.mark.parametrize(
+    "source", [pytest.param(name, marks=[pytest.mark.slow] * (name in ROOMS)) for name in SOURCES]
+)
+
+
+@pytest.fixture
+def single(make, made, source):
+    return with_source(made, GymEnv, make(source))
+
+
+@pytest.fixture
+def batch(make, made, source):
+    return with_source(made, GymVectorEnv, make(source), NUM)
 
 
 def idle(env):
@@ -84,6 +102,7 @@ def starts(env):
     return np.asarray(env._state.physics.qpos)[..., :3]
 
 
+@slow_rooms
 def test_one_environment_goes_on(single, source):
     found = [numbers(single.reset(seed=0 if i == 0 else None)) for i in range(ROWS + 1)]
     places = []
@@ -100,6 +119,7 @@ def test_one_environment_goes_on(single, source):
         assert set(found) == {-1} if source == "drawn" else set(found) <= {0, 1}
 
 
+@slow_rooms
 def test_a_batch_goes_on(batch, source):
     """Masked, seedless and automatic resets: environment i takes i, i + n, ..., and a seed begins with i again."""
     first = batch.reset(seed=0)
@@ -123,17 +143,15 @@ def test_a_batch_goes_on(batch, source):
         assert {n for some in found for n in some} <= ({-1} if source == "drawn" else {0, 1})
 
 
-def test_a_house_is_chosen_or_refused(single, batch, source):
-    """Rows have their own houses, so that another one is never dropped in silence; a message names its rows."""
-    if source == "drawn":
-        assert [single.reset(options={"house": i})[1]["house"] for i in (1, 0, 1)] == [1, 0, 1]
-        assert batch.reset(options={"house": [1, 0, 1]})[1]["house"].tolist() == [1, 0, 1]
-        return
+@pytest.mark.parametrize("source", SOURCES[1:])
+def test_a_house_is_refused_where_rows_have_one(single, batch, source):
+    """It would be dropped in silence; the message names the rows of that house."""
     for env in (single, batch):
         with pytest.raises(ConfigError, match=r"`house` cannot be chosen.*rows in house 1 are") as caught:
             env.reset(options={"house": 1})
         row = int(caught.value.hint.split(" are ")[1].split(",")[0].rstrip("."))
-        assert np.all(env.reset(options={"episode": row})[1]["house"] == 1)
+        rows = env.env.params.tasks
+        assert int(getattr(rows, "rows", rows).house[row]) == 1
     params, core = single.env.params, single.env.core
     key = jax.random.key(0)
     with pytest.raises(ConfigError, match="rows of `tasks` have their own houses"):
@@ -142,15 +160,17 @@ def test_a_house_is_chosen_or_refused(single, batch, source):
         jax.eval_shape(lambda: AutoReset(core).reset(params, jax.random.split(key, 2), jnp.ones(2, jnp.int32)))
 
 
-def test_rows_that_a_later_step_would_show_are_not_skipped(make):
+def test_rows_that_a_later_step_would_show_are_not_skipped(make, made):
     """With `NextStep` an environment has begun its next row before it shows it: a reset in between shows that one."""
-    env = GymVectorEnv(NUM, autoreset_mode="NextStep", **make("file"))
+    env = with_source(made, GymVectorEnv, make("file"), NUM)
+    env._mode = AutoresetMode.NEXT_STEP
     env.reset(seed=0)
     assert env.step(idle(env))[3].all()
     assert numbers(env.reset(options=only(0))) == [3, 4, 5]
     assert numbers(env.reset(options=only(0))) == [6, 4, 5]
     env.step(idle(env))  # ends the first, shows the first step of the others
     assert np.asarray(env._state.world.episode).tolist() == [9, 4, 5]
+    env._mode = AutoresetMode.SAME_STEP
 
 
 def test_interfaces_without_memory_begin_again_and_go_on_by_themselves(make):
@@ -172,6 +192,7 @@ def test_interfaces_without_memory_begin_again_and_go_on_by_themselves(make):
     assert [first.world.episode.tolist(), second.world.episode.tolist()] == [[0, 1, 2], [3, 4, 5]]
 
 
+@pytest.mark.slow
 def test_other_libraries_go_on(make):
     brax = pytest.importorskip("home_mjx.adapters.brax")
     zoo = pytest.importorskip("home_mjx.adapters.pettingzoo").PettingZooEnv(**make("file"))
@@ -184,9 +205,9 @@ def test_other_libraries_go_on(make):
     assert [s.pipeline_state.world.episode.tolist() for s in (state, after)] == [[0, 1, 2], [3, 4, 5]]
 
 
-def test_a_step_after_the_end_is_refused(make):
+def test_a_step_after_the_end_is_refused(make, made):
     """An environment alone asks for a reset; in the core the state says so; a batch resets by itself."""
-    env = GymEnv(**make("drawn"))
+    env = with_source(made, GymEnv, make("drawn"))
     env.reset(seed=0)
     assert env.step(idle(env))[3]
     with pytest.raises(gymnasium.error.ResetNeeded, match="the episode is over"):
@@ -195,6 +216,8 @@ def test_a_step_after_the_end_is_refused(make):
     env.step(idle(env))
 
 
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # JAX's, of every fork
+@pytest.mark.filterwarnings("ignore:os.fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
 def test_forking_workers_are_refused_before_they_hang(make):
     """Gymnasium forks its asynchronous workers by default; what they raise arrives as `EOFError` only."""

@@ -13,8 +13,8 @@ import home_mjx
 from home_mjx.tasks import load_episodes
 from home_mjx.tasks.base.task import NO_LENGTH, path_scores
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep
-from home_mjx.training.evaluation import evaluate
-from home_mjx.training.rollout import Policy
+from home_mjx.tasks.suite import RoomNav
+from home_mjx.training.evaluation import _path_metrics
 from home_mjx.viewer.episodes.episode import _result
 
 STOP, FORWARD, LEFT = 0, 1, 2
@@ -131,23 +131,27 @@ def test_without_stop_nothing_is_to_be_walked_within_the_radius(bank, at_goals):
     np.testing.assert_array_equal(last.metrics["spl"], 1.0)
 
 
-@pytest.mark.parametrize("stop", [True, False])
-def test_rows_that_begin_at_their_goal_have_spl_1(bank, stop):
+def test_rows_that_begin_at_their_goal_have_spl_1(bank):
     """Rooms in which the episode begins, exactly 0 m away; without `stop` the first step succeeds as it moves."""
-    options = {"impl": "kinematic", "sensors": ("state",), "actions": "discrete", "stop": stop, "min_length": 0.0}
-    env = home_mjx.make("RoomNav-v0", bank, max_length=0.0, num_tasks=4, **options)
-    assert not np.any(env.params.tasks.rows.columns["length"])
-    last = rolled(env, [LEFT, STOP] if stop else [FORWARD])[-1]
-    for name in ("success", "spl", "soft_spl"):
-        np.testing.assert_array_equal(last.metrics[name], 1.0, err_msg=name)
+    options = {"impl": "kinematic", "sensors": ("state",), "actions": "discrete", "episode_length": 5}
+    options |= {"min_length": 0.0, "max_length": 0.0, "num_tasks": 4}
+    env = home_mjx.make("RoomNav-v0", bank, stop=True, **options)
+    rows = RoomNav(min_length=0.0, max_length=0.0, num_tasks=4).task_bank(bank)  # data of the same program
+    assert not np.any([env.params.tasks.rows.columns["length"], rows.rows.columns["length"]])
+    reset, step = programs(env)
+    for params, actions in ((env.params, [LEFT, STOP]), (env.params.replace(tasks=rows), [FORWARD])):
+        state = reset(params, jax.random.split(jax.random.key(0), 3), None, jnp.arange(3))
+        for action in actions:
+            state = step(params, state, jnp.full(3, action))
+        for name in ("success", "spl", "soft_spl"):
+            np.testing.assert_array_equal(state.metrics[name], 1.0, err_msg=name)
 
 
-def test_averages_count_episodes_that_begin_at_the_goal(habitat):
-    def stops(net):
-        return Policy(lambda memory, obs, begins, keys: (memory, jnp.zeros(keys.shape[0], jnp.int32), {}))
-
-    found = evaluate(habitat, stops, num_episodes=3)
-    assert [float(found[name].mean()) for name in ("success", "spl", "soft_spl")] == [1.0, 1.0, 1.0]
+def test_averages_count_episodes_that_begin_at_the_goal():
+    """Of tasks that report success and distance only: half of the episodes begin at the goal, half fail."""
+    success, zero = jnp.array([1.0, 1.0, 0.0, 0.0]), jnp.zeros(4)
+    found = _path_metrics({"success": success, "walked": zero, "distance": 5.0 * (1 - success)}, zero)
+    assert [float(found[name].mean()) for name in ("spl", "soft_spl")] == [0.5, 0.5]
 
 
 @pytest.mark.parametrize(("shortest", "walked", "spl"), [(0.0, 0.0, 1.0), (2.0, 4.0, 0.5), (np.nan, 4.0, np.nan)])
