@@ -123,7 +123,7 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
     given = np.asarray(episodes.columns.get("length", lengths))
     wrong = np.flatnonzero(~np.isnan(lengths) & ~is_same_length(given, lengths))
     if len(wrong):
-        message, hint = wrong_length(given[wrong[0]], lengths[wrong[0]])
+        message, hint = wrong_length(float(given[wrong[0]]), float(lengths[wrong[0]]))
         raise DatasetError(message, file=path, element=f"line {wrong[0] + 1}, length", hint=hint)
     return episodes
 
