@@ -17,9 +17,7 @@ from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.native.fork_guard import record_process
 from home_mjx.schema.compiled import CompiledHouse
 
-
 FINGERPRINT_FACTOR = 16777619  # prime factor of the FNV-1 hash
-NUM_HASHED_GOALS = 4  # goals of a house that its fingerprint covers
 
 
 class HouseBank(BankArrays):
@@ -60,7 +58,7 @@ class HouseBank(BankArrays):
         return self.geometry.clip_house_index(house)
 
     def fingerprint(self, house: Int[Array, ""] | int) -> UInt32[Array, ""]:
-        """Return a number that states carry to identify their house: a hash of its id, grid and first goals.
+        """Return a number that states carry to identify their house: a hash of its id, grid and goals.
 
         Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
 
@@ -72,9 +70,10 @@ class HouseBank(BankArrays):
             False
         """
         house, navigation = self.clip_house_index(house), self.navigation
-        places = jnp.concatenate([navigation.origin[house], navigation.goal[house, :NUM_HASHED_GOALS].ravel()])
+        places = jnp.concatenate([navigation.origin[house], navigation.goal[house].ravel()])
         words = [self.house_id[house].astype(jnp.uint32), jax.lax.bitcast_convert_type(places, jnp.uint32)]
-        words = jnp.concatenate([*words, navigation.num_cells[house][None].astype(jnp.uint32)])
+        counts = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
+        words = jnp.concatenate([*words, counts.astype(jnp.uint32)])
         factors = [pow(FINGERPRINT_FACTOR, k + 1, 2**32) for k in range(words.shape[0])]
         return jnp.sum(words * jnp.array(factors, jnp.uint32), dtype=jnp.uint32)
 
