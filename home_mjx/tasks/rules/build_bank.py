@@ -242,7 +242,7 @@ def _feasible_rows(
         )
         if start is not None:
             stops = [int(column["field"][d]) for d in (row.goal, *row.later_goals)]
-            start["length"] += sum_leg_lengths(field_[: len(view.graph.place)], stops)
+            start["length"] += _sum_leg_lengths(field_[: len(view.graph.place)], stops)
             found.append(FeasibleRow(row, view.house, task, start | {"field": column["field"]}))
     return found, field_
 
@@ -331,7 +331,7 @@ def _draw_start(
     return {"start": place, "yaw": np.float32(random.uniform(-np.pi, np.pi)), "length": np.float32(way[cell])}
 
 
-def sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
+def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
     """Return the sum of path lengths from the target of each field to that of the next [m]."""
     ends = [int(np.argmin(fields[:, stop])) for stop in stops]
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))

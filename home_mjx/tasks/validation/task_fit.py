@@ -1,6 +1,6 @@
 """Validation of tasks against an environment and its houses, when they are passed in (host side)."""
 
-from itertools import pairwise
+from itertools import pairwise, permutations
 from typing import Any
 
 import jax
@@ -13,7 +13,7 @@ from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.rules.build_bank import is_feasible, sum_leg_lengths
+from home_mjx.tasks.rules.build_bank import is_feasible
 from home_mjx.tasks.rules.declaration import row_columns
 from home_mjx.tasks.rules.enums import Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import HouseView
@@ -34,7 +34,6 @@ from home_mjx.tasks.validation.row_violations import (
     find_violation,
     is_same_length,
     is_standable,
-    wrong_length,
 )
 
 RESOLVED_KINDS = (TargetKind.OBJECT, TargetKind.ROOM)
@@ -137,8 +136,7 @@ def find_infeasible(
 ) -> Violation | None:
     """Return the first infeasible row of a house; None if all are feasible.
 
-    Feasible: the house has its targets, an agent can stand at its start, paths lead close enough to its targets, and
-    `length` is that of the shortest path.
+    Feasible: the house has its targets, an agent can stand at its start, and paths lead close enough to its targets.
 
     Args:
         bank: The houses.
@@ -164,18 +162,29 @@ def find_infeasible(
         if not is_feasible(row, nearest):
             message = "no path leads to a target of the task, or none close enough to it"
             return Violation(number, "selectors", message, "Choose another goal, or a greater `maximum` of `distance`.")
-    return _find_wrong_length(view, rows, fields[: len(home)])
-
-
-def _find_wrong_length(
-    view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
-) -> Violation | None:
-    """Return the first row whose `length` no path to its targets has, see `_path_lengths`."""
-    for number, row in enumerate(rows):
-        lengths = _path_lengths(view, row, fields)
-        if len(lengths) and not is_same_length(row["length"], lengths).any():
-            return Violation(number, "length", *wrong_length(float(row["length"]), float(lengths[0])))
     return None
+
+
+def correct_lengths(
+    view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
+) -> dict[int, tuple[float, float]]:
+    """Replace each `length` that no path to targets of its row has by that of the path through all guides, in place.
+
+    Args:
+        view: The house.
+        rows: Columns of its rows, with `field`; feasible.
+        fields: Distances of its cells, as returned by `add_fields`.
+
+    Returns:
+        Wrong and right length [m], by index of the row.
+    """
+    corrected = {}
+    for number, row in enumerate(rows):
+        lengths = _path_lengths(view, row, fields[: len(view.graph.place)])
+        if len(lengths) and not is_same_length(row["length"], lengths).any():
+            corrected[number] = float(row["length"]), float(lengths[0])
+            row["length"] = np.asarray(lengths[0], np.float32)
+    return corrected
 
 
 def _path_lengths(
@@ -183,12 +192,13 @@ def _path_lengths(
 ) -> Float[np.ndarray, " n"]:
     """Return the lengths that a row may have [m]: a row does not say which of its descriptors its length leads to.
 
-    First is that of the path to the targets of all guides in order; then those of the first guides of them, and to each
-    descriptor alone.
+    They are those of the paths through some descriptors in any order. The first one leads through all guides in order.
     """
     way = fields[np.argmin(np.linalg.norm(view.graph.place - row["start"], axis=1))] * FIELD_UNIT
     columns = row["field"].tolist()
-    guides = [columns[i] for i in dict.fromkeys(row["guide"].tolist()) if i >= 0 and columns[i] >= 0]
-    legs = [way[column] for column in guides[:1]] + [sum_leg_lengths(fields, pair) for pair in pairwise(guides)]
-    alone = [way[column] for column in columns if column >= 0]
-    return np.concatenate([np.cumsum(legs)[::-1], alone])
+    guides = [i for i in dict.fromkeys(row["guide"].tolist()) if i >= 0 and columns[i] >= 0]
+    known = [i for i, column in enumerate(columns) if column >= 0]
+    orders = [guides] * bool(guides) + [order for n in range(len(known)) for order in permutations(known, n + 1)]
+    ends = {i: int(np.argmin(fields[:, columns[i]])) for i in known}
+    legs = {(i, j): fields[ends[i], columns[j]] * FIELD_UNIT for i in known for j in known}
+    return np.array([way[columns[order[0]]] + sum(legs[pair] for pair in pairwise(order)) for order in orders])
