@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.files import as_path
+from home_mjx.core.native.fork_guard import check_not_forked, record_process
 from home_mjx.core.progress import is_progress_shown
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import DEFAULT_NUM_HOUSES, EnvSpec, find_spec, is_task, load_entry_point, task_names
@@ -64,6 +65,7 @@ def make(
     Raises:
         ConfigError: An id or option is unknown; the message names the closest known one.
         DatasetError: The dataset cannot be read.
+        BackendError: This is a forked child of a process that has made an environment: JAX would wait there forever.
 
     Example:
         >>> env = make("PointNav-v0", num_houses=4, sensors=("depth", "goal"))  # doctest: +SKIP
@@ -117,6 +119,8 @@ def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "Env[
         houses: As of `make`; `spec.houses` for a spec from a file.
         progress: As of `make`.
     """
+    check_not_forked("make an environment")
+    record_process()
     entry_point, options = load_entry_point(spec.entry_point), dict(spec.options)
     variation, file = _ranges(options.pop("variation", None)), options.pop("episodes", None)
     file = None if file is None else as_path(file, "episodes")

@@ -113,7 +113,7 @@ class BraxEnv(BraxBaseEnv):
     def step(self, state: BraxState, action: Array) -> BraxState:
         """Apply one control step; truncation is left to the wrapper."""
         inner: Any = state.pipeline_state  # Brax annotates it as a state of its own physics
-        new = self.env.step(inner, action)
+        new = self.env.step(inner.replace(truncated=jnp.zeros_like(inner.truncated)), action)
         brax: Any = self.to_brax(new)
         # Wrappers add keys to metrics and info; a step must return the same keys.
         return brax.replace(

@@ -18,6 +18,7 @@ from home_mjx.tasks.base.state import Episodes, State
 from home_mjx.tasks.env.autoreset import AutoReset, select_envs
 from home_mjx.tasks.env.reset import is_sequential
 from home_mjx.tasks.env.spaces import action_space, observation_space
+from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 class GymEnv(gymnasium.Env, EzPickle):
@@ -28,8 +29,11 @@ class GymEnv(gymnasium.Env, EzPickle):
         render_mode: None, or "rgb_array": `render()` returns an image of the first agent's view, independent of the
             observations.
         render_size: Width and height of that image [px].
-        episodes: Saved episodes (or their file); resets use their rows in order.
+        episodes: Saved episodes or a task bank, or the file of either; resets use their rows in order.
         **options: As for `home_mjx.make`.
+
+    Raises:
+        BackendError: Gymnasium's `AsyncVectorEnv` asks for it and would fork worker processes.
 
     Example:
         >>> import gymnasium, home_mjx  # doctest: +SKIP
@@ -44,11 +48,12 @@ class GymEnv(gymnasium.Env, EzPickle):
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
         render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
-        episodes: Episodes | str | Path | None = None,
+        episodes: Episodes | TaskBank | str | Path | None = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, env_id, render_mode, render_size, episodes, **options)
         tools.check_render_mode(render_mode)
+        tools.refuse_forking_workers()
         self.env = tools.make_env(env_id, episodes, options)
         self.render_mode = render_mode
         self.metadata = {**type(self).metadata, "render_fps": round(1 / self.env.dt)}
@@ -63,12 +68,15 @@ class GymEnv(gymnasium.Env, EzPickle):
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
         """Start an episode; `options={"house": i}` selects a house, `{"episode": i}` a row of saved episodes or tasks.
 
-        Without rows, the default house is random. With rows, `house` has no effect, because a row has its own house.
-        The default row is the one after the last, the first after a seed, or sampled if rows have weights.
+        Without rows, the default house is random. With rows, `house` is refused, because a row has its own house. The
+        default row is the one after the last, the first after a seed, or sampled if rows have weights.
+
+        Raises:
+            ConfigError: An option is unknown, out of range, or `house` beside rows.
         """
         super().reset(seed=seed)
         options, count = options or {}, tools.count_episodes(self.env)
-        tools.check_options(options, ("house", "episode") if count else ("house",))
+        tools.check_options(self.env, options)
         house = tools.index_option(options, "house", self.env.bank.num_houses)
         episode = tools.index_option(options, "episode", count) if count else None
         if is_sequential(self.env.params.tasks) and episode is None:
@@ -82,9 +90,13 @@ class GymEnv(gymnasium.Env, EzPickle):
 
         Args:
             action: An element of `action_space`: an array, or an integer.
+
+        Raises:
+            gymnasium.error.ResetNeeded: The episode is over, or none was started.
+            ConfigError: The action is not in the action space.
         """
-        if self._state is None:
-            raise tools.reset_needed_error()
+        if self._state is None or bool(self._state.done):
+            raise tools.reset_needed_error(is_over=self._state is not None)
         action = tools.check_action(action, self.env.action_spec)
         self._state = state = self._step(self.env.params, self._state, action)
         info = _scalars(state)
@@ -113,7 +125,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         env_id: An id of `home_mjx.list_envs()`.
         render_mode: None, or "rgb_array": `render()` returns an image per environment.
         render_size: Width and height of these images [px].
-        episodes: Saved episodes (or their file): environment i uses the rows i, i + n, i + 2n, ...
+        episodes: Saved episodes or a task bank, or the file of either: environment i uses the rows i, i + n, ...
         autoreset_mode: `AutoresetMode.SAME_STEP`, or `NEXT_STEP`, which Gymnasium's observation wrappers need; or
             "SameStep", "NextStep".
         **options: As for `home_mjx.make`.
@@ -131,7 +143,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
         render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
-        episodes: Episodes | str | Path | None = None,
+        episodes: Episodes | TaskBank | str | Path | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.SAME_STEP,
         **options: Any,
     ) -> None:
@@ -162,17 +174,26 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
 
         Args:
             seed: Environment i starts as `GymEnv` does with seed + i; or one seed per environment.
-            options: `house` or `episode`: an index, or one per environment, see `GymEnv.reset`; the default row of
-                environment i is i. `reset_mask`: True for environments to reset; others continue.
+            options: `house` or `episode`: an index, or one per environment, see `GymEnv.reset`. `reset_mask`: True for
+                environments to reset; others continue.
+
+        The default row of environment i of n is i at the first reset and after a seed for it. Otherwise it is the row
+        of its last episode plus n, as in automatic resets.
+
+        Raises:
+            ConfigError: An option is unknown, out of range, or `house` beside rows; or the number of seeds differs.
         """
         seed = int(seed) if isinstance(seed, np.integer) else seed
         super().reset(seed=seed if isinstance(seed, int) else None)
         options, count = options or {}, tools.count_episodes(self.env)
-        tools.check_options(options, ("house", "reset_mask", *(("episode",) if count else ())))
+        tools.check_options(self.env, options, ("reset_mask",))
         house = tools.index_option(options, "house", self.env.bank.num_houses, self.num_envs)
         episode = tools.index_option(options, "episode", count, self.num_envs) if count else None
         mask = self._mask(options.get("reset_mask"))
-        new = self._reset(self.env.params, self._keys(seed), house, episode)
+        keys = self._keys(seed)
+        if is_sequential(self.env.params.tasks) and episode is None:
+            episode = self._next_rows(seed)
+        new = self._reset(self.env.params, keys, house, episode)
         self._state = new if self._state is None or mask.all() else self._merge(mask, new, self._state)
         self._pending_reset &= ~mask
         return tools.to_numpy(self._state.obs), tools.with_masks(tools.collect_infos(self._state), mask)
@@ -230,6 +251,19 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         if len(seed) != self.num_envs:
             raise ConfigError(f"expected one seed, or {self.num_envs}, got {len(seed)}")
         return np.stack([tools.draw_key(np.random.default_rng(one)) for one in seed])
+
+    def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
+        """Return the row with which each environment begins: its own index after a seed, else the one after the last.
+
+        An environment whose next step only resets has begun its next row already, which no one has seen.
+        """
+        first = np.arange(self.num_envs, dtype=np.int32)
+        if self._state is None or isinstance(seed, int):
+            return first
+        last = np.asarray(self._state.world.episode)
+        following = np.where(self._pending_reset, last, last + self.num_envs)
+        is_seeded = np.zeros(self.num_envs, bool) if seed is None else np.array([one is not None for one in seed])
+        return np.where(is_seeded, first, following).astype(np.int32)
 
     def _mask(self, mask: Any) -> np.ndarray:
         if mask is None:

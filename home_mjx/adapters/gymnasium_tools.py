@@ -1,5 +1,7 @@
 """Shared parts of both Gymnasium environments: options of reset, actions, infos, images."""
 
+import inspect
+import multiprocessing
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -11,7 +13,7 @@ from gymnasium.vector import AutoresetMode
 
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.env_factory import make
-from home_mjx.errors import ConfigError
+from home_mjx.errors import BackendError, ConfigError
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.tasks.base.config import AgentCamera
@@ -21,6 +23,7 @@ from home_mjx.tasks.base.status import status_report
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.episodes import load_episodes_or_tasks
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
 
 RENDER_MODES = (None, "rgb_array")
@@ -30,10 +33,13 @@ HOUSE_OPTIONS = {
     "split",
     "filter",
 }  # options that select houses; without them the episode file selects them
+MAX_LISTED_ROWS = 8  # maximum number of rows that a message lists
 DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
 
 
-def make_env(env_id: str, episodes: Episodes | str | Path | None, options: Mapping[str, Any]) -> Env[HouseholdEnv]:
+def make_env(
+    env_id: str, episodes: Episodes | TaskBank | str | Path | None, options: Mapping[str, Any]
+) -> Env[HouseholdEnv]:
     """Make an environment whose resets use `episodes`, if any; a file also selects its houses unless `options` do."""
     if isinstance(episodes, str | Path):
         if not HOUSE_OPTIONS.intersection(name for name, value in options.items() if value is not None):
@@ -42,6 +48,26 @@ def make_env(env_id: str, episodes: Episodes | str | Path | None, options: Mappi
         return env.with_tasks(load_episodes_or_tasks(episodes, env.bank, env.task))
     env = make(env_id, **options)
     return env.with_tasks(episodes) if episodes is not None else env
+
+
+def refuse_forking_workers() -> None:
+    """Raise if Gymnasium's `AsyncVectorEnv` makes this environment to learn its spaces, before it forks workers.
+
+    Forked workers lack JAX's threads and would wait forever. Their own errors reach the caller as `EOFError` only, so
+    the frames of the callers are searched here.
+
+    Raises:
+        BackendError: Names the batch that needs no workers.
+    """
+    frame = inspect.currentframe()
+    while frame is not None:
+        owner = frame.f_locals.get("self") if frame.f_code.co_name == "__init__" else None
+        if isinstance(owner, gymnasium.vector.AsyncVectorEnv):
+            if multiprocessing.get_context(owner.context).get_start_method() == "fork":
+                hint = "Omit `vectorization_mode` for one jitted batch, or give vector_kwargs={'context': 'spawn'}."
+                raise BackendError("asynchronous environments would fork this process, which runs JAX", hint=hint)
+            return
+        frame = frame.f_back
 
 
 def check_render_mode(render_mode: str | None) -> None:
@@ -96,9 +122,30 @@ def index_option(options: Mapping[str, Any], name: str, count: int, num_envs: in
     return given.astype(np.int32)
 
 
-def check_options(options: Mapping[str, Any], known: tuple[str, ...]) -> None:
-    """Reject unknown options of reset."""
-    check_known("option of reset", options, known)
+def check_options(env: Env, options: Mapping[str, Any], others: tuple[str, ...] = ()) -> None:
+    """Reject options of reset that have no effect: unknown ones, and `house` where rows have their own houses.
+
+    Args:
+        env: The environment.
+        options: Options of reset.
+        others: Further known options.
+
+    Raises:
+        ConfigError: Names the option, and the rows of the house that was asked for.
+    """
+    count = count_episodes(env)
+    check_known("option of reset", options, ("house", *(("episode",) if count else ()), *others))
+    house = options.get("house")
+    if not count or house is None:
+        return
+    tasks = env.params.tasks
+    rows = np.flatnonzero(np.isin(np.asarray(getattr(tasks, "rows", tasks).house), np.asarray(house)))
+    listing = ", ".join(map(str, rows[:MAX_LISTED_ROWS].tolist())) + (", ..." if len(rows) > MAX_LISTED_ROWS else "")
+    raise ConfigError(
+        f"`house` cannot be chosen, because each of the {count} episodes has its own house",
+        element="options",
+        hint=f"Give `episode`: rows in house {house} are {listing}." if len(rows) else "Give `episode`, a row.",
+    )
 
 
 def count_episodes(env: Env) -> int:
@@ -172,6 +219,6 @@ class DisplayCamera:
         return np.array(self._draw(self._params, state))
 
 
-def reset_needed_error() -> gymnasium.error.ResetNeeded:
-    """Return the error for a step before the first reset."""
-    return gymnasium.error.ResetNeeded("call reset() before step()")
+def reset_needed_error(is_over: bool = False) -> gymnasium.error.ResetNeeded:
+    """Return the error for a step before the first reset, or after the end of the episode."""
+    return gymnasium.error.ResetNeeded(f"call reset() before step(){': the episode is over' if is_over else ''}")

@@ -20,6 +20,7 @@ from home_mjx.adapters.gymnasium import GymEnv
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.env.spaces import agent_action_space, make_gym_box
+from home_mjx.tasks.rules.task_bank import TaskBank
 
 try:
     from pettingzoo import ParallelEnv
@@ -39,7 +40,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         env_id: An id of `home_mjx.list_envs()`.
         render_mode: None, or "rgb_array": `render()` returns an image of the first agent's view.
         render_size: Width and height of that image [px].
-        episodes: Saved episodes (or their file); resets use their rows in order.
+        episodes: Saved episodes or a task bank, or the file of either; resets use their rows in order.
         **options: As for `home_mjx.make`, including `num_agents`.
     """
 
@@ -50,7 +51,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         env_id: str = "PointNav-v0",
         render_mode: str | None = None,
         render_size: tuple[int, int] = (tools.DEFAULT_RENDER_SIZE, tools.DEFAULT_RENDER_SIZE),
-        episodes: Episodes | str | Path | None = None,
+        episodes: Episodes | TaskBank | str | Path | None = None,
         **options: Any,
     ) -> None:
         EzPickle.__init__(self, env_id, render_mode, render_size, episodes, **options)

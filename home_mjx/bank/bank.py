@@ -8,13 +8,16 @@ from collections.abc import Sequence
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int
+from jaxtyping import Array, Int, UInt32
 
 from home_mjx.bank.packing.pack import PackedBank, pack_bank
 from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, group_by_record
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
+from home_mjx.core.native.fork_guard import record_process
 from home_mjx.schema.compiled import CompiledHouse
+
+FINGERPRINT_FACTOR = 16777619  # prime factor of the FNV-1 hash
 
 
 class HouseBank(BankArrays):
@@ -54,6 +57,26 @@ class HouseBank(BankArrays):
         """Clip house indices to the bank, see `Geometry.clip_house_index`."""
         return self.geometry.clip_house_index(house)
 
+    def fingerprint(self, house: Int[Array, ""] | int) -> UInt32[Array, ""]:
+        """Return a number that states carry to identify their house: a hash of its id, grid and goals.
+
+        Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
+
+        Args:
+            house: Index of the house in the bank.
+
+        Example:
+            >>> int(bank.fingerprint(0)) == int(other_bank.fingerprint(0))  # doctest: +SKIP
+            False
+        """
+        house, navigation = self.clip_house_index(house), self.navigation
+        places = jnp.concatenate([navigation.origin[house], navigation.goal[house].ravel()])
+        words = [self.house_id[house].astype(jnp.uint32), jax.lax.bitcast_convert_type(places, jnp.uint32)]
+        counts = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
+        words = jnp.concatenate([*words, counts.astype(jnp.uint32)])
+        factors = [pow(FINGERPRINT_FACTOR, k + 1, 2**32) for k in range(words.shape[0])]
+        return jnp.sum(words * jnp.array(factors, jnp.uint32), dtype=jnp.uint32)
+
     def semantics_of(self, house: Int[Array, ""] | int, object_id: Int[Array, "*n"], column: int) -> Int[Array, "*n"]:
         """Look up a semantic column for object ids, such as the pixels of an instance image.
 
@@ -77,6 +100,7 @@ class HouseBank(BankArrays):
 
 def to_bank(packed: PackedBank) -> HouseBank:
     """Transfer packed houses to the device; return a bank whose resets draw any house, with `gpu_geometry` on GPUs."""
+    record_process()
     # One transfer of all arrays; `jnp.asarray` per array would compile a program for each.
     tables = group_by_record(jax.device_put(packed.arrays, may_alias=False))
     if jax.default_backend() == "gpu":

@@ -15,20 +15,20 @@ _started_in: list[int] = []  # id of the process that first loaded compiled code
 
 
 def record_process() -> None:
-    """Record this process as the one that loaded compiled code; call it on every load."""
+    """Record this process as the one that started JAX's threads; call it when houses or compiled code are loaded."""
     if not _started_in:
         _started_in.append(os.getpid())
 
 
 def check_not_forked(action: str) -> None:
-    """Raise `BackendError` in a child that was forked after compiled code was loaded.
+    """Raise `BackendError` in a child that was forked after houses or compiled code were loaded.
 
     Args:
         action: The refused action for the message, such as "cast rays".
     """
     if _started_in and _started_in[0] != os.getpid():
         raise BackendError(
-            f"cannot {action} in a forked child of a process that has cast rays or stepped physics",
+            f"cannot {action} in a forked child of a process that has made houses, cast rays or stepped physics",
             hint=HINT,
         )
 

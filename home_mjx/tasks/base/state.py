@@ -85,6 +85,7 @@ class World(Pytree):
 
     key: UInt32[Array, "2"]
     house: Int[Array, ""]  # index into the bank
+    house_fingerprint: UInt32[Array, ""]  # `HouseBank.fingerprint` of the house, with which steps recognize it
     episode: Int[Array, ""]  # row of `EnvParams.tasks`, increased by automatic resets; -1: sampled
     step: Int[Array, ""]  # steps since reset
     pitch: Float[Array, " a"]  # [rad], look up is positive

@@ -34,6 +34,10 @@ class Status(IntFlag):
 
     UNHEARD = 512  # a clip reaches no agent: its source is outside, sealed off, in a wall, or too far away
 
+    OVER = 1024  # the episode was over before this step: the state must be reset first, see `AutoReset`
+
+    OTHER_HOUSE = 2048  # the state is of another house than the bank has at its index; the step ended the episode
+
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
         """Return the names of the flags that are set.

@@ -188,6 +188,16 @@ class Task:
         """Return whether one episode of a file can be solved in this bank; inside `jit`."""
         return jnp.ones((), bool)
 
+    def shortest_length(self, bank: HouseBank, episode: Episodes) -> Float[Array, ""]:
+        """Return the length of the shortest path of an episode [m], to compare with a file; NaN if it has none.
+
+        Runs inside `jit`.
+        """
+        return jnp.full((), jnp.nan, jnp.float32)
+
+
+NO_LENGTH = 0.01  # [m], lengths up to this count as 0: rounding, and what a body that stands moves while it settles
+
 
 def path_scores(
     success: Float[Array, "*n"],
@@ -198,7 +208,8 @@ def path_scores(
     """Return `spl` and `soft_spl`; both are 0 if no path leads to the goal.
 
     SPL is `success * shortest_length / max(shortest_length, path_length)`; soft SPL replaces success by the progress
-    `1 - remaining / shortest_length`.
+    `1 - remaining / shortest_length`, at least 0. Lengths up to `NO_LENGTH` count as 0. Where nothing was to be walked
+    and nothing was, the path ratio is 1; there the progress is 1 if nothing remains or the episode is a success.
 
     Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
     et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).
@@ -213,11 +224,19 @@ def path_scores(
         >>> found = path_scores(*(jnp.float32(x) for x in (1.0, 4.0, 5.0, 1.0)))
         >>> {name: round(float(x), 2) for name, x in found.items()}
         {'spl': 0.8, 'soft_spl': 0.6}
+        >>> found = path_scores(*(jnp.float32(x) for x in (1.0, 0.0, 0.0, 0.0)))  # begins at the goal and stops
+        >>> {name: float(x) for name, x in found.items()}
+        {'spl': 1.0, 'soft_spl': 1.0}
     """
-    short = jnp.where(
-        jnp.isfinite(shortest_length),
-        shortest_length / jnp.maximum(jnp.maximum(shortest_length, path_length), 1e-6),
-        0.0,
-    )
-    near = jnp.clip(1 - remaining / jnp.maximum(shortest_length, 1e-6), 0, 1)
-    return {"spl": success * short, "soft_spl": jnp.where(short > 0, near * short, 0.0)}
+    is_known = jnp.isfinite(shortest_length)
+    length = jnp.where(is_known, shortest_length, 0.0)
+    short = _length_ratio(length, jnp.maximum(length, path_length))
+    near = 1 - _length_ratio(jnp.minimum(remaining, length), length)
+    near = jnp.where((length <= NO_LENGTH) & ((remaining <= NO_LENGTH) | (success > 0)), 1.0, near)
+    short = jnp.where(is_known, short, 0.0)
+    return {"spl": success * short, "soft_spl": near * short}
+
+
+def _length_ratio(part: Float[Array, "*n"], whole: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """Return `part / whole`; 1 if both are at most `NO_LENGTH` [m]."""
+    return jnp.where(whole <= NO_LENGTH, 1.0, part / jnp.maximum(whole, NO_LENGTH))

@@ -13,6 +13,7 @@ from home_mjx.core.progress import silence
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
 from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, fold_key
+from home_mjx.tasks.env.checks import check_state
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.reset import is_sequential
@@ -71,8 +72,11 @@ class AutoReset:
     ) -> State:
         """Start one episode per key: with `params.tasks`, rows 0 to n - 1 by default, or rows sampled by weight.
 
+        The function has no memory: a second call begins with rows 0 to n - 1 again. To go on, give
+        `episode=states.world.episode + n`.
+
         Raises:
-            ConfigError: `key` is not a batch of keys.
+            ConfigError: `key` is not a batch of keys, or `house` is given although `params.tasks` has rows.
         """
         num = _num_keys(key)
         if episode is None and is_sequential(params.tasks):
@@ -84,6 +88,7 @@ class AutoReset:
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """Step all environments, reset those whose episode ends, and store their last observations; see `final_obs`."""
         self.core._announce_compile("step", state.status)
+        check_state(self.template(params.bank).layout, params, state)
         stepped, last = jax.vmap(self._advance, (None, 0, 0))(params, state, action)
         done = stepped.done
         # One branch for the whole batch: steps in which no episode ends skip the reset.

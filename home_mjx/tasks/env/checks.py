@@ -13,8 +13,10 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
 from home_mjx.errors import MAX_LISTED, ConfigError, OutOfRangeError
 from home_mjx.houses.bakes import Bake
+from home_mjx.physics.base.layout import Layout
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.task_bank import TaskBank
@@ -254,6 +256,36 @@ def check_arrangements(bank: HouseBank) -> None:
             hint="Make them: from home_mjx.tasks.arrangements import with_arrangements; "
             "bank, _ = with_arrangements(bank, 8, jax.random.key(0)). A HouseStream has none.",
         )
+
+
+def check_state(layout: Layout, params: EnvParams, state: State) -> None:
+    """Raise if a state is of another environment or of other houses than those of `params`.
+
+    Shapes are compared in every trace, houses where both are known: outside of `jit` and `vmap`.
+
+    Args:
+        layout: Layout of the physics of the environment.
+        params: Houses.
+        state: State of one environment, or of a batch outside of `vmap`.
+
+    Raises:
+        ConfigError: Names the first house that differs.
+    """
+    hint = "Reset with the same `params` as step, or step with those of the environment that was reset."
+    numbers = 4 * layout.num_agents + 7 * layout.num_bodies + layout.num_doors
+    if state.physics.qpos.shape[-1] != numbers:
+        message = f"the state has {state.physics.qpos.shape[-1]} coordinates, its houses and agents have {numbers}"
+        raise ConfigError(f"{message}: it is of another environment", hint=hint)
+    known = (params.bank.house_id, state.world.house, state.world.house_fingerprint)
+    if any(isinstance(x, jax.core.Tracer) for x in known):  # pyright: ignore[reportAttributeAccessIssue]
+        return
+    house = np.atleast_1d(np.asarray(params.bank.clip_house_index(state.world.house)))
+    own = np.asarray(jax.vmap(params.bank.fingerprint)(jnp.asarray(house)))
+    foreign = np.flatnonzero(own != np.atleast_1d(np.asarray(state.world.house_fingerprint)))
+    if len(foreign):
+        at = house[foreign[0]]
+        message = f"the state was reset in another house than {params.bank.house_ids[at]}, house {at} of the bank"
+        raise ConfigError(message, element=f"environment {foreign[0]}" if state.world.house.ndim else None, hint=hint)
 
 
 def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_agents: int) -> None:

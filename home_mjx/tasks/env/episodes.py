@@ -6,7 +6,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool
+from jaxtyping import Array, Bool, Float
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_flag, check_number, check_type
@@ -19,6 +19,7 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.suite.point_goals import OTHER_BANK_HINT, ROW_FORMAT_HINT
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.task_io import load_tasks
+from home_mjx.tasks.validation.row_violations import is_same_length, wrong_length
 
 MAX_EPISODE_FILE_BYTES = 1 << 28  # [bytes], maximum size of an episode file; about a million episodes
 MAX_FILE_BYTES = 1 << 30  # [bytes], maximum size of a file of episodes or tasks
@@ -111,8 +112,8 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
         task: Task of the episodes.
 
     Raises:
-        DatasetError: A line is malformed or of another task. Or the bank lacks its house, the house lacks its goal, or
-            no path leads there.
+        DatasetError: A line is malformed or of another task. Or the bank lacks its house, the house lacks its goal, no
+            path leads there, or `length` is not that of the shortest path.
     """
     file = as_path(path, "episodes")
     check_type("bank", bank, HouseBank)
@@ -123,10 +124,16 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
     if not rows:
         raise DatasetError("file holds no episode", file=path, hint=EMPTY_FILE_HINT)
     episodes = Episodes(**jax.tree.map(lambda *values: jnp.asarray(np.stack(values)), *rows))
-    lost = np.flatnonzero(~np.asarray(_are_solvable(task, bank, episodes)))
+    solvable, lengths = (np.asarray(values) for values in _solvable_and_length(task, bank, episodes))
+    lost = np.flatnonzero(~solvable)
     if len(lost):
         message = "from its start no agent can walk to its goal"
         raise DatasetError(message, file=path, element=f"line {lost[0] + 1}", hint=OTHER_BANK_HINT)
+    given = np.asarray(episodes.columns.get("length", lengths))
+    wrong = np.flatnonzero(~np.isnan(lengths) & ~is_same_length(given, lengths))
+    if len(wrong):
+        message, hint = wrong_length(float(given[wrong[0]]), float(lengths[wrong[0]]))
+        raise DatasetError(message, file=path, element=f"line {wrong[0] + 1}, length", hint=hint)
     return episodes
 
 
@@ -177,8 +184,13 @@ def read_house_ids(path: str | Path) -> tuple[str, ...]:
     return ids
 
 
-def _are_solvable(task: Task, bank: HouseBank, episodes: Episodes) -> Bool[Array, " e"]:
-    return jax.jit(lambda bank, rows: jax.vmap(lambda row: task.is_solvable(bank, row))(rows))(bank, episodes)
+def _solvable_and_length(
+    task: Task, bank: HouseBank, episodes: Episodes
+) -> tuple[Bool[Array, " e"], Float[Array, " e"]]:
+    def one(bank: HouseBank, row: Episodes) -> tuple[Array, Array]:
+        return task.is_solvable(bank, row), task.shortest_length(bank, row)
+
+    return jax.jit(jax.vmap(one, (None, 0)))(bank, episodes)
 
 
 def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:

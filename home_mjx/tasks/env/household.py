@@ -31,7 +31,7 @@ from home_mjx.tasks.env.actions import (
     spoken_tokens,
     update_pitch,
 )
-from home_mjx.tasks.env.checks import check_metrics, check_observations, check_task, check_task_options
+from home_mjx.tasks.env.checks import check_metrics, check_observations, check_state, check_task, check_task_options
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.hand_actions import decode_hand_commands
 from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, physics_template, weights_flag
@@ -148,7 +148,7 @@ class HouseholdEnv:
         Args:
             params: Houses and episodes.
             key: Typed or raw uint32 key.
-            house: Index of the house, clipped to the bank; None samples one.
+            house: Index of the house, clipped to the bank; None samples one. None is required with `params.tasks`.
             episode: Row of `params.tasks`, modulo their number: house, start and columns come from it, the rest from
                 the key. None samples a row if there are any, by weight if they have weights.
             observe: If False, no sensor runs and observations are 0; `observe(params, state, update=True)` adds them.
@@ -173,9 +173,13 @@ class HouseholdEnv:
                 update=True)` renews them.
 
         Returns:
-            The state after. An episode that is over is not reset: see `AutoReset`. A step that leads to a pose that is
-            not finite is undone and ends the episode. The state stays finite; `status` and `World.num_faults` record
-            the fault.
+            The state after. An episode that is over is not reset: see `AutoReset`; `status` has the flag `OVER` then. A
+            step that leads to a pose that is not finite is undone and ends the episode. The state stays finite;
+            `status` and `World.num_faults` record the fault. A state of another house, such as one of another bank,
+            ends with reward 0 and the flag `OTHER_HOUSE`.
+
+        Raises:
+            ConfigError: The state is of another bank, as far as shapes or, outside of `jit` and `vmap`, values tell.
         """
         self._announce_compile("step", state.status)
         state, snapshot = self._advance(params, state, action)
@@ -237,6 +241,9 @@ class HouseholdEnv:
     def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, Snapshot]:
         """Return the next state with observations of the last one, and its snapshot."""
         bank, template = params.bank, self.template(params.bank)
+        check_state(template.layout, params, state)
+        is_over = state.done & (state.world.step > 0)  # after an automatic reset `done` is of the episode before
+        is_foreign = bank.fingerprint(state.world.house) != state.world.house_fingerprint
         moves, start = self._apply_action(params, state, action)
         data, lost = physics.step_checked(template, bank, state.world.house, start, moves.drive)
         if self.config.hands:
@@ -251,7 +258,7 @@ class HouseholdEnv:
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
         metrics = check_metrics(self.task, self.task.metrics(snapshot, task))
         check_task(self.task, state.task, task, reward, terminated, self.config.num_agents)
-        reward, terminated = jnp.where(broken, 0.0, reward), terminated | broken
+        reward, terminated = jnp.where(broken | is_foreign, 0.0, reward), terminated | broken | is_foreign
         state = state.replace(
             physics=data,
             world=world.replace(reward=reward, sounds=snapshot.sounds, contact_sounds=noises),
@@ -268,6 +275,8 @@ class HouseholdEnv:
                 ACTION=moves.is_invalid,
                 NOISES=unheard,
                 OUTSIDE=physics.is_out_of_bounds(template, bank, state.world.house, data),
+                OVER=is_over,
+                OTHER_HOUSE=is_foreign,
             ),
         )
         return state, snapshot.replace(reward=reward, contact_sounds=noises)

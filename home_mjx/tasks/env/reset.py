@@ -53,6 +53,9 @@ def init_physics_and_world(
         house: See `HouseholdEnv.reset`.
         episode: See `HouseholdEnv.reset`.
 
+    Raises:
+        ConfigError: `house` is given although `params.tasks` has rows, or `episode` although it has none.
+
     Returns:
         The physics state; the world, with the house's own sounds; the episode's row, if it comes from `params.tasks`;
         the task's key.
@@ -61,6 +64,9 @@ def init_physics_and_world(
     keep, chance, start_key, yaw_key, goal_key, source_key = split_key(to_raw_key(key), 6)
     number, row = _pick_row(params.tasks, episode, chance)
     if row is not None:
+        if house is not None:
+            hint = "Give `episode`, the number of a row, or an environment without rows: env.with_tasks(None)."
+            raise ConfigError("`house` cannot be chosen, because the rows of `tasks` have their own houses", hint=hint)
         house = row.house
     elif house is None:
         house = bank.reset_houses[jax.random.randint(chance, (), 0, bank.num_houses)]
@@ -73,6 +79,7 @@ def init_physics_and_world(
     world = World(
         key=to_raw_key(keep),
         house=house,
+        house_fingerprint=bank.fingerprint(house),
         episode=number,
         step=jnp.zeros((), jnp.int32),
         pitch=jnp.zeros(agents, jnp.float32),

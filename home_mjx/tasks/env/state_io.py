@@ -15,6 +15,7 @@ from home_mjx.core.progress import silence
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.status import Status
+from home_mjx.tasks.env.checks import check_state
 from home_mjx.tasks.env.env import Env
 
 SPEC_ARRAY, HOUSES_ARRAY, STATUS_ARRAY = "spec", "houses", ".status"
@@ -142,7 +143,7 @@ def load_states(path: str | Path, env: Env) -> State:
 
     Raises:
         MissingFileError: The file does not exist.
-        DatasetError: The file is malformed, or its states are of another environment.
+        DatasetError: The file is malformed, or its states are of another environment or of other houses.
     """
     key = jax.ShapeDtypeStruct((2,), np.uint32)
     with silence():
@@ -154,7 +155,13 @@ def load_states(path: str | Path, env: Env) -> State:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape[1:]}"
             hint = "Make the environment with the options that the states were saved with."
             raise DatasetError(message, file=path, element=jax.tree_util.keystr(place), hint=hint)
-    return jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
+    states = jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
+    try:
+        check_state(env.core.template(env.bank).layout, env.params, states)
+    except ConfigError as error:
+        hint = "Make the environment with the houses that the states were saved with."
+        raise DatasetError(error.message, file=path, element=error.element, hint=hint) from None
+    return states
 
 
 def _origin(env: Env | None) -> dict[str, np.ndarray]:

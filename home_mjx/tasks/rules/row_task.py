@@ -48,7 +48,8 @@ class RowState(Pytree):
     transition_reward: Float[Array, ""]  # reward of the last transition
     distance: Float[Array, "a d"]  # [m], to the nearest target of each descriptor
     position: Float[Array, "a 3"]  # [m], position of each agent
-    path_length: Float[Array, " a"]  # [m], length of each agent's path
+    path_length: Float[Array, " a"]  # [m], length of each agent's path; 0 if the task is fulfilled at the start
+    is_fulfilled_at_start: Bool[Array, ""]  # success holds at the start, so the first step's way does not count
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
     speech: SpeechColumns
     reply: Int[Array, " a"]  # token of the oracle's reply in the last step; -1 if none
@@ -159,6 +160,7 @@ class RowTask(Task):
         agents, zero = snapshot.pose.yaw.shape[0], jnp.zeros((), jnp.int32)
         meant = resolve_targets(snapshot.bank, snapshot.house, program.descriptor)
         looked = compute_features(snapshot, program, meant, snapshot.tasks.field, zero)
+        first_stage = take_transition(program, zero, evaluate_conditions(program, looked.values))[0]
         return RowState(
             program=program,
             targets=meant,
@@ -172,6 +174,7 @@ class RowTask(Task):
             distance=looked.values[Feature.DISTANCE, :, :, 0],
             position=snapshot.pose.pos,
             path_length=jnp.zeros(agents, jnp.float32),
+            is_fulfilled_at_start=first_stage == SUCCESS,
             collisions=jnp.zeros(agents, jnp.int32),
             speech=jax.tree.map(lambda column: column.astype(jnp.int32), extract(SpeechColumns, columns)),
             reply=jnp.full(agents, NO_WORD, jnp.int32),
@@ -197,6 +200,8 @@ class RowTask(Task):
             forgiven = stage == FAILURE
             stage, taken = jnp.where(forgiven, state.stage, stage), taken & ~forgiven
         moved = jnp.linalg.norm(snapshot.pose.pos - state.position, axis=-1)
+        is_done_at_once = (snapshot.step <= 1) & state.is_fulfilled_at_start & (stage == SUCCESS)
+        moved = jnp.where(is_done_at_once, 0.0, moved)
         reply = oracle_replies(state.speech, snapshot.spoken_token)
         return state.replace(
             stage=stage.astype(jnp.int32),

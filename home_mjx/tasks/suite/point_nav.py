@@ -30,7 +30,7 @@ class PointNavState(Pytree):
     reached: Bool[Array, " a"]  # has been within `success_distance` since the start; with `stopped`: has stopped there
     arrived: Bool[Array, " a"]  # reached the goal in the last step
     length: Float[Array, " a"]  # [m], of the shortest path from the start
-    path_length: Float[Array, " a"]  # [m], length of the path until arrival
+    path_length: Float[Array, " a"]  # [m], length of the path until arrival; 0 if it begins there
     last_pos: Float[Array, "a 3"]  # [m], position in the last step
     collisions: Int[Array, " a"]  # steps in touch with anything but the floor
 
@@ -107,13 +107,15 @@ class PointNav(Task):
         distance = self._distance(snapshot, state.goal)
         there = distance <= jnp.float32(self.success_distance)
         there = there & snapshot.stopped if self.stop else there
+        # Without `stop`, an agent that begins within the radius has arrived before it moves.
+        arrived = state.reached if self.stop else state.reached | (state.distance <= jnp.float32(self.success_radius))
         place = snapshot.pose.pos
         moved = jnp.linalg.norm(place - state.last_pos, axis=-1)
         return state.replace(
             distance=distance,
             reached=state.reached | there,
             arrived=there & ~state.reached,
-            path_length=state.path_length + jnp.where(state.reached, 0.0, moved),
+            path_length=state.path_length + jnp.where(arrived, 0.0, moved),
             last_pos=place,
             collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
         )
@@ -166,6 +168,10 @@ class PointNav(Task):
     def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
         """Return whether the start is on a floor, in or beside a cell with a path to the goal."""
         return point_goals.is_solvable(bank, episode)
+
+    def shortest_length(self, bank: HouseBank, episode: Episodes) -> Float[Array, ""]:
+        """Return the length of the shortest path from the start to the goal [m]."""
+        return geodesic_distance(bank, episode.house, episode.columns["goal"], episode.start)
 
     def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:
         return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.feet)

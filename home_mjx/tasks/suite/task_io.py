@@ -1,5 +1,6 @@
 """Tasks as JSON lines, with names and positions instead of indices: any bank of the houses can load them."""
 
+import logging
 import typing
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
@@ -36,7 +37,9 @@ from home_mjx.tasks.rules.task_bank import RowStart, TaskBank
 from home_mjx.tasks.validation.column_ranges import column_ranges, feature_ranges
 from home_mjx.tasks.validation.line_schema import OUTCOMES, TaskLine, check_line, field_types, locate_errors
 from home_mjx.tasks.validation.row_violations import find_violation
-from home_mjx.tasks.validation.task_fit import find_infeasible
+from home_mjx.tasks.validation.task_fit import correct_lengths, find_infeasible
+
+log = logging.getLogger(__name__)
 
 MAX_BYTES = 1 << 30  # [bytes], maximum size of a file; about a million tasks
 
@@ -74,6 +77,9 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
         path: The file.
         bank: Holds the houses, and may hold others.
 
+    Returns:
+        The tasks. A `length` that is not that of the shortest path is computed anew, with a warning in the log.
+
     Raises:
         MissingFileError: The file does not exist.
         DatasetError: A line is malformed, or names a house that the bank lacks; names the line.
@@ -103,13 +109,20 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
 def _distance_fields(
     path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
 ) -> UInt16[np.ndarray, "c g"]:
-    """Return distances of cells to targets and add the column `field`; `DatasetError` if a task cannot be solved."""
+    """Return distances of cells to targets, add the column `field` and correct `length`, in place.
+
+    Raises:
+        DatasetError: A task cannot be solved.
+    """
     columns = [row for _, row in rows]
     field_ = add_fields(bank, view, columns)
     fault = find_infeasible(bank, view, columns, field_)
     if fault is not None:
         element = f"line {rows[fault.row][0] + 1}, {fault.field}"
         raise DatasetError(fault.message, file=path, element=element, hint=fault.hint)
+    for number, (wrong, right) in correct_lengths(view, columns, field_).items():
+        place = f"{path}, line {rows[number][0] + 1}"
+        log.warning("%s: `length` is %.2f m, the shortest path is %.2f m, which is used", place, wrong, right)
     return field_
 
 

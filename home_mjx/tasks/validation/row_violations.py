@@ -14,6 +14,8 @@ from home_mjx.tasks.rules.program import FIRST_DESCRIPTOR_FEATURES, SECOND_DESCR
 from home_mjx.tasks.sounds.sound_events import VOICE_CLIP_NUMBER
 from home_mjx.tasks.validation.column_ranges import DESCRIPTOR_COLUMN, Range
 
+LENGTH_TOLERANCE = 0.1  # [m] tolerance of a file's path length, plus `RELATIVE_LENGTH_TOLERANCE`: a cell's edge
+RELATIVE_LENGTH_TOLERANCE = 0.01
 MAX_START_HEIGHT = 4.0  # [m] maximum height of a start above the highest floor
 MAX_START_DEPTH = 1.0  # [m] maximum depth of a start below the lowest floor
 SOUND_KINDS = (TargetKind.OBJECT, TargetKind.PLACE, TargetKind.AGENT)
@@ -115,6 +117,22 @@ def blocked_start(row: int, start: Float[np.ndarray, "3"]) -> Violation:
     """Return the fault of a row that starts where no agent can stand."""
     place = ", ".join(f"{x:g}" for x in start)
     return Violation(row, "start", f"no agent can stand at `start` ({place})", "Start on a free part of the floor [m].")
+
+
+def is_same_length(given: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Return whether path lengths of a file are those of the shortest paths, up to the tolerance [m].
+
+    Example:
+        >>> is_same_length(np.array([1.0, 7.5]), np.array([7.56, 7.56])).tolist()
+        [False, True]
+    """
+    return np.abs(given - length) <= LENGTH_TOLERANCE + RELATIVE_LENGTH_TOLERANCE * length
+
+
+def wrong_length(given: float, length: float) -> tuple[str, str]:
+    """Return message and hint for a path length [m] that a file gives wrong."""
+    message = f"`length` is {given:g} m, but the shortest path from start to goal is {length:.2f} m"
+    return message, f"Write {length:.2f}; or use the houses that the file was made for, compiled alike."
 
 
 def _find_too_long(columns: Columns, most_steps: float) -> Violation | None:

@@ -1,10 +1,11 @@
 """Validation of tasks against an environment and its houses, when they are passed in (host side)."""
 
+from itertools import pairwise, permutations
 from typing import Any
 
 import jax
 import numpy as np
-from jaxtyping import UInt16
+from jaxtyping import Float, UInt16
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
@@ -27,7 +28,13 @@ from home_mjx.tasks.validation.column_ranges import (
     feature_ranges,
     index_range,
 )
-from home_mjx.tasks.validation.row_violations import Violation, blocked_start, find_violation, is_standable
+from home_mjx.tasks.validation.row_violations import (
+    Violation,
+    blocked_start,
+    find_violation,
+    is_same_length,
+    is_standable,
+)
 
 RESOLVED_KINDS = (TargetKind.OBJECT, TargetKind.ROOM)
 OTHER_HOUSES_HINT = (
@@ -156,3 +163,42 @@ def find_infeasible(
             message = "no path leads to a target of the task, or none close enough to it"
             return Violation(number, "selectors", message, "Choose another goal, or a greater `maximum` of `distance`.")
     return None
+
+
+def correct_lengths(
+    view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
+) -> dict[int, tuple[float, float]]:
+    """Replace each `length` that no path to targets of its row has by that of the path through all guides, in place.
+
+    Args:
+        view: The house.
+        rows: Columns of its rows, with `field`; feasible.
+        fields: Distances of its cells, as returned by `add_fields`.
+
+    Returns:
+        Wrong and right length [m], by index of the row.
+    """
+    corrected = {}
+    for number, row in enumerate(rows):
+        lengths = _path_lengths(view, row, fields[: len(view.graph.place)])
+        if len(lengths) and not is_same_length(row["length"], lengths).any():
+            corrected[number] = float(row["length"]), float(lengths[0])
+            row["length"] = np.asarray(lengths[0], np.float32)
+    return corrected
+
+
+def _path_lengths(
+    view: HouseView, row: dict[str, np.ndarray], fields: UInt16[np.ndarray, "c g"]
+) -> Float[np.ndarray, " n"]:
+    """Return the lengths that a row may have [m]: a row does not say which of its descriptors its length leads to.
+
+    They are those of the paths through some descriptors in any order. The first one leads through all guides in order.
+    """
+    way = fields[np.argmin(np.linalg.norm(view.graph.place - row["start"], axis=1))] * FIELD_UNIT
+    columns = row["field"].tolist()
+    guides = [i for i in dict.fromkeys(row["guide"].tolist()) if i >= 0 and columns[i] >= 0]
+    known = [i for i, column in enumerate(columns) if column >= 0]
+    orders = [guides] * bool(guides) + [order for n in range(len(known)) for order in permutations(known, n + 1)]
+    ends = {i: int(np.argmin(fields[:, columns[i]])) for i in known}
+    legs = {(i, j): fields[ends[i], columns[j]] * FIELD_UNIT for i in known for j in known}
+    return np.array([way[columns[order[0]]] + sum(legs[pair] for pair in pairwise(order)) for order in orders])

@@ -4,9 +4,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.task import path_scores
 from home_mjx.tasks.env.actions import action_names
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -85,16 +87,20 @@ def run_episodes(
 
 
 def _result(start: EpisodeStart, last: EpisodeStep, walked: float) -> EpisodeResult:
-    """Return the result of an episode after its last step; `spl` is from its metrics, or computed from `walked` [m]."""
+    """Return the result of an episode after its last step; `spl` is from its metrics, or computed from `walked` [m].
+
+    It is NaN if neither is known.
+    """
     metrics = {name: float(value) for name, value in last.state.metrics.items()}
-    success, shortest = metrics.get("success", 0.0), start.path_length
+    success = metrics.get("success", 0.0)
+    spl = float(path_scores(*(jnp.float32(x) for x in (success, start.path_length, walked, 0.0)))["spl"])
     return EpisodeResult(
         number=start.number,
         task=start.task,
         instruction=start.instruction,
         house=start.house,
         success=success,
-        spl=metrics.get("spl", success * shortest / max(shortest, walked, 1e-6)),
+        spl=metrics.get("spl", spl if np.isfinite(start.path_length) else np.nan),
         steps=last.index,
         episode_return=last.episode_return,
         metrics=metrics,

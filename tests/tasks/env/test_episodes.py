@@ -124,6 +124,21 @@ def test_broken_lines_are_named(bank, tmp_path, change, words):
     assert caught.value.element == "line 2"
 
 
+@pytest.mark.parametrize("wrong", [lambda x: 1.0, lambda x: 0.0, lambda x: x + 0.3, lambda x: 0.9 * x])
+def test_lengths_of_other_paths_are_refused(bank, tmp_path, wrong):
+    """SPL would be computed with them; the message has the right one. What rounding changes is read."""
+    path = tmp_path / "e.jsonl"
+    save_episodes(path, bank, sample_episodes(bank, 2, min_length=3.0))
+    first, second = path.read_text().splitlines()
+    line = json.loads(second)
+    path.write_text(f"{first}\n{json.dumps(line | {'length': round(line['length'], 1)})}\n")
+    assert len(load_episodes(path, bank)) == 2
+    path.write_text(f"{first}\n{json.dumps(line | {'length': wrong(line['length'])})}\n")
+    with pytest.raises(DatasetError, match=f"shortest path from start to goal is {line['length']:.2f} m") as caught:
+        load_episodes(path, bank)
+    assert caught.value.element == "line 2, length"
+
+
 def test_no_episodes_are_refused(bank, tmp_path):
     (tmp_path / "e.jsonl").write_text("")
     with pytest.raises(DatasetError, match="no episode"):

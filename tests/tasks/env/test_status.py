@@ -1,5 +1,7 @@
 """What goes wrong inside a jitted step is told outside of it."""
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import mujoco
@@ -9,7 +11,7 @@ from handmade import Furniture, shoebox
 from mujoco import mjx
 
 from home_mjx import AutoReset, HouseBank, HouseholdEnv
-from home_mjx.errors import DatasetError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.physics.mjx.overflow import GeomPairs, GeomSizes, are_points_full, numeric_limit
 from home_mjx.tasks import (
     Status,
@@ -169,6 +171,74 @@ def test_a_step_that_breaks_is_kept_and_breaks_again(begun, step, batch, tmp_pat
     save_states(path, states)
     with pytest.raises(DatasetError, match="action"):
         load_flagged(path, core.bind(batch.params))
+
+
+@pytest.fixture(scope="module")
+def core():
+    return HouseholdEnv(make_config(sensors=("state",), impl="kinematic", episode_length=2))
+
+
+@pytest.fixture(scope="module")
+def banks():
+    """Of one spec: the same house, another one, and one that has the same id by mistake."""
+    houses = [shoebox(furniture=[Furniture((x, 0.5), size=(1.0, 0.3, 1.0))]) for x in (0.0, 1.0)]
+    houses = [houses[0], replace(houses[1], id="other"), houses[1]]
+    banks = [HouseBank.from_compiled([house]) for house in houses]
+    assert banks[0].spec == banks[1].spec == banks[2].spec
+    return banks
+
+
+def test_states_of_another_house_are_refused_where_it_is_known(core, banks, tmp_path):
+    """In a program, where it is not, they end at once, without reward, and with a flag; automatic resets go on."""
+    here, *others = (core.bind(bank) for bank in banks)
+    states = jax.jit(jax.vmap(here.reset))(jax.random.split(jax.random.key(0), 2))
+    step = jax.jit(jax.vmap(core.step, (None, 0, 0)))
+    batch = AutoReset(core)
+    going = jax.jit(batch.step)
+    save_states(tmp_path / "here.npz", states)
+    load_states(tmp_path / "here.npz", here)
+    assert step(here.params, states, jnp.zeros((2, 4))).status.tolist() == [0, 0]
+    for other in others:
+        one = jax.tree.map(lambda x: x[0], states)
+        with pytest.raises(ConfigError, match="reset in another house than"):
+            other.step(one, jnp.zeros(4))
+        with pytest.raises(ConfigError, match="environment 0"):
+            batch.step(other.params, states, jnp.zeros((2, 4)))
+        with pytest.raises(DatasetError, match="reset in another house than"):
+            load_states(tmp_path / "here.npz", other)
+        after = step(other.params, states, jnp.ones((2, 4)))
+        assert [Status(int(s)) for s in after.status] == [Status.OTHER_HOUSE] * 2
+        assert after.terminated.all()
+        assert not after.reward.any()
+        begun = jax.jit(batch.reset)(here.params, jax.random.split(jax.random.key(0), 2))
+        begun = going(other.params, begun, jnp.ones((2, 4)))
+        assert [Status(int(s)) for s in begun.status] == [Status.OTHER_HOUSE] * 2
+        assert going(other.params, begun, jnp.zeros((2, 4))).status.tolist() == [0, 0]
+
+
+def test_states_of_another_environment_are_refused(core, banks):
+    """By their shapes, which every trace knows."""
+    crates = [Furniture((x, 0.0), size=(0.5, 0.5, 0.5), mass=5.0) for x in np.linspace(-2, 2, 9)]
+    other = core.bind(HouseBank.from_compiled([shoebox(furniture=crates)]))
+    state = jax.eval_shape(core.reset, core.bind(banks[0]).params, jax.random.key(0))
+    with pytest.raises(ConfigError, match="it is of another environment"):
+        jax.eval_shape(core.step, other.params, state, jnp.zeros(4))
+
+
+def test_a_step_after_the_end_is_told(core, banks):
+    """Not where automatic resets have begun the next episode."""
+    env = core.bind(banks[0])
+    step, reset = jax.jit(env.step), jax.jit(env.reset)
+    states = [reset(jax.random.key(0))]
+    for _ in range(3):
+        states.append(step(states[-1], jnp.zeros(4)))
+    assert [bool(s.done) for s in states] == [False, False, True, True]
+    assert [Status.names(s.status) for s in states] == [[], [], [], ["OVER"]]
+    batch = AutoReset(core).bind(env.params)
+    again, going = jax.jit(batch.reset)(jax.random.split(jax.random.key(0), 2)), jax.jit(batch.step)
+    for _ in range(5):
+        again = going(again, jnp.zeros((2, 4)))
+        assert not again.status.any()
 
 
 def test_flags_have_names():

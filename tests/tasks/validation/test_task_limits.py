@@ -51,6 +51,20 @@ def changed(line, path, value):
 NEED = ("stages", 0, "transitions", 0, "require", 0)
 
 
+def test_a_wrong_length_is_computed_anew(env, lines, tmp_path, caplog):
+    """Otherwise SPL would be computed with it. The row leads on to a room, so there are two legs."""
+    file, right = tmp_path / "tasks.jsonl", lines[0]["length"]
+    for wrong in (90.0, right + 0.5):
+        file.write_text(json.dumps(changed(lines[0], ("length",), wrong)) + "\n")
+        found = load_tasks(file, env.bank)
+        np.testing.assert_allclose(found.rows.columns["length"], right, atol=0.01)
+        assert f"line 1: `length` is {wrong:.2f} m, the shortest path is {right:.2f} m" in caplog.text
+    caplog.clear()
+    file.write_text(json.dumps(lines[0]) + "\n")
+    load_tasks(file, env.bank)
+    assert not caplog.text
+
+
 @pytest.mark.parametrize(
     ("path", "value", "said"),
     [
