@@ -48,7 +48,7 @@ CLOSURES = {
     "home_mjx.bank": 5_500,
     "home_mjx.raycast_render": 10_000,
     "home_mjx.physics": 16_000,
-    "home_mjx.audio_jax": 20_200,
+    "home_mjx.audio_jax": 20_000,
     "home_mjx.tasks": 45_000,
 }
 NOT_BELOW = {  # packages that an import must not load

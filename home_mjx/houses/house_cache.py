@@ -58,7 +58,7 @@ class HouseCache:
         self.dataset = dataset
         self.options = replace(options, read=dataset.resolved(options.read))  # part of the key
         self.library: dict[str, Model] = {} if library is None else library
-        self.on_compile: Callable[[], None] | None = None  # called before a house is compiled
+        self.on_compile: Callable[[], object] | None = None  # called before a house is compiled
         self.num_compiled = 0  # number of houses that were not in the cache
         self.write_error: OSError | None = None  # error of the last write; None if it succeeded
         self.fallbacks: dict[str, tuple[Fallback, ...]] = {}  # by id of loaded house

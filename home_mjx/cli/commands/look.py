@@ -69,9 +69,10 @@ def run(args: argparse.Namespace) -> int:
     folder = make_folder(args.out)
     pictures = draw_state(env, state, *args.size)
     say("drawing")
-    title, status = (next(line for line in lines if line.startswith(name)) for name in ("task", "status"))
+    found = (next(line for line in lines if line.startswith(name)) for name in ("task", "status"))
+    title, status = (" ".join(line.split()) for line in found)
     path = folder / f"{args.states.stem}_{args.env}.png"
-    write_png(path, compose_frame(*pictures, *(" ".join(line.split()) for line in (title, status))))
+    write_png(path, compose_frame(*pictures, title, status))
     sys.stdout.write(f"{path}\n")
     return 0
 

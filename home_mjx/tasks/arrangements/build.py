@@ -146,7 +146,7 @@ def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | Non
 
 
 def _place(
-    bank: HouseBank, num: int, words: np.ndarray, progress: bool
+    bank: HouseBank, num: int, words: np.ndarray, progress: bool | None
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
     """Return unsettled poses without overlaps, the bodies at new poses, and the selected bodies that did not move."""
     host = jax.device_get(bank)

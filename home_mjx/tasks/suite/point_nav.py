@@ -107,8 +107,8 @@ class PointNav(Task):
         distance = self._distance(snapshot, state.goal)
         there = distance <= jnp.float32(self.success_distance)
         there = there & snapshot.stopped if self.stop else there
-        # Without `stop`, an agent that begins within the radius has arrived before it moves.
-        arrived = state.reached if self.stop else state.reached | (state.distance <= jnp.float32(self.success_radius))
+        # Without `stop`, an agent that begins within the distance has arrived before it moves.
+        arrived = state.reached if self.stop else state.reached | (state.distance <= jnp.float32(self.success_distance))
         place = snapshot.pose.pos
         moved = jnp.linalg.norm(place - state.last_pos, axis=-1)
         return state.replace(
