@@ -62,6 +62,14 @@ def make_scene(
     return Scene(bank=bank, house=house, moving=moving, backend=backend, appearance=appearance)
 
 
+def make_open_scene(bank: HouseBank, house: Int[Array, ""] | int) -> Scene:
+    """Return the scene of a house in its initial state, without agents and with all doors wide open."""
+    house, physics = jnp.int32(house), bank.physics
+    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
+    bodies = physics.body_pos[house], physics.body_quat[house]
+    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_fully_open[house])
+
+
 def agent_sizes(bodies: Sequence[AgentBody]) -> Float[Array, "a 2"] | None:
     """Return radius and height of agents [m] for `make_scene`; None if all equal those of a default `AgentBody`."""
     sizes = [(body.radius, body.height) for body in bodies]

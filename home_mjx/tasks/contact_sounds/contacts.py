@@ -72,13 +72,6 @@ def body_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m
     return jnp.roll(pos, agents, axis=0), jnp.roll(moving.object_id, agents)
 
 
-def leaf_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "h 3"], Int[Array, " h"]]:
-    """Return the centres of door leaves [m], and their object ids."""
-    pos, body = body_centers(config, snapshot)
-    first = pos.shape[0] - snapshot.door_angle.shape[0]
-    return pos[first:], body[first:]
-
-
 def carried_masses(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
     """Return the masses of dynamic bodies that their contacts carry [kg]; 0 for doors, as they hang."""
     bodies = snapshot.bank.physics.body_mass[snapshot.house]
@@ -125,7 +118,7 @@ def door_sounds(
         snapshot: The environment after the step.
     """
     physics, house, angle = snapshot.bank.physics, snapshot.house, snapshot.door_angle
-    pos, body = leaf_centers(config, snapshot)
+    pos, body = (x[x.shape[0] - angle.shape[0] :] for x in body_centers(config, snapshot))  # leaves come last
     there = physics.door_valid[house]
     rate = jnp.where(there, jnp.abs(angle - before) / jnp.float32(config.timing.ctrl_dt), 0.0)
     moves, stops = rate > MIN_LEAF_SPEED, (physics.door_closed[house], physics.door_fully_open[house])

@@ -100,14 +100,14 @@ class Hearing(Sensor):
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> HearingState:
         """Trace the responses anew and change over to them from the last ones within the frame."""
-        clips, row = clip_table(config, snapshot)
+        clips = jnp.asarray(np.stack([clip_samples(name, config.audio) for name in clip_names(config)]))
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
         time = jnp.where(first, 0, state.time + frame)
         response = trace_responses(config, snapshot)
         before = jax.tree.map(lambda new, old: jnp.where(first, new, old), response, state.response)
         sounds, said = scale_sounds(snapshot), update_history(snapshot, state.tokens)
-        left = emitted_signal(clips, sounds, row, phase, time, config.audio)
+        left = emitted_signal(clips, sounds, clip_indices(config, snapshot), phase, time, config.audio)
         if config.speech:
             left = left + sounds.gain[:, None] * synthesize_voices(source_tokens(snapshot, said), config.audio)
         if snapshot.contact_sounds is not None:
@@ -214,12 +214,6 @@ def scale_contact_sounds(snapshot: Snapshot) -> ContactSounds:
         return noises
     strikes, rubs = (x.replace(gain=x.gain * drawn.contact_sound_volume) for x in (noises.transients, noises.sustained))
     return noises.replace(transients=strikes, sustained=rubs)
-
-
-def clip_table(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "c n"], Int[Array, " e"]]:
-    """Return the samples of all clips that an environment may play, and the clip of each source; -1 silence."""
-    table = np.stack([clip_samples(name, config.audio) for name in clip_names(config)])
-    return jnp.asarray(table), clip_indices(config, snapshot)
 
 
 def clip_names(config: EnvConfig) -> tuple[str, ...]:

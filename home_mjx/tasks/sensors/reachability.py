@@ -11,9 +11,9 @@ from home_mjx.physics.hand_control import CARRY_HEIGHT_BELOW_EYES
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.mjx.contact_slots import OrientedBoxes
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.raycast_render.scene.surface import face_normals
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.tasks.sensors.visibility import initial_scene
 
 AIM_OFFSETS = np.linspace(-0.85, 0.85, 5)  # aim points across an object [half extents]
 SPOT_OFFSETS = np.linspace(-1.0, 1.0, 10)  # candidate spots across a surface [half extents]
@@ -159,7 +159,7 @@ def can_pick_from(
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
     """Return below which eyes a hand can pick up an instance with these bounds; initial house, doors open."""
-    scene = initial_scene(bank, house)
+    scene = make_open_scene(bank, house)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
         way = pick_points(eye, box) - eye
@@ -184,7 +184,7 @@ def carry_gaps(
         half: Half height of the carried object [m].
         carried: Its object id.
     """
-    boxes = obstacle_footprints(initial_scene(bank, house), carried)
+    boxes = obstacle_footprints(make_open_scene(bank, house), carried)
     middle = eyes[:, 2:] - jnp.float32(CARRY_HEIGHT_BELOW_EYES)
     meets = (boxes.top > middle - half) & (boxes.bottom < middle + half)
     return jnp.min(jnp.where(meets, box_distances(boxes, eyes[:, :2]), jnp.inf), axis=1)
@@ -201,7 +201,7 @@ def can_place_from(
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
     """Return below which eyes a hand can put an object of a radius [m] on an instance, in the initial house."""
-    scene, nothing = initial_scene(bank, house), jnp.full((), -1, jnp.int32)
+    scene, nothing = make_open_scene(bank, house), jnp.full((), -1, jnp.int32)
     meant = jnp.arange(bank.spec.num_instances, dtype=jnp.int32) == instance
     points, free = free_spots(scene, box, meant, radius, nothing)
 

@@ -12,7 +12,7 @@ from home_mjx.core.transforms import camera_quat
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
-from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.raycast_render.scene.types import Scene
 
 # Points of an object's bounds that are tested: across and up from its centre [half extents].
@@ -84,7 +84,7 @@ def is_visible_from(
 
 @jax.jit
 def _is_visible_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
-    scene = initial_scene(bank, house)
+    scene = make_open_scene(bank, house)
     around = eyes[:, None] + jnp.asarray(EYE_OFFSETS, jnp.float32)
     look = partial(is_unobstructed, scene, ignored_id=jnp.full((), -1, jnp.int32))
     seen = jax.vmap(jax.vmap(lambda eye: jnp.any(look(eye, box, look_points(eye, box)))))(around)
@@ -108,18 +108,10 @@ def visible_ids(
 
 @jax.jit
 def _visible_ids(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Array:
-    scene = initial_scene(bank, house)
+    scene = make_open_scene(bank, house)
 
     def look(eye: Array, yaw: Array) -> Array:
         camera = Camera(eye, camera_quat(yaw, jnp.zeros_like(yaw)), jnp.deg2rad(jnp.float32(DEFAULT_FOVY)))
         return render(scene, camera, DEFAULT_LENS, kinds=("instance",))["instance"]
 
     return jax.vmap(look)(eyes, yaw)
-
-
-def initial_scene(bank: HouseBank, house: Array) -> Scene:
-    """Build the scene of a house in its initial state, without agents, doors open."""
-    physics = bank.physics
-    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-    bodies = physics.body_pos[house], physics.body_quat[house]
-    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_fully_open[house])

@@ -24,7 +24,7 @@ from home_mjx.audio_jax import (
 from home_mjx.audio_jax.auralization.response import late_energy
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.audio_jax.base.options import Baked, Omni
-from home_mjx.audio_jax.late_reverb.bake.bake import bake_house, make_open_scene
+from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
 from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stack_fields
 from home_mjx.audio_jax.late_reverb.lookup.lookup import lookup_late_sound
@@ -32,6 +32,7 @@ from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.audio_jax.parameters import survey_room
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import CompiledHouse
 

@@ -3,10 +3,10 @@
 import numpy as np
 from handmade import Furniture, shoebox
 
-from home_mjx.audio_jax.late_reverb.bake.bake import make_open_scene
 from home_mjx.audio_jax.late_reverb.bake.cell_points import sample_free_points
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.bank.bank import HouseBank
+from home_mjx.raycast_render.scene.scene import make_open_scene
 
 SCREEN = Furniture((1.1, 0.3), (0.1, 2.4, 2.5))  # 0.35 m before the wall, open at one end
 

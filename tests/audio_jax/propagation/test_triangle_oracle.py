@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from numpy_measures import edt, t30
 
-from home_mjx.audio_jax.late_reverb.bake.bake import make_open_scene
 from home_mjx.bank.bank import HouseBank
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.schema.compiled import RayKind
 
 pytest.importorskip("embreex", reason="Embree is not installed")

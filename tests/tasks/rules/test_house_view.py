@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from home_mjx.houses import load_bank
+from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.enums import TargetKind
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView, house_views
-from home_mjx.tasks.sensors.visibility import initial_scene, is_unobstructed, look_points
+from home_mjx.tasks.sensors.visibility import is_unobstructed, look_points
 
 WITHIN = 0.075  # [m], from the middle of a cell: there walks in steps of 0.25 m end
 EYES = 1.5  # [m], above the floor
@@ -26,7 +27,7 @@ def seen_one_by_one(view, eyes, boxes):
 
     @jax.jit
     def look(bank, house, eyes, boxes):
-        scene, nobody = initial_scene(bank, house), jnp.full((), -1, jnp.int32)
+        scene, nobody = make_open_scene(bank, house), jnp.full((), -1, jnp.int32)
         return jax.vmap(lambda eye, box: is_unobstructed(scene, eye, box, look_points(eye, box), nobody).any())(
             eyes, boxes
         )

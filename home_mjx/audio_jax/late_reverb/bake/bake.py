@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool
 
@@ -24,8 +23,7 @@ from home_mjx.audio_jax.late_reverb.trace.cell_grid import make_grid
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_number
-from home_mjx.raycast_render.scene.scene import make_scene
-from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.schema.compiled import BANDS, CompiledHouse
 
 POINT_SEED = 0  # seed of the points in cells; the same in every bake of a house
@@ -125,20 +123,6 @@ def bake_house(
         "shape": fit_knots(shape),
     }
     return pack_field(heard | around() | _room_fields(house, total))
-
-
-def make_open_scene(bank: HouseBank, index: int) -> Scene:
-    """Make the scene of a house of a bank, without agents and with all doors wide open."""
-    house, physics = jnp.int32(index), bank.physics
-    nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
-    return make_scene(
-        bank,
-        house,
-        physics.body_pos[house],
-        physics.body_quat[house],
-        *nobody,
-        door_angle=physics.door_fully_open[house],
-    )
 
 
 def _portal_adjacency(house: CompiledHouse) -> Bool[np.ndarray, "r r"]:
