@@ -197,16 +197,14 @@ class _Run:
                 # Written before the checkpoint, because a resumed run drops the lines after it.
                 self.observers.on_log({"steps": i * size, **self.clock.lap(i * size), **sums.means()})
             if ends or self.clock.elapsed() >= saved + MIN_CHECKPOINT_INTERVAL:
-                self._check(state.net, i * size)
+                if not is_finite(state.net):
+                    hint = f"{DIVERGED_HINT} The last checkpoint, if there is one, is from before it diverged."
+                    message = f"after {i * size} steps the network has numbers that are not finite"
+                    raise ConfigError(message, hint=hint)
                 save_checkpoint(self.path, state, self.config)
                 self.observers.on_checkpoint(self.path, i * size)
                 saved = self.clock.elapsed()
         return state.net
-
-    def _check(self, net: Any, steps: int) -> None:
-        if not is_finite(net):
-            hint = f"{DIVERGED_HINT} The last checkpoint, if there is one, is from before it diverged."
-            raise ConfigError(f"after {steps} steps the network has numbers that are not finite", hint=hint)
 
     def is_over(self) -> bool:
         """Return whether the time limit of the run is reached."""

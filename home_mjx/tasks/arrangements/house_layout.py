@@ -59,11 +59,14 @@ class HouseLayout:
     @classmethod
     def from_bank(cls, bank: HouseBank, house: int) -> "HouseLayout":
         """Extract a house from a bank."""
-        physics, navigation = jax.device_get(jax.tree.map(lambda x: x[house], (bank.physics, _navigation_arrays(bank))))
+        names = ("portal_pos", "portal_kind", "goal", "room", "region", "floor", "origin")
+        arrays = bank.physics, {name: getattr(bank.navigation, name) for name in names}
+        physics, navigation = jax.device_get(jax.tree.map(lambda x: x[house], arrays))
         used = physics.body_valid
         bodies = _boxes(physics.body_pos[used], physics.body_quat[used], physics.body_size[used])
         there = physics.collider_pos[:, 2] > -50  # padding is parked below
-        rows = _semantics(bank, house, physics.body_instance[used])
+        row = np.asarray(bank.geometry.instance_semantic[house])[physics.body_instance[used]]
+        rows = np.asarray(bank.semantics)[row]
         small = (physics.body_mass[used] <= MAX_MASS) & (2 * bodies.half[:, :2].max(axis=1, initial=0) <= MAX_SIZE)
         known = np.isin(rows[:, Semantic.SUPPORT], [SUPPORTS.index("floor"), SUPPORTS.index("object")])
         room = rows[:, Semantic.ROOM]
@@ -94,15 +97,6 @@ class HouseLayout:
     def level_of(self, room: int) -> int:
         """Return the level that contains a room."""
         return int((self.room_grid == room).any(axis=(1, 2)).argmax())
-
-
-def _navigation_arrays(bank: HouseBank) -> dict[str, Any]:
-    names = ("portal_pos", "portal_kind", "goal", "room", "region", "floor", "origin")
-    return {name: getattr(bank.navigation, name) for name in names}
-
-
-def _semantics(bank: HouseBank, house: int, instance: Int[np.ndarray, " k"]) -> Int[np.ndarray, "k columns"]:
-    return np.asarray(bank.semantics)[np.asarray(bank.geometry.instance_semantic[house])[instance]]
 
 
 def _boxes(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"], half: Float[np.ndarray, "n 3"]) -> BoxSet:

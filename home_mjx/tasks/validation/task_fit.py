@@ -55,13 +55,16 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
         ConfigError: They are of another type, empty, lack a column or belong to other houses, or a row has an invalid
             value. The message has the allowed values.
     """
+    if tasks is None and isinstance(task, RowTask):
+        hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
+        raise ConfigError(f"{type(task).__name__} needs a task bank", hint=hint)
     if tasks is None:
-        return _check_no_bank_needed(task)
+        return
     if not isinstance(tasks, Episodes | TaskBank):
         hint = "Give `Episodes` from `sample_episodes` or `load_episodes`, or a `TaskBank` from `load_tasks`."
         raise ConfigError(f"expected tasks, got {type(tasks).__name__}", hint=hint)
     if any(isinstance(x, jax.core.Tracer) for x in jax.tree.leaves(tasks)):  # pyright: ignore
-        return None
+        return
     rows = tasks.rows if isinstance(tasks, TaskBank) else tasks
     _check_columns(task, tasks, rows)
     if not len(rows):
@@ -71,12 +74,6 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
         special = _bank_ranges(bank, tasks)
         tasks.check_weights()
     _check_rows(config, bank, rows, special)
-
-
-def _check_no_bank_needed(task: Task) -> None:
-    if isinstance(task, RowTask):
-        hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
-        raise ConfigError(f"{type(task).__name__} needs a task bank", hint=hint)
 
 
 def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> None:

@@ -36,7 +36,8 @@ def add_move_noise(
         >>> bool((add_move_noise(jnp.float32(1.0), jax.random.key(0), still, still + 1) == still).all())
         True
     """
-    turns = (drive[:, 2] != 0)[:, None]
+    turn = drive[:, 2]
+    turns = (turn != 0)[:, None]
     mean, deviation = (jnp.where(turns, x[1][None], x[0][None]) for x in (ERROR_MEAN, np.sqrt(ERROR_VARIANCE)))
     amount = jnp.abs(drive * max_displacement)
     meant = jnp.stack([~turns[:, 0], jnp.zeros_like(turns[:, 0]), turns[:, 0]], axis=-1)
@@ -44,14 +45,10 @@ def add_move_noise(
     unit = jax.random.truncated_normal(
         key, jnp.maximum(floor, -MAX_DEVIATIONS), MAX_DEVIATIONS, drive.shape, jnp.float32
     )
-    side = jnp.stack([jnp.ones_like(drive[:, 0]), -jnp.ones_like(drive[:, 0]), _sign(drive[:, 2])], axis=-1)
+    side = jnp.stack([jnp.ones_like(turn), -jnp.ones_like(turn), jnp.where(turn < 0, -1.0, 1.0)], axis=-1)
     error = level * (mean + deviation * unit) * side
     noisy = jnp.clip(drive + error / max_displacement, -1.0, 1.0)
     return jnp.where(jnp.any(drive != 0, axis=-1, keepdims=True), noisy, drive)
-
-
-def _sign(turn: Float[Array, " a"]) -> Float[Array, " a"]:
-    return jnp.where(turn < 0, -1.0, 1.0)
 
 
 def add_depth_noise(

@@ -121,7 +121,8 @@ class RecurrentAgent(nn.Module):
         seen = nn.LayerNorm()(seen) if self.config.layer_norm else seen
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
         x = jnp.concatenate([x, seen], axis=-1) if self.config.layer_norm else x
-        return memory, self._policy(x), self._value(x)
+        value = nn.Dense(1, kernel_init=nn.initializers.orthogonal(1.0), name="value")
+        return memory, self._policy(x), value(x)[..., 0]
 
     def unroll(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
@@ -154,6 +155,3 @@ class RecurrentAgent(nn.Module):
             return outputs
         scales = self.param("log_scale", nn.initializers.constant(INITIAL_LOG_SCALE), (distribution.num_scales,))
         return jnp.concatenate([outputs, jnp.broadcast_to(scales, (*x.shape[:-1], distribution.num_scales))], axis=-1)
-
-    def _value(self, x: Array) -> Array:
-        return nn.Dense(1, kernel_init=nn.initializers.orthogonal(1.0), name="value")(x)[..., 0]

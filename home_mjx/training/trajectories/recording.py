@@ -81,13 +81,10 @@ def record(
                 batch.stop_resets()
             for episode, notes in batch.step():
                 if not only_success or notes.get("success", 1.0) > 0:
-                    writer.add({**episode, "observations": _omit_observations(episode["observations"], without)}, notes)
+                    seen = {name: x for name, x in episode["observations"].items() if name not in without}
+                    writer.add({**episode, "observations": seen}, notes)
                     bar.update(len(episode["rewards"]))
     return writer.steps
-
-
-def _omit_observations(seen: dict[str, np.ndarray], without: tuple[str, ...]) -> dict[str, np.ndarray]:
-    return {name: x for name, x in seen.items() if name not in without}
 
 
 class _RecordingBatch:

@@ -34,14 +34,11 @@ def estimate_exchange(
             the way.
     """
     rate = volume / np.maximum(path_length, 1e-30)  # (bands, r)
-    exchange = [np.moveaxis(_symmetric(x * rate[:, :, None]), 0, -1) for x in (exchanged, transmitted)]
+    flows = (x * rate[:, :, None] for x in (exchanged, transmitted))
+    exchange = [np.moveaxis(0.5 * (flow + np.swapaxes(flow, 1, 2)), 0, -1) for flow in flows]
     return RoomExchange(
         (absorbed / np.maximum(path_length, 1e-30)).T, _route_exchange(exchange[0], joined), exchange[1]
     )
-
-
-def _symmetric(flow: Float[np.ndarray, "bands r r"]) -> Float[np.ndarray, "bands r r"]:
-    return 0.5 * (flow + np.swapaxes(flow, 1, 2))
 
 
 def _route_exchange(
