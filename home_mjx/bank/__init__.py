@@ -12,7 +12,6 @@ from home_mjx.bank.records import (
     Physics,
     declarations,
 )
-from home_mjx.bank.usage import Usage, bank_bytes, bank_usage, planned_bytes
 
 __all__ = [
     "Acoustics",
@@ -24,9 +23,5 @@ __all__ = [
     "Materials",
     "NavigationArrays",
     "Physics",
-    "Usage",
-    "bank_bytes",
-    "bank_usage",
     "declarations",
-    "planned_bytes",
 ]

@@ -1,4 +1,7 @@
-"""Navigation grids, geodesic distances, rooms and free positions on the device; a path follower on the host."""
+"""Navigation grids, geodesic distances, rooms and free positions on the device.
+
+`path_follower` has a scripted walker on the host.
+"""
 
 from home_mjx.navigation.distance_fields import distance_field, goal_fields
 from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals
@@ -13,11 +16,9 @@ from home_mjx.navigation.grid import (
     room_at_feet,
     room_below,
 )
-from home_mjx.navigation.path_follower import PathFollower, make_path_follower
 from home_mjx.navigation.spawn import random_source, random_yaw, sample_starts
 
 __all__ = [
-    "PathFollower",
     "cell_at_feet",
     "cell_below",
     "connected_rooms",
@@ -28,7 +29,6 @@ __all__ = [
     "grid_position",
     "ground_fields",
     "is_near_home_region",
-    "make_path_follower",
     "passable_portals",
     "random_position",
     "random_source",
