@@ -16,10 +16,7 @@ from home_mjx.tasks.sensors.visibility import is_unobstructed, look_points
 
 UNREACHABLE_DISTANCE = 1000.0  # [m] distance to a target that does not exist or is on another storey
 MAX_SUPPORT_GAP = 0.03  # [m] maximum gap between an object's underside and the top of its support
-MAX_DROP_ON_STOREY, MAX_RISE_ON_STOREY = (
-    2.0,
-    1.0,
-)  # [m] points farther below or above an agent's middle are on another storey
+MAX_RISE_ON_STOREY = 1.0  # [m] places farther above or below the feet, and agents above or below, are on another storey
 
 
 def current_boxes(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
@@ -93,7 +90,8 @@ def nearest_targets(
     index = jnp.argmin(away, axis=-1)
     point = jnp.where((kind == TargetKind.AGENT)[:, None], pos[program.descriptor[:, Attribute.AGENT]], program.place)
     offset = jnp.nan_to_num(point[None] - pos[:, None], posinf=UNREACHABLE_DISTANCE, neginf=UNREACHABLE_DISTANCE)
-    same_storey = (offset[..., 2] > -MAX_DROP_ON_STOREY) & (offset[..., 2] < MAX_RISE_ON_STOREY)
+    depth = jnp.where(kind == TargetKind.PLACE, 1.0, 0.0)[None] * (pos - snapshot.feet)[:, 2:]  # places are on floors
+    same_storey = jnp.abs(offset[..., 2] + depth) < MAX_RISE_ON_STOREY
     to_point = jnp.where(same_storey, jnp.linalg.norm(offset[..., :2], axis=-1), UNREACHABLE_DISTANCE)
     is_point = (kind == TargetKind.AGENT) | (kind == TargetKind.PLACE)
     least = jnp.where(is_point[None], jnp.minimum(to_point, UNREACHABLE_DISTANCE), jnp.min(away, axis=-1))
