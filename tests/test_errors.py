@@ -25,11 +25,12 @@ BUILT_IN = {
     errors.UnknownIdError: {ValueError, KeyError},
     errors.ConfigError: {ValueError},
     errors.UnknownNameError: {ValueError, KeyError},
+    errors.UnknownMemberError: {ValueError, KeyError, AttributeError},
     errors.OutOfRangeError: {ValueError, IndexError},
     errors.CapacityError: {ValueError},
     errors.BackendError: {RuntimeError},
 }
-CAUGHT = (ValueError, KeyError, IndexError, OSError, FileNotFoundError, RuntimeError, TypeError)
+CAUGHT = (ValueError, KeyError, IndexError, AttributeError, OSError, FileNotFoundError, RuntimeError, TypeError)
 EXPECTED = "expected 3, got 1 (in room.obj, at line 7). Export it again."
 
 

@@ -10,7 +10,11 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 SCRIPTS = [path for folder in ("benchmarks", "scripts", "examples") for path in sorted((ROOT / folder).glob("*.py"))]
-FRAMEWORKS = {"cleanrl_ppo": "torch"}  # what adapters that a script imports need in their turn
+FRAMEWORKS = {
+    "cleanrl_ppo": "torch",
+    "recurrent_ppo": "torch",
+    "stable_baselines3_ppo": "stable_baselines3",
+}  # what adapters that a script imports need in their turn
 
 
 @pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: f"{path.parent.name}/{path.stem}")

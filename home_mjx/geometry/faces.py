@@ -53,7 +53,7 @@ def triangulate_faces(
     Example:
         >>> notch = np.array([[0.0, 0, 0], [2, 0, 0], [1, 1, 0], [2, 2, 0], [0, 2, 0]])
         >>> triangulate_faces(notch, np.array([5]))[0].tolist()
-        [[2, 3, 4], [2, 4, 0], [2, 0, 1]]
+        [[0, 1, 2], [0, 2, 3], [0, 3, 4]]
     """
     first = np.cumsum(sides) - sides
     start = np.zeros(len(sides), np.int64)  # corner of each polygon's fan; -1 if no fan is right

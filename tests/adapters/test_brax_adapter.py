@@ -33,7 +33,7 @@ def test_observation_sizes(brax_env):
     assert brax_env.observation_size == {
         "pixels/head_rgb": (16, 16, 3),
         "pixels/head_depth": (16, 16, 1),
-        "state": (13,),
+        "state": (14,),
     }
 
 

@@ -53,7 +53,7 @@ def test_the_network_does_not_read_the_advice(cloning: BehaviorCloning):
 def test_the_expert_leads_less_and_less(cloning: BehaviorCloning):
     """Of many rows, the part that does what the expert says; the network's own actions are none of an expert's."""
     rows = 4000
-    obs = {"goal": jnp.zeros((rows, 3)), "expert": jnp.full(rows, 9, jnp.int32)}
+    obs = {"goal": jnp.zeros((rows, 4)), "expert": jnp.full(rows, 9, jnp.int32)}
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), rows))
     net = cloning.agent.init_net(jax.random.key(0))
 
@@ -73,7 +73,7 @@ def test_the_expert_leads_less_and_less(cloning: BehaviorCloning):
 def test_the_loss_is_how_unlikely_the_advice_is(cloning: BehaviorCloning, rng: np.random.Generator):
     """By hand, of two steps of three rows; actions that were taken and rewards do not matter."""
     net = cloning.agent.init_net(jax.random.key(1))
-    obs = {"goal": jnp.asarray(rng.normal(size=(2, 3, 3)), jnp.float32), "expert": jnp.array([[0, 1, 2], [3, 4, 5]])}
+    obs = {"goal": jnp.asarray(rng.normal(size=(2, 3, 4)), jnp.float32), "expert": jnp.array([[0, 1, 2], [3, 4, 5]])}
     begins, memory, target = jnp.ones((2, 3), bool), cloning.agent.initial_memory(3), jnp.ones((2, 3))
     steps = Transitions.build_unchecked(
         obs=obs, is_first=begins, action=None, outputs=None, reward=None, done=None, truncation_value=None

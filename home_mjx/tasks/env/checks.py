@@ -277,7 +277,8 @@ def check_state(layout: Layout, params: EnvParams, state: State) -> None:
         message = f"the state has {state.physics.qpos.shape[-1]} coordinates, its houses and agents have {numbers}"
         raise ConfigError(f"{message}: it is of another environment", hint=hint)
     known = (params.bank.house_id, state.world.house, state.world.house_fingerprint)
-    if any(isinstance(x, jax.core.Tracer) for x in known):  # pyright: ignore[reportAttributeAccessIssue]
+    traced = any(isinstance(x, jax.core.Tracer) for x in known)  # pyright: ignore[reportAttributeAccessIssue]
+    if traced or not all(isinstance(x, jax.Array | np.ndarray) for x in known):
         return
     house = np.atleast_1d(np.asarray(params.bank.clip_house_index(state.world.house)))
     own = np.asarray(jax.vmap(params.bank.fingerprint)(jnp.asarray(house)))

@@ -242,9 +242,9 @@ class HouseholdEnv:
         """Return the next state with observations of the last one, and its snapshot."""
         bank, template = params.bank, self.template(params.bank)
         check_state(template.layout, params, state)
+        moves, start = self._apply_action(params, state, action)
         is_over = state.done & (state.world.step > 0)  # after an automatic reset `done` is of the episode before
         is_foreign = bank.fingerprint(state.world.house) != state.world.house_fingerprint
-        moves, start = self._apply_action(params, state, action)
         data, lost = physics.step_checked(template, bank, state.world.house, start, moves.drive)
         if self.config.hands:
             data = update_hands(template, bank, state.world.house, data)

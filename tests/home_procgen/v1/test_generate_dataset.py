@@ -307,7 +307,7 @@ def test_root_with_something_else_in_it(tmp_path):
 
 def test_root_of_another_version(tmp_path):
     (tmp_path / GENERATED_MARKER).write_text('{"generator": "home_mjx", "version": 0}')
-    with pytest.raises(DatasetError, match="'version': 0"):
+    with pytest.raises(DatasetError, match="generator version 0"):
         generate_dataset(tmp_path, [0])
 
 

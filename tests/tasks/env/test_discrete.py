@@ -343,6 +343,7 @@ def test_gymnasium_has_discrete_spaces(bank):
     for _ in range(3):
         *_, truncated, _ = env.step(env.action_space.sample(np.array([0, 1, 1, 1, 1, 1], np.int8)))
     assert truncated
+    env.reset(seed=0)
     for action, words in ((6, "0 to 5"), (-1, "0 to 5"), (1.0, "integers"), ([1], "shape")):
         with pytest.raises(ConfigError, match=words):
             env.step(action)

@@ -23,7 +23,7 @@ def env(generated_bank):
 
 @pytest.fixture(scope="module")
 def snapshot(env):
-    state = jax.jit(lambda key: env.core.reset(env.params, key, 0, 0, observe=False))(jax.random.key(0))
+    state = jax.jit(lambda key: env.core.reset(env.params, key, None, 0, observe=False))(jax.random.key(0))
     return env.core.snapshot(env.params, state)
 
 

@@ -13,7 +13,7 @@ from home_mjx.tasks.experts.door_avoidance import is_shut, is_swept, plan_openin
 @pytest.fixture(scope="module")
 def snapshot(generated_bank):
     env = home_mjx.make("Fetch-v0", generated_bank, sensors=("state",), num_tasks=2, impl="kinematic")
-    state = jax.jit(lambda key: env.core.reset(env.params, key, 0, 0, observe=False))(jax.random.key(0))
+    state = jax.jit(lambda key: env.core.reset(env.params, key, None, 0, observe=False))(jax.random.key(0))
     return env.core.snapshot(env.params, state)
 
 

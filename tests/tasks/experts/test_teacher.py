@@ -55,7 +55,7 @@ def test_nobody_else_pays_for_what_an_expert_looks_at(env):
 
 
 def test_who_is_asked_for_time_in_a_place_waits_there_until_it_is_over(env):
-    begun = jax.jit(lambda key: env.core.reset(env.params, key, 0, 0, observe=False))(jax.random.key(0)).task
+    begun = jax.jit(lambda key: env.core.reset(env.params, key, None, 0, observe=False))(jax.random.key(0)).task
     inside, long = Condition(Feature.INSIDE, 0, minimum=1), Condition(Feature.TIME, minimum=80)
     columns = pack_program([Selector.rooms(room_type=0)], [TaskStage((Transition(SUCCESS, (inside, long)),), guide=0)])
     state = begun.replace(program=begun.program.replace(**{name: jnp.asarray(x) for name, x in columns.items()}))

@@ -94,7 +94,7 @@ def walks(request):
     bank = homes_bank(HOMES)
     short, long = (sample_episodes(bank, NUM // 2, seed, **limits) for seed, limits in enumerate(LIMITS))
     rows = jax.tree.map(lambda a, b: jnp.concatenate([a, b]), short, long)
-    options = {"actions": "discrete", "stop": True, "success_radius": SUCCESS_DISTANCE, "sensors": ("state",)}
+    options = {"actions": "discrete", "stop": True, "success_distance": SUCCESS_DISTANCE, "sensors": ("state",)}
     env = home_mjx.make("PointNav-v0", bank, impl=request.param, episode_length=STEPS, **options)
     env = add_expert(env).with_tasks(rows)
     reset = jax.jit(jax.vmap(env.core.reset, (None, 0, None, 0)))

@@ -102,7 +102,7 @@ def rolled(env, actions, num=3):
 @pytest.fixture(scope="module")
 def habitat(bank, at_goals):
     """PointNav as Habitat has it, from starts that are goals."""
-    return point_nav(bank, at_goals, actions="discrete", stop=True, success_radius=0.2)
+    return point_nav(bank, at_goals, actions="discrete", stop=True, success_distance=0.2)
 
 
 def test_who_begins_at_the_goal_and_stops_has_spl_1(habitat):

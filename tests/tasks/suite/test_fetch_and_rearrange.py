@@ -325,7 +325,7 @@ def test_options_that_cannot_be_are_refused(bank, task, options, words):
 
 
 def test_nothing_to_carry_is_no_task(bank):
-    with pytest.raises(ConfigError, match="no house has a task of Rearrange"):
+    with pytest.raises(ConfigError, match="Rearrange yields no row"):
         Rearrange(max_mass=0.01).task_bank(bank)
 
 

@@ -61,6 +61,7 @@ def read_color_map(text: str, place: Location, is_known: Callable[[str], bool]) 
         DatasetError: There is no file name, or an option changes the image in a way that is not read.
 
     Example:
+        >>> from pathlib import Path
         >>> read_color_map("-s 2 2 1 my wood.png", Location(Path("a.mtl")), lambda name: False).file
         'my wood.png'
     """
