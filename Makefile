@@ -36,7 +36,8 @@ crash: $(DEV_STAMP)  ## kill every writer at each of its writes; ARGS="--kills 3
 fuzz: $(DEV_STAMP)  ## read changed files for ten minutes; ARGS="--seconds 3600 --seed 2" for others
 	$(BIN)/python tests/soak/fuzz.py --seconds 600 $(ARGS)
 
-soak: $(DEV_STAMP)  ## random houses and policies for ten minutes; ARGS="--mode x64 --envs 8" for others
+soak: $(DEV_STAMP)  ## random houses and policies, on stairs and for ten minutes; ARGS="--mode x64 --envs 8" for others
+	$(BIN)/python tests/soak/stairs.py --steps 200000
 	$(BIN)/python tests/soak/invariants.py --seconds 600 $(ARGS)
 
 memory: $(DEV_STAMP)  ## whether memory grows in ten minutes of stepping; ARGS="--envs 512" for others

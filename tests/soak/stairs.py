@@ -11,6 +11,7 @@ it for the way in the plan. One JSON object; exits with 1 if something did not h
 import argparse
 import json
 import os
+import secrets
 import sys
 import time
 from collections.abc import Sequence
@@ -41,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--homes", type=int, default=6)
     parser.add_argument("--envs", type=int, default=96)
     parser.add_argument("--steps", type=int, default=100_000, help="steps of all environments together")
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, default=secrets.randbelow(1000), help="of homes and walks; default: drawn")
     parser.add_argument("--impl", choices=["kinematic", "fused", "c", "jax"])
     args = parser.parse_args(arguments)
     rng = np.random.default_rng(args.seed)
