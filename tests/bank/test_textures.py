@@ -1,12 +1,12 @@
 """Images as layers: colours and alpha arrive; what is broken or too large is refused with its file's name."""
 
-import io
 import struct
 import zlib
 
 import numpy as np
 import pytest
 from PIL import Image, PngImagePlugin
+from png_files import encoded, png_of
 
 from home_mjx.bank.packing.texture_layers import load_textures
 from home_mjx.core import images
@@ -14,17 +14,10 @@ from home_mjx.core.images import open_texture
 from home_mjx.errors import DatasetError
 
 
-def encoded(image, kind="PNG", **options):
-    buffer = io.BytesIO()
-    image.save(buffer, kind, **options)
-    return buffer.getvalue()
-
-
 def png_of_size(width, height, data=b""):
     """A PNG whose header claims a size, whatever its pixels."""
     chunks = [(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)), (b"IDAT", data), (b"IEND", b"")]
-    body = b"".join(struct.pack(">I", len(d)) + n + d + struct.pack(">I", zlib.crc32(n + d)) for n, d in chunks)
-    return b"\x89PNG\r\n\x1a\n" + body
+    return png_of(chunks)
 
 
 @pytest.fixture

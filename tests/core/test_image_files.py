@@ -1,12 +1,12 @@
 """Every kind of PNG and JPEG that Pillow reads has the right colours and alpha, or is refused with file and reason."""
 
-import io
 import struct
 import zlib
 
 import numpy as np
 import pytest
 from PIL import Image, ImageCms
+from png_files import encoded, png_of
 
 from home_mjx.core.images import has_cut_outs, open_texture, read_texture
 from home_mjx.errors import DatasetError
@@ -22,16 +22,7 @@ def png(width, depth, kind, row, **chunks):
     """A PNG of one row, with more chunks by name."""
     header = struct.pack(">IIBBBBB", width, 1, depth, kind, 0, 0, 0)
     every = [(b"IHDR", header), *((k.encode(), v) for k, v in chunks.items())]
-    every += [(b"IDAT", zlib.compress(b"\0" + row)), (b"IEND", b"")]
-    return b"\x89PNG\r\n\x1a\n" + b"".join(
-        struct.pack(">I", len(d)) + n + d + struct.pack(">I", zlib.crc32(n + d)) for n, d in every
-    )
-
-
-def encoded(image, kind="PNG", **options):
-    buffer = io.BytesIO()
-    image.save(buffer, kind, **options)
-    return buffer.getvalue()
+    return png_of([*every, (b"IDAT", zlib.compress(b"\0" + row)), (b"IEND", b"")])
 
 
 @pytest.fixture

@@ -1,5 +1,7 @@
 """Contact impulses and contact partners of a physics step of MJX."""
 
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
@@ -27,9 +29,7 @@ def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " 
         data: MJX data after the step.
         slot_box: Static box in each slot.
     """
-    contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
-    code = _owner_codes(template, slot_box)
-    first, second = code[contact.geom[:, 0]], code[contact.geom[:, 1]]
+    contact, first, second = _contact_sides(template, data, slot_box)
     impulse = _normal_forces(data) * jnp.float32(template.config.timing.sim_dt)
     mobile = jnp.arange(template.layout.num_dynamic, dtype=jnp.int32)
     is_first, is_second = first[:, None] == mobile[None], second[:, None] == mobile[None]
@@ -53,9 +53,7 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
         data: MJX data after the step.
         slot_box: Static box in each slot.
     """
-    contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
-    code = _owner_codes(template, slot_box)
-    first, second = code[contact.geom[:, 0]], code[contact.geom[:, 1]]
+    contact, first, second = _contact_sides(template, data, slot_box)
     upward = contact.frame[:, 0, 2]  # of the normal, from the first side to the second one
     agent = jnp.arange(template.layout.num_agents, dtype=jnp.int32)
 
@@ -75,6 +73,15 @@ def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
         pushes.impulse.sum(axis=0),
         *(x[best, mobile] for x in (pushes.strongest, pushes.contact_pos, pushes.contact_partner)),
     )
+
+
+def _contact_sides(
+    template: Template, data: mjx.Data, slot_box: Int[Array, " s"]
+) -> tuple[Any, Int[Array, " n"], Int[Array, " n"]]:
+    """Return the contacts of MJX, and the owner codes of their first and second sides."""
+    contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
+    code = _owner_codes(template, slot_box)
+    return contact, code[contact.geom[:, 0]], code[contact.geom[:, 1]]
 
 
 def _owner_codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:

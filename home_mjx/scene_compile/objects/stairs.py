@@ -73,7 +73,7 @@ class Staircase:
 
     @property
     def is_open(self) -> bool:
-        """Whether agents can walk under some of the slopes."""
+        """True if agents can walk under some of the slopes."""
         return self.first_open_slope < len(self.slopes)
 
     @property

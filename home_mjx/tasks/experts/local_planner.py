@@ -66,7 +66,7 @@ def _step_lengths(
     free: Bool[Array, "w w"], length: Float[Array, "w w"], height: Float[Array, "w w"]
 ) -> Float[Array, "9 w w"]:
     """Return the length of a step out of each cell to each of the 3 × 3 around it [m]; inf if blocked."""
-    sides = _neighbours(free, False) & _is_as_high(height)
+    sides = _neighbours(free, False) & _is_step_away(height)
     steps = []
     for index, (y, x) in enumerate(OFFSETS.tolist()):
         open_ = free & sides[index] & sides[_offset_index(y, 0)] & sides[_offset_index(0, x)]
@@ -74,7 +74,7 @@ def _step_lengths(
     return jnp.stack(steps)
 
 
-def _is_as_high(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
+def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
     """Return which of the 3 × 3 cells around each cell are a step of an agent away, in height."""
     return jnp.abs(_neighbours(height, jnp.inf) - height) <= jnp.float32(MAX_STEP_RISE)
 

@@ -11,12 +11,11 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.geometry.extrapolation import extrapolate_fields
+from home_mjx.geometry.extrapolation import MAX_RISE, extrapolate_fields
 from home_mjx.geometry.geodesic import grid_edges
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 
-MAX_RAMP_STEP = 0.35  # [m] maximum height difference between joined cells of a ramp and of its upper level
 MAX_BESIDE_DISTANCE = 0.3  # [m] maximum distance beyond the nearest cell of cells whose floor an object stands on
 MAX_HEIGHT_ON_STOREY = 2.5  # [m] maximum height above a floor that belongs to its storey
 BRUSH_COST_FACTOR = 4.0  # path cost factor where an agent brushes the leaf of an open door, which may close it
@@ -98,12 +97,7 @@ class CellGraph:
     def compute_distances(self, ends: Sequence[EndCells]) -> Float[np.ndarray, "c g"]:
         """Compute the distances of each home cell to goals [m]; inf if unreachable."""
         cells, goals = len(self.place), len(ends)
-        sources, targets, lengths = self._edges
-        # Edges lead from each goal to its end cells and never back, so that no path passes through a goal.
-        begins = np.concatenate([sources, targets, *[np.full(len(n), cells + g) for g, (n, _) in enumerate(ends)]])
-        stops = np.concatenate([targets, sources, *[number for number, _ in ends]])
-        ways = np.concatenate([lengths, lengths, *[np.maximum(way, MIN_EDGE_LENGTH) for _, way in ends]])
-        graph = csr_matrix((ways, (begins, stops)), shape=(cells + goals,) * 2)
+        graph = self._graph_with_goals(ends)
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
     def shortest_path(self, feet: Float[np.ndarray, " 3"], ends: EndCells) -> Float[np.ndarray, "n 3"]:
@@ -116,16 +110,23 @@ class CellGraph:
         Returns:
             Points on the floor, the first one beneath the feet; none if there is no path.
         """
-        cells, (sources, targets, lengths) = len(self.place), self._edges
-        begins = np.concatenate([sources, targets, np.full(len(ends[0]), cells)])
-        stops = np.concatenate([targets, sources, ends[0]])
-        ways = np.concatenate([lengths, lengths, np.maximum(ends[1], MIN_EDGE_LENGTH)])
-        graph = csr_matrix((ways, (begins, stops)), shape=(cells + 1, cells + 1))
-        _, previous = dijkstra(graph, indices=cells, return_predecessors=True)
+        cells = len(self.place)
+        _, previous = dijkstra(self._graph_with_goals([ends]), indices=cells, return_predecessors=True)
         path = [int(self.nearest_cell(feet)[0][0])]
         while 0 <= previous[path[-1]] < cells:
             path.append(int(previous[path[-1]]))
         return self.place[path] if previous[path[-1]] == cells else np.zeros((0, 3))
+
+    def _graph_with_goals(self, ends: Sequence[EndCells]) -> csr_matrix:
+        """Return the path lengths between cells, and from each goal, as a further node, to its end cells [m].
+
+        Edges never lead back to a goal, so that no path passes through one.
+        """
+        cells, (sources, targets, lengths) = len(self.place), self._edges
+        begins = np.concatenate([sources, targets, *[np.full(len(n), cells + g) for g, (n, _) in enumerate(ends)]])
+        stops = np.concatenate([targets, sources, *[number for number, _ in ends]])
+        ways = np.concatenate([lengths, lengths, *[np.maximum(way, MIN_EDGE_LENGTH) for _, way in ends]])
+        return csr_matrix((ways, (begins, stops)), shape=(cells + len(ends),) * 2)
 
     def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
         """Return the cells of a box's storey that are nearest to it in plan, at most `most`, and their distances [m].
@@ -135,26 +136,21 @@ class CellGraph:
         """
         here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - MAX_HEIGHT_ON_STOREY)
         storey = np.flatnonzero(here & ~self.at_leaf)
-        gap = np.maximum(low[:2] - self.place[storey, :2], 0) + np.maximum(self.place[storey, :2] - high[:2], 0)
-        away = np.hypot(*gap.T)
+        away = _plan_gaps(self.place[storey], low, high)
         order = np.argsort(away, kind="stable")[:most]
         return storey[order], away[order]
 
     def floor_beside(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]) -> float:
         """Return the height of the floor or ramp beside a box, not above its top [m]; -inf if there is none.
 
-        Of the cells nearest in plan it is the highest one, so that an object upstairs is not measured from downstairs.
+        Of the cells nearest in plan it is the one nearest in height to the bottom of the box: objects upstairs are not
+        measured from downstairs.
         """
         below = self.place[self.place[:, 2] < high[2]]
-        gap = np.maximum(low[:2] - below[:, :2], 0) + np.maximum(below[:, :2] - high[:2], 0)
-        away = np.hypot(*gap.T)
+        away = _plan_gaps(below, low, high)
         near = away <= away.min(initial=np.inf) + MAX_BESIDE_DISTANCE
         rise = below[near, 2] - low[2]
-        return (
-            float(below[near, 2][np.argmin(np.where(rise > MAX_RAMP_STEP, np.inf, abs(rise)))])
-            if near.any()
-            else -np.inf
-        )
+        return float(below[near, 2][np.argmin(np.where(rise > MAX_RISE, np.inf, abs(rise)))]) if near.any() else -np.inf
 
     def cells_in_rooms(self, rooms: Bool[np.ndarray, " r"]) -> EndCells:
         """Return the cells of the given rooms, at distance 0, without those that are cut off."""
@@ -181,9 +177,17 @@ class CellGraph:
             for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
                 beyond, above = (np.roll(x[level + 1], shift, (0, 1)) for x in (number, self._height))
                 rise = np.abs(above - self._height[level])
-                joined = self._home[level] & (beyond >= 0) & (rise < MAX_RAMP_STEP)
+                joined = self._home[level] & (beyond >= 0) & (rise < MAX_RISE)
                 ways.append((number[level][joined], beyond[joined], np.hypot(self._cell, rise[joined])))
         return ways
+
+
+def _plan_gaps(
+    places: Float[np.ndarray, "n 3"], low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]
+) -> Float[np.ndarray, " n"]:
+    """Return the distances in plan from points to a box [m]; 0 above or below it."""
+    gap = np.maximum(low[:2] - places[:, :2], 0) + np.maximum(places[:, :2] - high[:2], 0)
+    return np.hypot(*gap.T)
 
 
 def _is_cut_off(
