@@ -7,6 +7,7 @@ import pytest
 from adapted import assert_equal, cases, cheap, row
 from checkers import NUM_ENVS, check_gymnax
 from checkers import gymnax_rollout as rollout
+from counted_jit import CountedJit
 
 from home_mjx.adapters.gymnax import GymnaxEnv
 from home_mjx.errors import ConfigError
@@ -53,10 +54,10 @@ def test_batches_in_batches_and_with_houses_of_their_own(env, other_bank):
 
 
 def test_other_houses_run_the_same_program(env, generated_bank, other_bank):
-    run = rollout(env)
+    run = CountedJit(rollout(env))
     first = run(env.default_params, jax.random.key(0))
     second = run(env.default_params.replace(bank=other_bank), jax.random.key(0))
-    assert run._cache_size() == 1
+    assert run.traces == 1
     assert (first[0] != second[0]).any()
 
 

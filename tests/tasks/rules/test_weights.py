@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from counted_jit import CountedJit
 from scipy import stats
 
 from home_mjx.errors import ConfigError
@@ -48,11 +49,11 @@ def test_many_rows_of_weight_0_are_never_drawn():
 
 def test_weights_change_without_another_program():
     tasks = bank_of(5)
-    program = jax.jit(lambda tasks, key: tasks.draw(key))
+    program = CountedJit(lambda tasks, key: tasks.draw(key))
     for only in range(5):
         weighted = tasks.with_weights(jnp.arange(5) == only)
         assert int(program(weighted, jax.random.key(0))) == only
-    assert program._cache_size() == 1
+    assert program.traces == 1
 
 
 def test_weights_go_with_their_rows():

@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from counted_jit import CountedJit
 from scipy import stats
 
 from home_mjx.audio_jax.auralization.clips import CLIPS
@@ -35,7 +36,7 @@ RANGES = {
 
 @pytest.fixture(scope="module")
 def program():
-    return jax.jit(lambda ranges, keys: jax.vmap(lambda key: sample_variation(ranges, key, LAMPS))(keys))
+    return CountedJit(lambda ranges, keys: jax.vmap(lambda key: sample_variation(ranges, key, LAMPS))(keys))
 
 
 @pytest.fixture(scope="module")
@@ -106,9 +107,9 @@ def test_draws_do_not_depend_on_each_other(drawn, keys):
 def test_other_ranges_need_no_other_program_and_the_same_key_draws_the_same(program, drawn, keys):
     again = program(Variation.of(**RANGES), keys)
     assert jax.tree.all(jax.tree.map(jnp.array_equal, again, drawn))
-    before = program._cache_size()
+    before = program.traces
     other = program(Variation.of(**RANGES | {"volume": (5.0, 6.0)}), keys)
-    assert program._cache_size() == before
+    assert program.traces == before
     assert other.volume.min() >= 5
     np.testing.assert_array_equal(other.camera_offsets.height, drawn.camera_offsets.height)
 
