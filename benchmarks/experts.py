@@ -1,15 +1,20 @@
 """Measure the success of experts in houses that nobody tuned on, and list the rows that they fail.
 
     python benchmarks/experts.py Fetch-v0 Rearrange-v0 --first 130000 --houses 100 --rows 10 --out experts.jsonl
+    python benchmarks/experts.py PointNav-v0 RoomNav-v0 --first 500000 --storeys 2 --impl fused kinematic
 
-Each id is used as registered. Prints one JSON object per id: success rate with standard error, SPL, and the failed
-rows. Each of these has the seed of its house, its number, the instruction, and the steps until the end. Use a GPU for
-many houses, because all episodes are played in one batch.
+Each id is used with discrete actions and `stop` where it has them. With `--storeys` the houses are the first homes from
+the seed `--first` on that have at least so many storeys. Prints one JSON object per id and implementation: success rate
+with standard error, SPL, success by the storey of the start, and the failed rows. Each of these has its house, its
+number, the instruction, and the steps until the end. Use a GPU for many houses, because all episodes are played in one
+batch. `--prepare` only writes and compiles the houses.
 """
 
 import argparse
+import itertools
 import json
-import tempfile
+import os
+import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -20,23 +25,30 @@ import home_mjx
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.core.profiling import device_name
-from home_mjx.houses import load_bank
-from home_mjx.tasks import add_expert
+from home_mjx.datasets import Dataset, open_dataset
+from home_mjx.errors import HomeMjxError
+from home_mjx.houses import compile_dataset, load_bank
+from home_mjx.houses.house_cache import load_compiled
+from home_mjx.tasks import Env, HouseholdEnv, add_expert, sample_episodes
 from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.language import detokenize
 from home_mjx.training import evaluate, expert_policy
-from home_procgen import generate_dataset
+from home_procgen.plan.shape.program import draw_program
+
+MIN_LENGTH = 3.0  # [m], shortest episodes of PointNav
 
 
 def main() -> None:
-    """Generate the houses, and evaluate the experts of all ids in them."""
+    """Compile the houses, and evaluate the experts of all ids in them."""
     args = parse()
     use_compile_cache()
-    seeds = range(args.first, args.first + args.houses)
-    with tempfile.TemporaryDirectory() as root:
-        bank = load_bank(root, ids=generate_dataset(root, seeds), progress=True)
-    for name in args.ids:
-        line = judge(bank, name, seeds, args)
+    dataset, ids = choose(args.first, args.houses, args.storeys)
+    if args.prepare:
+        compile_dataset(dataset, ids, workers=args.workers, progress=True)
+        return
+    bank = load_bank(dataset, ids=usable(dataset, ids), progress=True)
+    for name, impl in itertools.product(args.ids, args.impl):
+        line = judge(bank, name, impl, args)
         print(json.dumps(line), flush=True)
         if args.out is not None:
             with args.out.open("a") as file:
@@ -46,43 +58,100 @@ def main() -> None:
 def parse() -> argparse.Namespace:
     """Parse the command line."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("ids", nargs="+", help="ids such as Fetch-v0, of tasks with sampled rows")
+    parser.add_argument("ids", nargs="*", help="ids such as Fetch-v0, PointNav-v0 among them")
     parser.add_argument("--first", type=int, required=True, help="seed of the first house")
     parser.add_argument("--houses", type=int, default=100)
+    parser.add_argument("--storeys", type=int, default=0, help="only homes with as many storeys; 0: flats")
+    parser.add_argument("--impl", nargs="+", default=["fused"], help="implementations of physics")
+    parser.add_argument("--workers", type=int, default=os.cpu_count() or 1, help="processes that compile houses")
+    parser.add_argument("--prepare", action="store_true", help="compile the houses and stop")
     parser.add_argument("--rows", type=int, default=10, help="episodes per house")
     parser.add_argument("--batch", type=int, default=1000, help="maximum number of parallel episodes")
     parser.add_argument("--out", type=Path, help="file that lines are appended to")
     return parser.parse_args()
 
 
-def judge(bank: HouseBank, name: str, seeds: range, args: argparse.Namespace) -> dict[str, Any]:
+def choose(first: int, count: int, storeys: int) -> tuple[Dataset, list[str]]:
+    """Return generated houses and their ids, from a seed on."""
+    seeds: list[int] = []
+    for seed in itertools.count(first):
+        if len(seeds) == count:
+            break
+        if storeys == 0 or planned_storeys(seed) >= storeys:
+            seeds.append(seed)
+    version = 2 if storeys else 1
+    dataset = open_dataset(f"procedural:{seeds[-1] + 1 - first}?seed={first}&version={version}")
+    return dataset, [dataset.house_ids[seed - first] for seed in seeds]
+
+
+def planned_storeys(seed: int) -> int:
+    """Return the number of storeys that the home of a seed is planned with; a rare home without a plan gets others."""
+    return draw_program(np.random.default_rng(np.random.SeedSequence([seed, 2]))).num_storeys
+
+
+def usable(dataset: Dataset, ids: list[str]) -> list[str]:
+    """Return the ids of houses that compile, and print the others."""
+    kept = []
+    for house_id in ids:
+        try:
+            load_compiled(dataset, house_id)
+        except HomeMjxError as error:
+            print(f"left out: {house_id}: {error}", file=sys.stderr, flush=True)
+        else:
+            kept.append(house_id)
+    return kept
+
+
+def judge(bank: HouseBank, name: str, impl: str, args: argparse.Namespace) -> dict[str, Any]:
     """Play all rows of one id."""
     begin = time.perf_counter()
-    env = add_expert(home_mjx.make(name, bank, sensors=("state",), num_tasks=args.rows))
-    rows = env.params.tasks.rows
+    env = with_rows(bank, name, impl, args.rows)
+    rows = env.params.tasks if isinstance(env.params.tasks, Episodes) else env.params.tasks.rows
     drawn, num = time.perf_counter(), rows.house.shape[0]
     figures = evaluate(env, expert_policy, None, num, max_batch=args.batch)
     success = figures["success"]
+    storeys = start_storeys(bank, rows)
     return {
         "id": name,
+        "impl": impl,
         "device": device_name(),
-        "seeds": [seeds.start, seeds.stop],
+        "first": args.first,
+        "houses": bank.num_houses,
         "num": num,
         "success": round(float(success.mean()), 4),
         "stderr": round(float(success.std() / np.sqrt(num)), 4),
-        "spl": round(float(figures["spl"].mean()), 4),
-        "lost": [lost_row(rows, figures, seeds, row) for row in np.flatnonzero(success < 1)],
+        "spl": round(float(figures["spl"].mean()), 4) if "spl" in figures else None,
+        "by_storey": {int(k): [round(float(success[storeys == k].mean()), 4), int((storeys == k).sum())]
+                      for k in np.unique(storeys)},
+        "lost": [lost_row(bank, rows, figures, int(row)) for row in np.flatnonzero(success < 1)],
         "draw_s": round(drawn - begin, 1),
         "play_s": round(time.perf_counter() - drawn, 1),
-    }
+    }  # fmt: skip
 
 
-def lost_row(rows: Episodes, figures: dict[str, np.ndarray], seeds: range, row: int) -> dict[str, Any]:
+def with_rows(bank: HouseBank, name: str, impl: str, rows: int) -> Env[HouseholdEnv]:
+    """Return the environment of an id with its expert and `rows` episodes for each house."""
+    options: dict[str, Any] = {"impl": impl, "sensors": ("state",)}
+    if name.startswith("PointNav"):
+        env = home_mjx.make(name, bank, actions="discrete", stop=True, **options)
+        return add_expert(env.with_tasks(sample_episodes(bank, rows * bank.num_houses, min_length=MIN_LENGTH)))
+    return add_expert(home_mjx.make(name, bank, num_tasks=rows, **options))
+
+
+def start_storeys(bank: HouseBank, rows: Episodes) -> np.ndarray:
+    """Return the storey that each episode starts on."""
+    floors = np.asarray(bank.navigation.floor)[np.asarray(rows.house)]
+    return np.argmin(np.abs(np.asarray(rows.start)[:, 2:3] - floors), axis=1)
+
+
+def lost_row(bank: HouseBank, rows: Episodes, figures: dict[str, np.ndarray], row: int) -> dict[str, Any]:
     """Describe a failed row."""
+    tokens = rows.columns.get("tokens")
     return {
-        "seed": seeds[int(rows.house[row])],
-        "row": int(row),
-        "asked": detokenize(rows.columns["tokens"][row]),
+        "house": bank.house_ids[int(rows.house[row])],
+        "row": row,
+        "start": np.asarray(rows.start)[row].round(2).tolist(),
+        "asked": None if tokens is None else detokenize(tokens[row]),
         "steps": int(figures["episode_steps"][row]),
         "distance": round(float(figures["distance"][row]), 2) if "distance" in figures else None,
     }

@@ -110,3 +110,16 @@ def test_paths_do_not_lead_from_a_floor_to_the_one_below():
     path = np.asarray(descend_window(found, jnp.asarray(height.ravel()), begin, 6)) + HALF_WIDTH
     assert (path[:, 1] <= HALF_WIDTH).all()
     assert path[-1, 0] == HALF_WIDTH + 6
+
+
+def test_a_way_past_a_leaf_is_not_left_for_an_exit_farther_from_the_end():
+    """A detour beyond the window: the leaf drops out of sight, and the agent would come back for ever."""
+    rows = np.arange(WIDTH)
+    far = np.full((WIDTH, WIDTH), np.inf, np.float32)
+    far[:, HALF_WIDTH - 1 : HALF_WIDTH + 2] = (3.0 + CELL * rows)[:, None]  # a corridor to the end, up
+    far[-1, HALF_WIDTH + 2 :] = 5.75 - CELL * np.arange(WIDTH - HALF_WIDTH - 2)  # and another way to it, down
+    slow = np.ones(far.shape)
+    slow[2:5] = 16.0
+    found = window_distances(jnp.asarray(far.ravel()), jnp.asarray((CELL * slow).ravel()), LEVEL)
+    path = np.asarray(descend_window(found, LEVEL, jnp.array([HALF_WIDTH, HALF_WIDTH]), 6))
+    assert (np.diff(path[:, 0]) == -1).all()
