@@ -25,6 +25,7 @@ import home_mjx
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.core.profiling import device_name
+from home_mjx.core.progress import say
 from home_mjx.datasets import Dataset, open_dataset
 from home_mjx.errors import HomeMjxError
 from home_mjx.houses import compile_dataset, load_bank
@@ -46,7 +47,10 @@ def main() -> None:
     if args.prepare:
         compile_dataset(dataset, ids, workers=args.workers, progress=True)
         return
-    bank = load_bank(dataset, ids=usable(dataset, ids), progress=True)
+    try:
+        bank = load_bank(dataset, ids=ids, progress=True)
+    except HomeMjxError:
+        bank = load_bank(dataset, ids=usable(dataset, ids), progress=True)
     for name, impl in itertools.product(args.ids, args.impl):
         line = judge(bank, name, impl, args)
         print(json.dumps(line), flush=True)
@@ -105,9 +109,11 @@ def usable(dataset: Dataset, ids: list[str]) -> list[str]:
 def judge(bank: HouseBank, name: str, impl: str, args: argparse.Namespace) -> dict[str, Any]:
     """Play all rows of one id."""
     begin = time.perf_counter()
+    say(f"sampling episodes of {name}", True)
     env = with_rows(bank, name, impl, args.rows)
     rows = env.params.tasks if isinstance(env.params.tasks, Episodes) else env.params.tasks.rows
     drawn, num = time.perf_counter(), rows.house.shape[0]
+    say(f"playing {num} episodes of {name}, {impl}", True)
     figures = evaluate(env, expert_policy, None, num, max_batch=args.batch)
     success = figures["success"]
     storeys = start_storeys(bank, rows)

@@ -49,13 +49,15 @@ def build_navigation(
     height, on_ramp = np.stack([s.height for s in spaces]), np.stack([s.on_ramp for s in spaces])
     ways = stair_links(stairs, standable, height, centres)
     links = [link for way in ways for link in way]
-    region, area = label_regions(standable, links, options.cell)
+    region, area = label_regions(standable, links, options.cell, on_ramp)
     home = region == 0
     reach = options.agent_radius + options.margin
     climbed = [(s, max(s.width - 2 * reach, options.cell) if way else 0.0) for s, way in zip(stairs, ways, strict=True)]
     portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
-    drawn = home & ~on_ramp & ~_cut_off_cells(home, links, spaces, rooms, open_leaves, options)
+    floor = home & ~on_ramp
+    drawn = floor & ~_cut_off_cells(home, links, spaces, rooms, open_leaves, options)
+    drawn = drawn if drawn.any() else floor
     drawn = _clear_of_leaves(drawn, spaces, rooms, leaves, options)
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]

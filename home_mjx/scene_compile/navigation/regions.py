@@ -16,14 +16,20 @@ LINK_LENGTH = 1e-4  # [m], length of a link between copies of a cell; sparse gra
 
 
 def label_regions(
-    standable: Bool[np.ndarray, "l ny nx"], links: Sequence[GridLink], cell: float
+    standable: Bool[np.ndarray, "l ny nx"],
+    links: Sequence[GridLink],
+    cell: float,
+    on_ramp: Bool[np.ndarray, "l ny nx"] | None = None,
 ) -> tuple[Int[np.ndarray, "l ny nx"], Float[np.ndarray, " n"]]:
-    """Label connected regions: first the largest part of the lowest level, then by decreasing area.
+    """Label connected regions: first the home region, then by decreasing area.
+
+    The home region is the one with most floor on the lowest level, or else with most floor on all levels.
 
     Args:
         standable: Cells where agents can stand, lowest level first.
         links: Connections between cells that join their regions.
         cell: Cell size [m].
+        on_ramp: Cells on ramps, which are no floor; None: none.
 
     Returns:
         Region of each cell, -1 if not standable; area of each region [m^2].
@@ -34,10 +40,11 @@ def label_regions(
     ends = ends[(ends > 0).all(axis=1)] - 1
     joined = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))
     number, merged = connected_components(joined, directed=False)
-    area, ground = (_count(merged, patch[p], number) for p in (slice(None), slice(0, 1)))
+    flat = patch if on_ramp is None else np.where(on_ramp, 0, patch)
+    area, floor, ground = (_count(merged, cells, number) for cells in (patch, flat, flat[:1]))
     order = np.argsort(-area, kind="stable")
-    if number and ground.any():
-        home = int(ground.argmax())
+    if number:
+        home = int((ground if ground.any() else floor).argmax())
         order = np.concatenate([[home], order[order != home]])
     rank = np.empty(number, np.int64)
     rank[order] = np.arange(number)

@@ -254,7 +254,8 @@ def _spaces(
     for site in sites:
         raised = site.raised_floors(colliders.min_top_height)
         spaces.append(_space(site, concat_boxes([around, raised]), rooms, options, concat_boxes([fixed, raised])))
-    if not spaces[0].standable.any():
+    has_floor = any((space.standable & ~space.on_ramp).any() for space in spaces)
+    if not (has_floor and spaces[0].standable.any()):
         raise no_free_space_error(_space(sites[0], obstacles[0].boxes.walls, rooms, options), options)
     return spaces
 

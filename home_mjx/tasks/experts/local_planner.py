@@ -12,8 +12,8 @@ DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = (
     0.05,
     20.0,
 )  # cost of distance to the end [cells/m], and the distance up to which it counts [m]
-# [m], extra distance of an exit of the window that is farther from the end than its centre: agents would go there past a
-# leaf in the way, lose sight of it, and come back.
+# [m], extra distance of an exit of the window that is farther from the end than its centre: agents would turn round at
+# a leaf in the way, lose sight of it, and come back.
 RETREAT_COST = 100.0
 OTHER_ROOM_COST = 10.0  # [cells], extra cost of a cell in another room: a wall may be in between
 MAX_STEP_RISE = 0.3  # [m], maximum height difference between neighbouring cells that agents walk across

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from itertools import combinations, product
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.vocabulary import vocabularies
@@ -51,19 +51,27 @@ def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
     return " ".join(parts)
 
 
-def has_attribute(thing: HouseObject, word: Attribute, value: int) -> bool:
-    """Return whether an object has a word's value: any of its main colours, any label of its room."""
-    if word == Attribute.ROOM_TYPE:
-        return value in thing.room_types
-    columns = (
-        (Semantic.COLOR, Semantic.COLOR_2, Semantic.COLOR_3) if word == Attribute.COLOR else (SEMANTIC_COLUMN[word],)
-    )
-    return any(thing.semantic(column) == value for column in columns)
-
-
 def select_matching(things: Sequence[HouseObject], meant: dict[Attribute, int]) -> list[HouseObject]:
     """Select the objects that have all of the given words."""
-    return [thing for thing in things if all(has_attribute(thing, word, value) for word, value in meant.items())]
+    table = _semantic_table(things)
+    having = np.logical_and.reduce([np.ones(len(things), bool), *(_have(table, *word) for word in meant.items())])
+    return [thing for thing, is_meant in zip(things, having, strict=True) if is_meant]
+
+
+def _semantic_table(things: Sequence[HouseObject]) -> Int[np.ndarray, "n columns"]:
+    """Stack the semantic rows of objects."""
+    return np.array([thing.semantics for thing in things]).reshape(len(things), len(Semantic))
+
+
+def _have(table: Int[np.ndarray, "n columns"], word: Attribute, value: int) -> Bool[np.ndarray, " n"]:
+    """Return which rows have a word's value: any of their main colours, any label of their room."""
+    if word == Attribute.ROOM_TYPE:
+        labels = table[:, Semantic.ROOM_LABELS]
+        return (labels > 0) & (labels >> value & 1 > 0)
+    columns = (
+        [Semantic.COLOR, Semantic.COLOR_2, Semantic.COLOR_3] if word == Attribute.COLOR else [SEMANTIC_COLUMN[word]]
+    )
+    return (table[:, columns] == value).any(axis=1)
 
 
 def draw_identifying_words(
@@ -83,13 +91,20 @@ def minimal_identifying_words(
     """Return all smallest sets of words that identify an object: category and attributes from `telling`; [] if none."""
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
+    peers = _semantic_table(select_matching(things, noun))
+    having = {(word, value): _have(peers, word, value) for word in known for value in _naming_values(thing, word)}
     for count in range(len(known) + 1):
         sets = [
-            noun | dict(zip(chosen, values, strict=True))
+            dict(zip(chosen, values, strict=True))
             for chosen in combinations(known, count)
             for values in product(*(_naming_values(thing, word) for word in chosen))
         ]
-        alone = [words for words in sets if select_matching(things, words) == [thing]]
+        everyone = np.ones(len(peers), bool)
+        alone = [
+            noun | words
+            for words in sets
+            if np.logical_and.reduce([everyone, *(having[pair] for pair in words.items())]).sum() == 1
+        ]
         if alone:
             return alone
     return []

@@ -154,6 +154,17 @@ def test_a_link_shortens_the_way():
     assert np.isinf(distance_fields(free, np.array([[0, 0, 0]]), 1.0)[4:]).all()
 
 
+def test_the_home_region_has_floor():
+    """The foot of stairs is all that is free below: agents begin above."""
+    standable = np.zeros((2, 1, 8), bool)
+    standable[0, 0, :3] = standable[1, 0, :2] = standable[1, 0, 3:] = True
+    on_ramp = np.zeros_like(standable)
+    on_ramp[0] = True
+    region, area = label_regions(standable, (), 1.0, on_ramp)
+    assert (region[1, 0, 3:] == 0).all()
+    np.testing.assert_allclose(area, [5, 3, 2])
+
+
 def test_regions_are_those_of_a_flood_fill(rng):
     standable = rng.random((2, 20, 30)) < 0.6
     region, area = label_regions(standable, (), 0.1)
