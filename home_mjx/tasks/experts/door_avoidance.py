@@ -15,6 +15,9 @@ from home_mjx.tasks.rules.cell_graph import (
     PUSH_COST_FACTOR,
 )
 
+# [steps]: in the last of every so many steps agents walk as if there were no leaves. Fields do not know these, so an agent
+# may turn round at one, lose sight of it and come back, for ever.
+PATIENCE_PERIOD, NUM_IMPATIENT_STEPS = 200, 40
 CARRY_COST_FACTOR = 1.5  # cost factor where a carried object collides; small, because fields of rows ignore it
 OPEN_DISTANCE = 0.4  # [m], distance of a shut leaf at which an agent with hands opens it
 CARRY_OPEN_DISTANCE = 0.95  # [m], the same for an agent that carries something, so that the leaf swings clear
@@ -79,6 +82,8 @@ def cost_factors(
 ) -> Float[Array, " n"]:
     """Return cost factors of path length at some positions, from leaves, agents and furniture at their current poses.
 
+    Leaves cost nothing in the last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`.
+
     Args:
         snapshot: The environment.
         place: The positions of feet [m].
@@ -86,7 +91,8 @@ def cost_factors(
             neither.
     """
     radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MIN_LEAF_CLEARANCE)
-    gap = leaf_distances(snapshot, place)
+    is_patient = snapshot.step % PATIENCE_PERIOD < PATIENCE_PERIOD - NUM_IMPATIENT_STEPS
+    gap = jnp.where(is_patient, leaf_distances(snapshot, place), jnp.inf)
     if agent is not None and snapshot.config.num_agents > 1:
         others = snapshot.feet
         away = place[:, None] - others[None]

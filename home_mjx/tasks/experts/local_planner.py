@@ -15,6 +15,7 @@ DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = (
 # [m], extra distance of an exit of the window that is farther from the end than its centre: agents would turn round at
 # a leaf in the way, lose sight of it, and come back.
 RETREAT_COST = 100.0
+EDGE_COST = 5.0  # [m], extra distance of an exit of the window beside a leaf, of which the rest may lie beyond the edge
 OTHER_ROOM_COST = 10.0  # [cells], extra cost of a cell in another room: a wall may be in between
 MAX_STEP_RISE = 0.3  # [m], maximum height difference between neighbouring cells that agents walk across
 # [m]: distance of unreachable cells, and advantage of the current cell, so that agents stay put on ties.
@@ -42,8 +43,9 @@ def window_distances(
 
     Cells without a nearer neighbour keep their known distance: the end itself, and cells where paths leave the window.
     Other cells at the edge do not: known distances ignore current obstacles, and such a path could lead back through
-    them. Where paths leave the window farther from the end than its centre is, they cost `RETREAT_COST` more. Paths cut
-    no corners, and do not lead from a floor to one above or below it, see `MAX_STEP_RISE`.
+    them. Where paths leave the window farther from the end than its centre is, they cost `RETREAT_COST` more, and
+    beside an obstacle `EDGE_COST`. Paths cut no corners, and do not lead from a floor to one above or below it, see
+    `MAX_STEP_RISE`.
 
     Args:
         global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
@@ -59,7 +61,8 @@ def window_distances(
     cost = _step_lengths(jnp.isfinite(global_distance), length, height)
     around = jnp.where(jnp.isfinite(cost), _neighbours(global_distance, jnp.inf), jnp.inf)
     retreats = global_distance > global_distance[HALF_WIDTH, HALF_WIDTH]
-    leave = global_distance + jnp.float32(RETREAT_COST) * retreats
+    beside = length > jnp.min(length)
+    leave = global_distance + jnp.float32(RETREAT_COST) * retreats + jnp.float32(EDGE_COST) * beside
     begin = jnp.where(global_distance <= jnp.min(around, axis=0), leave, jnp.inf)
 
     def relax(_: Array, far: Array) -> Array:
