@@ -16,6 +16,7 @@ import json
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -51,12 +52,17 @@ def main() -> None:
         bank = load_bank(dataset, ids=ids, progress=True)
     except HomeMjxError:
         bank = load_bank(dataset, ids=usable(dataset, ids), progress=True)
-    for name, impl in itertools.product(args.ids, args.impl):
-        line = judge(bank, name, impl, args)
-        print(json.dumps(line), flush=True)
-        if args.out is not None:
-            with args.out.open("a") as file:
-                file.write(json.dumps(line) + "\n")
+    for name in args.ids:
+        say(f"sampling episodes of {name}", True)
+        begin = time.perf_counter()
+        env = with_rows(bank, name, args.rows)
+        drawn = round(time.perf_counter() - begin, 1)
+        for impl in args.impl:
+            line = {"id": name, "first": args.first, "draw_s": drawn, **judge(with_impl(env, impl), args.batch)}
+            print(json.dumps(line), flush=True)
+            if args.out is not None:
+                with args.out.open("a") as file:
+                    file.write(json.dumps(line) + "\n")
 
 
 def parse() -> argparse.Namespace:
@@ -106,42 +112,43 @@ def usable(dataset: Dataset, ids: list[str]) -> list[str]:
     return kept
 
 
-def judge(bank: HouseBank, name: str, impl: str, args: argparse.Namespace) -> dict[str, Any]:
-    """Play all rows of one id."""
-    begin = time.perf_counter()
-    say(f"sampling episodes of {name}", True)
-    env = with_rows(bank, name, impl, args.rows)
-    rows = env.params.tasks if isinstance(env.params.tasks, Episodes) else env.params.tasks.rows
-    drawn, num = time.perf_counter(), rows.house.shape[0]
-    say(f"playing {num} episodes of {name}, {impl}", True)
-    figures = evaluate(env, expert_policy, None, num, max_batch=args.batch)
-    success = figures["success"]
-    storeys = start_storeys(bank, rows)
+def with_rows(bank: HouseBank, name: str, rows: int) -> Env[HouseholdEnv]:
+    """Return the environment of an id with its expert and `rows` episodes for each house."""
+    if name.startswith("PointNav"):
+        env = home_mjx.make(name, bank, actions="discrete", stop=True, sensors=("state",))
+        return add_expert(env.with_tasks(sample_episodes(bank, rows * bank.num_houses, min_length=MIN_LENGTH)))
+    return add_expert(home_mjx.make(name, bank, num_tasks=rows, sensors=("state",)))
+
+
+def with_impl(env: Env[HouseholdEnv], impl: str) -> Env[HouseholdEnv]:
+    """Return an environment with another implementation of physics, and the same houses and episodes."""
+    config = replace(env.core.config, physics=replace(env.core.config.physics, impl=impl))
+    return add_expert(Env(HouseholdEnv(config, env.core.task), env.params, env.spec))
+
+
+def judge(env: Env[HouseholdEnv], batch: int) -> dict[str, Any]:
+    """Play all rows of an environment."""
+    begin, bank, tasks, impl = time.perf_counter(), env.bank, env.params.tasks, env.core.config.physics.impl
+    rows = tasks if isinstance(tasks, Episodes) else tasks.rows
+    num = rows.house.shape[0]
+    say(f"playing {num} episodes, {impl}", True)
+    figures = evaluate(env, expert_policy, None, num, max_batch=batch)
+    success, storeys = figures["success"], start_storeys(bank, rows)
+    by_storey = {
+        int(k): [round(float(success[storeys == k].mean()), 4), int((storeys == k).sum())] for k in np.unique(storeys)
+    }
     return {
-        "id": name,
         "impl": impl,
         "device": device_name(),
-        "first": args.first,
         "houses": bank.num_houses,
         "num": num,
         "success": round(float(success.mean()), 4),
         "stderr": round(float(success.std() / np.sqrt(num)), 4),
         "spl": round(float(figures["spl"].mean()), 4) if "spl" in figures else None,
-        "by_storey": {int(k): [round(float(success[storeys == k].mean()), 4), int((storeys == k).sum())]
-                      for k in np.unique(storeys)},
+        "by_storey": by_storey,
         "lost": [lost_row(bank, rows, figures, int(row)) for row in np.flatnonzero(success < 1)],
-        "draw_s": round(drawn - begin, 1),
-        "play_s": round(time.perf_counter() - drawn, 1),
-    }  # fmt: skip
-
-
-def with_rows(bank: HouseBank, name: str, impl: str, rows: int) -> Env[HouseholdEnv]:
-    """Return the environment of an id with its expert and `rows` episodes for each house."""
-    options: dict[str, Any] = {"impl": impl, "sensors": ("state",)}
-    if name.startswith("PointNav"):
-        env = home_mjx.make(name, bank, actions="discrete", stop=True, **options)
-        return add_expert(env.with_tasks(sample_episodes(bank, rows * bank.num_houses, min_length=MIN_LENGTH)))
-    return add_expert(home_mjx.make(name, bank, num_tasks=rows, **options))
+        "play_s": round(time.perf_counter() - begin, 1),
+    }
 
 
 def start_storeys(bank: HouseBank, rows: Episodes) -> np.ndarray:

@@ -9,7 +9,13 @@ from scipy.spatial.distance import cdist
 
 import home_mjx
 from home_mjx.navigation.grid import cell_at_feet, cell_position, stored_distance
-from home_mjx.tasks.experts.door_avoidance import cell_cost_factors, is_near_leaf, leaf_distances
+from home_mjx.tasks.experts.door_avoidance import (
+    NUM_IMPATIENT_STEPS,
+    PATIENCE_PERIOD,
+    cell_cost_factors,
+    is_near_leaf,
+    leaf_distances,
+)
 from home_mjx.tasks.experts.field_descent import END_TOLERANCE, descend_field, step_aside
 from home_mjx.tasks.rules.cell_graph import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, CellGraph
 
@@ -48,6 +54,13 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_at_feet(snapshot.bank, snapshot.house, p)))(place))
     slow = np.asarray(jax.jit(cell_cost_factors)(snapshot))[tuple(cells.T)]
     np.testing.assert_array_equal(slow[~near] >= BRUSH_COST_FACTOR, graph.at_leaf[~near])
+
+
+def test_agents_ignore_leaves_after_some_steps(snapshot):
+    """Who turned round at a leaf, and comes back for it, walks past it in the end."""
+    last = snapshot.replace(step=jnp.int32(PATIENCE_PERIOD - NUM_IMPATIENT_STEPS - 1))
+    assert (jax.jit(cell_cost_factors)(last) > 1).any()
+    assert (jax.jit(cell_cost_factors)(last.replace(step=last.step + 1)) == 1).all()
 
 
 def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(snapshot, graph):

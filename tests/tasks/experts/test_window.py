@@ -123,3 +123,16 @@ def test_a_way_past_a_leaf_is_not_left_for_an_exit_farther_from_the_end():
     found = window_distances(jnp.asarray(far.ravel()), jnp.asarray((CELL * slow).ravel()), LEVEL)
     path = np.asarray(descend_window(found, LEVEL, jnp.array([HALF_WIDTH, HALF_WIDTH]), 6))
     assert (np.diff(path[:, 0]) == -1).all()
+
+
+def test_an_exit_beside_a_leaf_costs_more_than_a_clear_one():
+    """The rest of the leaf lies beyond the edge of the window, where it is not seen."""
+    columns = np.arange(WIDTH)
+    far = np.full((WIDTH, WIDTH), np.inf, np.float32)
+    far[HALF_WIDTH - 1 : HALF_WIDTH + 2] = 3.0 + CELL * columns  # a corridor to the end, left
+    far[HALF_WIDTH + 2 :, 20:23] = (5.0 - CELL * np.arange(HALF_WIDTH - 1))[:, None]  # and one down, 0.4 m longer
+    slow = np.ones(far.shape)
+    slow[:, 0] = 4.0
+    found = window_distances(jnp.asarray(far.ravel()), jnp.asarray((CELL * slow).ravel()), LEVEL)
+    path = np.asarray(descend_window(found, LEVEL, jnp.array([HALF_WIDTH, HALF_WIDTH]), 6))
+    assert (np.diff(path[:, 1]) == 1).all()
