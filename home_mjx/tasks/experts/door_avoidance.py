@@ -15,8 +15,8 @@ from home_mjx.tasks.rules.cell_graph import (
     PUSH_COST_FACTOR,
 )
 
-# [steps]: a period, and its last steps, in which agents walk as if there were no leaves. Fields do not contain these: an
-# agent may turn round at one, lose sight of it and come back, for ever.
+# [steps]: a period, and its last steps, in which agents walk as if there were no leaves. Fields do not contain these:
+# an agent may turn round at one, lose sight of it and come back, for ever.
 PATIENCE_PERIOD, NUM_IMPATIENT_STEPS = 200, 40
 CARRY_COST_FACTOR = 1.5  # cost factor where a carried object collides; small, because fields of rows ignore it
 OPEN_DISTANCE = 0.4  # [m], distance of a shut leaf at which an agent with hands opens it
