@@ -233,7 +233,10 @@ for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks.suite:{_name}", {"actions": "discrete", "stop": True})
 # Number of exploration steps of Chaplot et al. with the same actions (arXiv:2004.05155).
 register("Exploration-v0", "home_mjx.tasks.suite:Exploration", {"actions": "discrete", "episode_length": 1000})
-register("PiedPiper-v0", "home_mjx.tasks.suite:PiedPiper", {"actions": "discrete", "num_agents": 3})
+# In a home of three storeys an expert may need 400 steps to reach the piper, and then follows it for 80.
+register(
+    "PiedPiper-v0", "home_mjx.tasks.suite:PiedPiper", {"actions": "discrete", "num_agents": 3, "episode_length": 1000}
+)
 register("HouseQA-v0", "home_mjx.tasks.suite:HouseQA", {"actions": "discrete"})
 register("VQA-v0", "home_mjx.tasks.suite:VQA", {"actions": "discrete"})
 register("Dialogue-v0", "home_mjx.tasks.suite:Dialogue", {"actions": "discrete", "stop": True})
