@@ -28,7 +28,8 @@ if os.environ["JAX_PLATFORMS"] == "cpu":
 SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
 os.environ.setdefault("MPLBACKEND", "agg")
 os.environ.setdefault("HOME_MJX_CACHE", str(Path(tempfile.gettempdir()) / "home_mjx_test_cache"))
-os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0.5")
+# Thousands of the programs are single operations: to load one takes half of the time that compiling it takes.
+os.environ.setdefault("JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS", "0")
 
 # The processes that tests start, and the next run, need not compile every module anew.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)

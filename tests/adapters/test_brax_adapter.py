@@ -92,8 +92,8 @@ def test_sums_of_metrics_are_those_of_the_end(generated_bank):
     options = {"sensors": ("state", "goal"), "impl": "kinematic"}
     wrapped = wrap_for_training(BraxEnv(home_mjx.make("PointNav-v0", generated_bank, **options)), episode_length=3)
     judged = EvalWrapper(wrapped)
-    states, forward = judged.reset(jax.random.split(jax.random.PRNGKey(0), 2)), jnp.zeros((2, 4)).at[:, 0].set(1.0)
-    step, seen = jax.jit(judged.step), []
+    states = jax.jit(judged.reset)(jax.random.split(jax.random.PRNGKey(0), 2))
+    forward, step, seen = jnp.zeros((2, 4)).at[:, 0].set(1.0), jax.jit(judged.step), []
     for _ in range(3):
         states = step(states, forward)
         seen.append({name: np.asarray(value) for name, value in states.metrics.items() if name != "reward"})
@@ -137,7 +137,7 @@ def test_braxs_registry_has_every_id(generated_bank, brax_env, monkeypatch):
     with pytest.raises(ConfigError, match="stop=False"):
         envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1)
     assert envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1, actions="continuous", stop=False)
-    state = env.reset(jax.random.PRNGKey(0))
+    state = jax.jit(env.reset)(jax.random.PRNGKey(0))
     picture = env.render(state, height=6, width=8)
     assert picture.shape == (6, 8, 3)
     np.testing.assert_array_equal(env.render([state.pipeline_state], height=6, width=8)[0], picture)

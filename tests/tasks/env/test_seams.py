@@ -18,6 +18,7 @@ from home_mjx import EnvSpec, HouseBank, HouseFilter
 from home_mjx.core.checks import check_frozen_dataclass
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Lens, LitShader
+from home_mjx.registry import find_spec, load_entry_point
 from home_mjx.tasks import AgentCamera, ArraySpec, Task, make_config
 from home_mjx.tasks.base import sensor as sensor_seam
 from home_mjx.tasks.suite import PointNav
@@ -151,26 +152,31 @@ COSTLY = ("rgb", "depth", "instance", "audio")
 MANY = "PiedPiper-v0"  # three agents, two of which the task leads
 
 
-@pytest.mark.parametrize("all_see_and_hear", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_every_environment_keeps_one_tree(generated_bank, all_see_and_hear):
+@pytest.mark.parametrize("every_way", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_every_environment_keeps_one_tree(generated_bank, every_way):
     """Shapes, dtypes and structure are the same out of every function, for every id that there is.
 
-    What is seen and heard takes the same way in all of them, so in the fast suite one id has it.
+    What is seen and heard takes the same way in all of them, and so do resets and steps that observe, which are those
+    that do not, and `observe`. In the fast suite one id has all of it, the others have fast physics.
     """
+    small = {"sensors": None, "width": 8, "height": 8, "num_rays": 8, "num_bounces": 2}
     for env_id in home_mjx.list_envs():
-        env = home_mjx.make(env_id, generated_bank, sensors=None, width=8, height=8, num_rays=8, num_bounces=2)
-        if not all_see_and_hear and env_id != MANY:
+        whole = every_way or env_id == MANY
+        task = load_entry_point(find_spec(env_id).entry_point)
+        few = {"num_tasks": 2} if hasattr(task, "num_tasks") else {}
+        env = home_mjx.make(env_id, generated_bank, **small, **few, **{} if whole else {"impl": "kinematic"})
+        if not whole:
             cheap = tuple(name for name in env.config.sensors if name not in COSTLY)
             core = home_mjx.HouseholdEnv(dataclasses.replace(env.config, sensors=cheap), env.task)
             env = core.bind(env.params)
         key, spec = jax.ShapeDtypeStruct((2,), jnp.uint32), env.action_spec
         action = jax.ShapeDtypeStruct(spec.shape, spec.dtype)
         begun = jax.eval_shape(functools.partial(env.core.reset, observe=False), env.params, key)
-        trees = [begun, jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
-        trees += [
-            jax.eval_shape(functools.partial(env.core.step, observe=False), env.params, begun, action),
-            jax.eval_shape(env.observe, begun),
-        ]
+        stepped = jax.eval_shape(functools.partial(env.core.step, observe=False), env.params, begun, action)
+        trees = [begun, stepped, jax.eval_shape(functools.partial(env.core.observe, update=True), env.params, begun)]
+        if whole:
+            trees += [jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
+            trees += [jax.eval_shape(env.observe, begun)]
         for tree in trees[1:]:
             assert jax.tree.structure(tree) == jax.tree.structure(begun)
             for a, b in zip(jax.tree.leaves(begun), jax.tree.leaves(tree), strict=True):
