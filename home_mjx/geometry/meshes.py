@@ -6,6 +6,7 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.schema.compiled import BVH, Instances, Model
 from home_mjx.schema.house import Mesh
 
@@ -169,7 +170,7 @@ def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, 
     corners, they are not returned.
     """
     places = np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64)
-    place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    place = unique_cells(places)[1]
     order = np.argsort(place, kind="stable")
     count = np.bincount(place)
     start = np.cumsum(count) - count

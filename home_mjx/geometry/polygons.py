@@ -4,6 +4,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.slabs import signed_area
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.schema.compiled import RoomTable
 
 MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
@@ -70,9 +71,9 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
     if not upper.any():
         return bounding_outline(slab)
     points = np.round(slab[upper, :, :2] / MERGE_DISTANCE).astype(np.int64).reshape(-1, 2)
-    corners, index = np.unique(points, axis=0, return_inverse=True)
+    first, index = unique_cells(points)
     loops = _boundary_loops(index.reshape(-1, 3))
-    polygons = [_straighten(corners[loop] * MERGE_DISTANCE) for loop in loops]
+    polygons = [_straighten(points[first][loop] * MERGE_DISTANCE) for loop in loops]
     largest = max(polygons, key=_area, default=np.zeros((0, 2)))
     area = np.linalg.norm(normal[upper], axis=1).sum() / 2
     # Triangles that do not share corners yield several loops, none of which is the outline.

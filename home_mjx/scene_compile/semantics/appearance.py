@@ -12,6 +12,7 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.color import decode_srgb, linear_to_lab
 from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
 from home_mjx.errors import ConfigError
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.color_names import COLOR_LEVELS, nearest_names
@@ -147,11 +148,11 @@ def dominant_colors(
         lab: CIELAB colours.
         weight: Weight of each colour; not all 0.
     """
-    cell, index = np.unique(np.round(lab / (MAX_SHADE_DISTANCE / 4)).astype(int), axis=0, return_inverse=True)
-    mass = np.bincount(index.reshape(-1), weight)
-    place = np.stack([np.bincount(index.reshape(-1), weight * x) for x in lab.T], axis=-1) / mass[:, None]
+    cell = unique_cells(np.round(lab / (MAX_SHADE_DISTANCE / 4)).astype(np.int64))[1]
+    mass = np.bincount(cell, weight)
+    place = np.stack([np.bincount(cell, weight * x) for x in lab.T], axis=-1) / mass[:, None]
     near = np.linalg.norm(place[:, None] - place, axis=-1) < MAX_SHADE_DISTANCE
-    left = np.ones(len(cell), bool)
+    left = np.ones(len(mass), bool)
     found = []
     while left.any():
         group = near[int(np.where(left, near @ (mass * left), -1).argmax())] & left

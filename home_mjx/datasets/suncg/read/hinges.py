@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 
 from home_mjx.geometry.box_fit import narrowest_box, sample_surface, triangle_components
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.rotations import plane_matrix
 
 SAME_CORNER_DISTANCE = 2e-3  # [m], corners closer than this are equal in both variants
@@ -187,7 +188,7 @@ def _refine(
 def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
     """Sample points of a surface, at most one per grid cell of size `spacing` [m]."""
     points = sample_surface(triangles, spacing)
-    return points[np.unique(np.floor(points / spacing), axis=0, return_index=True)[1]]
+    return points[unique_cells(np.floor(points / spacing).astype(np.int64))[0]]
 
 
 def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray, "2"]) -> Float[np.ndarray, "p 3"]:
