@@ -102,29 +102,43 @@ def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> 
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
 
-def penetration_depth(box: BoxSet, others: BoxSet) -> Float[np.ndarray, " n"]:
-    """Return the penetration depth in the plan of one box and each of the others [m]; negative if they are apart.
+def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]:
+    """Return the penetration depth in the plan of each box and each of the others [m]; negative if they are apart.
 
     By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.
     """
-    away = others.center[:, :2] - box.center[0, :2]
-    turn = others.yaw - box.yaw[0]
-    cosine, sine = abs(np.cos(turn)), abs(np.sin(turn))
-    mixed = np.stack([np.stack([cosine, sine]), np.stack([sine, cosine])])  # |axis i of one . axis j of the other|
-    depths = []
-    for yaw, own, other in ((np.broadcast_to(box.yaw, turn.shape), box, others), (others.yaw, others, box)):
-        across = np.stack([np.cos(yaw), np.sin(yaw)]), np.stack([-np.sin(yaw), np.cos(yaw)])
-        for i, axis in enumerate(across):
-            reach = own.half[:, i] + (other.half[:, :2] * mixed[i].T).sum(axis=1)
-            depths.append(reach - abs((axis * away.T).sum(axis=0)))
-    return np.min(depths, axis=0)
+    turn = others.yaw - boxes.yaw[:, None]
+    mixed = abs(np.cos(turn)), abs(np.sin(turn))  # |axis i of one . axis j of the other|: equal or unequal i and j
+    dx, dy = (others.center[:, i] - boxes.center[:, i, None] for i in (0, 1))
+    depth = np.full(turn.shape, np.inf)
+    for own, other in ((_Columns(boxes, 1), _Columns(others, 0)), (_Columns(others, 0), _Columns(boxes, 1))):
+        for i, away in enumerate((own.cosine * dx + own.sine * dy, own.cosine * dy - own.sine * dx)):
+            reach = own.half[i] + (other.half[0] * mixed[i] + other.half[1] * mixed[1 - i])
+            depth = np.minimum(depth, reach - abs(away))
+    return depth
 
 
-def footprint_distance(boxes: BoxSet, index: int, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-    """Return the distance in the plan from points to a box [m]; 0 inside."""
-    local = (points - boxes.center[index, :2]) @ yaw_matrix(boxes.yaw[index])[:2, :2]
-    outside = np.maximum(abs(local) - boxes.half[index, :2], 0)
-    return np.hypot(outside[..., 0], outside[..., 1])
+class _Columns:
+    """Columns of boxes with an axis for the boxes that they are compared with."""
+
+    def __init__(self, boxes: BoxSet, axis: int) -> None:
+        yaw = np.expand_dims(boxes.yaw, axis)
+        self.half = [np.expand_dims(boxes.half[:, i], axis) for i in (0, 1)]
+        self.cosine, self.sine = np.cos(yaw), np.sin(yaw)
+
+
+def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> Float[np.ndarray, "n *p"]:
+    """Return the distance in the plan from points to each box [m]; 0 inside.
+
+    Args:
+        boxes: Boxes.
+        points: Points of each box, or one set for all boxes [m].
+    """
+    shape = (-1, *(1,) * (points.ndim - 2))
+    (x, y), (a, b) = (values[:, :2].T.reshape(2, *shape) for values in (boxes.center, boxes.half))
+    c, s = np.cos(boxes.yaw).reshape(shape), np.sin(boxes.yaw).reshape(shape)
+    dx, dy = points[..., 0] - x, points[..., 1] - y
+    return np.hypot(np.maximum(abs(c * dx + s * dy) - a, 0), np.maximum(abs(c * dy - s * dx) - b, 0))
 
 
 def footprint(boxes: BoxSet, index: int) -> Float[np.ndarray, "4 2"]:

@@ -1,7 +1,7 @@
 """Triangles: frames, boxes, vertex normals, library models, and the tree over a house's static instances."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -92,6 +92,7 @@ def make_model(
     slot: Int[np.ndarray, " t"] | None = None,
     part: Int[np.ndarray, " t"] | None = None,
     normal: Float[np.ndarray, "t 3 3"] | None = None,
+    find: Callable[[str], Model | None] = lambda key: None,
 ) -> Model:
     """Create a library model with its BVH; its triangles are reordered, see `tree_order`.
 
@@ -102,6 +103,7 @@ def make_model(
         slot: Material slot of each triangle; 0 if None.
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
+        find: Returns the model with a key if it was created before; otherwise None.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
@@ -110,10 +112,14 @@ def make_model(
     slot = np.zeros(count, np.int32) if slot is None else slot.astype(np.int32)
     part = np.zeros(count, np.int32) if part is None else part.astype(np.int32)
     normal = (crease_normals(triangles) if normal is None else normal).astype(np.float32)
-    tree, order = _triangle_tree(triangle)
     digest = hashlib.sha256(b"".join(a.tobytes() for a in (triangle, uv, slot, part, normal))).hexdigest()[:16]
+    key = f"{name}:{digest}"
+    found = find(key)
+    if found is not None:
+        return found
+    tree, order = _triangle_tree(triangle)
     return Model(
-        key=f"{name}:{digest}",
+        key=key,
         triangle=triangle[order],
         uv=uv[order],
         normal=normal[order],

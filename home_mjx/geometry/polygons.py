@@ -3,12 +3,13 @@
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from home_mjx.geometry.slabs import signed_area
 from home_mjx.geometry.cells import unique_cells
+from home_mjx.geometry.slabs import signed_area
 from home_mjx.schema.compiled import RoomTable
 
 MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
 MAX_BEND = 1e-3  # [m], maximum distance of removed corners from an outline
+MAX_BATCHED_POINTS = 64  # maximum number of points that are compared with all edges of a polygon at once
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
@@ -20,12 +21,22 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
     """Return whether points are inside a simple polygon of either winding; points on its edge may be either."""
     x, y = points[..., 0], points[..., 1]
+    edges = np.concatenate([polygon, np.roll(polygon, -1, axis=0)], axis=1)
+    edges = edges[edges[:, 1] != edges[:, 3]]
+    if x.size <= MAX_BATCHED_POINTS:
+        x0, y0, x1, y1 = edges.T.reshape(4, -1, *(1,) * x.ndim)
+        return np.logical_xor.reduce(_crosses(x, y, x0, y0, x1, y1), axis=0)
     inside = np.zeros(x.shape, bool)
-    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if y0 != y1:
-            crosses = (y0 > y) != (y1 > y)
-            inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    for x0, y0, x1, y1 in edges:
+        inside ^= _crosses(x, y, x0, y0, x1, y1)
     return inside
+
+
+def _crosses(
+    x: np.ndarray, y: np.ndarray, x0: np.ndarray, y0: np.ndarray, x1: np.ndarray, y1: np.ndarray
+) -> Bool[np.ndarray, "..."]:
+    """Return whether rays from points along +x cross edges."""
+    return ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
 
 
 def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, "2"]) -> float:

@@ -6,7 +6,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, make_boxes, penetration_depth
-from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.collision.movables import MIN_BODY_HALF, MovableCandidate, MovableOptions
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
@@ -24,7 +23,7 @@ def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[
         objects: All objects of a house.
         reach: Maximum gap between an object and the top of the object that supports it [m].
     """
-    boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
+    boxes = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     loads: dict[int, list[int]] = {}
     for item, (low, high) in zip(objects, boxes, strict=True):
         middle = (low + high)[:2] / 2
@@ -144,7 +143,7 @@ def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float 
     low, high = -box.half[0].copy(), box.half[0].copy()
     for i in _near(box, obstacles):
         now = _cut(box, low, high)
-        if penetration_depth(now, obstacles[i : i + 1])[0] <= -gap or obstacles.bottom[i] >= now.top[0]:
+        if penetration_depth(now, obstacles[i : i + 1])[0, 0] <= -gap or obstacles.bottom[i] >= now.top[0]:
             continue
         below = obstacles.bottom[i] - gap - box.center[0, 2]
         if below - low[2] >= options.min_lowered_height:

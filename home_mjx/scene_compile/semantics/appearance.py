@@ -1,7 +1,8 @@
 """Appearance of a surface: dominant colours and materials by area."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -78,6 +79,9 @@ def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> App
         skin: The surface.
         options: `share` and `material` are used.
     """
+    if skin.area.sum() <= 0:
+        # A mesh of lines and points has zero area, so all triangles get equal weights.
+        skin = replace(skin, area=np.ones_like(skin.area))
     lab, weight = surface_colors(skin)
     colors, weights = dominant_colors(lab, weight)
     materials, textured = surface_materials(skin, options)
@@ -127,6 +131,16 @@ def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]
     changed = Path(path).stat().st_mtime_ns if Path(path).is_file() else 0
     column, row = ((uv % 1) * IMAGE_SIDE).astype(int).clip(0, IMAGE_SIDE - 1).T
     return _image(path, changed)[IMAGE_SIDE - 1 - row, column] / 255
+
+
+def texture_digest(path: str) -> bytes:
+    """Return the SHA-256 digest of an image file; empty if it does not exist."""
+    return _file_digest(path, Path(path).stat().st_mtime_ns) if Path(path).is_file() else b""
+
+
+@lru_cache(maxsize=1 << 12)
+def _file_digest(path: str, changed: int) -> bytes:
+    return hashlib.sha256(Path(path).read_bytes()).digest()
 
 
 @lru_cache(maxsize=1 << 12)

@@ -45,6 +45,32 @@ class Hinge:
     slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
 
 
+@dataclass(frozen=True)
+class HingeTable:
+    """Arrays of the hinges of a door; see `Hinge`."""
+
+    leaf: Bool[np.ndarray, "h t"]
+    pivot: Float[np.ndarray, "h 2"]
+    displacement: Float[np.ndarray, " h"]
+    slide: Float[np.ndarray, "h 2"]
+
+    @classmethod
+    def of(cls, hinges: Sequence[Hinge], num_triangles: int) -> "HingeTable":
+        """Create the table of hinges of a variant with `num_triangles` triangles."""
+        return cls(
+            np.array([hinge.leaf for hinge in hinges], bool).reshape(-1, num_triangles),
+            np.array([hinge.pivot for hinge in hinges], float).reshape(-1, 2),
+            np.array([hinge.displacement for hinge in hinges], float),
+            np.array([hinge.slide for hinge in hinges], float).reshape(-1, 2),
+        )
+
+    @property
+    def hinges(self) -> tuple[Hinge, ...]:
+        """The hinges, one per row."""
+        columns = zip(self.leaf, self.pivot, self.displacement.tolist(), self.slide, strict=True)
+        return tuple(Hinge(*column) for column in columns)
+
+
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
     """Find the hinges of a door; empty if no part turns or slides, or a variant is too large for a door.
 
