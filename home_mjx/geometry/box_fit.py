@@ -7,7 +7,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.geometry.boxes import MIN_HALF_EXTENT, BoxSet, bounding_box, empty_boxes, make_boxes
+from home_mjx.geometry.boxes import MIN_HALF_EXTENT, BoxSet, bounding_box, make_boxes
 from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.rotations import yaw_matrix
 
@@ -177,5 +177,7 @@ def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
     except (QhullError, ValueError):  # all points on one line
         return bounding_box(points)
     side = np.roll(hull, -1, axis=0) - hull
-    boxes = [bounding_box(points, float(yaw)) for yaw in np.arctan2(side[:, 1], side[:, 0])]
-    return min(boxes, key=lambda b: float(b.half[0, 0] * b.half[0, 1]), default=empty_boxes())
+    yaws = np.arctan2(side[:, 1], side[:, 0]).tolist()
+    columns = np.stack([np.ascontiguousarray((points @ yaw_matrix(yaw)).T) for yaw in yaws])
+    half = (columns.max(axis=2) - columns.min(axis=2)) / 2
+    return bounding_box(points, yaws[int((half[:, 0] * half[:, 1]).argmin())])

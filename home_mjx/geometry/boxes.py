@@ -73,15 +73,18 @@ def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
 
 def unique_boxes(boxes: BoxSet) -> BoxSet:
     """Return the boxes without duplicates, in their order."""
-    _, first = np.unique(np.c_[boxes.center, boxes.half, boxes.yaw], axis=0, return_index=True)
-    return boxes[np.sort(first)]
+    first: dict[tuple[float, ...], int] = {}
+    for row, values in enumerate(np.c_[boxes.center, boxes.half, boxes.yaw].tolist()):
+        first.setdefault(tuple(values), row)
+    return boxes[list(first.values())] if len(first) < len(boxes) else boxes
 
 
 def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
     """Return the smallest box around points [m] with this yaw [rad]."""
     turn = yaw_matrix(yaw)
     local = points @ turn
-    low, high = local.min(axis=0), local.max(axis=0)
+    columns = np.ascontiguousarray(local.T)
+    low, high = columns.min(axis=1), columns.max(axis=1)
     return make_boxes(turn @ ((low + high) / 2), (high - low) / 2, yaw)
 
 
@@ -107,24 +110,18 @@ def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]
 
     By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.
     """
-    turn = others.yaw - boxes.yaw[:, None]
+    yaws = boxes.yaw[:, None], others.yaw
+    halves = boxes.half.T[:2, :, None], others.half.T[:2]
+    turn = yaws[1] - yaws[0]
     mixed = abs(np.cos(turn)), abs(np.sin(turn))  # |axis i of one . axis j of the other|: equal or unequal i and j
     dx, dy = (others.center[:, i] - boxes.center[:, i, None] for i in (0, 1))
     depth = np.full(turn.shape, np.inf)
-    for own, other in ((_Columns(boxes, 1), _Columns(others, 0)), (_Columns(others, 0), _Columns(boxes, 1))):
-        for i, away in enumerate((own.cosine * dx + own.sine * dy, own.cosine * dy - own.sine * dx)):
-            reach = own.half[i] + (other.half[0] * mixed[i] + other.half[1] * mixed[1 - i])
+    for yaw, own, other in zip(yaws, halves, halves[::-1], strict=True):
+        c, s = np.cos(yaw), np.sin(yaw)
+        for i, away in enumerate((c * dx + s * dy, c * dy - s * dx)):
+            reach = own[i] + (other[0] * mixed[i] + other[1] * mixed[1 - i])
             depth = np.minimum(depth, reach - abs(away))
     return depth
-
-
-class _Columns:
-    """Columns of boxes with an axis for the boxes that they are compared with."""
-
-    def __init__(self, boxes: BoxSet, axis: int) -> None:
-        yaw = np.expand_dims(boxes.yaw, axis)
-        self.half = [np.expand_dims(boxes.half[:, i], axis) for i in (0, 1)]
-        self.cosine, self.sine = np.cos(yaw), np.sin(yaw)
 
 
 def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> Float[np.ndarray, "n *p"]:

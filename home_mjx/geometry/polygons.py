@@ -1,5 +1,7 @@
 """Polygons of the floor plan, and outlines of slabs."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
@@ -15,20 +17,32 @@ MAX_BATCHED_POINTS = 64  # maximum number of points that are compared with all e
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
     """Return the area of a simple polygon [m^2], by the shoelace formula."""
     x, y = polygon.T
-    return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
+    following_x, following_y = np.concatenate([polygon[1:], polygon[:1]]).T
+    return float(abs(np.dot(x, following_y) - np.dot(y, following_x)) / 2)
 
 
 def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
     """Return whether points are inside a simple polygon of either winding; points on its edge may be either."""
+    return are_inside_polygons([polygon], points)[0]
+
+
+def are_inside_polygons(
+    polygons: Sequence[Float[np.ndarray, "_ 2"]], points: Float[np.ndarray, "*p 2"]
+) -> Bool[np.ndarray, "n *p"]:
+    """Return whether points are inside each of several polygons, see `is_inside_polygon`."""
     x, y = points[..., 0], points[..., 1]
-    edges = np.concatenate([polygon, np.roll(polygon, -1, axis=0)], axis=1)
-    edges = edges[edges[:, 1] != edges[:, 3]]
-    if x.size <= MAX_BATCHED_POINTS:
-        x0, y0, x1, y1 = edges.T.reshape(4, -1, *(1,) * x.ndim)
-        return np.logical_xor.reduce(_crosses(x, y, x0, y0, x1, y1), axis=0)
-    inside = np.zeros(x.shape, bool)
-    for x0, y0, x1, y1 in edges:
-        inside ^= _crosses(x, y, x0, y0, x1, y1)
+    inside = np.zeros((len(polygons), *x.shape), bool)
+    edges = np.concatenate([np.zeros((0, 4)), *(np.c_[p, np.concatenate([p[1:], p[:1]])] for p in polygons)])
+    polygon = np.repeat(np.arange(len(polygons)), [len(p) for p in polygons])
+    sloped = edges[:, 1] != edges[:, 3]
+    edges, polygon = edges[sloped], polygon[sloped]
+    if x.size > MAX_BATCHED_POINTS:
+        for number, edge in zip(polygon.tolist(), edges, strict=True):
+            inside[number] ^= _crosses(x, y, *edge)
+    elif len(edges):
+        met = _crosses(x, y, *edges.T.reshape(4, -1, *(1,) * x.ndim))
+        first = np.flatnonzero(np.diff(polygon, prepend=-1))
+        inside[polygon[first]] = np.logical_xor.reduceat(met, first, axis=0)
     return inside
 
 
@@ -54,8 +68,9 @@ def find_smallest_room(
 ) -> Int[np.ndarray, "*p"]:
     """Return the index of the smallest room that contains each point, since rooms may nest; -1 if none."""
     found = np.full(points.shape[:-1], -1, np.int32)
-    for room in sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r])):
-        found[is_inside_polygon(rooms.polygon[room], points)] = room
+    order = sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r]))
+    for room, inside in zip(order, are_inside_polygons([rooms.polygon[r] for r in order], points), strict=True):
+        found[inside] = room
     return found
 
 

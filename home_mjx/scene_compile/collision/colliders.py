@@ -76,9 +76,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
     boxes, leaves = empty_boxes(), []
     if item.info.coarse == "window":
         boxes = item.box
-    elif (
-        item.info.coarse not in PASSABLE_CATEGORIES and item.limits[0, 2] < floor + options.max_bottom_height
-    ):
+    elif item.info.coarse not in PASSABLE_CATEGORIES and item.limits[0, 2] < floor + options.max_bottom_height:
         sill = floor + MAX_SILL_HEIGHT - item.pose[2, 3] if item.info.coarse in PORTAL_CATEGORIES else None
         boxes, leaves = _fit_shape(_shape(item), sill, options.max_boxes_per_object)
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]

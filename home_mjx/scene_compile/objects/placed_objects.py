@@ -104,7 +104,7 @@ class PlacedObject:
         angles = [leaf.closed if self.is_shut else 0.0 for leaf in self._leaves]
         return (self.pose, *(leaf.pose_at(a, self.pose) for leaf, a in zip(self._leaves, angles, strict=True)))
 
-    @property
+    @cached_property
     def surfaces(self) -> tuple[SurfaceMaterial, ...]:
         """Resolved surface of each material slot."""
         return tuple(surface_material(slot, self.info.fine, self.info.coarse) for slot in self.slots)
