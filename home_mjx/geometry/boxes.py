@@ -44,7 +44,7 @@ class BoxSet:
     def __len__(self) -> int:
         return len(self.yaw)
 
-    def __getitem__(self, rows: np.ndarray | slice) -> "BoxSet":
+    def __getitem__(self, rows: np.ndarray | slice | list[int]) -> "BoxSet":
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:

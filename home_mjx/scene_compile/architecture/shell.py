@@ -166,7 +166,7 @@ def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]
     edge = slab.high[1] + ROOM_PROBE_DISTANCE if side > 0 else slab.low[1] - ROOM_PROBE_DISTANCE
     along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
     points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]
-    return are_inside_polygons(polygons, points).any(axis=0)
+    return np.asarray(are_inside_polygons(polygons, points).any(axis=0))
 
 
 def _slots(parts: Sequence[ShellPart], categories: Sequence[str]) -> tuple[list[SurfaceMaterial], list[np.ndarray]]:

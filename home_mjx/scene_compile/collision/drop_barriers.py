@@ -118,7 +118,7 @@ def _closed(edge: FloorEdge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
     """Return whether a box as high as a railing closes each point of the edge."""
     middle = edge.height + BARRIER_HEIGHT / 2
     around = walls[(walls.bottom < middle) & (walls.top > middle)]
-    return (footprint_distance(around, edge.points[None]) < MAX_WALL_DISTANCE).any(axis=0)
+    return np.asarray((footprint_distance(around, edge.points[None]) < MAX_WALL_DISTANCE).any(axis=0))
 
 
 def _runs(edge: FloorEdge, wanted: Bool[np.ndarray, " n"]) -> list[FloorEdge]:

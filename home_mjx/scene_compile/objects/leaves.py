@@ -81,7 +81,7 @@ def find_motion_range(
     allowed = np.where(closed > -CLEARANCE, np.maximum(closed, 0) + further, -CLEARANCE)
 
     def is_free(ways: Float[np.ndarray, " w"]) -> Bool[np.ndarray, " w"]:
-        return (penetration_depth(leaf.boxes_at(ways), near) <= allowed).all(axis=1)
+        return np.asarray((penetration_depth(leaf.boxes_at(ways), near) <= allowed).all(axis=1))
 
     opens, most = (
         np.sign(leaf.wide_open - leaf.closed),
