@@ -23,7 +23,7 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 
 def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
     """Return whether points are inside a simple polygon of either winding; points on its edge may be either."""
-    return are_inside_polygons([polygon], points)[0]
+    return are_inside_polygons([polygon], points)[0, ...]
 
 
 def are_inside_polygons(
