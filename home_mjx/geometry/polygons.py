@@ -38,18 +38,17 @@ def are_inside_polygons(
     edges, polygon = edges[sloped], polygon[sloped]
     if x.size > MAX_BATCHED_POINTS:
         for number, edge in zip(polygon.tolist(), edges, strict=True):
-            inside[number] ^= _crosses(x, y, *edge)
+            inside[number] ^= _crosses(x, y, edge)
     elif len(edges):
-        met = _crosses(x, y, *edges.T.reshape(4, -1, *(1,) * x.ndim))
+        met = _crosses(x, y, edges.T.reshape(4, -1, *(1,) * x.ndim))
         first = np.flatnonzero(np.diff(polygon, prepend=-1))
         inside[polygon[first]] = np.logical_xor.reduceat(met, first, axis=0)
     return inside
 
 
-def _crosses(
-    x: np.ndarray, y: np.ndarray, x0: np.ndarray, y0: np.ndarray, x1: np.ndarray, y1: np.ndarray
-) -> Bool[np.ndarray, "..."]:
-    """Return whether rays from points along +x cross edges."""
+def _crosses(x: np.ndarray, y: np.ndarray, edges: Float[np.ndarray, "4 ..."]) -> Bool[np.ndarray, "..."]:
+    """Return whether rays from points along +x cross edges, given by both ends."""
+    x0, y0, x1, y1 = edges
     return ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
 
 

@@ -176,6 +176,8 @@ class HouseCache:
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
         if self.on_compile is not None:
             self.on_compile()
+        with suppress(OSError):  # a folder that cannot be written to is reported when the house is written
+            create_version_folder(self._folder)
         with keep_results(ResultStore(self._folder / "results", self._find_model)):
             house = self.dataset.load_house(house_id, self.options.read)
             compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
