@@ -10,7 +10,7 @@ from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.errors import ConfigError
 from home_procgen.build import build_home
 from home_procgen.dataset_writer import Generator, write_seeds
-from home_procgen.model_library import has_intact_library, write_library_tables, write_used_models
+from home_procgen.model_library import has_intact_library, save_intact_index, write_library_tables, write_used_models
 from home_procgen.v1 import dataset as flats
 
 GENERATOR_VERSION = 2  # increase it whenever the same seed would produce another file
@@ -53,9 +53,10 @@ def check_version(version: object) -> None:
 
 def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
     """Write one home per seed; arguments and errors are those of `generate_dataset`."""
-    return write_seeds(
-        root, seeds, Generator(GENERATOR_VERSION, write_library_tables, write_home, has_intact_library), progress
-    )
+    generator = Generator(GENERATOR_VERSION, write_library_tables, write_home, has_intact_library)
+    ids = write_seeds(root, seeds, generator, progress)
+    save_intact_index(Path(root).expanduser().absolute())
+    return ids
 
 
 def write_home(root: Path, seed: int) -> None:

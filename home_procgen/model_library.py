@@ -9,6 +9,7 @@ from pathlib import Path
 from PIL import Image
 
 from home_mjx.core.files import read_text
+from home_mjx.datasets.suncg.digest_index import DigestIndex, FileFacts, Stamp, index_folder
 from home_mjx.datasets.suncg.write.house import (
     JOINTS_DIGEST,
     is_folder_complete,
@@ -54,53 +55,91 @@ def write_library_tables(root: Path) -> None:
 def has_intact_library(root: Path, house_id: str) -> bool:
     """Return whether all models and textures of a written home exist and are intact.
 
+    Files are read only if their sizes, times or inodes differ from those in an index on disk, see `DigestIndex`.
+
     Args:
         root: Dataset root.
         house_id: Id of the home.
     """
+    used = _intact_index(root).facts(
+        f"house/{house_id}",
+        _stamp(root / "house" / house_id, root / "room" / house_id),
+        lambda: _facts(_names_in_house(root, house_id)),
+    )
+    found = [_model_facts(root, name) for name in used.names if name.startswith("object/")] if used.digest else [used]
+    textures = {name for facts in (used, *found) for name in facts.names if name.startswith("texture/")}
+    return all(facts.digest for facts in found) and all(_has_intact_texture(root, Path(n).name) for n in textures)
+
+
+def save_intact_index(root: Path) -> None:
+    """Write the index of intact files to disk, for later processes."""
+    _intact_index(root).save()
+
+
+@lru_cache(maxsize=8)
+def _intact_index(root: Path) -> DigestIndex:
+    """Return the index of the intact folders and images of a dataset, and of the files that they name."""
+    return DigestIndex(index_folder(root) / "intact.json")
+
+
+def _facts(names: Set[str] | None) -> FileFacts:
+    """Return the facts of an intact folder that names other files; the digest is empty if it is not intact."""
+    return FileFacts(b"", ()) if names is None else FileFacts(b"intact", tuple(sorted(names)))
+
+
+def _stamp(*paths: Path) -> Stamp:
+    """Return the stamp of files, and of the files in folders: total size, last times, and sum of the inodes."""
+    found = []
+    for path in paths:
+        try:
+            with os.scandir(path) as entries:
+                found += [entry.stat() for entry in entries]
+        except NotADirectoryError:
+            found.append(path.stat())
+        except FileNotFoundError:
+            pass
+    size, inode = sum(one.st_size for one in found), sum(one.st_ino for one in found)
+    return size, max((s.st_mtime_ns for s in found), default=0), max((s.st_ctime_ns for s in found), default=0), inode
+
+
+def _names_in_house(root: Path, house_id: str) -> Set[str] | None:
+    """Return the models and textures that a home names; None if a file is missing."""
     try:
         text = read_text(root / "house" / house_id / "house.json")
         rooms = [read_text(path) for path in sorted((root / "room" / house_id).glob("*.mtl"))]
     except DatasetError:
-        return False
-    models = [root / "object" / name for name in set(re.findall(r'"modelId":"((?:home|gen)_[^"]+)"', text))]
-    textures = set(re.findall(r'"texture":"([^"]+)"', text)).union(*(_textures_of(mtl) for mtl in rooms))
-    for folder in models:
-        if not _is_intact_folder(folder, _file_stamp(folder)):
-            return False
-        textures |= _textures_of(read_text(folder / f"{folder.name}.mtl"))
-    return all(
-        _is_intact_image(path, _file_stamp(path)) for path in (root / "texture" / f"{name}.png" for name in textures)
-    )
+        return None
+    models = {f"object/{name}" for name in re.findall(r'"modelId":"((?:home|gen)_[^"]+)"', text)}
+    textures = {f"texture/{name}" for name in re.findall(r'"texture":"([^"]+)"', text)}
+    return models.union(textures, *(_textures_of(mtl) for mtl in rooms))
 
 
 def _textures_of(mtl: str) -> set[str]:
-    return {Path(path).stem for path in re.findall(r"map_Kd (\S+)", mtl)}
+    return {f"texture/{Path(path).stem}" for path in re.findall(r"map_Kd (\S+)", mtl)}
 
 
-def _file_stamp(path: Path) -> tuple[int, ...]:
-    """Return sizes and modification times of a file, or of a folder's files; an equal stamp means unchanged files."""
-    try:
-        with os.scandir(path) as entries:
-            found = [entry.stat() for entry in sorted(entries, key=lambda entry: entry.name)]
-    except NotADirectoryError:
-        found = [path.stat()]
-    except FileNotFoundError:
-        found = []
-    return tuple(number for one in found for number in (one.st_size, one.st_mtime_ns))
+def _model_facts(root: Path, name: str) -> FileFacts:
+    folder = root / name
+
+    def look() -> FileFacts:
+        return _facts(_textures_of(read_text(folder / f"{folder.name}.mtl")) if is_folder_complete(folder) else None)
+
+    return _intact_index(root).facts(name, _stamp(folder), look)
 
 
-@lru_cache(maxsize=4096)
-def _is_intact_folder(folder: Path, stamp: tuple[int, ...]) -> bool:
-    return bool(stamp) and is_folder_complete(folder)
+def _has_intact_texture(root: Path, stem: str) -> bool:
+    path = root / "texture" / f"{stem}.png"
+    facts = _intact_index(root).facts(
+        f"texture/{stem}", _stamp(path), lambda: _facts(set() if _is_image(path) else None)
+    )
+    return bool(facts.digest)
 
 
-@lru_cache(maxsize=4096)
-def _is_intact_image(path: Path, stamp: tuple[int, ...]) -> bool:
+def _is_image(path: Path) -> bool:
     try:
         with Image.open(path) as image:
             image.load()
-        return bool(stamp)
+        return True
     except (OSError, ValueError, SyntaxError):  # raised by Pillow if the file is not an image
         return False
 
@@ -116,8 +155,7 @@ def write_used_models(root: Path, home: House) -> None:
         DatasetError: The folders cannot be written.
     """
     for name in sorted({item.model_id for level in home.levels for item in level.objects}):
-        folder = root / "object" / name
-        if not _is_intact_folder(folder, _file_stamp(folder)):
+        if not _model_facts(root, f"object/{name}").digest:
             model = _building_models().get(name) or thing(name)
             write_model(root, library_model(model, MODEL_CATEGORIES), digests=True)
     every = (material for materials in _materials(home) for material in materials)
@@ -136,6 +174,5 @@ def _materials(home: House) -> Iterator[tuple[Material, ...]]:
 
 def _write_textures(root: Path, names: Set[str]) -> None:
     for name in sorted(names):
-        path = root / "texture" / f"{name}.png"
-        if not _is_intact_image(path, _file_stamp(path)):
+        if not _has_intact_texture(root, name):
             write_textures(root, {name: texture(name)})

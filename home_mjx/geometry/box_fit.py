@@ -7,7 +7,8 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, QhullError
 
-from home_mjx.geometry.boxes import MIN_HALF_EXTENT, BoxSet, bounding_box, empty_boxes, make_boxes
+from home_mjx.geometry.boxes import MIN_HALF_EXTENT, BoxSet, bounding_box, make_boxes
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.rotations import yaw_matrix
 
 MAX_CELLS = 16  # maximum number of cells along the longest side of an object
@@ -161,10 +162,7 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
 def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
     """Return each triangle's connected component, counted from 0; corners in one cell of `WELD_DISTANCE` are welded."""
-    _, corner = np.unique(
-        np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64), axis=0, return_inverse=True
-    )
-    corner = corner.reshape(-1, 3)
+    corner = unique_cells(np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64))[1].reshape(-1, 3)
     count = int(corner.max()) + 1
     links = coo_matrix(
         (np.ones(2 * len(corner)), (np.repeat(corner[:, 0], 2), corner[:, 1:].ravel())), shape=(count, count)
@@ -179,5 +177,7 @@ def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
     except (QhullError, ValueError):  # all points on one line
         return bounding_box(points)
     side = np.roll(hull, -1, axis=0) - hull
-    boxes = [bounding_box(points, float(yaw)) for yaw in np.arctan2(side[:, 1], side[:, 0])]
-    return min(boxes, key=lambda b: float(b.half[0, 0] * b.half[0, 1]), default=empty_boxes())
+    yaws = np.arctan2(side[:, 1], side[:, 0]).tolist()
+    columns = np.stack([np.ascontiguousarray((points @ yaw_matrix(yaw)).T) for yaw in yaws])
+    half = (columns.max(axis=2) - columns.min(axis=2)) / 2
+    return bounding_box(points, yaws[int((half[:, 0] * half[:, 1]).argmin())])

@@ -44,7 +44,7 @@ class BoxSet:
     def __len__(self) -> int:
         return len(self.yaw)
 
-    def __getitem__(self, rows: np.ndarray | slice) -> "BoxSet":
+    def __getitem__(self, rows: np.ndarray | slice | list[int]) -> "BoxSet":
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:
@@ -73,15 +73,18 @@ def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
 
 def unique_boxes(boxes: BoxSet) -> BoxSet:
     """Return the boxes without duplicates, in their order."""
-    _, first = np.unique(np.c_[boxes.center, boxes.half, boxes.yaw], axis=0, return_index=True)
-    return boxes[np.sort(first)]
+    first: dict[tuple[float, ...], int] = {}
+    for row, values in enumerate(np.c_[boxes.center, boxes.half, boxes.yaw].tolist()):
+        first.setdefault(tuple(values), row)
+    return boxes[list(first.values())] if len(first) < len(boxes) else boxes
 
 
 def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
     """Return the smallest box around points [m] with this yaw [rad]."""
     turn = yaw_matrix(yaw)
     local = points @ turn
-    low, high = local.min(axis=0), local.max(axis=0)
+    columns = np.ascontiguousarray(local.T)
+    low, high = columns.min(axis=1), columns.max(axis=1)
     return make_boxes(turn @ ((low + high) / 2), (high - low) / 2, yaw)
 
 
@@ -102,29 +105,37 @@ def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> 
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
 
-def penetration_depth(box: BoxSet, others: BoxSet) -> Float[np.ndarray, " n"]:
-    """Return the penetration depth in the plan of one box and each of the others [m]; negative if they are apart.
+def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]:
+    """Return the penetration depth in the plan of each box and each of the others [m]; negative if they are apart.
 
     By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.
     """
-    away = others.center[:, :2] - box.center[0, :2]
-    turn = others.yaw - box.yaw[0]
-    cosine, sine = abs(np.cos(turn)), abs(np.sin(turn))
-    mixed = np.stack([np.stack([cosine, sine]), np.stack([sine, cosine])])  # |axis i of one . axis j of the other|
-    depths = []
-    for yaw, own, other in ((np.broadcast_to(box.yaw, turn.shape), box, others), (others.yaw, others, box)):
-        across = np.stack([np.cos(yaw), np.sin(yaw)]), np.stack([-np.sin(yaw), np.cos(yaw)])
-        for i, axis in enumerate(across):
-            reach = own.half[:, i] + (other.half[:, :2] * mixed[i].T).sum(axis=1)
-            depths.append(reach - abs((axis * away.T).sum(axis=0)))
-    return np.min(depths, axis=0)
+    yaws = boxes.yaw[:, None], others.yaw
+    halves = boxes.half.T[:2, :, None], others.half.T[:2]
+    turn = yaws[1] - yaws[0]
+    mixed = abs(np.cos(turn)), abs(np.sin(turn))  # |axis i of one . axis j of the other|: equal or unequal i and j
+    dx, dy = (others.center[:, i] - boxes.center[:, i, None] for i in (0, 1))
+    depth = np.full(turn.shape, np.inf)
+    for yaw, own, other in zip(yaws, halves, halves[::-1], strict=True):
+        c, s = np.cos(yaw), np.sin(yaw)
+        for i, away in enumerate((c * dx + s * dy, c * dy - s * dx)):
+            reach = own[i] + (other[0] * mixed[i] + other[1] * mixed[1 - i])
+            depth = np.minimum(depth, reach - abs(away))
+    return depth
 
 
-def footprint_distance(boxes: BoxSet, index: int, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-    """Return the distance in the plan from points to a box [m]; 0 inside."""
-    local = (points - boxes.center[index, :2]) @ yaw_matrix(boxes.yaw[index])[:2, :2]
-    outside = np.maximum(abs(local) - boxes.half[index, :2], 0)
-    return np.hypot(outside[..., 0], outside[..., 1])
+def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> Float[np.ndarray, "n *p"]:
+    """Return the distance in the plan from points to each box [m]; 0 inside.
+
+    Args:
+        boxes: Boxes.
+        points: Points of each box, or one set for all boxes [m].
+    """
+    shape = (-1, *(1,) * (points.ndim - 2))
+    (x, y), (a, b) = (values[:, :2].T.reshape(2, *shape) for values in (boxes.center, boxes.half))
+    c, s = np.cos(boxes.yaw).reshape(shape), np.sin(boxes.yaw).reshape(shape)
+    dx, dy = points[..., 0] - x, points[..., 1] - y
+    return np.hypot(np.maximum(abs(c * dx + s * dy) - a, 0), np.maximum(abs(c * dy - s * dx) - b, 0))
 
 
 def footprint(boxes: BoxSet, index: int) -> Float[np.ndarray, "4 2"]:

@@ -1,12 +1,13 @@
 """The twelve edges of a box: their numbering, and detection of those exposed to air, for sound diffraction."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 PROBE_DISTANCE = 0.02  # [m], distance of the probe points from an edge
 PROBE_POSITIONS = np.linspace(-0.9, 0.9, 5)  # probe positions along an edge, in half lengths
 MIN_FREE_PROBES = 2  # minimum number of positions surrounded by air
 NUM_EDGES = 12
+MAX_PAIRS = 1 << 18  # maximum number of pairs of boxes that are compared at once
 
 
 def edge_rows() -> np.ndarray:
@@ -51,26 +52,45 @@ def find_exposed_edges(
         >>> int(find_exposed_edges(*one, np.array([[-2.0, 1.01]])).sum())  # up to the ceiling: no edges there
         8
     """
-    exposed = np.zeros((len(center), NUM_EDGES), bool)
+    points = _probes(half) @ rotation.swapaxes(1, 2)[:, None, None] + center[:, None, None, None]
+    air = np.zeros(points.shape[:-1], bool)  # box, edge, along, probe
+    for floor, ceiling in heights:
+        air |= (points[..., 2] > floor) & (points[..., 2] < ceiling)
+    for rows in np.array_split(np.arange(len(center)), 1 + len(center) ** 2 // MAX_PAIRS):
+        box, other = _close_pairs(center, rotation, half, rows)
+        local = abs((points[box] - center[other][:, None, None, None]) @ rotation[other][:, None, None])
+        is_blocked = (local <= half[other][:, None, None, None]).all(axis=-1)
+        first = np.flatnonzero(np.diff(box, prepend=-1))
+        if len(first):
+            air[box[first]] &= ~np.logical_or.reduceat(is_blocked, first, axis=0)
+    return air.all(axis=-1).sum(axis=-1) >= MIN_FREE_PROBES
+
+
+def _close_pairs(
+    center: Float[np.ndarray, "n 3"],
+    rotation: Float[np.ndarray, "n 3 3"],
+    half: Float[np.ndarray, "n 3"],
+    rows: Int[np.ndarray, " m"],
+) -> Int[np.ndarray, "2 p"]:
+    """Return some of the boxes, ascending, each with the others that may contain one of its probe points."""
+    reach = half[rows] + 2 * PROBE_DISTANCE
     radius = np.linalg.norm(half, axis=1)
-    for box in range(len(center)):
-        apart = np.linalg.norm(center - center[box], axis=1)
-        others = np.flatnonzero((apart < radius + radius[box] + 2 * PROBE_DISTANCE) & (np.arange(len(center)) != box))
-        points = _probes(half[box]) @ rotation[box].T + center[box]  # edge, along, probe
-        air = ((points[..., 2, None] > heights[:, 0]) & (points[..., 2, None] < heights[:, 1])).any(axis=-1)
-        for other in others:
-            local = abs((points - center[other]) @ rotation[other])
-            air &= ~(local <= half[other]).all(axis=-1)
-        exposed[box] = air.all(axis=-1).sum(axis=-1) >= MIN_FREE_PROBES
-    return exposed
+    apart = np.linalg.norm(center[rows, None] - center, axis=-1)
+    near = (apart < radius + np.linalg.norm(reach, axis=1)[:, None]) & (rows[:, None] != np.arange(len(center)))
+    first, other = np.nonzero(near)
+    box = rows[first]
+    turn = abs(rotation[other].swapaxes(1, 2) @ rotation[box])  # |axis of the other . axis of the box|
+    away = abs(np.einsum("pi,pij->pj", center[box] - center[other], rotation[other]))
+    meets = (away <= half[other] + np.einsum("pij,pj->pi", turn, reach[first])).all(axis=1)
+    return np.stack([box[meets], other[meets]])
 
 
-def _probes(half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "edges along 3 3"]:
-    """Return points next to both faces and in front of each edge, in the box's frame."""
-    found = np.zeros((NUM_EDGES, len(PROBE_POSITIONS), 3, 3))
+def _probes(half: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n edges along 3 3"]:
+    """Return points next to both faces and in front of each edge, in the boxes' frames."""
+    found = np.zeros((len(half), NUM_EDGES, len(PROBE_POSITIONS), 3, 3))
     for number, (along, *sides) in enumerate(edge_rows()):
         others = [axis for axis in range(3) if axis != along]
-        found[number, ..., along] = (PROBE_POSITIONS * half[along])[:, None]
+        found[:, number, ..., along] = (PROBE_POSITIONS * half[:, along, None])[..., None]
         for axis, side, away in zip(others, sides, ([1, -1, 1], [-1, 1, 1]), strict=True):
-            found[number, ..., axis] = side * (half[axis] + PROBE_DISTANCE * np.array(away))
+            found[:, number, ..., axis] = (side * (half[:, axis, None] + PROBE_DISTANCE * np.array(away)))[:, None]
     return found

@@ -1,11 +1,12 @@
 """Triangles: frames, boxes, vertex normals, library models, and the tree over a house's static instances."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.schema.compiled import BVH, Instances, Model
 from home_mjx.schema.house import Mesh
 
@@ -49,8 +50,8 @@ def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) 
 
 def bounds(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "2 3"]:
     """Return the minimum and maximum corner of points."""
-    flat = points.reshape(-1, 3)
-    return np.stack([flat.min(axis=0), flat.max(axis=0)])
+    columns = np.ascontiguousarray(points.reshape(-1, 3).T)  # NumPy reduces long rows ten times as fast
+    return np.stack([columns.min(axis=1), columns.max(axis=1)])
 
 
 def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
@@ -91,6 +92,7 @@ def make_model(
     slot: Int[np.ndarray, " t"] | None = None,
     part: Int[np.ndarray, " t"] | None = None,
     normal: Float[np.ndarray, "t 3 3"] | None = None,
+    find: Callable[[str], Model | None] = lambda key: None,
 ) -> Model:
     """Create a library model with its BVH; its triangles are reordered, see `tree_order`.
 
@@ -101,6 +103,7 @@ def make_model(
         slot: Material slot of each triangle; 0 if None.
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
+        find: Returns the model with a key if it was created before; otherwise None.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
@@ -109,10 +112,14 @@ def make_model(
     slot = np.zeros(count, np.int32) if slot is None else slot.astype(np.int32)
     part = np.zeros(count, np.int32) if part is None else part.astype(np.int32)
     normal = (crease_normals(triangles) if normal is None else normal).astype(np.float32)
-    tree, order = _triangle_tree(triangle)
     digest = hashlib.sha256(b"".join(a.tobytes() for a in (triangle, uv, slot, part, normal))).hexdigest()[:16]
+    key = f"{name}:{digest}"
+    found = find(key)
+    if found is not None:
+        return found
+    tree, order = _triangle_tree(triangle)
     return Model(
-        key=f"{name}:{digest}",
+        key=key,
         triangle=triangle[order],
         uv=uv[order],
         normal=normal[order],
@@ -169,7 +176,7 @@ def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, 
     corners, they are not returned.
     """
     places = np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64)
-    place = np.unique(places, axis=0, return_inverse=True)[1].reshape(-1)
+    place = unique_cells(places)[1]
     order = np.argsort(place, kind="stable")
     count = np.bincount(place)
     start = np.cumsum(count) - count

@@ -1,30 +1,55 @@
 """Polygons of the floor plan, and outlines of slabs."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.slabs import signed_area
 from home_mjx.schema.compiled import RoomTable
 
 MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
 MAX_BEND = 1e-3  # [m], maximum distance of removed corners from an outline
+MAX_BATCHED_POINTS = 64  # maximum number of points that are compared with all edges of a polygon at once
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
     """Return the area of a simple polygon [m^2], by the shoelace formula."""
     x, y = polygon.T
-    return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
+    following_x, following_y = np.concatenate([polygon[1:], polygon[:1]]).T
+    return float(abs(np.dot(x, following_y) - np.dot(y, following_x)) / 2)
 
 
 def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
     """Return whether points are inside a simple polygon of either winding; points on its edge may be either."""
+    return are_inside_polygons([polygon], points)[0, ...]
+
+
+def are_inside_polygons(
+    polygons: Sequence[Float[np.ndarray, "_ 2"]], points: Float[np.ndarray, "*p 2"]
+) -> Bool[np.ndarray, "n *p"]:
+    """Return whether points are inside each of several polygons, see `is_inside_polygon`."""
     x, y = points[..., 0], points[..., 1]
-    inside = np.zeros(x.shape, bool)
-    for (x0, y0), (x1, y1) in zip(polygon, np.roll(polygon, -1, axis=0), strict=True):
-        if y0 != y1:
-            crosses = (y0 > y) != (y1 > y)
-            inside ^= crosses & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
+    inside = np.zeros((len(polygons), *x.shape), bool)
+    edges = np.concatenate([np.zeros((0, 4)), *(np.c_[p, np.concatenate([p[1:], p[:1]])] for p in polygons)])
+    polygon = np.repeat(np.arange(len(polygons)), [len(p) for p in polygons])
+    sloped = edges[:, 1] != edges[:, 3]
+    edges, polygon = edges[sloped], polygon[sloped]
+    if x.size > MAX_BATCHED_POINTS:
+        for number, edge in zip(polygon.tolist(), edges, strict=True):
+            inside[number] ^= _crosses(x, y, edge)
+    elif len(edges):
+        met = _crosses(x, y, edges.T.reshape(4, -1, *(1,) * x.ndim))
+        first = np.flatnonzero(np.diff(polygon, prepend=-1))
+        inside[polygon[first]] = np.logical_xor.reduceat(met, first, axis=0)
     return inside
+
+
+def _crosses(x: np.ndarray, y: np.ndarray, edges: Float[np.ndarray, "4 ..."]) -> Bool[np.ndarray, "..."]:
+    """Return whether rays from points along +x cross edges, given by both ends."""
+    x0, y0, x1, y1 = edges
+    return ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
 
 
 def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, "2"]) -> float:
@@ -42,8 +67,9 @@ def find_smallest_room(
 ) -> Int[np.ndarray, "*p"]:
     """Return the index of the smallest room that contains each point, since rooms may nest; -1 if none."""
     found = np.full(points.shape[:-1], -1, np.int32)
-    for room in sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r])):
-        found[is_inside_polygon(rooms.polygon[room], points)] = room
+    order = sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r]))
+    for room, inside in zip(order, are_inside_polygons([rooms.polygon[r] for r in order], points), strict=True):
+        found[inside] = room
     return found
 
 
@@ -70,9 +96,9 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
     if not upper.any():
         return bounding_outline(slab)
     points = np.round(slab[upper, :, :2] / MERGE_DISTANCE).astype(np.int64).reshape(-1, 2)
-    corners, index = np.unique(points, axis=0, return_inverse=True)
+    first, index = unique_cells(points)
     loops = _boundary_loops(index.reshape(-1, 3))
-    polygons = [_straighten(corners[loop] * MERGE_DISTANCE) for loop in loops]
+    polygons = [_straighten(points[first][loop] * MERGE_DISTANCE) for loop in loops]
     largest = max(polygons, key=_area, default=np.zeros((0, 2)))
     area = np.linalg.norm(normal[upper], axis=1).sum() / 2
     # Triangles that do not share corners yield several loops, none of which is the outline.

@@ -9,6 +9,7 @@ import logging
 import os
 import weakref
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from home_mjx.core.array_store import (
 from home_mjx.core.files import resolve_below
 from home_mjx.core.progress import say
 from home_mjx.datasets.base import Dataset
+from home_mjx.datasets.kept_results import ResultStore, keep_results
 from home_mjx.houses.integrity import check_house, check_models
 from home_mjx.houses.selection import HouseContents, summarize_contents
 from home_mjx.houses.version import create_version_folder, mark_used, version_folder
@@ -117,6 +119,18 @@ class HouseCache:
         """Return the library model with a key, read once; raises the errors of `array_store.read_entry`."""
         return self._models((key,))[key]
 
+    def _find_model(self, key: str) -> Model | None:
+        """Return the library model with a key; None if it is not cached. A corrupted entry is removed."""
+        try:
+            return self.model(key)
+        except FileNotFoundError:
+            return None
+        except READ_ERRORS as error:
+            log.warning("broken cache entry %s is built again: %s", self._model_path(key), error)
+            with suppress(OSError):
+                self._model_path(key).unlink()
+            return None
+
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
         keys = dict.fromkeys(keys)
         fresh = {key: rebuild(Model, *read_entry(self._model_path(key))) for key in keys if key not in self.library}
@@ -162,8 +176,11 @@ class HouseCache:
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
         if self.on_compile is not None:
             self.on_compile()
-        house = self.dataset.load_house(house_id, self.options.read)
-        compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
+        with suppress(OSError):  # a folder that cannot be written to is reported when the house is written
+            create_version_folder(self._folder)
+        with keep_results(ResultStore(self._folder / "results", self._find_model)):
+            house = self.dataset.load_house(house_id, self.options.read)
+            compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
         self.num_compiled += 1
         self.fallbacks[house_id] = house.fallbacks
         try:

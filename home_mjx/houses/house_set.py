@@ -133,7 +133,7 @@ class HouseSet:
             total = len(self.house_ids)
         what = "houses" if total is None else plural(total, "house")
         with ProgressCount(f"loading {what}", total, "house", progress) as count:
-            cache.on_compile = lambda: count.describe(f"compiling {what}")
+            cache.on_compile = lambda: count.describe(f"loading {what}, compiling those that are not cached")
             houses = []
             for house_id in self._choose(cache):
                 houses.append(cache.load(house_id))

@@ -100,15 +100,16 @@ def compile_dataset(
         run_jobs(task, left, workers, scheduler) as found,
         # Opened after the scheduler, so that an old report is not truncated if there is none.
         open_journal(path, append=resume or not houses.is_complete) as note,
-        ProgressCount(f"compiling {plural(len(left), 'house')}", len(left), "house", progress) as bar,
+        ProgressCount(f"loading {plural(len(left), 'house')}", len(left), "house", progress) as bar,
     ):
         for outcome in found:
             note(outcome)
             counts[outcome.status] += 1
             incomplete += bool(outcome.fallbacks)
             fixed += outcome.fixed
-            if counts[FAILED]:
-                bar.describe(f"compiling {plural(len(left), 'house')}, {counts[FAILED]} failed")
+            if counts[COMPILED] or counts[FAILED]:
+                failures = f", {counts[FAILED]} failed" if counts[FAILED] else ""
+                bar.describe(f"compiling {plural(len(left), 'house')}{failures}")
             bar.update()
     compiled, cached, failed = counts.values()
     seconds = time.perf_counter() - begin

@@ -24,6 +24,7 @@ COMPILER_PATHS = (
     "core/named_enum.py",
     "core/native/numba_cache.py",
     "datasets/base.py",
+    "datasets/kept_results.py",
     "datasets/seeds.py",
     "datasets/suncg/dataset.py",
     "datasets/suncg/digests.py",
@@ -81,7 +82,8 @@ def compiler_files(root: Path = PACKAGE_ROOT) -> list[Path]:
     """Return the files of `COMPILER_PATHS`, code and tables, sorted."""
     named = [root / name for name in COMPILER_PATHS]
     found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
-    return sorted(path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
+    files = (path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
+    return sorted(path for path in files if path.parent.name != "__pycache__")  # Numba writes there
 
 
 def mark_used(folder: Path) -> None:
@@ -122,5 +124,5 @@ def prepare_folder() -> None:
     """
     folder = version_folder()
     create_version_folder(folder)
-    for entries in folder.iterdir():
+    for entries in (*folder.iterdir(), *folder.glob("results/*")):
         remove_leftovers(entries)

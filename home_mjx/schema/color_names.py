@@ -60,11 +60,14 @@ def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
         >>> nearest_names(srgb_to_lab(np.array([[0.95, 0.1, 0.1]])), "css")
         ['red']
     """
-    return [_name_by_look(color, level) for color in map(tuple, lab.round(1).tolist())]
+    column = COLOR_LEVELS.index(level)
+    return [_names_by_look(color)[column] for color in map(tuple, lab.round(1).tolist())]
 
 
 @lru_cache(maxsize=1 << 14)
-def _name_by_look(lab: tuple[float, float, float], level: str) -> str:
-    """Return the name nearest to a CIELAB colour at one of `COLOR_LEVELS`; cached, since some occur in all houses."""
-    palette = palettes()[level]
-    return palette.names[int(ciede2000(np.array(lab), palette.lab).argmin())]
+def _names_by_look(lab: tuple[float, float, float]) -> tuple[str, ...]:
+    """Return the name nearest to a CIELAB colour at each level; cached, since some colours occur in all houses."""
+    found = [palettes()[level] for level in COLOR_LEVELS]
+    ends = np.cumsum([len(palette.names) for palette in found])[:-1]
+    away = np.split(ciede2000(np.array(lab), np.concatenate([palette.lab for palette in found])), ends)
+    return tuple(palette.names[int(part.argmin())] for palette, part in zip(found, away, strict=True))

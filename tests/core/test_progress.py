@@ -132,8 +132,8 @@ def test_it_says_what_is_made_and_compiled_once_each(
     jax.jit(jax.vmap(env.step)).lower(states, jnp.zeros((2, env.action_size)))
     lines = [line.removeprefix("home_mjx: ") for line in capsys.readouterr().err.splitlines()]
     assert lines[0] == "generating 2 houses (once, then cached)"
-    assert "compiling 2 houses 0/2" in lines
-    assert [line for line in lines if not line.startswith(("generating", "compiling 2"))] == [
+    assert "loading 2 houses, compiling those that are not cached 0/2" in lines
+    assert [line for line in lines if not line.startswith(("generating", "loading 2"))] == [
         "moving 2 houses to the device",
         "baking area of 2 houses (once, then cached) 0/2",
         "compiling reset (once, about a minute)",

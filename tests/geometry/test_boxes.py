@@ -13,7 +13,7 @@ def test_overlap_is_the_depth_of_mujoco_and_no_more_than_its_distance(rng):
     for _ in range(200):
         center, half = np.c_[rng.uniform(-1, 1, (2, 2)), [0, 0]], np.c_[rng.uniform(0.05, 0.8, (2, 2)), [20, 20]]
         boxes = make_boxes(center, half, rng.uniform(-np.pi, np.pi, 2))
-        (depth,) = penetration_depth(boxes[:1], boxes[1:])
+        ((depth,),) = penetration_depth(boxes[:1], boxes[1:])
         contacts, distance = _mujoco(boxes)
         assert (depth > 0) == bool(contacts)
         assert depth == pytest.approx(-min(contacts), abs=1e-6) if contacts else -depth <= distance + 1e-6

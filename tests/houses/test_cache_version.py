@@ -63,3 +63,12 @@ def test_a_new_file_of_a_stage_gives_a_new_version(package):
     assert version_of(package) != before
     new.unlink()
     assert version_of(package) == before
+
+
+def test_compiled_code_of_numba_leaves_the_version_alone(package):
+    """Numba writes beside the code at the first call; the second process would compile all houses again."""
+    before = version_of(package)
+    folder = package / "geometry" / "__pycache__"
+    folder.mkdir(exist_ok=True)
+    (folder / "bvh.0123.sha256.json").write_text("{}")
+    assert version_of(package) == before

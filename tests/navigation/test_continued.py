@@ -45,7 +45,7 @@ def static_clearance(house: CompiledHouse, points: np.ndarray) -> np.ndarray:
     yaw = 2 * np.arctan2(c.quat[:, 3], c.quat[:, 0])
     boxes = BoxSet(c.pos, c.size, yaw)
     met = (boxes.top > n.floor[0] + 0.03) & (boxes.bottom < n.floor[0] + n.agent_height)
-    return np.min([footprint_distance(boxes, i, points[:, :2]) for i in np.flatnonzero(met).tolist()], axis=0)
+    return footprint_distance(boxes[met], points[None, :, :2]).min(axis=0)
 
 
 def in_grid(house: CompiledHouse, grid: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -81,7 +81,7 @@ def test_distances_have_no_steps_wherever_an_agent_can_stand(bank, houses, dista
         assert jump[walked].max() < 2 * cell
         stand = house.bodies
         things = BoxSet(stand.pos, stand.size, 2 * np.arctan2(stand.quat[:, 3], stand.quat[:, 0]))
-        away = np.min([footprint_distance(things, i, start[:, :2]) for i in range(len(stand.mass))], axis=0)
+        away = footprint_distance(things, start[None, :, :2]).min(axis=0)
         along_walls = ~walked & (away > 0.5)
         assert along_walls.sum() > 100
         assert jump[along_walls].max() < 2 * cell

@@ -14,7 +14,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.boxes import BoxSet
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.navigation import connected_rooms, door_angles, passable_portals
-from home_mjx.scene_compile.navigation.free_space import compute_clearance
+from home_mjx.scene_compile.navigation.clearance import compute_clearance
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.schema.compiled import CompiledHouse, Doors, PortalKind, Portals
 from home_procgen.v1.dataset import generate_dataset

@@ -217,7 +217,7 @@ def depth_in(pose: np.ndarray, half: tuple[float, ...], other: Box) -> float:
     yaw, *tilt = Rotation.from_quat(pose[3:], scalar_first=True).as_euler("zyx")
     assert_allclose(tilt, 0, atol=0.05)
     both = make_boxes(np.stack([pose[:3], other.pos]), np.stack([half, other.size]), np.array([yaw, other.yaw]))
-    return penetration_depth(both[:1], both[1:])[0]
+    return penetration_depth(both[:1], both[1:])[0, 0]
 
 
 def test_a_thing_that_is_stuck_is_torn_away(fused):

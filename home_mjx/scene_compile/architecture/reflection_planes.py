@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rectangle_cover import cell_centers, cover_with_rectangles, merge_close_values
@@ -35,16 +35,17 @@ def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
         shell: Its architecture, whose slots are the first rows of the house's material table.
         rooms: Its rooms.
     """
-    walls = [(i, p) for i, p in enumerate(shell.parts) if isinstance(p, WallPart)]
-    inner = [_wall(p, inner_normal(p, rooms), int(shell.inner_slot[i]), rooms) for i, p in walls]
+    walls = [(i, p, inner_normal(p, rooms)) for i, p in enumerate(shell.parts) if isinstance(p, WallPart)]
+    inner = [_wall(p, normal, int(shell.inner_slot[i]), rooms) for i, p, normal in walls]
     outer = [
-        _wall(p, -inner_normal(p, rooms), int(shell.outer_slot[i]), rooms)
-        for i, p in walls
-        if has_room_behind(p, rooms)
+        _wall(p, -normal, int(shell.outer_slot[i]), rooms)
+        for i, p, normal in walls
+        if has_room_behind(p, normal, rooms)
     ]
     found = _merge_walls(_large(inner))
     # The far side of a wall is added only if no room has it as an inner side, for example around a nested room.
-    found += [wall for wall in _merge_walls(_large(outer)) if not any(_overlap(wall, other) for other in found)]
+    known = _Table(found)
+    found += [wall for wall in _merge_walls(_large(outer)) if not known.overlaps(wall).any()]
     found += _large(r for kind in ("floor", "ceiling") for r in _flat(shell, rooms, kind))
     return Planes(
         center=_rows(r.center for r in found),
@@ -75,22 +76,36 @@ def _wall(part: WallPart, normal: Float[np.ndarray, "3"], slot: int, rooms: Room
 
 def _merge_walls(walls: Sequence[ReflectionRectangle]) -> list[ReflectionRectangle]:
     """Merge coplanar rectangles that overlap, as around nested rooms, so that no surface reflects twice."""
-    merged: list[ReflectionRectangle] = []
+    table, merged = _Table(walls), 0
     for wall in walls:
-        twin = next((i for i, other in enumerate(merged) if _overlap(wall, other)), None)
-        if twin is None:
-            merged.append(wall)
-        else:
-            merged[twin] = _hull(merged[twin], wall)
-    return merged if len(merged) == len(walls) else _merge_walls(merged)
+        twin = np.flatnonzero(table.overlaps(wall)[:merged])
+        row = int(twin[0]) if len(twin) else merged
+        table.set_row(row, _hull(table.rectangles[row], wall) if len(twin) else wall)
+        merged += not len(twin)
+    return table.rectangles[:merged] if merged == len(walls) else _merge_walls(table.rectangles[:merged])
 
 
-def _overlap(a: ReflectionRectangle, b: ReflectionRectangle) -> bool:
-    direction = a.u / np.linalg.norm(a.u)
-    away = b.center - a.center
-    if a.normal @ b.normal < 0.999 or abs(away @ a.normal) > MAX_PLANE_DISTANCE or abs(away[2]) > a.v[2] + b.v[2]:
-        return False
-    return bool(abs(away @ direction) < np.linalg.norm(a.u) + abs(b.u @ direction) - MIN_RECTANGLE_EDGE)
+class _Table:
+    """Rectangles, and their columns for comparisons with one of them."""
+
+    def __init__(self, rectangles: Sequence[ReflectionRectangle]) -> None:
+        self.rectangles = list(rectangles)
+        columns = ([getattr(r, name) for r in rectangles] for name in ("center", "normal", "u", "v"))
+        self.center, self.normal, self.u, self.v = (_rows(vectors) for vectors in columns)
+
+    def set_row(self, row: int, rectangle: ReflectionRectangle) -> None:
+        """Replace a rectangle."""
+        self.rectangles[row] = rectangle
+        self.center[row], self.normal[row] = rectangle.center, rectangle.normal
+        self.u[row], self.v[row] = rectangle.u, rectangle.v
+
+    def overlaps(self, a: ReflectionRectangle) -> Bool[np.ndarray, " n"]:
+        """Return whether each rectangle is in the plane of another one and overlaps it."""
+        length = np.linalg.norm(a.u)
+        direction, away = a.u / length, self.center - a.center
+        near = (self.normal @ a.normal >= 0.999) & (abs(away @ a.normal) <= MAX_PLANE_DISTANCE)
+        near &= abs(away[:, 2]) <= a.v[2] + self.v[:, 2]
+        return near & (abs(away @ direction) < length + abs(self.u @ direction) - MIN_RECTANGLE_EDGE)
 
 
 def _hull(a: ReflectionRectangle, b: ReflectionRectangle) -> ReflectionRectangle:

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.meshes import bounds, make_model
-from home_mjx.geometry.polygons import is_inside_polygon
+from home_mjx.geometry.polygons import are_inside_polygons
 from home_mjx.scene_compile.architecture.floor_assignment import ClippedSurface, clip_surface, find_owner_outlines
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, house_rooms, world_triangles
 from home_mjx.scene_compile.architecture.slabs import Slab, fit_slab, is_same_wall
@@ -61,6 +61,7 @@ def build_shell(frame: HouseFrame) -> BuildingShell:
     partition = find_partitions(parts)
     surfaces, slots = _slots(parts, _categories(parts, partition, rooms))
     pieces = [_owned(p, parts, rooms) for p in parts]
+    normals = [inner_normal(p, rooms) for p in parts]
     model = make_model(
         f"architecture_{house.id}",
         np.concatenate([p.triangles for p in pieces]),
@@ -73,8 +74,8 @@ def build_shell(frame: HouseFrame) -> BuildingShell:
         partition=partition,
         model=model,
         surfaces=tuple(surfaces),
-        inner_slot=np.array([_slot_on_side(p, s, inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
-        outer_slot=np.array([_slot_on_side(p, s, -inner_normal(p, rooms)) for p, s in zip(parts, slots, strict=True)]),
+        inner_slot=np.array([_slot_on_side(p, s, n) for p, s, n in zip(parts, slots, normals, strict=True)]),
+        outer_slot=np.array([_slot_on_side(p, s, -n) for p, s, n in zip(parts, slots, normals, strict=True)]),
         semantics=np.array([_row(p, int(i)) for p, i in zip(parts, partition, strict=True)]),
         num_meshes=len({id(p.mesh) for p in parts}),
     )
@@ -165,7 +166,7 @@ def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]
     edge = slab.high[1] + ROOM_PROBE_DISTANCE if side > 0 else slab.low[1] - ROOM_PROBE_DISTANCE
     along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
     points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]
-    return np.any([is_inside_polygon(polygon, points) for polygon in polygons], axis=0)
+    return np.asarray(are_inside_polygons(polygons, points).any(axis=0))
 
 
 def _slots(parts: Sequence[ShellPart], categories: Sequence[str]) -> tuple[list[SurfaceMaterial], list[np.ndarray]]:
@@ -212,8 +213,14 @@ def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[n
     return int(np.bincount(slots, np.maximum(normal @ toward, 0) * surface).argmax())
 
 
-def has_room_behind(part: WallPart, rooms: RoomTable) -> bool:
-    """Return whether any room is beyond at least half of a wall's outer side."""
+def has_room_behind(part: WallPart, inward: Float[np.ndarray, "3"], rooms: RoomTable) -> bool:
+    """Return whether any room is beyond at least half of a wall's outer side.
+
+    Args:
+        part: The wall.
+        inward: Its `inner_normal`.
+        rooms: Outlines.
+    """
     polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
-    away = part.slab.to_world(np.array([0.0, 1.0, 0.0])) @ inner_normal(part, rooms) < 0
+    away = part.slab.to_world(np.array([0.0, 1.0, 0.0])) @ inward < 0
     return bool(_indoors(part.slab, 1 if away else -1, polygons).mean() >= 0.5)

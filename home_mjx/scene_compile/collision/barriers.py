@@ -10,7 +10,7 @@ from home_mjx.geometry.box_fit import narrowest_box
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon
 from home_mjx.geometry.rotations import yaw_matrix
-from home_mjx.scene_compile.navigation.free_space import compute_clearance
+from home_mjx.scene_compile.navigation.clearance import compute_clearance
 from home_mjx.schema.compiled import RoomTable
 
 GRID_CELL = 0.05  # [m], grid cell used to find gaps

@@ -8,9 +8,9 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.core.checks import check_number
+from home_mjx.datasets.kept_results import kept_result
 from home_mjx.geometry.box_fit import fit_boxes, narrowest_box, triangle_components
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, footprint
-from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
@@ -76,9 +76,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
     boxes, leaves = empty_boxes(), []
     if item.info.coarse == "window":
         boxes = item.box
-    elif (
-        item.info.coarse not in PASSABLE_CATEGORIES and bounds(item.triangles)[0, 2] < floor + options.max_bottom_height
-    ):
+    elif item.info.coarse not in PASSABLE_CATEGORIES and item.limits[0, 2] < floor + options.max_bottom_height:
         sill = floor + MAX_SILL_HEIGHT - item.pose[2, 3] if item.info.coarse in PORTAL_CATEGORIES else None
         boxes, leaves = _fit_shape(_shape(item), sill, options.max_boxes_per_object)
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
@@ -105,9 +103,23 @@ def _shape(item: PlacedObject) -> _Shape:
 @lru_cache(maxsize=1 << 12)
 def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
     """Return boxes of a shape and of its open leaves, see `door_boxes`; `sill` is None for objects other than doors."""
-    if sill is None:
-        return fit_boxes(shape.triangles, 0.0, most), ()
-    return door_boxes(shape.triangles, sill, most)
+
+    def fit() -> _FittedBoxes:
+        if sill is None:
+            return _FittedBoxes(fit_boxes(shape.triangles, 0.0, most), empty_boxes())
+        frame, leaves = door_boxes(shape.triangles, sill, most)
+        return _FittedBoxes(frame, concat_boxes(leaves))
+
+    found = kept_result(_FittedBoxes, repr((shape.key, shape.linear, sill, most)).encode(), fit)
+    return found.frame, tuple(found.leaves[i : i + 1] for i in range(len(found.leaves)))
+
+
+@dataclass(frozen=True)
+class _FittedBoxes:
+    """Boxes of a shape and of its open leaves."""
+
+    frame: BoxSet
+    leaves: BoxSet
 
 
 def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
@@ -176,11 +188,14 @@ def exposed_mask(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
     """Return a mask of the boxes that are not contained in another box, since contained ones cannot be touched."""
     kept = np.ones(len(boxes), bool)
     corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
+    bottom, top, (low, high) = boxes.bottom, boxes.top, (corners.min(axis=1), corners.max(axis=1))
     for i in range(len(boxes)):
-        local = (corners - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
-        inside = (abs(local) <= boxes.half[i, :2] + 1e-6).all(axis=(1, 2))
-        inside &= (boxes.bottom >= boxes.bottom[i] - 1e-6) & (boxes.top <= boxes.top[i] + 1e-6)
+        if not kept[i]:
+            continue
+        inside = (bottom >= bottom[i] - 1e-6) & (top <= top[i] + 1e-6)
+        inside &= ((low >= low[i] - 1e-5) & (high <= high[i] + 1e-5)).all(axis=1)  # rules out most of the others
         inside[i] = False
-        if kept[i]:
-            kept &= ~inside
+        rows = np.flatnonzero(inside)
+        local = (corners[rows] - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]
+        kept[rows[(abs(local) <= boxes.half[i, :2] + 1e-6).all(axis=(1, 2))]] = False
     return kept

@@ -116,12 +116,9 @@ def _over_a_drop(edge: FloorEdge, floors: BoxSet, stairs: Sequence[Staircase], g
 
 def _closed(edge: FloorEdge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
     """Return whether a box as high as a railing closes each point of the edge."""
-    closed = np.zeros(len(edge.points), bool)
-    for i in np.flatnonzero(
-        (walls.bottom < edge.height + BARRIER_HEIGHT / 2) & (walls.top > edge.height + BARRIER_HEIGHT / 2)
-    ).tolist():
-        closed |= footprint_distance(walls, i, edge.points) < MAX_WALL_DISTANCE
-    return closed
+    middle = edge.height + BARRIER_HEIGHT / 2
+    around = walls[(walls.bottom < middle) & (walls.top > middle)]
+    return np.asarray((footprint_distance(around, edge.points[None]) < MAX_WALL_DISTANCE).any(axis=0))
 
 
 def _runs(edge: FloorEdge, wanted: Bool[np.ndarray, " n"]) -> list[FloorEdge]:

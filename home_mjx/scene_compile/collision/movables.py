@@ -7,7 +7,7 @@ import numpy as np
 
 from home_mjx.core.checks import check_number
 from home_mjx.geometry.boxes import BoxSet, concat_boxes
-from home_mjx.geometry.meshes import bounds, compose, invert, min_thickness
+from home_mjx.geometry.meshes import compose, invert, min_thickness
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
 from home_mjx.scene_compile.objects.masses import object_contact
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
@@ -87,7 +87,7 @@ def is_movable(item: PlacedObject, options: MovableOptions) -> bool:
         return False
     if item.info.coarse not in MOVABLE_COARSE and item.info.fine not in MOVABLE_FINE:
         return False
-    if np.ptp(bounds(item.triangles), axis=0).max() > options.max_edge:
+    if np.ptp(item.limits, axis=0).max() > options.max_edge:
         return False
     thickness = min(min_thickness(item.triangles), 2 * float(item.box.half.min()))
     return thickness >= max(options.min_edge, 2 * MIN_BODY_HALF)

@@ -3,10 +3,9 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, make_boxes, penetration_depth
-from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.collision.movables import MIN_BODY_HALF, MovableCandidate, MovableOptions
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
@@ -14,6 +13,7 @@ from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 MIN_LOAD_RISE = 0.03  # [m], an object with a lower underside above that of another object is beside it, not on it
 MAX_LEVEL_DIFFERENCE = 0.002  # [m], maximum height difference of upper sides that support an object together
 SUPPORT_REGION = 0.3  # fraction of a box's half extents; the support must cover this central region
+ROUNDING = 1e-9  # [m], more than the rounding errors of distances
 MIN_VERTICAL_OVERLAP = 2e-4  # [m], boxes with a smaller vertical overlap only touch
 
 
@@ -24,7 +24,7 @@ def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[
         objects: All objects of a house.
         reach: Maximum gap between an object and the top of the object that supports it [m].
     """
-    boxes = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
+    boxes = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     loads: dict[int, list[int]] = {}
     for item, (low, high) in zip(objects, boxes, strict=True):
         middle = (low + high)[:2] / 2
@@ -142,9 +142,11 @@ def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "
 def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
     """Reduce the box until it is `gap` away from every obstacle; return None if the limits do not allow it."""
     low, high = -box.half[0].copy(), box.half[0].copy()
-    for i in _near(box, obstacles):
+    near = _near(box, obstacles)
+    # A part of the box is at least as far away as the whole.
+    for i in near[penetration_depth(box, obstacles[near])[0] > -gap - ROUNDING].tolist():
         now = _cut(box, low, high)
-        if penetration_depth(now, obstacles[i : i + 1])[0] <= -gap or obstacles.bottom[i] >= now.top[0]:
+        if penetration_depth(now, obstacles[i : i + 1])[0, 0] <= -gap or obstacles.bottom[i] >= now.top[0]:
             continue
         below = obstacles.bottom[i] - gap - box.center[0, 2]
         if below - low[2] >= options.min_lowered_height:
@@ -178,11 +180,11 @@ def _cut(box: BoxSet, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"])
     return make_boxes(center, (high - low) / 2, box.yaw[0])
 
 
-def _near(box: BoxSet, obstacles: BoxSet) -> list[int]:
+def _near(box: BoxSet, obstacles: BoxSet) -> Int[np.ndarray, " r"]:
     """Return the rows of the obstacles whose bounding circles and heights overlap those of a box."""
     apart = np.linalg.norm(obstacles.center[:, :2] - box.center[0, :2], axis=1)
     reach = np.linalg.norm(obstacles.half[:, :2], axis=1) + np.linalg.norm(box.half[0, :2])
     level = (obstacles.bottom < box.top[0] - MIN_VERTICAL_OVERLAP) & (
         obstacles.top > box.bottom[0] + MIN_VERTICAL_OVERLAP
     )
-    return np.flatnonzero((apart < reach) & level).tolist()
+    return np.flatnonzero((apart < reach) & level)

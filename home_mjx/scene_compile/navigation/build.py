@@ -9,7 +9,8 @@ from jaxtyping import Bool, Float, Int, UInt16
 from home_mjx.geometry.boxes import BoxSet
 from home_mjx.geometry.extrapolation import extrapolate_fields, nearest_cell_numbers
 from home_mjx.geometry.geodesic import GridLink, distance_fields
-from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions, compute_clearance
+from home_mjx.scene_compile.navigation.clearance import compute_clearance
+from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions, stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway

@@ -10,8 +10,9 @@ from scipy import ndimage
 
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.errors import DatasetError
-from home_mjx.geometry.boxes import BoxSet, footprint_distance
+from home_mjx.geometry.boxes import BoxSet
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon
+from home_mjx.scene_compile.navigation.clearance import compute_clearance
 from home_mjx.scene_compile.objects.stairs import Staircase
 from home_mjx.schema.agent import AGENT_MARGIN
 from home_mjx.schema.compiled import RoomTable
@@ -185,39 +186,6 @@ def _label_rooms(
         gap |= is_inside_polygon(passage, points)
     nearest = np.asarray(ndimage.distance_transform_edt(room < 0, return_distances=False, return_indices=True))
     return np.where(gap, room[nearest[0], nearest[1]], room)
-
-
-def compute_clearance(
-    obstacles: BoxSet,
-    floor: Float[np.ndarray, "ny nx"],
-    x: Float[np.ndarray, " nx"],
-    y: Float[np.ndarray, " ny"],
-    heights: tuple[float, float],
-    max_distance: float,
-) -> Float[np.ndarray, "ny nx"]:
-    """Compute the distance from every cell centre to the nearest obstacle within a height range [m].
-
-    Args:
-        obstacles: Upright boxes.
-        floor: Floor height of each cell [m]; rooms may have different heights, or no floor.
-        x: x of the cell centres [m].
-        y: y of the cell centres [m].
-        heights: Height range above the floor in which obstacles count [m].
-        max_distance: Distances up to this are exact; greater ones are only at least this [m].
-    """
-    found = np.full((len(y), len(x)), np.inf)
-    low, high = obstacles.bottom, obstacles.top
-    for i in np.flatnonzero((high > floor.min() + heights[0]) & (low < floor.max() + heights[1])).tolist():
-        radius = np.hypot(*obstacles.half[i, :2]) + max_distance
-        columns = np.flatnonzero(abs(x - obstacles.center[i, 0]) <= radius)
-        rows = np.flatnonzero(abs(y - obstacles.center[i, 1]) <= radius)
-        if len(columns) and len(rows):
-            window = np.ix_(rows, columns)
-            points = np.stack(np.meshgrid(x[columns], y[rows]), axis=-1)
-            near = footprint_distance(obstacles, i, points)
-            met = (high[i] > floor[window] + heights[0]) & (low[i] < floor[window] + heights[1])
-            found[window] = np.minimum(found[window], np.where(met, near, np.inf))
-    return found
 
 
 def no_free_space_error(between_walls: FreeSpace, options: NavigationOptions) -> DatasetError:

@@ -6,8 +6,9 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.datasets.kept_results import find_model
 from home_mjx.geometry.box_fit import narrowest_box, triangle_components
-from home_mjx.geometry.boxes import BoxSet, rotate_boxes, thicken_boxes
+from home_mjx.geometry.boxes import BoxSet, make_boxes, rotate_boxes, thicken_boxes
 from home_mjx.geometry.meshes import compose, make_model, transform, tree_order, triangles_z_up
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.schema.compiled import Model
@@ -69,7 +70,8 @@ def _leaf_part(joint: Joint, model: Model) -> LeafPart:
 
 def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:
     stem = model.key.split(":")[0]
-    return make_model(f"{stem}/{name}", model.triangle[kept], model.uv[kept], model.slot[kept], model.part[kept])
+    arrays = (values[kept] for values in (model.triangle, model.uv, model.slot, model.part))
+    return make_model(f"{stem}/{name}", *arrays, find=find_model)
 
 
 def is_hinge_preserving(pose: Float[np.ndarray, "3 4"]) -> bool:
@@ -100,6 +102,16 @@ class PlacedLeaf:
         if not self.slides:
             return rotate_boxes(self.box, way, self.pivot)
         return replace(self.box, center=self.box.center + way * np.array([*self.slide, 0.0]))
+
+    def boxes_at(self, ways: Float[np.ndarray, " w"]) -> BoxSet:
+        """Return its boxes at several angles [rad] or distances [m], see `box_at`, up to rounding errors."""
+        (x, y, z), (px, py) = self.box.center[0], self.pivot
+        if self.slides:
+            x, y, turn = x + ways * self.slide[0], y + ways * self.slide[1], 0.0 * ways
+        else:
+            turn, c, s = ways, np.cos(ways), np.sin(ways)
+            x, y = px + c * (x - px) - s * (y - py), py + s * (x - px) + c * (y - py)
+        return make_boxes(np.stack([x, y, np.full(len(ways), z)], axis=1), self.box.half, self.box.yaw + turn)
 
     def pose_at(self, way: float, pose: Float[np.ndarray, "3 4"]) -> Float[np.ndarray, "3 4"]:
         """Return its instance's initial pose moved by an angle [rad] or, for a sliding leaf, a distance [m]."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, footprint_distance, penetration_depth
 from home_mjx.geometry.rotations import yaw_quat
@@ -76,21 +76,22 @@ def find_motion_range(
     """
     around = static if leaf.slides or walls is None else concat_boxes([static, walls])
     near = around[_within_reach(leaf, around)]
-    closed = penetration_depth(leaf.box_at(leaf.closed), near)
+    closed = penetration_depth(leaf.box_at(leaf.closed), near)[0]
     further = np.inf if leaf.slides else 2 * float(leaf.box.half[0, :2].min())
     allowed = np.where(closed > -CLEARANCE, np.maximum(closed, 0) + further, -CLEARANCE)
 
-    def is_free(way: float) -> bool:
-        return bool((penetration_depth(leaf.box_at(way), near) <= allowed).all())
+    def is_free(ways: Float[np.ndarray, " w"]) -> Bool[np.ndarray, " w"]:
+        return np.asarray((penetration_depth(leaf.boxes_at(ways), near) <= allowed).all(axis=1))
 
     opens, most = (
         np.sign(leaf.wide_open - leaf.closed),
         abs(leaf.wide_open - leaf.closed) if leaf.slides else MAX_OPEN_ANGLE,
     )
     step = SLIDE_STEP if leaf.slides else TURN_STEP
-    end = 0.0 if is_free(0.0) else leaf.closed
-    while abs(end - leaf.closed) + step <= most + RANGE_TOLERANCE and is_free(end + float(opens) * step):
-        end += float(opens) * step
+    start = 0.0 if is_free(np.zeros(1))[0] else leaf.closed
+    ways = np.cumsum([start, *[float(opens) * step] * (int(2 * most / step) + 1)])
+    ways = ways[: 1 + int((abs(ways[:-1] - leaf.closed) + step <= most + RANGE_TOLERANCE).argmin())]
+    end = float(ways[int(np.append(is_free(ways[1:]), False).argmin())])
     if movable is not None and not leaf.slides:
         end = _clip_to_movables(leaf, end, movable)
     return min(leaf.closed, end), max(leaf.closed, end)
@@ -104,12 +105,10 @@ def _clip_to_movables(leaf: PlacedLeaf, end: float, movable: BoxSet) -> float:
     )
     if beyond <= 0:
         return end
-    near, way = movable[_within_reach(leaf, movable)], 0.0
-    for farther in [*np.arange(TURN_STEP, beyond, TURN_STEP).tolist(), beyond]:
-        if (penetration_depth(leaf.box_at(leaf.wide_open + opens * farther), near) > -CLEARANCE).any():
-            return leaf.wide_open + opens * way
-        way = farther
-    return end
+    near = movable[_within_reach(leaf, movable)]
+    ways = np.array([0.0, *np.arange(TURN_STEP, beyond, TURN_STEP), beyond])
+    met = (penetration_depth(leaf.boxes_at(leaf.wide_open + opens * ways[1:]), near) > -CLEARANCE).any(axis=1)
+    return float(leaf.wide_open + opens * ways[met.argmax()]) if met.any() else end
 
 
 def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
@@ -117,7 +116,7 @@ def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
     ends = [leaf.box_at(leaf.closed), leaf.box_at(leaf.wide_open)] if leaf.slides else [leaf.box]
     corners = np.concatenate([footprint(box, 0) for box in ends])
     reach = np.linalg.norm(corners - leaf.pivot, axis=1).max() + CLEARANCE
-    away = np.array([footprint_distance(static, i, leaf.pivot[None])[0] for i in range(len(static))])
+    away = footprint_distance(static, leaf.pivot[None])
     return (away <= reach) & (static.bottom < leaf.box.top[0]) & (static.top > leaf.box.bottom[0])
 
 

@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.kept_results import find_model
 from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes
-from home_mjx.geometry.meshes import Z_UP, box_triangles, make_model, to_z_up, transform, triangles_z_up
+from home_mjx.geometry.meshes import Z_UP, bounds, box_triangles, make_model, to_z_up, transform, triangles_z_up
 from home_mjx.geometry.polygons import find_smallest_room, polygon_area, polygon_distance
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, apply_override, surface_material
@@ -55,6 +56,18 @@ class PlacedObject:
         return transform(self.pose, self.model.triangle.astype(np.float64))
 
     @cached_property
+    def limits(self) -> Float[np.ndarray, "2 3"]:
+        """Minimum and maximum corner of the surface in the world frame [m]."""
+        return bounds(self.triangles)
+
+    @cached_property
+    def upper_triangles(self) -> Float[np.ndarray, "u 3 3"]:
+        """Triangles of the surface that face upwards, within 60 degrees [m]."""
+        a, b, c = self.triangles.transpose(1, 0, 2)
+        normal = np.cross(b - a, c - a) * np.sign(np.linalg.det(self.pose[:, :3]))  # a mirrored model is inside out
+        return self.triangles[(normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)]
+
+    @cached_property
     def yaw(self) -> float:
         """Direction of the model's x axis in the plan [rad]; 0 if the object is tilted."""
         across, up = self.pose[:, 0], self.pose[:, 2]
@@ -91,7 +104,7 @@ class PlacedObject:
         angles = [leaf.closed if self.is_shut else 0.0 for leaf in self._leaves]
         return (self.pose, *(leaf.pose_at(a, self.pose) for leaf, a in zip(self._leaves, angles, strict=True)))
 
-    @property
+    @cached_property
     def surfaces(self) -> tuple[SurfaceMaterial, ...]:
         """Resolved surface of each material slot."""
         return tuple(surface_material(slot, self.info.fine, self.info.coarse) for slot in self.slots)
@@ -158,7 +171,7 @@ def _num_nodes(level: Level) -> int:
 def library_model(key: str, mesh: Mesh) -> Model:
     """Convert a mesh to a library model, Z up."""
     normal = None if mesh.normal is None else to_z_up(mesh.normal)
-    return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal)
+    return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal, find=find_model)
 
 
 def unit_cube() -> Model:

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.geometry.box_fit import sample_surface
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.objects.slopes import Slope
 
@@ -256,17 +257,21 @@ def find_stair_path(
 def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]:
     """Return the sample points of each tread, sorted by height, without points below other ones."""
     points = sample_surface(treads, SAMPLE_SPACING)
-    _, cell = np.unique(np.floor(points[:, :2] / SAMPLE_CELL), axis=0, return_inverse=True)
+    cell = _plan_cells(points)[1]
     highest = np.full(cell.max() + 1, -np.inf)
-    np.maximum.at(highest, cell.ravel(), points[:, 2])
-    points = points[points[:, 2] > highest[cell.ravel()] - TREAD_HEIGHT_TOLERANCE]
+    np.maximum.at(highest, cell, points[:, 2])
+    points = points[points[:, 2] > highest[cell] - TREAD_HEIGHT_TOLERANCE]
     points = points[np.argsort(points[:, 2], kind="stable")]
     return np.split(points, np.flatnonzero(np.diff(points[:, 2]) > TREAD_HEIGHT_TOLERANCE) + 1)
 
 
 def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
     """Return the area of each tread, in cells."""
-    return np.array([len(np.unique(np.floor(step[:, :2] / SAMPLE_CELL), axis=0)) for step in steps])
+    return np.array([len(_plan_cells(step)[0]) for step in steps])
+
+
+def _plan_cells(points: Float[np.ndarray, "n 3"]) -> tuple[Int[np.ndarray, " u"], Int[np.ndarray, " n"]]:
+    return unique_cells(np.floor(points[:, :2] / SAMPLE_CELL).astype(np.int64))
 
 
 def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> StraightFlights | None:

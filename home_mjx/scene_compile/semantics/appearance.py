@@ -1,7 +1,8 @@
 """Appearance of a surface: dominant colours and materials by area."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.color import decode_srgb, linear_to_lab
 from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
 from home_mjx.errors import ConfigError
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.color_names import COLOR_LEVELS, nearest_names
@@ -77,6 +79,9 @@ def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> App
         skin: The surface.
         options: `share` and `material` are used.
     """
+    if skin.area.sum() <= 0:
+        # A mesh of lines and points has zero area, so all triangles get equal weights.
+        skin = replace(skin, area=np.ones_like(skin.area))
     lab, weight = surface_colors(skin)
     colors, weights = dominant_colors(lab, weight)
     materials, textured = surface_materials(skin, options)
@@ -128,6 +133,16 @@ def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]
     return _image(path, changed)[IMAGE_SIDE - 1 - row, column] / 255
 
 
+def texture_digest(path: str) -> bytes:
+    """Return the SHA-256 digest of an image file; empty if it does not exist."""
+    return _file_digest(path, Path(path).stat().st_mtime_ns) if Path(path).is_file() else b""
+
+
+@lru_cache(maxsize=1 << 12)
+def _file_digest(path: str, changed: int) -> bytes:
+    return hashlib.sha256(Path(path).read_bytes()).digest()
+
+
 @lru_cache(maxsize=1 << 12)
 def _image(path: str, changed: int) -> np.ndarray:
     """Return a downsampled image; `changed` is part of the cache key, so that a changed file is read again."""
@@ -147,11 +162,11 @@ def dominant_colors(
         lab: CIELAB colours.
         weight: Weight of each colour; not all 0.
     """
-    cell, index = np.unique(np.round(lab / (MAX_SHADE_DISTANCE / 4)).astype(int), axis=0, return_inverse=True)
-    mass = np.bincount(index.reshape(-1), weight)
-    place = np.stack([np.bincount(index.reshape(-1), weight * x) for x in lab.T], axis=-1) / mass[:, None]
+    cell = unique_cells(np.round(lab / (MAX_SHADE_DISTANCE / 4)).astype(np.int64))[1]
+    mass = np.bincount(cell, weight)
+    place = np.stack([np.bincount(cell, weight * x) for x in lab.T], axis=-1) / mass[:, None]
     near = np.linalg.norm(place[:, None] - place, axis=-1) < MAX_SHADE_DISTANCE
-    left = np.ones(len(cell), bool)
+    left = np.ones(len(mass), bool)
     found = []
     while left.any():
         group = near[int(np.where(left, near @ (mass * left), -1).argmax())] & left

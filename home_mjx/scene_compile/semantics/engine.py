@@ -1,11 +1,13 @@
 """Semantic engine: describes all rooms, surfaces and objects of a house."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float
 
+from home_mjx.datasets.kept_results import kept_result
 from home_mjx.geometry.meshes import surface_areas
 from home_mjx.geometry.polygons import polygon_area
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, find_frame, house_rooms
@@ -16,6 +18,7 @@ from home_mjx.scene_compile.semantics.appearance import (
     SemanticOptions,
     TexturedTriangles,
     compute_appearance,
+    texture_digest,
 )
 from home_mjx.scene_compile.semantics.describe import short_text
 from home_mjx.scene_compile.semantics.sizes import SizeTable, size_table
@@ -28,6 +31,7 @@ from home_mjx.scene_compile.semantics.types import (
     RoomSemantics,
 )
 from home_mjx.schema.categories import ROOM_TYPES, room_types_in
+from home_mjx.schema.color_names import COLOR_LEVELS
 from home_mjx.schema.compiled import RoomTable
 from home_mjx.schema.house import House, Metadata, ObjectNode
 
@@ -93,11 +97,46 @@ class _AppearanceCache:
     options: SemanticOptions
     found: dict[Hashable, Appearance] = field(default_factory=dict)
 
-    def get(self, key: Hashable, skin: TexturedTriangles) -> Appearance:
+    def get(self, key: Hashable, skin: Callable[[], TexturedTriangles]) -> Appearance:
         """Return the appearance of a skin; equal keys must have equal skins."""
         if key not in self.found:
-            self.found[key] = _look(skin, self.options)
+            self.found[key] = compute_appearance(skin(), self.options)
         return self.found[key]
+
+    def of_object(self, item: PlacedObject) -> Appearance:
+        """Return the appearance of an object, kept by its model, its surfaces and its scale."""
+        surfaces, stretch = item.surfaces, (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas
+
+        def skin() -> TexturedTriangles:
+            return TexturedTriangles(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
+
+        key = (item.model.key, surfaces, stretch.tobytes())
+        if key not in self.found:
+            shown = tuple((replace(s, texture=Path(s.texture).name), texture_digest(s.texture)) for s in surfaces)
+            inputs = repr((item.model.key, shown, stretch.tobytes(), self.options)).encode()
+            found = kept_result(_Look, inputs, lambda: _Look.of(compute_appearance(skin(), self.options)))
+            self.found[key] = found.appearance
+        return self.found[key]
+
+
+@dataclass(frozen=True)
+class _Look:
+    """An `Appearance` in fields that can be kept."""
+
+    basic: tuple[str, ...]
+    css: tuple[str, ...]
+    xkcd: tuple[str, ...]
+    materials: tuple[str, ...]
+    is_textured: bool
+
+    @classmethod
+    def of(cls, look: Appearance) -> "_Look":
+        return cls(**look.colors, materials=look.materials, is_textured=look.is_textured)
+
+    @property
+    def appearance(self) -> Appearance:
+        colors = {level: getattr(self, level) for level in COLOR_LEVELS}
+        return Appearance(colors, self.materials, self.is_textured)
 
 
 def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _AppearanceCache) -> PartSemantics:
@@ -106,7 +145,7 @@ def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _Appearance
     triangles = model.triangle[seen].astype(np.float64)
     area = surface_areas(triangles) * _faces(triangles, inner_normal(part, rooms))
     skin = TexturedTriangles(area, model.uv[seen], model.slot[seen], shell.surfaces)
-    look = looks.get(shell.surfaces[shell.inner_slot[index]], skin)
+    look = looks.get(shell.surfaces[shell.inner_slot[index]], lambda: skin)
     category = "floor" if part.kind == "ground" else part.kind
     return PartSemantics(
         index=index,
@@ -130,9 +169,7 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 def _object(
     item: PlacedObject, support: Support, rooms: RoomTable, sizes: SizeTable, looks: _AppearanceCache
 ) -> ObjectSemantics:
-    skin = TexturedTriangles(surface_areas(item.triangles), item.model.uv, item.model.slot, item.surfaces)
-    stretch = (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas, independent of rotation
-    look = looks.get((item.model.key, skin.surfaces, stretch.tobytes()), skin)
+    look = looks.of_object(item)
     size = sizes.log_volume_size(_volume(item), item.info)
     return ObjectSemantics(
         object_id=item.object_id,
@@ -151,13 +188,6 @@ def _object(
         support=support,
         description=short_text(size, look, item.info.fine),
     )
-
-
-def _look(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
-    if skin.area.sum() <= 0:
-        # A mesh of lines and points has zero area, so all triangles get equal weights.
-        skin = replace(skin, area=np.ones_like(skin.area))
-    return compute_appearance(skin, options)
 
 
 def _volume(item: PlacedObject) -> float:

@@ -96,7 +96,7 @@ def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> li
 def footprint_gap(boxes: BoxSet, a: int, b: int) -> float:
     """Return the distance between the footprints of two boxes [m]; 0 if a corner or centre of one is in the other."""
     ends = [np.concatenate([footprint(boxes, i), boxes.center[i : i + 1, :2]]) for i in (a, b)]
-    return float(min(footprint_distance(boxes, b, ends[0]).min(), footprint_distance(boxes, a, ends[1]).min()))
+    return float(footprint_distance(boxes[[b, a]], np.stack(ends)).min())
 
 
 def observer_relations(

@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint_distance
-from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import RoomTable
@@ -55,7 +54,7 @@ def find_supports(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Sup
         rooms: Rooms of the house.
     """
     boxes = concat_boxes(o.box for o in objects)
-    limits = np.array([bounds(o.triangles) for o in objects]).reshape(-1, 2, 3)
+    limits = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     outlines = {level: _outline_points(rooms, level) for level in {o.level for o in objects}}
     return [_support(i, objects, boxes, limits, rooms, outlines[o.level]) for i, o in enumerate(objects)]
 
@@ -74,7 +73,7 @@ def _support(
     low, high = limits[index, :, 2]
     floor, ceiling = _heights(item, rooms)
     on_floor = bool(low < floor + MAX_CONTACT_GAP)
-    off_wall = float(footprint_distance(boxes, index, outline).min(initial=np.inf))
+    off_wall = float(footprint_distance(boxes[[index]], outline[None]).min(initial=np.inf))
     at_wall = off_wall < MAX_WALL_DISTANCE
     if item.info.coarse in WALL_HUNG and off_wall < MAX_HUNG_DISTANCE and not on_floor:
         return Support("wall")
@@ -136,15 +135,12 @@ def _soles(item: PlacedObject) -> Float[np.ndarray, "p 3"]:
 
 def _is_carried(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
     """Return whether an object's upper side is within `MAX_CONTACT_GAP` of each point, vertically, below `top`."""
-    triangles = below.triangles
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    normal *= np.sign(np.linalg.det(below.pose[:, :3]))  # a mirrored model is inside out
+    triangles = below.upper_triangles
     level = points[:, 2].min()
     near = (triangles[:, :, 2].min(axis=1) < level + SOLE_HEIGHT + MAX_CONTACT_GAP) & (
         triangles[:, :, 2].max(axis=1) > level - MAX_CONTACT_GAP
     )
-    upper = near & (normal[:, 2] > 0.5 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
-    a, b, c = triangles[upper].transpose(1, 0, 2)
+    a, b, c = triangles[near].transpose(1, 0, 2)
     weight = _barycentric(points[:, None, :2], a[:, :2], b[:, :2], c[:, :2])
     height = np.sum(weight * np.stack([a[:, 2], b[:, 2], c[:, 2]], axis=-1), axis=-1)
     found = (weight >= -1e-6).all(axis=-1) & (abs(height - points[:, None, 2]) <= MAX_CONTACT_GAP) & (height < top)

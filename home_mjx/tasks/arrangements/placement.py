@@ -53,7 +53,7 @@ def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
     if (penetration_depth(box, around[meets]) > -MIN_HORIZONTAL_CLEARANCE).any():
         return False
     pivot, reach, low, high = np.split(house.door_sweeps, [2, 3, 4], axis=1)
-    away = footprint_distance(box, 0, pivot) > reach[:, 0] + MIN_HORIZONTAL_CLEARANCE
+    away = footprint_distance(box, pivot[None])[0] > reach[:, 0] + MIN_HORIZONTAL_CLEARANCE
     return bool((away | (low[:, 0] > box.top[0]) | (high[:, 0] < box.bottom[0])).all())
 
 
@@ -69,7 +69,7 @@ def _home_after_placement(
     ).any():
         return None
     centres = (np.stack(np.meshgrid(*map(np.arange, home.shape[:0:-1])), axis=-1) + 0.5) * house.cell + house.origin
-    left = home[level] & (footprint_distance(box, 0, centres) >= house.agent_clearance)
+    left = home[level] & (footprint_distance(box, centres[None])[0] >= house.agent_clearance)
     if _num_components(left) > _num_components(home[level]):
         return None
     return np.where(np.arange(len(home))[:, None, None] == level, left, home)
@@ -84,4 +84,4 @@ def _num_components(cells: Bool[np.ndarray, "ny nx"]) -> int:
 def _distance_to_points(box: BoxSet, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
     """Compute horizontal distances from a box to points on its level [m]; inf for points on other levels."""
     near = abs(points[:, 2] - box.bottom[0]) < 1.0
-    return np.where(near, footprint_distance(box, 0, points[:, :2]), np.inf)
+    return np.where(near, footprint_distance(box, points[None, :, :2])[0], np.inf)

@@ -266,9 +266,9 @@ def test_footprints_agree_with_distances(rng):
     boxes = make_boxes(rng.normal(size=(5, 3)), rng.uniform(0.1, 1, (5, 3)), rng.uniform(-3, 3, 5))
     for i in range(5):
         corners = footprint(boxes, i)
-        assert footprint_distance(boxes, i, corners).max() < 1e-9
+        assert footprint_distance(boxes[[i]], corners[None]).max() < 1e-9
         out = boxes.center[i, :2] + 2 * (corners - boxes.center[i, :2])
         expected = np.hypot(*boxes.half[i, :2])
-        np.testing.assert_allclose(footprint_distance(boxes, i, out), expected)
+        np.testing.assert_allclose(footprint_distance(boxes[[i]], out[None])[0], expected)
         grown = bounding_box(np.c_[corners, np.zeros(4)], boxes.yaw[i])
         np.testing.assert_allclose(grown.half[0, :2], boxes.half[i, :2])

@@ -174,7 +174,7 @@ def test_space_that_the_meshes_leave_is_free(compiled):
     navigation = compiled.navigation
     points = cell_points(compiled)
     bodies = BoxSet(compiled.bodies.pos, compiled.bodies.size, 2 * np.arctan2(*compiled.bodies.quat[:, [3, 0]].T))
-    near_body = np.min([footprint_distance(bodies, i, points) for i in range(len(bodies))], axis=0) < 0.16
+    near_body = footprint_distance(bodies, points[None]).min(axis=0) < 0.16
     blocked = (navigation.room >= 0) & ~navigation.home_mask & ~near_body
     gaps = nearest(obstacle_points(compiled, ("curtain",)), points[blocked])
     assert np.mean(gaps < 0.15 + 0.1) > 0.96

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from home_mjx.core.files import is_file, is_folder
 from home_mjx.datasets.suncg.formats.json_value import Location
-from home_mjx.datasets.suncg.formats.obj import read_obj
+from home_mjx.datasets.suncg.formats.obj import read_library_obj, read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.datasets.suncg.formats.variants import base_model
 from home_mjx.errors import MissingFileError
@@ -44,7 +44,7 @@ class AssetLibrary:
             DatasetError: The OBJ is broken.
         """
         if key not in self._models or self._has_arrived(self._models[key]):
-            self._models[key] = self.mesh(self.find_model(model_id, key, place))
+            self._models[key] = read_library_obj(self.find_model(model_id, key, place), self.textures)
         return self._models[key]
 
     def _has_arrived(self, mesh: Mesh) -> bool:

@@ -6,12 +6,14 @@ Lines are first grouped by keyword; material and group of a face then follow fro
 import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.core.files import resolve_below
+from home_mjx.datasets.kept_results import kept_result
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location
 from home_mjx.datasets.suncg.formats.mtl import MISSING_COLOR, LibraryMaterial, read_library
 from home_mjx.datasets.suncg.formats.obj_faces import Rows, line_numbers, read_corners, smooth_normals, split_faces
@@ -43,41 +45,105 @@ def read_obj(path: Path, textures: TextureLookup) -> Mesh:
             out of range, an unknown material, a path out of the dataset, a polygon that crosses itself, a free-form
             surface, or no face at all.
     """
-    rows = scan_obj(path, textures.tolerant)
+    return _mesh(_shape(read_statement_lines(path, tolerant=textures.tolerant), path, textures), path, textures)
+
+
+def read_library_obj(path: Path, textures: TextureLookup) -> Mesh:
+    """Read a mesh as `read_obj` does, and keep what follows from its text alone, since many houses use it."""
+    text = read_statement_lines(path, tolerant=textures.tolerant)
+    inputs = b"%d" % textures.tolerant + text.encode()
+    return _mesh(kept_result(ObjShape, inputs, lambda: _shape(text, path, textures)), path, textures)
+
+
+@dataclass(frozen=True)
+class ObjShape:
+    """Content of an OBJ that follows from its text alone.
+
+    Attributes:
+        vertices: Corners [m].
+        faces: Indices into the vertices.
+        uv: Texture coordinates of the corners as in the file; 0 where it has none.
+        normal: Unit normals of the corners; empty if the file lacks normals or all are flat.
+        use: Index of the `usemtl` of each face; -1 for none.
+        group: Index of the group of each face; -1 for none.
+        groups: Names of the groups.
+        names: Arguments of each `usemtl`.
+        name_lines: Line numbers of `names`.
+        libraries: Arguments of each `mtllib`.
+        library_lines: Line numbers of `libraries`.
+    """
+
+    vertices: Float[np.ndarray, "v 3"]
+    faces: Int[np.ndarray, "f 3"]
+    uv: Float[np.ndarray, "f 3 2"]
+    normal: Float[np.ndarray, "n 3 3"]
+    use: Int[np.ndarray, " f"]
+    group: Int[np.ndarray, " f"]
+    groups: tuple[str, ...]
+    names: tuple[str, ...]
+    name_lines: tuple[int, ...]
+    libraries: tuple[str, ...]
+    library_lines: tuple[int, ...]
+
+
+def _shape(text: str, path: Path, textures: TextureLookup) -> ObjShape:
+    """Parse the text of an OBJ; raises the errors of `read_obj` that need no material."""
+    rows = scan_obj(text, path)
     if not rows["f"]:
         raise Location(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
     vertices = read_table(rows["v"], 3, path)
     uv = np.vstack([np.zeros(2), read_table(rows["vt"], 2, path)])
     index, sides = read_corners(rows, path)
     corner, face = split_faces(vertices[index[:, 0] - 1], sides, rows["f"], path, textures.tolerant)
-    entries, slot = _materials(rows, path, textures)
     groups, group = _groups(rows)
-    return Mesh(
-        path=path,
+    normal = smooth_normals(rows["vn"], index[corner, 2], vertices[index[corner, 0] - 1])
+    return ObjShape(
         vertices=vertices,
         faces=(index[corner, 0] - 1).astype(np.int32),
-        uv=_place_maps(uv[index[corner, 1]], slot[face], entries, path).astype(np.float32),
-        slot=slot[face],
+        uv=uv[index[corner, 1]],
+        normal=np.zeros((0, 3, 3)) if normal is None else normal,
+        use=_current(rows["usemtl"], rows["f"])[face].astype(np.int32),
         group=group[face],
-        materials=tuple(entry.material for entry in entries),
         groups=groups,
-        normal=smooth_normals(rows["vn"], index[corner, 2], vertices[index[corner, 0] - 1]),
+        names=tuple(rest for _, rest in rows["usemtl"]),
+        name_lines=tuple(line for line, _ in rows["usemtl"]),
+        libraries=tuple(rest for _, rest in rows["mtllib"]),
+        library_lines=tuple(line for line, _ in rows["mtllib"]),
     )
 
 
-def scan_obj(path: Path, tolerant: bool = False) -> dict[str, Rows]:
+def _mesh(shape: ObjShape, path: Path, textures: TextureLookup) -> Mesh:
+    """Add the materials to a shape; raises the errors of `read_obj` that concern them."""
+    entries, slot = _materials(shape, path, textures)
+    return Mesh(
+        path=path,
+        vertices=shape.vertices,
+        faces=shape.faces,
+        uv=_place_maps(shape.uv.copy(), slot, entries, path).astype(np.float32),
+        slot=slot,
+        group=shape.group,
+        materials=tuple(entry.material for entry in entries),
+        groups=shape.groups,
+        normal=shape.normal if len(shape.normal) else None,
+    )
+
+
+def scan_obj(text: str, path: Path) -> dict[str, Rows]:
     """Return the statements of an OBJ by keyword in lower case; arguments of `fo` count as those of `f`.
 
     Args:
-        path: The file.
-        tolerant: As in `read_statement_lines`.
+        text: Text of the file.
+        path: The file, for errors.
 
     Raises:
-        DatasetError: The file cannot be read, or a statement describes a surface that is not read.
+        DatasetError: A statement describes a surface that is not read.
     """
     rows: dict[str, Rows] = defaultdict(list)
-    for number, keyword, rest in split_statements(read_statement_lines(path, tolerant=tolerant)):
-        rows[keyword].append((number, rest))
+    if "\\" in text or "\r" in text:
+        for number, keyword, rest in split_statements(text):
+            rows[keyword].append((number, rest))
+    else:
+        _scan_plain(text, rows)
     for keyword in OBJ_GEOMETRY.keys() & rows.keys():
         hint = "Convert the model to polygons in the program that wrote it."
         place = Location(path, f"line {rows[keyword][0][0]}")
@@ -85,6 +151,18 @@ def scan_obj(path: Path, tolerant: bool = False) -> dict[str, Rows]:
     if rows["fo"]:  # the same statement in older files
         rows["f"] = sorted(rows["f"] + rows["fo"])
     return rows
+
+
+def _scan_plain(text: str, rows: dict[str, Rows]) -> None:
+    """Add the statements of a text without continued lines to `rows`; most lines are numbers behind one space."""
+    numeric = {keyword: rows[keyword] for keyword in ("v", "vt", "vn", "f")}
+    for number, line in enumerate(text.split("\n"), 1):
+        keyword, _, rest = line.partition(" ")
+        if keyword in numeric and rest:
+            numeric[keyword].append((number, rest))
+        elif line:
+            for _, word, words in split_statements(line):
+                rows[word].append((number, words))
 
 
 def _place_maps(
@@ -144,21 +222,21 @@ def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
 
 
 def _materials(
-    rows: dict[str, Rows], path: Path, textures: TextureLookup
+    shape: ObjShape, path: Path, textures: TextureLookup
 ) -> tuple[tuple[LibraryMaterial, ...], Int[np.ndarray, " f"]]:
-    libraries = find_libraries(rows, path, textures)
+    used_names = list(zip(shape.name_lines, shape.names, strict=True))
+    libraries = find_libraries(list(zip(shape.library_lines, shape.libraries, strict=True)), path, textures)
     entries = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
     if textures.tolerant:
         name = next(iter(libraries), path.with_suffix(".mtl")).name
         known = [entry.material for entry in entries]
-        entries += tuple(map(LibraryMaterial, missing_materials(rows["usemtl"], known, name)))
+        entries += tuple(map(LibraryMaterial, missing_materials(used_names, known, name)))
     slots = _slots([entry.material.name for entry in entries])
-    used = [_slot(row, slots, path) for row in rows["usemtl"]]
-    current = _current(rows["usemtl"], rows["f"])
-    if (current < 0).any():
+    used = [_slot(row, slots, path) for row in used_names]
+    if (shape.use < 0).any():
         entries += (LibraryMaterial(DEFAULT_MATERIAL),)
     # Index -1, for faces above every usemtl, selects the plain material at the end of both.
-    return entries, np.array([*used, len(entries) - 1], np.int32)[current]
+    return entries, np.array([*used, len(entries) - 1], np.int32)[shape.use]
 
 
 def _slots(names: Sequence[str]) -> Mapping[str, int]:
@@ -197,10 +275,16 @@ def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tu
     return tuple(Material(name, MISSING_COLOR, None, 1.0, missing_file=library) for name in (*named, *others))
 
 
-def find_libraries(rows: dict[str, Rows], path: Path, textures: TextureLookup) -> dict[Path, Location]:
-    """Return the material libraries of an OBJ with the first line of each, in file order; errors as in `read_obj`."""
+def find_libraries(rows: Rows, path: Path, textures: TextureLookup) -> dict[Path, Location]:
+    """Return the material libraries of an OBJ with the first line of each, in file order; errors as in `read_obj`.
+
+    Args:
+        rows: Lines of `mtllib`.
+        path: The file.
+        textures: As in `read_obj`.
+    """
     libraries: dict[Path, Location] = {}
-    for row in rows["mtllib"]:
+    for row in rows:
         for library, place in _libraries(row, path, textures):
             libraries.setdefault(library, place)
     return libraries

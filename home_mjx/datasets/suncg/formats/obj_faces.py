@@ -9,6 +9,7 @@ from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.geometry.faces import FaceError, triangulate_faces
 
 Rows = list[tuple[int, str]]  # line number and the text after the keyword
+MAX_DIGITS = 18  # maximum digits of an index that fits 64 bits
 MAX_CORNERS = 1 << 22  # maximum corners of one mesh
 _KINDS = ("v", "vt", "vn")
 MIN_NORMAL_DEVIATION = 1e-3  # minimum deviation from face normals of useful vertex normals
@@ -29,16 +30,42 @@ def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 
     if count > MAX_CORNERS:
         message = f"faces have about {count} corners, at most {MAX_CORNERS} are read"
         raise Location(path).error(message, "Simplify the model: SUNCG's largest has 33,000 faces.")
-    faces = [rest.partition("#")[0].split() for _, rest in rows["f"]]
-    sides = np.array([len(words) for words in faces])
-    raw = _indices(faces)
+    raw, sides = _plain_indices(rows["f"]) or _split_indices(rows["f"])
     if raw is None or sides.min() < 3:
-        number, rest = next(row for row, words in zip(rows["f"], faces, strict=True) if _malformed(words))
+        number, rest = next(row for row in rows["f"] if _malformed(_words(row[1])))
         raise Location(path, f"line {number}").error(
             f"expected a face such as `f 1/1/1 2/2/2 3/3/3`, got `{rest.strip()[:60]}`"
         )
-    face = np.repeat(np.arange(len(faces)), sides)
+    face = np.repeat(np.arange(len(sides)), sides)
     return _absolute(raw, line_numbers(rows["f"])[face], rows, path), sides
+
+
+def _plain_indices(rows: Rows) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]] | None:
+    """Return the indices and the corners per face if all corners are like `1/2/3`, one space apart; otherwise None."""
+    text = "\n".join(rest for _, rest in rows)
+    if not text.isascii():
+        return None
+    letters = np.frombuffer(text.encode(), np.uint8)
+    at = np.flatnonzero((letters < ord("0")) | (letters > ord("9")))
+    marks = np.append(letters[at], ord("\n"))
+    corners = marks.reshape(-1, 3) if len(marks) % 3 == 0 else np.zeros((1, 3))
+    ends = (corners[:, 2] == ord("\n")) | (corners[:, 2] == ord(" "))
+    digits = np.diff(at, prepend=-1, append=len(letters)) - 1
+    if not (ends.all() and (corners[:, :2] == ord("/")).all() and digits.min() > 0 and digits.max() <= MAX_DIGITS):
+        return None
+    numbers = np.fromstring(text.replace("/", " "), np.int64, sep=" ").reshape(-1, 3)
+    return numbers, np.diff(np.flatnonzero(corners[:, 2] == ord("\n")), prepend=-1)
+
+
+def _split_indices(rows: Rows) -> tuple[Int[np.ndarray, "c 3"] | None, Int[np.ndarray, " f"]]:
+    """Return the indices, None if a corner is malformed, and the corners per face."""
+    faces = [_words(rest) for _, rest in rows]
+    return _indices(faces), np.array([len(words) for words in faces])
+
+
+def _words(text: str) -> list[str]:
+    """Return the corners of a face, without a comment behind them."""
+    return text.partition("#")[0].split()
 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:

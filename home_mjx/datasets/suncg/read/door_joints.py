@@ -7,9 +7,10 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.datasets.kept_results import kept_result
 from home_mjx.datasets.suncg.fallbacks.builtin_categories import add_builtin_categories
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, other_variant
-from home_mjx.datasets.suncg.read.hinges import Hinge, find_hinges
+from home_mjx.datasets.suncg.read.hinges import Hinge, HingeTable, find_hinges
 from home_mjx.datasets.suncg.read.reader_state import ReaderState
 from home_mjx.geometry.meshes import tree_order, triangles_z_up
 from home_mjx.schema.house import House, Joint, Mesh, ObjectNode
@@ -69,7 +70,9 @@ class DoorVariants:
 @lru_cache(maxsize=256)
 def _joints(door: DoorVariants) -> tuple[Joint, ...]:
     order = tree_order(door.shown)  # leaves are numbered in the order of the compiled model's triangles
-    hinges = find_hinges(door.shown.astype(np.float32)[order].astype(np.float64), door.other)
+    shown = door.shown.astype(np.float32)[order].astype(np.float64)
+    inputs = shown.tobytes() + hashlib.sha256(door.other.tobytes()).digest()
+    hinges = kept_result(HingeTable, inputs, lambda: HingeTable.of(find_hinges(shown, door.other), len(shown))).hinges
     return tuple(_joint(door, f"leaf_{number}", hinge, order) for number, hinge in enumerate(hinges, 1))
 
 

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 
 from home_mjx.geometry.box_fit import narrowest_box, sample_surface, triangle_components
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.rotations import plane_matrix
 
 SAME_CORNER_DISTANCE = 2e-3  # [m], corners closer than this are equal in both variants
@@ -42,6 +43,32 @@ class Hinge:
     pivot: Float[np.ndarray, "2"]
     displacement: float
     slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))
+
+
+@dataclass(frozen=True)
+class HingeTable:
+    """Arrays of the hinges of a door; see `Hinge`."""
+
+    leaf: Bool[np.ndarray, "h t"]
+    pivot: Float[np.ndarray, "h 2"]
+    displacement: Float[np.ndarray, " h"]
+    slide: Float[np.ndarray, "h 2"]
+
+    @classmethod
+    def of(cls, hinges: Sequence[Hinge], num_triangles: int) -> "HingeTable":
+        """Create the table of hinges of a variant with `num_triangles` triangles."""
+        return cls(
+            np.array([hinge.leaf for hinge in hinges], bool).reshape(-1, num_triangles),
+            np.array([hinge.pivot for hinge in hinges], float).reshape(-1, 2),
+            np.array([hinge.displacement for hinge in hinges], float),
+            np.array([hinge.slide for hinge in hinges], float).reshape(-1, 2),
+        )
+
+    @property
+    def hinges(self) -> tuple[Hinge, ...]:
+        """The hinges, one per row."""
+        columns = zip(self.leaf, self.pivot, self.displacement.tolist(), self.slide, strict=True)
+        return tuple(Hinge(*column) for column in columns)
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
@@ -187,7 +214,7 @@ def _refine(
 def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
     """Sample points of a surface, at most one per grid cell of size `spacing` [m]."""
     points = sample_surface(triangles, spacing)
-    return points[np.unique(np.floor(points / spacing), axis=0, return_index=True)[1]]
+    return points[unique_cells(np.floor(points / spacing).astype(np.int64))[0]]
 
 
 def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray, "2"]) -> Float[np.ndarray, "p 3"]:

@@ -39,13 +39,13 @@ def check_faces(subject: ValidationContext) -> None:
 
 
 def _check_file(subject: ValidationContext, path: Path) -> None:
-    rows = scan_obj(path, subject.reading.tolerant)
+    rows = scan_obj(read_statement_lines(path, tolerant=subject.reading.tolerant), path)
     points = read_table(rows["v"], 3, path)
     index, sides = read_corners(rows, path)
     corners = points[index[:, 0] - 1]
     for line, rule, message in (*_odd_faces(corners, sides, rows["f"]), *_odd_statements(rows)):
         subject.report(rule, f"line {line}", message, path)
-    for library in (library for library in find_libraries(rows, path, subject.reading.assets.textures)):
+    for library in (library for library in find_libraries(rows["mtllib"], path, subject.reading.assets.textures)):
         _check_library(subject, library)
 
 
