@@ -22,7 +22,13 @@ from home_procgen.furnish.space.floor_placement import (
 )
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.top_placement import place_on_burner, place_on_top
-from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
+from home_procgen.furnish.space.wall_placement import (
+    ceiling_height,
+    furnish_windows,
+    hang_above,
+    hang_kind,
+    hang_pictures,
+)
 from home_procgen.style.object_kinds import list_models
 
 WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
@@ -30,7 +36,8 @@ WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
     1.2,
 )  # [m], undersides of wall cabinets, and height of rails between them and the counter
 MAX_CORNER_OFFSET = 0.25  # [m], maximum distance between the sides of a corner cabinet and of the unit below it
-HOOD_TOP_HEIGHT = 2.44  # [m], height of the tops of hoods
+MIN_HOOD_HEIGHT = 1.55  # [m], minimum height of the undersides of hoods above the floor
+HOOD_KINDS = ("high_hood", "hood", "low_hood")  # by the height of their shafts
 # Kinds of units of a row, in order from one end; longer rows first.
 UNIT_ROWS = (
     ("fridge", "pantry", "base_cabinet", "kitchen_sink", "dishwasher", "base_cabinet", "stove", "base_cabinet"),
@@ -140,13 +147,19 @@ def _place_wall_units(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
         if unit.size[1] > 1.25:
             continue
         if unit.model.family == "cooker":
-            hood = room.draw_object("range_hood")
-            low = HOOD_TOP_HEIGHT - float(hood.size[1]) if hood.size[1] > 0.3 else WALL_CABINET_HEIGHT + 0.1
-            hang_above(room, unit, hood, max(low, 1.5))
+            _place_hood(room, unit)
             continue
         for item in (cabinets[int(room.rng.integers(2))], *cabinets, *narrow):
             if item.size[0] < unit.size[0] + 0.01 and hang_above(room, unit, item, WALL_CABINET_HEIGHT):
                 break
+
+
+def _place_hood(room: RoomSpace, stove: PlacedModel) -> None:
+    """Place a hood over a stove, its shaft up to the ceiling."""
+    ceiling = ceiling_height(room)
+    hoods = (room.draw_object(kind) for kind in HOOD_KINDS)
+    if hood := next((hood for hood in hoods if ceiling - float(hood.size[1]) >= MIN_HOOD_HEIGHT), None):
+        hang_above(room, stove, hood, ceiling - float(hood.size[1]))
 
 
 def _place_corner_cabinet(room: RoomSpace, row: Sequence[PlacedModel]) -> None:

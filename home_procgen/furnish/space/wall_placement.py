@@ -61,6 +61,11 @@ def _is_backed_by(wall: PlanWall, item: PlacedModel) -> bool:
     return near and wall.span[0] <= along - half and along + half <= wall.span[1]
 
 
+def ceiling_height(room: RoomSpace) -> float:
+    """Return the height of the ceiling above the floor, less a gap of 1 mm [m]."""
+    return room.height - CEILING_DROP - FLOOR_TOP - 0.001
+
+
 def hang_from_ceiling(room: RoomSpace, item: PlacedModel, x: float, z: float) -> PlacedModel | None:
     """Hang an object from the ceiling; None if it does not fit."""
     return place_object(room, item.moved_to(x, room.height - CEILING_DROP - float(item.size[1]), z))

@@ -1,0 +1,71 @@
+"""Rules of use that every home follows, on several seeds, from designs alone."""
+
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+
+from home_procgen.design import HomeDesign, draw_design
+from home_procgen.floor_plan.openings import LevelPlan
+from home_procgen.floor_plan.placed_model import PlacedModel
+from home_procgen.floor_plan.walls import CEILING_DROP
+from home_procgen.furnish.rooms.living import _place_stove
+from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.style import HomeStyle
+
+SEEDS = (0, 2, 5, 6, 8, 9, 13, 14)
+
+
+class Room(NamedTuple):
+    """A room of a design."""
+
+    name: str  # seed, level and room
+    type: str
+    index: int
+    level: LevelPlan
+    items: list[PlacedModel]
+
+    @property
+    def ceiling(self) -> float:
+        return self.level.height - CEILING_DROP
+
+    def of(self, *families: str) -> list[PlacedModel]:
+        return [item for item in self.items if item.model.family in families]
+
+
+@cache
+def design(seed: int) -> HomeDesign:
+    return draw_design(seed)
+
+
+def rooms(*types: str) -> Iterator[Room]:
+    for seed in SEEDS:
+        one = design(seed)
+        for number, (level, objects) in enumerate(zip(one.plan.levels, one.objects, strict=True)):
+            for index, room in enumerate(level.rooms):
+                if not types or room.type in types:
+                    items = [placed for placed, owner in objects if owner == index]
+                    yield Room(f"{seed}/{number}/{index}", room.type, index, level, items)
+
+
+def space(room: Room) -> RoomSpace:
+    """Return the same room without furniture."""
+    return RoomSpace(room.level, room.index, HomeStyle.draw(np.random.default_rng(0)))
+
+
+def test_hoods_reach_the_ceiling():
+    hoods = [(room, hood) for room in rooms("Kitchen") for hood in room.of("range_hood")]
+    assert len(hoods) > len(SEEDS) // 2
+    for room, hood in hoods:
+        assert 0 <= room.ceiling - hood.box[1, 1] < 0.01, (room.name, hood.model.id)
+        assert hood.box[0, 1] > 1.55, (room.name, hood.model.id)
+
+
+def test_pipes_of_stoves_reach_the_ceiling():
+    placed = [(room, _place_stove(space(room))) for room in rooms("Living_Room")]
+    found = [(room, stove) for room, stove in placed if stove is not None]
+    assert len(found) > len(placed) // 2
+    for room, stove in found:
+        assert 0 <= room.ceiling - stove.box[1, 1] < 0.01, room.name
+        assert 0.95 < stove.scale[1] < 1.06
