@@ -44,6 +44,8 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "bar_cart": ("cart", "1 2"),
     "trolley": ("cart", "3"),
     "base_cabinet": ("kitchen_cabinet", "1 2 3 4 5 6 9 10 11 12"),
+    "wide_cabinet": ("kitchen_cabinet", "2 6 10 12"),
+    "narrow_cabinet": ("kitchen_cabinet", "5 9"),
     "island": ("kitchen_cabinet", "7"),
     "pantry": ("kitchen_cabinet", "8"),
     "wall_cabinet": ("hanging_cabinet", "1 2 3 4 6 7 8 9 10 11 12 14"),

@@ -69,3 +69,15 @@ def test_pipes_of_stoves_reach_the_ceiling():
     for room, stove in found:
         assert 0 <= room.ceiling - stove.box[1, 1] < 0.01, room.name
         assert 0.95 < stove.scale[1] < 1.06
+
+
+def test_sills_of_kitchens_are_above_worktops():
+    seen = 0
+    for room in rooms("Kitchen"):
+        tops = [u.box[1, 1] for u in room.of("kitchen_cabinet", "dishwasher") if u.size[1] < 1]
+        for opening in room.level.openings_of(room.index):
+            if opening.object.model.fine == "window" and tops:
+                assert opening.object.box[0, 1] > max(tops) + 0.02, room.name
+                assert opening.object.box[1, 1] < room.ceiling - 0.05, room.name
+                seen += 1
+    assert seen > len(SEEDS) // 2

@@ -1,6 +1,6 @@
 """Kitchens: rows of units along a wall, cabinets and a hood above, and objects on the counters."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -50,6 +50,9 @@ UNIT_ROWS = (
     ("kitchen_sink", "base_cabinet", "stove"),
     ("kitchen_sink", "stove"),
 )
+MIN_WORKTOP = 1.2  # [m], minimum length of the worktops of base cabinets together
+# Rows of base cabinets that make up for a short worktop, longest first.
+WORKTOP_ROWS = (("wide_cabinet", "wide_cabinet"), ("wide_cabinet",), ("base_cabinet",), ("narrow_cabinet",))
 # Objects on the counters: the most common ones first.
 ON_COUNTER = (
     *(("microwave", 0.9), ("kettle", 0.9), ("coffee_machine", 0.9), ("knife_block", 0.7), ("cutting_board", 0.75)),
@@ -69,11 +72,14 @@ ON_COUNTER = (
 def furnish_kitchen(room: RoomSpace) -> None:
     """Place a row of units along one wall, sometimes a second row, an island, and a dining set."""
     row = next((row for kinds in UNIT_ROWS if (row := _place_row(room, kinds))), [])
-    bases = [unit for unit in row if unit.model.family == "kitchen_cabinet" and unit.size[1] < 1.0]
+    bases = worktop_cabinets(row)
     if row:
         _place_wall_units(room, row)
     else:
         add_at_wall(room, "stove", 0.6)
+    for kinds in WORKTOP_ROWS:
+        while worktop_length(bases) < MIN_WORKTOP and (more := _place_row(room, kinds)):
+            bases += more
     if not any(unit.model.family == "refrigerator" for unit in row):
         add_at_wall(room, "slim_fridge", 0.6)
     if room.plan.area > 9.5:
@@ -97,6 +103,16 @@ def furnish_kitchen(room: RoomSpace) -> None:
     ):
         hang_kind(room, kind, y, probability)
     hang_pictures(room, 1)
+
+
+def worktop_cabinets(items: Iterable[PlacedModel]) -> list[PlacedModel]:
+    """Return the base cabinets and islands among objects."""
+    return [item for item in items if item.model.family == "kitchen_cabinet" and item.size[1] < 1.0]
+
+
+def worktop_length(items: Iterable[PlacedModel]) -> float:
+    """Return the length of the worktops of the base cabinets and islands among objects [m]."""
+    return float(sum(item.size[0] for item in worktop_cabinets(items)))
 
 
 def _place_row(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel] | None:
