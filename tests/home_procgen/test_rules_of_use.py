@@ -12,6 +12,7 @@ from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.walls import CEILING_DROP
 from home_procgen.furnish.rooms.living import _place_stove
 from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.style import HomeStyle
 
 SEEDS = (0, 2, 5, 6, 8, 9, 13, 14)
@@ -81,3 +82,20 @@ def test_sills_of_kitchens_are_above_worktops():
                 assert opening.object.box[1, 1] < room.ceiling - 0.05, room.name
                 seen += 1
     assert seen > len(SEEDS) // 2
+
+
+def test_kitchens_have_enough_worktop():
+    """The base cabinets and islands together; sinks, stoves and dishwashers do not count."""
+    kitchens = list(rooms("Kitchen"))
+    assert len(kitchens) >= len(SEEDS)
+    for room in kitchens:
+        low = [unit for unit in room.of("kitchen_cabinet") if unit.box[1, 1] < 1.05]
+        assert sum(unit.size[0] for unit in low) >= 1.2, room.name
+
+
+def test_every_indoor_room_has_a_lamp():
+    """At its ceiling or a wall: fans at ceilings give no light."""
+    for room in rooms():
+        if room.type not in OUTDOOR_TYPES:
+            lamps = [item for item in room.items if item.model.fine in ("chandelier", "wall_lamp")]
+            assert any(lamp.model.lights for lamp in lamps), (room.name, room.type)
