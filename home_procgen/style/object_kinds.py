@@ -80,6 +80,7 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "floor_fan": ("stand_fan", "1"),
     "table_fan": ("stand_fan", "2"),
     "long_curtain": ("curtain", "1 2 3 9 10 11 13"),
+    "cafe_curtain": ("curtain", "4"),
     "short_curtain": ("curtain", "4 5 6 7 8 12"),
     "large_rug": ("rug", "1 2 3 4 5 9"),
     "round_rug": ("rug", "3 4 8"),

@@ -14,6 +14,7 @@ from home_procgen.furnish.rooms.living import _place_stove
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.style import HomeStyle
+from home_procgen.style.object_kinds import list_models
 
 SEEDS = (0, 2, 5, 6, 8, 9, 13, 14)
 
@@ -99,3 +100,33 @@ def test_every_indoor_room_has_a_lamp():
         if room.type not in OUTDOOR_TYPES:
             lamps = [item for item in room.items if item.model.fine in ("chandelier", "wall_lamp")]
             assert any(lamp.model.lights for lamp in lamps), (room.name, room.type)
+
+
+def test_curtains_of_a_room_are_of_one_cloth():
+    many = 0
+    for room in rooms():
+        curtains = room.of("curtain")
+        for finish in ("curtain", "sheer"):
+            cloths = {
+                (material.diffuse, material.texture)
+                for curtain in curtains
+                for material, own in zip(curtain.materials, curtain.model.slots.values(), strict=True)
+                if own == finish
+            }
+            assert len(cloths) <= 1, (room.name, finish)
+        many += len(curtains) > 1
+    assert many > len(SEEDS)
+
+
+def test_rods_of_cafe_curtains_are_below_half_the_window():
+    seen = 0
+    for room in rooms():
+        windows = [o.object for o in room.level.openings_of(room.index) if o.object.model.fine == "window"]
+        for curtain in room.of("curtain"):
+            if curtain.model in list_models("cafe_curtain"):
+                gaps = [np.linalg.norm(np.subtract(w.position, curtain.position)[[0, 2]]) for w in windows]
+                sill, head = windows[int(np.argmin(gaps))].box[:, 1]
+                assert curtain.box[1, 1] < (sill + head) / 2, room.name
+                assert sill - 0.1 < curtain.box[0, 1] < sill, room.name
+                seen += 1
+    assert seen
