@@ -8,7 +8,7 @@ import numpy as np
 
 from home_procgen.design import HomeDesign, draw_design
 from home_procgen.floor_plan.openings import LevelPlan
-from home_procgen.floor_plan.placed_model import PlacedModel
+from home_procgen.floor_plan.placed_model import PlacedModel, overlap_mask
 from home_procgen.floor_plan.walls import CEILING_DROP
 from home_procgen.furnish.rooms.living import _place_stove
 from home_procgen.furnish.space.room_space import RoomSpace
@@ -130,3 +130,58 @@ def test_rods_of_cafe_curtains_are_below_half_the_window():
                 assert sill - 0.1 < curtain.box[0, 1] < sill, room.name
                 seen += 1
     assert seen
+
+
+def facing(item: PlacedModel, other: PlacedModel) -> float:
+    """Return the cosine between an object's front and the direction to another."""
+    front, away = item.linear[[0, 2], 2], np.subtract(other.position, item.position)[[0, 2]]
+    return float(front @ away / np.linalg.norm(front) / np.linalg.norm(away))
+
+
+def test_the_nearest_seat_faces_the_only_television():
+    seen = 0
+    for room in rooms("Living_Room"):
+        screens = [item for item in room.items if item.model.fine == "television"]
+        assert len(screens) <= 1, room.name
+        seats = room.of("sofa", "armchair")
+        if screens and seats:
+            (screen,) = screens
+            nearest = min(seats, key=lambda s: np.hypot(*np.subtract(s.position, screen.position)[[0, 2]]))  # noqa: B023
+            assert facing(nearest, screen) > 0.5, room.name
+            assert facing(screen, nearest) > 0.2, room.name
+            seen += 1
+    assert seen >= len(SEEDS) // 2
+
+
+def test_televisions_of_bedrooms_face_the_bed():
+    for room in rooms("Bedroom", "Guest_Room", "Child_Room"):
+        for screen in (item for item in room.items if item.model.fine == "television"):
+            assert all(facing(screen, bed) > 0.2 for bed in room.of("double_bed", "single_bed")), room.name
+
+
+def test_pictures_mirrors_and_clocks_have_a_free_front():
+    """No furniture and no open door within 0.4 m; objects on furniture may be there."""
+    seen = 0
+    for room in rooms():
+        openings = [opening.object for opening in room.level.openings_of(room.index)]
+        standing = [item for item in room.items if item.box[0, 1] < 0.2]
+        for item in room.of("picture", "mirror", "wall_clock", "wall_television", "whiteboard"):
+            if item.box[0, 1] < 0.4:
+                continue  # a mirror on the floor
+            seen += 1
+            front = item.linear[[0, 2], 2] / np.linalg.norm(item.linear[[0, 2], 2])
+            zone = item.box + np.array([[0.05], [-0.05]]) * (1, 1, 1)
+            for axis, way in ((0, front[0]), (2, front[1])):
+                if abs(way) > 0.5:
+                    edge = item.box[int(way > 0), axis]
+                    zone[:, axis] = sorted((edge + 0.01 * way, edge + 0.4 * way))
+            for other in (*standing, *openings):
+                assert not overlap_mask(zone, other.parts, 0.002).any() or other is item, (room.name, other.model.id)
+    assert seen > 10 * len(SEEDS)
+
+
+def test_bathrooms_have_neither_drinks_nor_food_nor_coats():
+    wrong = {"bottle", "glass", "cup", "jug", "teapot", "kettle", "coffee_kettle", "food", "bread", "cake", "plates"}
+    for room in rooms("Bathroom", "Toilet"):
+        fine = {item.model.fine for item in room.items}
+        assert not fine & {*wrong, "fruit_bowl", "hanger", "wardrobe_cabinet"}, room.name

@@ -9,6 +9,7 @@ from home_procgen.floor_plan.placed_model import Box, PlacedModel
 from home_procgen.floor_plan.walking_grid import AGENT_HEIGHT, MAX_STEP_HEIGHT
 from home_procgen.floor_plan.walls import FLOOR_TOP, window_view_box
 from home_procgen.furnish.space.collision_boxes import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
+from home_procgen.furnish.space.use_rules import keeps_rules
 from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid, stairwell_box
 from home_procgen.plan.openings.windows import SlantedWindow
 from home_procgen.plan.shape.storeys import Stairwell
@@ -80,17 +81,24 @@ class RoomSpace:
         """All boxes that are solid or kept free."""
         return np.concatenate([self.solid.boxes, self.clear.boxes])
 
-    def try_place(self, items: Sequence[PlacedModel], zones: Sequence[Box] = (), views: bool = True) -> bool:
-        """Place objects together if they fit; return whether they do. `zones` must be free and stay free of furniture.
+    def try_place(
+        self, items: Sequence[PlacedModel], zones: Sequence[Box] = (), views: bool = True, fronts: Sequence[Box] = ()
+    ) -> bool:
+        """Place objects together if they fit and keep the rules of use; return whether they do.
+
+        `zones` must be free and stay free of furniture.
 
         Args:
             items: The objects. They are not tested against one another.
             zones: Free boxes [m].
-            views: Keep windows clear.
+            views: Keep windows and fronts clear.
+            fronts: Free boxes in front of objects on walls [m], which only objects on furniture may enter later.
         """
+        if not keeps_rules(self.items, items):
+            return False
         boxes = np.concatenate([collision_boxes(item) for item in items])
-        extra = np.array(zones, float).reshape(-1, 2, 3)
-        if self.solid.overlaps_any(np.concatenate([boxes, extra])) or self.clear.overlaps_any(boxes):
+        extra, seen = (np.array(some, float).reshape(-1, 2, 3) for some in (zones, fronts))
+        if self.solid.overlaps_any(np.concatenate([boxes, extra, seen])) or self.clear.overlaps_any(boxes):
             return False
         if (views and self.views.overlaps_any(boxes)) or not all(self._holds(item.box) for item in items):
             return False
@@ -104,6 +112,7 @@ class RoomSpace:
         self.grid.remove_blocked(tall)
         self.solid.add(boxes)
         self.clear.add(extra)
+        self.views.add(seen)
         self._flat.add(np.array([extrude_footprint(i.box) for i in items if is_flat(i.box)], float).reshape(-1, 2, 3))
         self.items += items
         return True
