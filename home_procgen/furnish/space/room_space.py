@@ -15,7 +15,7 @@ from home_procgen.plan.openings.windows import SlantedWindow
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.style import HomeStyle
 
-STAIR_ACCESS_DEPTH = 0.9  # [m], depth of the free floor in front of stairs
+STAIR_ACCESS_DEPTH, STAIR_ACCESS_HEIGHT = 0.9, 2.1  # [m], of the free space in front of stairs
 RUG_THICKNESS = 0.0018  # [m]; objects on a rug overlap it by less than `MAX_TOUCH_OVERLAP`, which counts as touching
 
 Companions = Callable[[PlacedModel], Iterable[PlacedModel]]
@@ -37,9 +37,11 @@ class RoomSpace:
 
     Attributes:
         items: Objects placed so far.
+        stairs: The place of stairs.
     """
 
     def __init__(self, plan: LevelPlan, index: int, style: HomeStyle, stairs: Stairwell | None = None) -> None:
+        self.stairs = stairs
         self.plan, self.kind = plan.rooms[index], plan.rooms[index].type
         self.height, self.style, self.rng, self.look = plan.height, style, style.rng, style.draw_room_materials()
         self.items: list[PlacedModel] = []
@@ -49,7 +51,7 @@ class RoomSpace:
         walls = boundary_boxes(self.plan, plan.height, stairs)
         parts = [part for opening in self.openings for part in opening.object.parts]
         self.solid = BoxStore([*walls, *parts])
-        before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, plan.height)]
+        before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, STAIR_ACCESS_HEIGHT)]
         passages = [o.passage for o in self.openings if o.is_door]
         self.clear = BoxStore([*passages, *before])
         self.views = BoxStore([window_view_box(o.object.box) for o in self.openings if not o.is_door])

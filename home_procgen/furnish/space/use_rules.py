@@ -32,7 +32,7 @@ def _is_watched(screen: PlacedModel, items: Sequence[PlacedModel]) -> bool:
     seats = [item for item in items if item.model.family in SEAT_FAMILIES]
     beds = [item for item in items if item.model.family in BED_FAMILIES]
     if beds:
-        return all(_facing(screen, bed) > MIN_SCREEN_FACING for bed in beds)
+        return all(_facing(screen, bed) > MIN_SCREEN_FACING and _facing(bed, screen) > 0 for bed in beds)
     if not seats:
         return True
     nearest = min(seats, key=lambda seat: float(np.hypot(*_between(screen, seat))))
