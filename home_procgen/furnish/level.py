@@ -5,11 +5,13 @@ from collections.abc import Sequence
 from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
 from home_procgen.furnish.rooms.kitchen import MIN_WORKTOP, worktop_length
+from home_procgen.furnish.small_objects import add_small_objects
 from home_procgen.furnish.space.floor_placement import add_at_wall
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.top_placement import place_on_top
 from home_procgen.furnish.space.wall_placement import hang_from_ceiling, hang_kind, place_sockets, place_switches
 from home_procgen.plan.home import HomePlan
+from home_procgen.plan.openings.passage import landing_points
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.style import HomeStyle
 
@@ -67,6 +69,7 @@ def _furnish_room(home: HomePlan, level: int, index: int, style: HomeStyle) -> R
         if _is_usable(room) and (outdoors or _place_lamps(room)):
             if not outdoors:
                 place_sockets(room)
+                add_small_objects(room)
             return room
     return None
 
@@ -80,10 +83,12 @@ def _is_usable(room: RoomSpace) -> bool:
 
 
 def _place_lamps(room: RoomSpace) -> bool:
-    """Place lamps in the middle of the room, above a dining table, and in each part of long halls.
+    """Place lamps in the middle of the room, above a dining table, before stairs, and in each part of long halls.
 
     Return whether the room has a lamp. One is on a wall if nothing fits at the ceiling, or a fan is there.
     """
+    if room.stairs is not None:
+        any(hang_from_ceiling(room, room.draw_object("ceiling_lamp"), x, z) for x, z in landing_points(room.stairs))
     tables = [item for item in room.items if item.model.fine == "dining_table"]
     over = tables and hang_from_ceiling(room, room.draw_object("pendant"), tables[0].position[0], tables[0].position[2])
     if over and room.kind != "Living_Room":

@@ -34,6 +34,7 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "flat_screen": ("television", "1 2 4 5 6"),
     "toy_shelf": ("bookshelf", "4 9 11"),
     "wall_shelf": ("shelving", "1 7 8 11"),
+    "plate_shelf": ("shelving", "12"),
     "rack": ("shelving", "2 3 10"),
     "open_shelf": ("shelving", "3 9"),
     "pegboard": ("shelving", "5"),

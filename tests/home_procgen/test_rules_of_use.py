@@ -6,13 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from home_mjx.scene_compile.collision.movables import FIXED_FINE, MOVABLE_COARSE, MOVABLE_FINE
 from home_procgen.design import HomeDesign, draw_design
 from home_procgen.floor_plan.openings import LevelPlan
 from home_procgen.floor_plan.placed_model import PlacedModel, overlap_mask
-from home_procgen.floor_plan.walls import CEILING_DROP
+from home_procgen.floor_plan.walls import CEILING_DROP, wall_box
 from home_procgen.furnish.rooms.living import _place_stove
 from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.plan.openings.passage import landing_points
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
+from home_procgen.primitives.categories import CATEGORIES
 from home_procgen.style import HomeStyle
 from home_procgen.style.object_kinds import list_models
 
@@ -156,7 +159,8 @@ def test_the_nearest_seat_faces_the_only_television():
 def test_televisions_of_bedrooms_face_the_bed():
     for room in rooms("Bedroom", "Guest_Room", "Child_Room"):
         for screen in (item for item in room.items if item.model.fine == "television"):
-            assert all(facing(screen, bed) > 0.2 for bed in room.of("double_bed", "single_bed")), room.name
+            for bed in room.of("double_bed", "single_bed"):
+                assert facing(screen, bed) > 0.2 and facing(bed, screen) > 0, room.name
 
 
 def test_pictures_mirrors_and_clocks_have_a_free_front():
@@ -185,3 +189,59 @@ def test_bathrooms_have_neither_drinks_nor_food_nor_coats():
     for room in rooms("Bathroom", "Toilet"):
         fine = {item.model.fine for item in room.items}
         assert not fine & {*wrong, "fruit_bowl", "hanger", "wardrobe_cabinet"}, room.name
+
+
+def test_stairs_have_handrails_and_a_lamp_above_heads():
+    seen = 0
+    for room in rooms():
+        walls = np.stack([wall_box(wall, 2.5) for wall in room.level.rooms[room.index].walls])
+        for stairs in room.of("stairs"):
+            (rails,) = room.of("stair_rails")
+            assert (rails.box[0] > stairs.box[0] - 1e-6).all()
+            assert (rails.box[1, [0, 2]] < stairs.box[1, [0, 2]] + 1e-6).all()
+            assert 0.75 < rails.box[1, 1] - stairs.box[1, 1] < 1.1  # at the upper end
+            low, high = stairs.box[:, [0, 2]]
+            lamps = [item for item in room.items if item.model.lights and item.model.fine != "table_lamp"]
+            lamps = [lamp for lamp in lamps if (low < lamp.box.mean(axis=0)[[0, 2]]).all()]
+            lamps = [lamp for lamp in lamps if (lamp.box.mean(axis=0)[[0, 2]] < high).all()]
+            assert lamps, room.name
+            for lamp in lamps:
+                assert lamp.box[0, 1] > 2.0, room.name
+                assert overlap_mask(stretch(lamp.box), walls, 0.0).any(), room.name
+            seen += 1
+    assert seen
+
+
+def test_stairs_end_below_a_lamp():
+    """One at the ceiling, at most 1.2 m from a point at the foot or the head of the stairs."""
+    seen = 0
+    for seed in SEEDS:
+        plan = design(seed).plan
+        for number, objects in enumerate(design(seed).objects):
+            place = plan.stairwell(number)
+            if place is not None:
+                lamps = [item for item, owner in objects if owner == 0 and item.model.fine == "chandelier"]
+                at = [np.subtract((x, z), lamp.box.mean(0)[[0, 2]]) for x, z in landing_points(place) for lamp in lamps]
+                assert min(np.linalg.norm(at, axis=1)) < 1.2, (seed, number)
+                seen += 1
+    assert seen
+
+
+def stretch(box: np.ndarray) -> np.ndarray:
+    """Return a box that reaches a centimetre farther to all sides."""
+    return box + np.array([[-0.01], [0.01]])
+
+
+def is_small_movable(item: PlacedModel) -> bool:
+    """Return whether an object can become a body and is at most half a metre long; furniture and lamps are not."""
+    fine, size = item.model.fine, np.ptp(item.box, axis=0)
+    coarse = CATEGORIES[fine].coarse
+    named = (coarse in MOVABLE_COARSE or fine in MOVABLE_FINE) and fine not in FIXED_FINE
+    large = coarse in ("chair", "ottoman", "table", "stand", "indoor_lamp")
+    return named and not large and size.min() >= 0.01 and size.max() <= 0.5
+
+
+def test_rooms_have_eight_small_movable_objects_on_average():
+    counts = [sum(map(is_small_movable, room.items)) for room in rooms() if room.type not in OUTDOOR_TYPES]
+    assert np.mean(counts) >= 8.0
+    assert np.mean(np.array(counts) == 0) < 0.05
