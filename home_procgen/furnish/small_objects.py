@@ -47,11 +47,11 @@ SMALL_OBJECTS: Mapping[str, tuple[int, Sequence[str]]] = {
     "Office": (12, (*_READ, "books", "cup", "figure", "small_plant", "cellphone", "table_clock", "containers")),
     "Bathroom": (10, (*_WASHED, "small_plant", "hair_dryer")),
     "Toilet": (6, (*_WASHED, "small_plant")),
-    "Hallway": (8, (*_SHOWN, "telephone", "magazine", "books")),
-    "Hall": (9, (*_SHOWN, *_READ, "telephone")),
+    "Hallway": (10, (*_SHOWN, "telephone", "magazine", "books")),
+    "Hall": (11, (*_SHOWN, *_READ, "telephone")),
     "Lobby": (9, (*_SHOWN, *_READ, "telephone")),
     "Entryway": (5, (*_SHOWN, "telephone")),
-    "Wardrobe": (8, ("candle", "ornament", "books", "table_vase")),
+    "Wardrobe": (10, ("candle", "ornament", "books", "table_vase")),
     "Storage": (9, _STORED),
     "Boiler_room": (7, _STORED),
     "Garage": (9, _STORED),
@@ -67,7 +67,7 @@ def add_small_objects(room: RoomSpace) -> None:
     if room.kind not in SMALL_OBJECTS:
         return
     number, kinds = SMALL_OBJECTS[room.kind]
-    missing = round(number * (0.55 + 0.55 * room.style.clutter)) - sum(map(is_small, room.items))
+    missing = round(number * (0.65 + 0.6 * room.style.clutter)) - sum(map(is_small, room.items))
     if missing > 0 and room.kind in SHOE_TYPES:
         missing -= sum(add_at_wall(room, "shoes") is not None for _ in range(MAX_SHOES))
     if missing > 2 and room.kind in SHELVED_TYPES:
@@ -79,7 +79,8 @@ def add_small_objects(room: RoomSpace) -> None:
     for at in room.rng.choice(len(tops), max(missing, 0) * ATTEMPTS_PER_OBJECT, p=share / share.sum()).tolist():
         item, k, _ = tops[at]
         kind = str(kinds[int(room.rng.integers(len(kinds)))])
-        missing -= place_on_top(room, item, kind, surfaces=slice(k, k + 1), attempts=NUM_PLACES) is not None
+        placed = place_on_top(room, item, kind, surfaces=slice(k, k + 1), attempts=NUM_PLACES)
+        missing -= placed is not None
         if missing <= 0:
             return
 

@@ -5,6 +5,7 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy import ndimage
 
 from home_mjx.scene_compile.collision.movables import FIXED_FINE, MOVABLE_COARSE, MOVABLE_FINE
 from home_procgen.design import HomeDesign, draw_design
@@ -19,6 +20,7 @@ from home_procgen.primitives.categories import CATEGORIES
 from home_procgen.style import HomeStyle
 from home_procgen.style.object_kinds import list_models
 
+BUILDING = ("stairs", "fence", "door", "window", "garage_door")  # fine classes
 SEEDS = (0, 2, 5, 6, 8, 9, 13, 14)
 
 
@@ -61,7 +63,7 @@ def space(room: Room) -> RoomSpace:
 
 def test_hoods_reach_the_ceiling():
     hoods = [(room, hood) for room in rooms("Kitchen") for hood in room.of("range_hood")]
-    assert len(hoods) > len(SEEDS) // 2
+    assert len(hoods) > 0.6 * len(SEEDS)
     for room, hood in hoods:
         assert 0 <= room.ceiling - hood.box[1, 1] < 0.01, (room.name, hood.model.id)
         assert hood.box[0, 1] > 1.55, (room.name, hood.model.id)
@@ -245,3 +247,32 @@ def test_rooms_have_eight_small_movable_objects_on_average():
     counts = [sum(map(is_small_movable, room.items)) for room in rooms() if room.type not in OUTDOOR_TYPES]
     assert np.mean(counts) >= 8.0
     assert np.mean(np.array(counts) == 0) < 0.05
+
+
+def test_ways_between_doors_are_wide_enough():
+    """Discs of 0.6 m pass from each door of a room to every other, on a grid of 5 cm of their own."""
+    for room in rooms():
+        plan = room.level.rooms[room.index]
+        doors = [o.object for o in room.level.openings_of(room.index) if o.is_door]
+        low, high = plan.polygon.min(axis=0), plan.polygon.max(axis=0)
+        x, z = np.meshgrid(*(np.arange(a, b, 0.05) for a, b in zip(low, high, strict=True)), indexing="ij")
+        free = np.logical_or.reduce([(r.x0 < x) & (x < r.x1) & (r.z0 < z) & (z < r.z1) for r in plan.rects])
+        openings = [part for o in room.level.openings_of(room.index) for part in o.object.parts]
+        solid = [wall_box(wall, 2.5) for wall in plan.walls] + openings
+        solid += [item.box for item in room.items if item.box[0, 1] < 0.4 and item.model.fine not in BUILDING]
+        for (x0, y0, z0), (x1, y1, z1) in solid:
+            if y1 > 0.1 and y0 < 1.7:
+                gap = np.hypot(np.maximum(0, np.maximum(x0 - x, x - x1)), np.maximum(0, np.maximum(z0 - z, z - z1)))
+                free &= gap > 0.28  # a disc's radius, less the error of the grid
+        parts, _ = ndimage.label(free)
+        found = set()
+        for door in doors:
+            for side in (-1, 1):
+                px, pz = door.local_point(0.0, side * 0.5)
+                i, j = round((px - low[0]) / 0.05), round((pz - low[1]) / 0.05)
+                if 0 <= i < len(x) and 0 <= j < x.shape[1] and any(
+                    r.x0 < px < r.x1 and r.z0 < pz < r.z1 for r in plan.rects
+                ):
+                    found.add(int(parts[i, j]))
+        assert len(found) <= 1, room.name
+        assert 0 not in found, room.name

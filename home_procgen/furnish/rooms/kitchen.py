@@ -1,6 +1,7 @@
 """Kitchens: rows of units along a wall, cabinets and a hood above, and objects on the counters."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -36,6 +37,7 @@ WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
     1.2,
 )  # [m], undersides of wall cabinets, and height of rails between them and the counter
 MAX_CORNER_OFFSET = 0.25  # [m], maximum distance between the sides of a corner cabinet and of the unit below it
+MAX_LOW_UNIT = 1.25  # [m], height of units with cabinets above them
 MIN_HOOD_HEIGHT = 1.55  # [m], minimum height of the undersides of hoods above the floor
 HOOD_KINDS = ("high_hood", "hood", "low_hood")  # by the height of their shafts
 # Kinds of units of a row, in order from one end; longer rows first.
@@ -71,7 +73,8 @@ ON_COUNTER = (
 
 def furnish_kitchen(room: RoomSpace) -> None:
     """Place a row of units along one wall, sometimes a second row, an island, and a dining set."""
-    row = next((row for kinds in UNIT_ROWS if (row := _place_row(room, kinds))), [])
+    tries = product((True, False), UNIT_ROWS)
+    row = next((row for is_clear, kinds in tries if (row := _place_row(room, kinds, is_clear))), [])
     bases = worktop_cabinets(row)
     if row:
         _place_wall_units(room, row)
@@ -115,10 +118,10 @@ def worktop_length(items: Iterable[PlacedModel]) -> float:
     return float(sum(item.size[0] for item in worktop_cabinets(items)))
 
 
-def _place_row(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel] | None:
+def _place_row(room: RoomSpace, kinds: Sequence[str], is_clear: bool = False) -> list[PlacedModel] | None:
     """Place units side by side along one wall, in the given or the reverse order; None if they do not fit.
 
-    The floor in front of them stays free.
+    The floor in front of them stays free; with `is_clear`, neither tall units nor a hood hide a window.
     """
     items = _units(room, kinds)
     total = float(sum(item.size[0] for item in items))
@@ -128,11 +131,21 @@ def _place_row(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel] | Non
         slack = wall.length - total - 2 * (PRISM_THICKNESS + WALL_GAP)
         for share in (0.0, 1.0, 0.5, 0.25, 0.75):
             row = list(_place_side_by_side(items, wall, wall.span[0] + PRISM_THICKNESS + WALL_GAP + share * slack))
+            if is_clear and _hides_window(room, row):
+                continue
             if room.solid.overlaps_any(np.concatenate([collision_boxes(item) for item in row])):
                 continue
             if room.try_place(row, [front_zone(item, 0.7) for item in row], views=False):
                 return row
     return None
+
+
+def _hides_window(room: RoomSpace, row: Sequence[PlacedModel]) -> bool:
+    """Return whether a tall unit of a row, or the hood of its stove, is in front of a window."""
+    boxes = [unit.box.copy() for unit in row if unit.model.family == "cooker" or unit.size[1] > MAX_LOW_UNIT]
+    for box in boxes:
+        box[1, 1] = room.height
+    return bool(boxes) and room.views.overlaps_any(np.stack(boxes))
 
 
 def _units(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel]:
@@ -157,14 +170,12 @@ def _place_wall_units(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
     kinds = ("wall_shelf", "wall_shelf") if shelf else ("door_cabinet", "wall_cabinet")
     cabinets = [room.draw_object(kind) for kind in kinds]
     narrow = [room.style.make_object(model, room.look) for model in list_models("wall_cabinet")[:2]]
+    low = [unit for unit in row if unit.size[1] <= MAX_LOW_UNIT]
+    for unit in (unit for unit in low if unit.model.family == "cooker"):
+        _place_hood(room, unit)
     if not shelf:
         _place_corner_cabinet(room, row)
-    for unit in row:
-        if unit.size[1] > 1.25:
-            continue
-        if unit.model.family == "cooker":
-            _place_hood(room, unit)
-            continue
+    for unit in (unit for unit in low if unit.model.family != "cooker"):
         for item in (cabinets[int(room.rng.integers(2))], *cabinets, *narrow):
             if item.size[0] < unit.size[0] + 0.01 and hang_above(room, unit, item, WALL_CABINET_HEIGHT):
                 break
