@@ -65,7 +65,7 @@ def _place_on_surface(
         if straight and not middle:
             front = float(min(low[1] + own[1] + 0.02, (low + high)[1] / 2))
         x, z = anchor.local_point(-right if anchor.mirrored else right, front)
-        if room.solid.overlaps_any(boxes + (x, y, z)):  # the most frequent failure, and the cheaper test
+        if room.solid.overlaps_any(np.add(boxes, (x, y, z))):  # the most frequent failure, and the cheaper test
             continue
         spot = turned.moved_to(x, y, z, turned.quarter)
         if can_support(anchor, top, spot) and place_object(room, spot, views=False):

@@ -144,7 +144,7 @@ def _suits_width(model: FurnitureModel, window: PlacedModel) -> bool:
 
 
 def _curtain_span(room: RoomSpace, model: FurnitureModel, window: PlacedModel) -> tuple[float, float]:
-    """Return the heights of a curtain's lower and upper edge [m]; the rod of a café curtain is below half the window."""
+    """Return the heights of a curtain's edges [m]; the rod of a café curtain is below half the window."""
     sill, head = window.box[:, 1].tolist()
     if model in list_models("cafe_curtain"):
         return sill - CAFE_DROP, sill + CAFE_SHARE * (head - sill)

@@ -9,7 +9,6 @@ from home_procgen.shapes.sweep import rod, tube
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import corners
 
-
 STOVE_HEIGHTS = (2.44, 2.64, 2.84)  # [m], tops of the pipes of stoves above the floor
 
 
