@@ -11,8 +11,14 @@ from home_procgen.furnish.space.support_surfaces import find_support_surfaces
 from home_procgen.furnish.space.top_placement import place_on_top
 from home_procgen.furnish.space.wall_placement import hang_kind
 from home_procgen.primitives.categories import CATEGORIES
+from home_procgen.style.object_kinds import resolve_kind
 
 MAX_SMALL_EDGE = 0.5  # [m], longest edge of a small object
+SINGLE_KINDS = {
+    *("soap_dish", "soap_dispenser", "cellphone", "telephone", "table_clock", "hair_dryer", "radio", "fruit_bowl"),
+    *("chessboard", "teapot", "tool_box"),
+}
+MAX_ALIKE = 4  # maximum number of objects of one family in a room to which more are added; 1 of a single kind
 ATTEMPTS_PER_OBJECT, NUM_PLACES = 6, 3  # draws for each missing object, and places that each draw tries
 MAX_SURFACES = 6  # surfaces of a model that get objects, in descending order of area
 MAX_SURFACE_HEIGHT = 1.6  # [m] above the floor
@@ -79,6 +85,9 @@ def add_small_objects(room: RoomSpace) -> None:
     for at in room.rng.choice(len(tops), max(missing, 0) * ATTEMPTS_PER_OBJECT, p=share / share.sum()).tolist():
         item, k, _ = tops[at]
         kind = str(kinds[int(room.rng.integers(len(kinds)))])
+        family = resolve_kind(kind)[0]
+        if sum(one.model.family == family for one in room.items) >= (1 if kind in SINGLE_KINDS else MAX_ALIKE):
+            continue
         placed = place_on_top(room, item, kind, surfaces=slice(k, k + 1), attempts=NUM_PLACES)
         missing -= placed is not None
         if missing <= 0:

@@ -279,3 +279,10 @@ def test_ways_between_doors_are_wide_enough():
                     found.add(int(parts[i, j]))
         assert len(found) <= 1, room.name
         assert 0 not in found, room.name
+
+
+def test_small_objects_are_not_repeated_without_end():
+    """Rooms have few of what one is enough of: soap dishes of a bathroom, telephones, clocks on furniture."""
+    for room in rooms():
+        for family in ("soap_dish", "soap_dispenser", "telephone", "hair_dryer", "chessboard"):
+            assert len(room.of(family)) <= 2, (room.name, family)

@@ -243,7 +243,7 @@ def test_folders_of_another_generator_are_refused(tmp_path):
         generate_dataset(tmp_path, [0])
 
 
-@pytest.mark.parametrize("version", [0, 3, -1, True])
+@pytest.mark.parametrize("version", [0, 2, -1, True])
 def test_unknown_versions_are_refused(tmp_path, version):
     with pytest.raises(ConfigError, match="no generator has version"):
         generate_dataset(tmp_path / "x", [0], version=version)
@@ -275,7 +275,7 @@ def test_homes_hold_many_kinds_of_things(homes):
     shapes = {item.model_id for home in homes.values() for level in home.house.levels for item in level.objects}
     assert len(shapes) > 350
     rooms = sum(len(level.rooms) for home in homes.values() for level in home.house.levels)
-    assert 14 < sum(fine.values()) / rooms < 24
+    assert 20 < sum(fine.values()) / rooms < 32  # with eight small objects or so in each
 
 
 def test_the_library_holds_what_homes_use_and_no_more(root, homes):
