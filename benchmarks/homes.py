@@ -127,7 +127,7 @@ def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: f
     deadline = time.time() + seconds
     root.parent.mkdir(parents=True, exist_ok=True)
     known = {r["seed"]: r for r in map(json.loads, records.read_text().splitlines())} if records.exists() else {}
-    generate_dataset(root, seeds[:1], version=2)  # writes the tables
+    generate_dataset(root, seeds[:1], version=3)  # writes the tables
     lacking = [s for s in seeds if s not in known or (s % every == 0 and "drift" not in known[s])]
     one = partial(look_at, root.absolute(), every, deadline)
     with records.open("a") as file, mapper(min(workers, len(lacking))) as run:
@@ -238,7 +238,7 @@ def compare(root: Path, found: list[Record], workers: int) -> None:
     """Write the homes again with worker processes, and count those whose files differ."""
     dataset_writer.usable_cores = lambda: workers  # as on a machine with this number of cores
     start = time.monotonic()
-    generate_dataset(root, [r["seed"] for r in found], progress=True, version=2)
+    generate_dataset(root, [r["seed"] for r in found], progress=True, version=3)
     spent = time.monotonic() - start
     differ = [r["seed"] for r in found if digest(root, house_id(r["seed"])) != r["sha256"]]
     sys.stdout.write(f"{len(found)} homes by {workers} processes in {spent:.1f} s; other bytes: {differ}\n")

@@ -44,7 +44,7 @@ def make(
     Args:
         env_id: Such as `PointNav-v0`, see `list_envs`; or an `EnvSpec`, which takes no other argument but `progress`.
         houses: A `HouseBank`, a `HouseSet`, a dataset, its folder or its name such as
-            `procedural:16?seed=0&version=2`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
+            `procedural:16?seed=0&version=3`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
             or, if it is not set, generated houses, which are written once into the cache folder.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
         split: Only houses of `train`, `val` or `test`.

@@ -1,6 +1,7 @@
 """Placement of stairs and railings in the plan of a home."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,12 +9,14 @@ from home_procgen.floor_plan.placed_model import PlacedModel, quarter_towards
 from home_procgen.floor_plan.rooms import PlanWall, RoomPlan, outer_spans
 from home_procgen.floor_plan.structure import RAILING_DEPTH, STAIR_LENGTH, STAIR_RISE, STAIR_WIDTH, structure_models
 from home_procgen.floor_plan.walls import FLOOR_TOP, PRISM_THICKNESS
+from home_procgen.furnish.space.floor_placement import HANGING_GAP
 from home_procgen.plan.home import HomePlan
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.style import HomeStyle
 
+STAIR_LAMP_HEIGHT, STAIR_LAMP_INSET = 2.05, 0.25  # [m], height of a lamp's underside, and distance from the front edge
 STAIR_CLEARANCE = 0.01  # [m], clearance between stairs and walls
 RAIL_INSET = 0.03  # [m], inset of railings from the outline towards the room
 # [m], from an outline's corners to the ends of railings; railings along z end behind those along x
@@ -23,7 +26,7 @@ OwnedObject = tuple[PlacedModel, int | None]  # an object on a level, and the in
 
 
 def place_fittings(home: HomePlan, level: int, style: HomeStyle) -> Iterator[OwnedObject]:
-    """Generate the stairs that begin on a level and its railings, each with the index of its room.
+    """Generate the stairs that begin on a level with their rails and lamp, and railings, each with its room's index.
 
     Stairwells with stairs that end on the level have railings, and so have its open rooms.
     """
@@ -32,7 +35,10 @@ def place_fittings(home: HomePlan, level: int, style: HomeStyle) -> Iterator[Own
     rails = models["railing"][5:] if style.has_board_railings else models["railing"][:5]
     if storey.stairs_up is not None:
         steps = models["stairs"][int(style.rng.integers(2)) + 2 * storey.stairs_up.ascends_left]
-        yield _stairs(storey.stairs_up, steps, home.height), 0
+        stairs = _stairs(storey.stairs_up, steps, home.height)
+        yield stairs, 0
+        yield replace(stairs, model=models["stair_rails"][int(storey.stairs_up.ascends_left)]), 0
+        yield _stair_lamp(storey.stairs_up, stairs, style), 0
     if storey.stairs_down is not None and storey.stairs_up is None:
         yield _stairhead_railing(storey.stairs_down, rails), 0
     rooms = home.levels[level].rooms
@@ -56,6 +62,15 @@ def _stairs(place: Stairwell, model: FurnitureModel, height: float) -> PlacedMod
     quarter = quarter_towards(-place.direction[0], -place.direction[1])
     scale = (round(scale[0], 4), round(scale[1], 4), round(scale[2], 4))
     return PlacedModel(model, (x, FLOOR_TOP, z), quarter, scale)
+
+
+def _stair_lamp(place: Stairwell, stairs: PlacedModel, style: HomeStyle) -> PlacedModel:
+    """Return a lamp on the wall beside the foot of stairs, above the heads of those who climb them."""
+    lamp = style.draw_object("round_lamp")
+    side = -1.0 if place.ascends_left else 1.0
+    right = side * (_size(place)[0] / 2 - PRISM_THICKNESS - HANGING_GAP - float(lamp.size[2]) / 2)
+    x, z = stairs.local_point(right, -STAIR_LAMP_INSET)
+    return lamp.moved_to(x, FLOOR_TOP + STAIR_LAMP_HEIGHT, z, stairs.quarter - round(side))
 
 
 def _stairhead_railing(place: Stairwell, models: Sequence[FurnitureModel]) -> PlacedModel:

@@ -13,7 +13,7 @@ from home_procgen.dataset_writer import Generator, write_seeds
 from home_procgen.model_library import has_intact_library, save_intact_index, write_library_tables, write_used_models
 from home_procgen.v1 import dataset as flats
 
-GENERATOR_VERSION = 2  # increase it whenever the same seed would produce another file
+GENERATOR_VERSION = 3  # increase it whenever the same seed would produce another file
 
 
 def generate_dataset(
@@ -29,7 +29,7 @@ def generate_dataset(
         root: Folder of the dataset; created if missing.
         seeds: Non-negative integers.
         progress: Show a progress bar.
-        version: Generator version. 1: flats on one floor; 2: homes of up to three storeys.
+        version: Generator version. 1: flats on one floor; 3: homes of up to three storeys.
 
     Returns:
         The house ids, in the order of the seeds.
@@ -39,7 +39,7 @@ def generate_dataset(
         DatasetError: `root` cannot be written, or contains other data.
 
     Example:
-        >>> ids = generate_dataset("houses", range(8), version=2)  # doctest: +SKIP
+        >>> ids = generate_dataset("houses", range(8), version=3)  # doctest: +SKIP
     """
     check_version(version)
     return VERSIONS[version](root, seeds, progress)

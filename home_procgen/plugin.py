@@ -21,14 +21,14 @@ from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 
 SCHEME = "procedural"
-NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers; V is 1 or 2."
-VERSIONS = (1, 2)  # of the generators, see `home_procgen.generate`
+NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers; V is 1 or 3."
+VERSIONS = (1, 3)  # of the generators, see `home_procgen.generate`
 DEFAULT_VERSION = 1
 
 
 @dataclass(frozen=True)
 class ProceduralName:
-    """Parts of a name such as `procedural:16?seed=100&version=2`.
+    """Parts of a name such as `procedural:16?seed=100&version=3`.
 
     Attributes:
         count: Number of houses.
@@ -49,7 +49,7 @@ class ProceduralName:
         if isinstance(self.version, bool) or self.version not in VERSIONS:
             raise ConfigError(
                 f"no generator of houses has version {self.version!r}",
-                hint=f"Write `version=` with one of {', '.join(map(str, VERSIONS))}: `procedural:4?version=2`.",
+                hint=f"Write `version=` with one of {', '.join(map(str, VERSIONS))}: `procedural:4?version=3`.",
             )
 
     @classmethod

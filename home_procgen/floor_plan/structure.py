@@ -15,6 +15,9 @@ FLIGHT_GAP = 0.08  # [m], between the flights
 STAIR_LENGTH = (RISERS_PER_FLIGHT - 1) * STAIR_RUN + LANDING_DEPTH  # [m], from the front to the back of the landing
 FLIGHT_WIDTH = (STAIR_WIDTH - FLIGHT_GAP) / 2  # [m], width of a flight
 
+HANDRAIL_HEIGHT = 1.0  # [m], of the tops of handrails above the middle of the treads
+HANDRAIL_WIDTH = 0.034  # [m], less than half of `FLIGHT_GAP`: two handrails are side by side in it
+RAIL_FRONT = 0.12  # [m], from the front edge of stairs to the ends of their handrails
 RAILING_HEIGHT = 1.0  # [m], of a railing
 RAILING_DEPTH = 0.05  # [m], thickness of a railing
 RAILING_LENGTHS = (1.0, 1.5, 2.2, 3.2, 4.5)  # [m], of the railing models
@@ -53,6 +56,28 @@ def _stringers(x: float, bottom: float, side: int) -> Iterator[Solid]:
         board = box("wood_1", (0.04, 0.2, float(np.hypot(run, climb))), (0.0, -0.21, 0.0))
         turned = rotate(board, 0, side * slope)
         yield move(turned, (x + edge * (FLIGHT_WIDTH / 2 - 0.02), bottom + rise + climb / 2, -run / 2))
+
+
+def stair_rails(left: bool = False) -> Iterator[Solid]:
+    """Generate the handrails of both flights of `u_stairs`, side by side between the flights, in its coordinates.
+
+    Args:
+        left: Mirror them, for mirrored stairs.
+    """
+    rise = STAIR_RISE / (2 * RISERS_PER_FLIGHT)
+    low, high = RAIL_FRONT, (RISERS_PER_FLIGHT - 1) * STAIR_RUN - 0.03  # [m], from the front edge to a rail's ends
+    slope, length = float(np.arctan2(rise, STAIR_RUN)), float(np.hypot(high - low, (high - low) * rise / STAIR_RUN))
+    for side, first in ((1, 0), (-1, RISERS_PER_FLIGHT)):
+        x = (-side if left else side) * FLIGHT_GAP / 4
+        for step in np.linspace(low, high, RISERS_PER_FLIGHT).tolist():
+            along = step if side > 0 else (RISERS_PER_FLIGHT - 1) * STAIR_RUN - step
+            foot = (first + 1) * rise + along / STAIR_RUN * rise  # [m], the line of the treads' front edges
+            yield box("chrome", (0.016, HANDRAIL_HEIGHT, 0.016), (x, foot - rise / 2, -step))
+        middle = (low + high) / 2
+        along = middle if side > 0 else (RISERS_PER_FLIGHT - 1) * STAIR_RUN - middle
+        top = (first + 1) * rise + along / STAIR_RUN * rise + HANDRAIL_HEIGHT - rise / 2
+        beam = rotate(box("wood", (HANDRAIL_WIDTH, 0.05, length), (0.0, -0.03, 0.0)), 0, side * slope)
+        yield move(beam, (x, top, -middle))
 
 
 def railing(length: float, boards: bool) -> Iterator[Solid]:
@@ -108,6 +133,14 @@ _FAMILIES = (
         centred=False,
     ),
     VariantFamily(
+        "stair_rails",
+        "fence",
+        stair_rails,
+        make_slots("wood", "chrome"),
+        (make_variant(left=False), make_variant(left=True)),
+        centred=False,
+    ),
+    VariantFamily(
         "railing",
         "fence",
         railing,
@@ -132,6 +165,6 @@ def structure_models() -> Mapping[str, Sequence[FurnitureModel]]:
 
     Example:
         >>> list(structure_models())
-        ['stairs', 'railing', 'garage_door']
+        ['stairs', 'stair_rails', 'railing', 'garage_door']
     """
     return {family.name: tuple(family.models()) for family in _FAMILIES}

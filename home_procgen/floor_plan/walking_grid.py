@@ -26,9 +26,17 @@ class WalkingGrid:
         room: The room.
         obstacles: Boxes of walls and open doors [m].
         doors: Points (x, z) in front of the room's doors [m].
+        radius: Half of the width of ways that stay free [m].
     """
 
-    def __init__(self, room: RoomPlan, obstacles: Sequence[Box], doors: Sequence[tuple[float, float]]) -> None:
+    def __init__(
+        self,
+        room: RoomPlan,
+        obstacles: Sequence[Box],
+        doors: Sequence[tuple[float, float]],
+        radius: float = AGENT_RADIUS,
+    ) -> None:
+        self._radius = radius
         self._low = room.polygon.min(0)
         count = np.ceil(np.ptp(room.polygon, axis=0) / CELL_SIZE).astype(int)
         self.x = self._low[0] + CELL_SIZE * (np.arange(count[0]) + 0.5)
@@ -64,6 +72,6 @@ class WalkingGrid:
         xs, zs = self._lines
         for (x0, low, z0), (x1, high, z1) in np.array(boxes, float).reshape(-1, 2, 3).tolist():
             if low < AGENT_HEIGHT and high > FLOOR_TOP + MAX_STEP_HEIGHT:
-                i = slice(bisect_left(xs, x0 - AGENT_RADIUS), bisect_left(xs, x1 + AGENT_RADIUS))
-                free[i, bisect_left(zs, z0 - AGENT_RADIUS) : bisect_left(zs, z1 + AGENT_RADIUS)] = False
+                i = slice(bisect_left(xs, x0 - self._radius), bisect_left(xs, x1 + self._radius))
+                free[i, bisect_left(zs, z0 - self._radius) : bisect_left(zs, z1 + self._radius)] = False
         return free

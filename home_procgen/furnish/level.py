@@ -4,17 +4,22 @@ from collections.abc import Sequence
 
 from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
+from home_procgen.furnish.rooms.kitchen import MIN_WORKTOP, worktop_length
+from home_procgen.furnish.small_objects import add_small_objects
 from home_procgen.furnish.space.floor_placement import add_at_wall
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.top_placement import place_on_top
-from home_procgen.furnish.space.wall_placement import hang_from_ceiling, place_sockets, place_switches
+from home_procgen.furnish.space.wall_placement import hang_from_ceiling, hang_kind, place_sockets, place_switches
 from home_procgen.plan.home import HomePlan
+from home_procgen.plan.openings.passage import landing_points
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.style import HomeStyle
 
 MAX_ROOM_ATTEMPTS = 3  # maximum attempts to furnish one room
 BATHING_CLASSES = ("bathtub", "shower")
 LAMP_OFFSETS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  # [m], offsets from the middle of a room
+FIXED_LAMPS = ("chandelier", "wall_lamp")  # fine classes of lamps at ceilings and walls
+WALL_LAMP_HEIGHT = 1.75  # [m], underside of a lamp on the wall of a room without another lamp
 LONG_ROOM_TYPES = ("Hallway", "Hall", "Lobby")
 GRAND_ROOM_TYPES = (
     "Living_Room",
@@ -61,26 +66,45 @@ def _furnish_room(home: HomePlan, level: int, index: int, style: HomeStyle) -> R
         if not outdoors:
             place_switches(room)
         RECIPES[room.kind](room)
-        needed = ESSENTIAL_CLASSES.get(room.kind)
-        if needed is None or any(item.model.fine in needed for item in room.items):
+        if _is_usable(room) and (outdoors or _place_lamps(room)):
             if not outdoors:
-                _place_lamps(room)
                 place_sockets(room)
+                add_small_objects(room)
             return room
     return None
 
 
-def _place_lamps(room: RoomSpace) -> None:
-    """Place a lamp in the middle of the room, or low above a dining table; in long halls, one in each part."""
+def _is_usable(room: RoomSpace) -> bool:
+    """Return whether a room has its essential objects, and a kitchen enough worktop."""
+    if room.kind == "Kitchen" and worktop_length(room.items) < MIN_WORKTOP:
+        return False
+    needed = ESSENTIAL_CLASSES.get(room.kind)
+    return needed is None or any(item.model.fine in needed for item in room.items)
+
+
+def _place_lamps(room: RoomSpace) -> bool:
+    """Place lamps in the middle of the room, above a dining table, before stairs, and in each part of long halls.
+
+    Return whether the room has a lamp. One is on a wall if nothing fits at the ceiling, or a fan is there.
+    """
+    if room.stairs is not None:
+        any(hang_from_ceiling(room, room.draw_object("ceiling_lamp"), x, z) for x, z in landing_points(room.stairs))
     tables = [item for item in room.items if item.model.fine == "dining_table"]
-    if tables and hang_from_ceiling(room, room.draw_object("pendant"), tables[0].position[0], tables[0].position[2]):
-        return
+    over = tables and hang_from_ceiling(room, room.draw_object("pendant"), tables[0].position[0], tables[0].position[2])
+    if over and room.kind != "Living_Room":
+        return True
     kind = "ceiling_lamp"
     if room.kind in GRAND_ROOM_TYPES and room.height > 2.55:
         kind = str(room.rng.choice(["ceiling_lamp", "ceiling_lamp", "pendant", "chandelier", "ceiling_fan"]))
     for rect in room.plan.rects[: 2 if room.kind in LONG_ROOM_TYPES else 1]:
         x, z = (rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2
-        any(hang_from_ceiling(room, room.draw_object(kind), x + dx, z + dz) for dx, dz in LAMP_OFFSETS)
+        any(
+            hang_from_ceiling(room, room.draw_object(k), x + dx, z + dz)
+            for k in (kind, "ceiling_lamp")
+            for dx, dz in LAMP_OFFSETS
+        )
+    fixed = any(item.model.fine in FIXED_LAMPS for item in room.items)
+    return fixed or hang_kind(room, "wall_lamp", WALL_LAMP_HEIGHT) is not None
 
 
 def _has_bath(rooms: Sequence[RoomSpace]) -> bool:

@@ -98,8 +98,12 @@ class HomeStyle:
         seen: dict[str, Material] = {}
         found = []
         for slot, finish in model.slots.items():
-            fitted = model.family in FITTED_FAMILIES and finish in FRONT_FINISHES
-            material = usual[FRONT_FINISHES[finish]] if fitted else self._material(finish, usual, seen)
+            if model.family in FITTED_FAMILIES and finish in FRONT_FINISHES:
+                material = usual[FRONT_FINISHES[finish]]
+            elif model.family == "curtain" and finish in SOFT_FINISHES:  # one cloth for all windows of a room
+                material = usual[finish]
+            else:
+                material = self._material(finish, usual, seen)
             found.append(_name_material(material, slot))
         return tuple(found)
 

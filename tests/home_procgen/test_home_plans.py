@@ -254,7 +254,7 @@ def test_outlines_with_a_hole_or_in_two_parts_are_not_simple():
 
 def test_names_of_generated_houses():
     assert not has_scheme("houses")
-    assert ProceduralName.parse("3?version=2&seed=9") == ProceduralName(3, 9, 2)
+    assert ProceduralName.parse("3?version=3&seed=9") == ProceduralName(3, 9, 3)
     assert tuple(open_dataset("procedural:2?seed=9").house_ids) == (house_id(9), house_id(10))
 
 
@@ -281,25 +281,25 @@ def test_names_that_name_nothing_are_refused(name, message):
 
 def test_a_set_of_named_houses(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    houses = HouseSet("procedural:2?seed=3&version=2")
+    houses = HouseSet("procedural:2?seed=3&version=3")
     assert not houses.is_complete
     assert houses.house_ids == (house_id(3), house_id(4))
     houses.resolved_dataset.prepare(houses.house_ids)
-    assert (tmp_path / "generated-v2" / "house" / house_id(4) / "house.json").is_file()
-    assert HouseSet("procedural:2?seed=3&version=2", num_houses=1).house_ids == (house_id(3),)
+    assert (tmp_path / "generated-v3" / "house" / house_id(4) / "house.json").is_file()
+    assert HouseSet("procedural:2?seed=3&version=3", num_houses=1).house_ids == (house_id(3),)
 
 
 def test_environments_take_names():
-    limited = house_set("procedural:30?version=2", num_houses=4)
+    limited = house_set("procedural:30?version=3", num_houses=4)
     assert len(limited.house_ids) == 4
-    assert limited.house_ids == tuple(open_dataset("procedural:30?version=2").house_ids)[:4]
+    assert limited.house_ids == tuple(open_dataset("procedural:30?version=3").house_ids)[:4]
 
 
 @pytest.mark.parametrize(("given", "taken"), [(None, 30), (8, 8), (30, 30)])
 def test_names_say_how_many_houses_there_are(monkeypatch, given, taken):
     made = []
     monkeypatch.setattr(env_factory, "build_env", lambda spec, houses, progress: made.append(spec.num_houses))
-    env_factory.make("PointNav-v0", "procedural:30?version=2", num_houses=given)
+    env_factory.make("PointNav-v0", "procedural:30?version=3", num_houses=given)
     assert made == [taken]
 
 

@@ -89,7 +89,7 @@ def test_the_ground_is_all_around_and_below_the_floors(seed):
 
 def test_what_is_inside_is_the_same_with_and_without_a_garden(tmp_path):
     """Navigation, colliders, bodies, planes, lights and rooms; and the ids of what is on the ground floor."""
-    generate_dataset(tmp_path / "whole", [11], version=2)
+    generate_dataset(tmp_path / "whole", [11], version=3)
     (tmp_path / "plain").mkdir()
     for name in ("object", "texture", "metadata"):
         (tmp_path / "plain" / name).symlink_to(tmp_path / "whole" / name)

@@ -199,7 +199,7 @@ def digests(root: Path) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def root(tmp_path_factory) -> Path:
     root = tmp_path_factory.mktemp("homes") / "homes"
-    generate_dataset(root, [3], version=2)
+    generate_dataset(root, [3], version=3)
     return root
 
 
@@ -226,7 +226,7 @@ def test_a_folder_of_before_there_were_joints_gets_them_and_nothing_else(root, c
     dataset = open_dataset(root)
     assert dataset.joints == {}
     assert validate_house(dataset, house) == ()
-    generate_dataset(root, [3], version=2)
+    generate_dataset(root, [3], version=3)
     assert digests(root) == whole
     assert not caplog.records
 
@@ -234,7 +234,7 @@ def test_a_folder_of_before_there_were_joints_gets_them_and_nothing_else(root, c
 def test_a_broken_table_is_made_again(root):
     whole, path = digests(root), root / "metadata" / "joints.csv"
     path.write_text(path.read_text()[:500])
-    generate_dataset(root, [3], version=2)
+    generate_dataset(root, [3], version=3)
     assert digests(root) == whole
 
 

@@ -35,7 +35,7 @@ def without_furniture(monkeypatch) -> list[HomePlan]:
 def test_a_thousand_homes_are_valid_and_their_private_rooms_are_ends(part, tmp_path, monkeypatch):
     without_furniture(monkeypatch)
     root, first = tmp_path / "homes", FIRST + PART * part
-    generate_dataset(root, [first], version=2)
+    generate_dataset(root, [first], version=3)
     for seed in range(first, first + PART):
         write_home(root, seed)
     dataset = open_dataset(root)

@@ -16,7 +16,7 @@ from home_procgen.furnish.space.wall_placement import furnish_windows, hang_abov
 from home_procgen.style.object_kinds import list_models
 
 ON_BASIN = (
-    *(("soap_dispenser", 0.7), ("soap_dish", 0.4), ("set_toiletries", 0.7), ("cup", 0.15), ("small_plant", 0.15)),
+    *(("soap_dispenser", 0.7), ("soap_dish", 0.4), ("set_toiletries", 0.7), ("small_plant", 0.15)),
     *(("candle", 0.12), ("hair_dryer", 0.15), ("cloth", 0.15)),
 )
 
@@ -37,18 +37,16 @@ def furnish_bathroom(room: RoomSpace) -> None:
     if room.plan.area > 8 and room.draw_chance(0.15):
         add_at_wall(room, "bidet", 0.4)
     if washer := add_at_wall(room, "washer", 0.4, 0.4):
-        place_several_on_top(room, washer, (("cloth", 0.5), ("bottle", 0.3), ("iron", 0.12)), 2)
+        place_several_on_top(room, washer, (("cloth", 0.5), ("soap_dispenser", 0.3), ("iron", 0.12)), 2)
     add_at_wall(room, "dryer", 0.4, 0.1)
     for kind, probability in (("paper_bin", 0.45), ("floor_basket", 0.35), ("rack", 0.15), ("towel_stand", 0.15)):
         add_at_wall(room, kind, 0.0, probability)
     if room.plan.area > 7.5:
         add_at_wall(room, "screen", 0.0, 0.12)
     add_at_wall(room, "scale", 0.0, 0.25)
-    add_at_wall(room, "plain_wardrobe", 0.4, 0.12)
     furnish_windows(room, ("short_curtain", "", ""), 0.0)
     hang_kind(room, "towel_rail", 0.85, 0.85)
     hang_kind(room, "towel_hanger", 1.1, 0.35)
-    hang_kind(room, "coat_hooks", 1.2, 0.2)
     hang_kind(room, "round_lamp", 1.75, 0.25)
     add_in_corner(room, "corner_shelf", 0.12)
     add_at_wall(room, "slim_plant", 0.0, 0.25)

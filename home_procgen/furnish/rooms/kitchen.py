@@ -1,6 +1,7 @@
 """Kitchens: rows of units along a wall, cabinets and a hood above, and objects on the counters."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 
 import numpy as np
 
@@ -22,7 +23,13 @@ from home_procgen.furnish.space.floor_placement import (
 )
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.top_placement import place_on_burner, place_on_top
-from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
+from home_procgen.furnish.space.wall_placement import (
+    ceiling_height,
+    furnish_windows,
+    hang_above,
+    hang_kind,
+    hang_pictures,
+)
 from home_procgen.style.object_kinds import list_models
 
 WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
@@ -30,7 +37,9 @@ WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
     1.2,
 )  # [m], undersides of wall cabinets, and height of rails between them and the counter
 MAX_CORNER_OFFSET = 0.25  # [m], maximum distance between the sides of a corner cabinet and of the unit below it
-HOOD_TOP_HEIGHT = 2.44  # [m], height of the tops of hoods
+MAX_LOW_UNIT = 1.25  # [m], height of units with cabinets above them
+MIN_HOOD_HEIGHT = 1.55  # [m], minimum height of the undersides of hoods above the floor
+HOOD_KINDS = ("high_hood", "hood", "low_hood")  # by the height of their shafts
 # Kinds of units of a row, in order from one end; longer rows first.
 UNIT_ROWS = (
     ("fridge", "pantry", "base_cabinet", "kitchen_sink", "dishwasher", "base_cabinet", "stove", "base_cabinet"),
@@ -43,6 +52,9 @@ UNIT_ROWS = (
     ("kitchen_sink", "base_cabinet", "stove"),
     ("kitchen_sink", "stove"),
 )
+MIN_WORKTOP = 1.2  # [m], minimum length of the worktops of base cabinets together
+# Rows of base cabinets that make up for a short worktop, longest first.
+WORKTOP_ROWS = (("wide_cabinet", "wide_cabinet"), ("wide_cabinet",), ("base_cabinet",), ("narrow_cabinet",))
 # Objects on the counters: the most common ones first.
 ON_COUNTER = (
     *(("microwave", 0.9), ("kettle", 0.9), ("coffee_machine", 0.9), ("knife_block", 0.7), ("cutting_board", 0.75)),
@@ -61,12 +73,16 @@ ON_COUNTER = (
 
 def furnish_kitchen(room: RoomSpace) -> None:
     """Place a row of units along one wall, sometimes a second row, an island, and a dining set."""
-    row = next((row for kinds in UNIT_ROWS if (row := _place_row(room, kinds))), [])
-    bases = [unit for unit in row if unit.model.family == "kitchen_cabinet" and unit.size[1] < 1.0]
+    tries = product((True, False), UNIT_ROWS)
+    row = next((row for is_clear, kinds in tries if (row := _place_row(room, kinds, is_clear))), [])
+    bases = worktop_cabinets(row)
     if row:
         _place_wall_units(room, row)
     else:
         add_at_wall(room, "stove", 0.6)
+    for kinds in WORKTOP_ROWS:
+        while worktop_length(bases) < MIN_WORKTOP and (more := _place_row(room, kinds)):
+            bases += more
     if not any(unit.model.family == "refrigerator" for unit in row):
         add_at_wall(room, "slim_fridge", 0.6)
     if room.plan.area > 9.5:
@@ -92,10 +108,20 @@ def furnish_kitchen(room: RoomSpace) -> None:
     hang_pictures(room, 1)
 
 
-def _place_row(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel] | None:
+def worktop_cabinets(items: Iterable[PlacedModel]) -> list[PlacedModel]:
+    """Return the base cabinets and islands among objects."""
+    return [item for item in items if item.model.family == "kitchen_cabinet" and item.size[1] < 1.0]
+
+
+def worktop_length(items: Iterable[PlacedModel]) -> float:
+    """Return the length of the worktops of the base cabinets and islands among objects [m]."""
+    return float(sum(item.size[0] for item in worktop_cabinets(items)))
+
+
+def _place_row(room: RoomSpace, kinds: Sequence[str], is_clear: bool = False) -> list[PlacedModel] | None:
     """Place units side by side along one wall, in the given or the reverse order; None if they do not fit.
 
-    The floor in front of them stays free.
+    The floor in front of them stays free; with `is_clear`, neither tall units nor a hood hide a window.
     """
     items = _units(room, kinds)
     total = float(sum(item.size[0] for item in items))
@@ -105,11 +131,21 @@ def _place_row(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel] | Non
         slack = wall.length - total - 2 * (PRISM_THICKNESS + WALL_GAP)
         for share in (0.0, 1.0, 0.5, 0.25, 0.75):
             row = list(_place_side_by_side(items, wall, wall.span[0] + PRISM_THICKNESS + WALL_GAP + share * slack))
+            if is_clear and _hides_window(room, row):
+                continue
             if room.solid.overlaps_any(np.concatenate([collision_boxes(item) for item in row])):
                 continue
             if room.try_place(row, [front_zone(item, 0.7) for item in row], views=False):
                 return row
     return None
+
+
+def _hides_window(room: RoomSpace, row: Sequence[PlacedModel]) -> bool:
+    """Return whether a tall unit of a row, or the hood of its stove, is in front of a window."""
+    boxes = [unit.box.copy() for unit in row if unit.model.family == "cooker" or unit.size[1] > MAX_LOW_UNIT]
+    for box in boxes:
+        box[1, 1] = room.height
+    return bool(boxes) and room.views.overlaps_any(np.stack(boxes))
 
 
 def _units(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel]:
@@ -134,19 +170,23 @@ def _place_wall_units(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
     kinds = ("wall_shelf", "wall_shelf") if shelf else ("door_cabinet", "wall_cabinet")
     cabinets = [room.draw_object(kind) for kind in kinds]
     narrow = [room.style.make_object(model, room.look) for model in list_models("wall_cabinet")[:2]]
+    low = [unit for unit in row if unit.size[1] <= MAX_LOW_UNIT]
+    for unit in (unit for unit in low if unit.model.family == "cooker"):
+        _place_hood(room, unit)
     if not shelf:
         _place_corner_cabinet(room, row)
-    for unit in row:
-        if unit.size[1] > 1.25:
-            continue
-        if unit.model.family == "cooker":
-            hood = room.draw_object("range_hood")
-            low = HOOD_TOP_HEIGHT - float(hood.size[1]) if hood.size[1] > 0.3 else WALL_CABINET_HEIGHT + 0.1
-            hang_above(room, unit, hood, max(low, 1.5))
-            continue
+    for unit in (unit for unit in low if unit.model.family != "cooker"):
         for item in (cabinets[int(room.rng.integers(2))], *cabinets, *narrow):
             if item.size[0] < unit.size[0] + 0.01 and hang_above(room, unit, item, WALL_CABINET_HEIGHT):
                 break
+
+
+def _place_hood(room: RoomSpace, stove: PlacedModel) -> None:
+    """Place a hood over a stove, its shaft up to the ceiling."""
+    ceiling = ceiling_height(room)
+    hoods = (room.draw_object(kind) for kind in HOOD_KINDS)
+    if hood := next((hood for hood in hoods if ceiling - float(hood.size[1]) >= MIN_HOOD_HEIGHT), None):
+        hang_above(room, stove, hood, ceiling - float(hood.size[1]))
 
 
 def _place_corner_cabinet(room: RoomSpace, row: Sequence[PlacedModel]) -> None:

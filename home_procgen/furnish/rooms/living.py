@@ -1,6 +1,7 @@
 """Living rooms."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import islice
 
 import numpy as np
@@ -27,7 +28,14 @@ from home_procgen.furnish.space.floor_placement import (
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.furnish.space.support_surfaces import can_support, find_support_surfaces
 from home_procgen.furnish.space.top_placement import place_on_top, place_several_on_top
-from home_procgen.furnish.space.wall_placement import furnish_windows, hang_above, hang_kind, hang_pictures
+from home_procgen.furnish.space.wall_placement import (
+    ceiling_height,
+    furnish_windows,
+    hang_above,
+    hang_kind,
+    hang_pictures,
+)
+from home_procgen.style.object_kinds import list_models
 
 MIN_SOFA_DISTANCE, MAX_SOFA_DISTANCE = (
     2.1,
@@ -69,7 +77,7 @@ def furnish_living_room(room: RoomSpace) -> None:
     """Place a television, a sofa that faces it and a table; then books, plants, and objects by interest."""
     furnish_windows(room, ("long_curtain", "long_curtain", "short_curtain", ""), 0.45)
     if room.draw_chance(0.14):
-        fire = add_at_wall(room, "mantel" if room.draw_chance(0.7) else "stove_fire", 0.7)
+        fire = add_at_wall(room, "mantel", 0.7) if room.draw_chance(0.7) else _place_stove(room)
         place_several_on_top(room, fire, ON_CHEST, 3)
         if fire and room.draw_chance(0.5):
             add_at_wall(room, "log_basket")
@@ -81,6 +89,14 @@ def furnish_living_room(room: RoomSpace) -> None:
     if room.plan.area > 21:
         place_dining_set(room, 4)
     place_living_extras(room)
+
+
+def _place_stove(room: RoomSpace) -> PlacedModel | None:
+    """Place an iron stove at a wall, its pipe up to the ceiling; None if it does not fit."""
+    ceiling = ceiling_height(room)
+    stoves = [room.style.make_object(model, room.look) for model in list_models("stove_fire")]
+    stove = min(stoves, key=lambda item: abs(float(item.size[1]) - ceiling))
+    return place_against_wall(room, replace(stove, scale=(1.0, round(ceiling / float(stove.size[1]), 4), 1.0)), 0.7)
 
 
 def place_living_extras(room: RoomSpace) -> None:

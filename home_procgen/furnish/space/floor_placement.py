@@ -23,6 +23,12 @@ NUM_CORE_BOXES = 3  # number of an object's largest boxes that are tested first
 MAX_PLACES = 50  # maximum number of places to try for an object with companions
 HANGING_GAP = 0.0015  # [m], between a hanging object and its wall
 
+VIEWED_CLASSES = ("picture_frame", "mirror", "clock", "television", "whiteboard")  # seen from the front
+MIN_VIEWED_HEIGHT = 0.3  # [m], height above the floor above which such an object hangs on a wall, or
+STANDING_FAMILIES = ("photo", "table_clock")  # stands on furniture
+VIEW_DEPTH = 0.45  # [m], depth of the space in front of it that stays free of furniture and open doors
+VIEW_INSET = 0.03  # [m], from its lower and upper edge to that space
+
 Spot = tuple[float, float, float, int]  # x, y, z [m] and quarter turns
 PlaceFn = Callable[[PlacedModel], PlacedModel | None]
 
@@ -53,13 +59,20 @@ def front_zone(item: PlacedModel, depth: float) -> Box:
     return np.array([[x - half[0], FLOOR_TOP + 0.03, z - half[1]], [x + half[0], 1.2, z + half[1]]])
 
 
+def view_zone(item: PlacedModel, depth: float) -> Box:
+    """Return the space in front of an object on a wall, of a depth and the object's width and height [m]."""
+    zone = front_zone(item, depth)
+    zone[:, 1] = item.box[:, 1] + (VIEW_INSET, -VIEW_INSET)
+    return zone
+
+
 def place_object(
     room: RoomSpace, item: PlacedModel, front: float = 0.0, companions: Companions = no_companions, views: bool = True
 ) -> PlacedModel | None:
     """Place an object at its position, with its companions and a free zone in front of it; None if they do not fit."""
     zones = [front_zone(item, front)] if front else []
     if companions is no_companions:
-        return item if room.try_place([item], zones, views) else None
+        return item if room.try_place([item], zones, views, _views_of(item)) else None
     if room.solid.overlaps_any(np.concatenate([collision_boxes(item), *(zone[None] for zone in zones)])):
         return None
     group = [item]
@@ -68,6 +81,12 @@ def place_object(
             return None
         group.append(one)
     return item if room.try_place(group, zones, views) else None
+
+
+def _views_of(item: PlacedModel) -> list[Box]:
+    """Return the space that must stay free to see an object: that in front of a picture, mirror or clock on a wall."""
+    hangs = item.model.fine in VIEWED_CLASSES and item.box[0, 1] > FLOOR_TOP + MIN_VIEWED_HEIGHT
+    return [view_zone(item, VIEW_DEPTH)] if hangs and item.model.family not in STANDING_FAMILIES else []
 
 
 def place_at_first(

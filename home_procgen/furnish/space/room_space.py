@@ -9,12 +9,13 @@ from home_procgen.floor_plan.placed_model import Box, PlacedModel
 from home_procgen.floor_plan.walking_grid import AGENT_HEIGHT, MAX_STEP_HEIGHT
 from home_procgen.floor_plan.walls import FLOOR_TOP, window_view_box
 from home_procgen.furnish.space.collision_boxes import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
+from home_procgen.furnish.space.use_rules import keeps_rules
 from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid, stairwell_box
 from home_procgen.plan.openings.windows import SlantedWindow
 from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.style import HomeStyle
 
-STAIR_ACCESS_DEPTH = 0.9  # [m], depth of the free floor in front of stairs
+STAIR_ACCESS_DEPTH, STAIR_ACCESS_HEIGHT = 0.9, 2.1  # [m], of the free space in front of stairs
 RUG_THICKNESS = 0.0018  # [m]; objects on a rug overlap it by less than `MAX_TOUCH_OVERLAP`, which counts as touching
 
 Companions = Callable[[PlacedModel], Iterable[PlacedModel]]
@@ -36,9 +37,11 @@ class RoomSpace:
 
     Attributes:
         items: Objects placed so far.
+        stairs: The place of stairs.
     """
 
     def __init__(self, plan: LevelPlan, index: int, style: HomeStyle, stairs: Stairwell | None = None) -> None:
+        self.stairs = stairs
         self.plan, self.kind = plan.rooms[index], plan.rooms[index].type
         self.height, self.style, self.rng, self.look = plan.height, style, style.rng, style.draw_room_materials()
         self.items: list[PlacedModel] = []
@@ -48,7 +51,7 @@ class RoomSpace:
         walls = boundary_boxes(self.plan, plan.height, stairs)
         parts = [part for opening in self.openings for part in opening.object.parts]
         self.solid = BoxStore([*walls, *parts])
-        before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, plan.height)]
+        before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, STAIR_ACCESS_HEIGHT)]
         passages = [o.passage for o in self.openings if o.is_door]
         self.clear = BoxStore([*passages, *before])
         self.views = BoxStore([window_view_box(o.object.box) for o in self.openings if not o.is_door])
@@ -80,17 +83,24 @@ class RoomSpace:
         """All boxes that are solid or kept free."""
         return np.concatenate([self.solid.boxes, self.clear.boxes])
 
-    def try_place(self, items: Sequence[PlacedModel], zones: Sequence[Box] = (), views: bool = True) -> bool:
-        """Place objects together if they fit; return whether they do. `zones` must be free and stay free of furniture.
+    def try_place(
+        self, items: Sequence[PlacedModel], zones: Sequence[Box] = (), views: bool = True, fronts: Sequence[Box] = ()
+    ) -> bool:
+        """Place objects together if they fit and keep the rules of use; return whether they do.
+
+        `zones` must be free and stay free of furniture.
 
         Args:
             items: The objects. They are not tested against one another.
             zones: Free boxes [m].
-            views: Keep windows clear.
+            views: Keep windows and fronts clear.
+            fronts: Free boxes in front of objects on walls [m], which only objects on furniture may enter later.
         """
+        if not keeps_rules(self.items, items):
+            return False
         boxes = np.concatenate([collision_boxes(item) for item in items])
-        extra = np.array(zones, float).reshape(-1, 2, 3)
-        if self.solid.overlaps_any(np.concatenate([boxes, extra])) or self.clear.overlaps_any(boxes):
+        extra, seen = (np.array(some, float).reshape(-1, 2, 3) for some in (zones, fronts))
+        if self.solid.overlaps_any(np.concatenate([boxes, extra, seen])) or self.clear.overlaps_any(boxes):
             return False
         if (views and self.views.overlaps_any(boxes)) or not all(self._holds(item.box) for item in items):
             return False
@@ -104,6 +114,7 @@ class RoomSpace:
         self.grid.remove_blocked(tall)
         self.solid.add(boxes)
         self.clear.add(extra)
+        self.views.add(seen)
         self._flat.add(np.array([extrude_footprint(i.box) for i in items if is_flat(i.box)], float).reshape(-1, 2, 3))
         self.items += items
         return True

@@ -16,9 +16,15 @@ ANGLE_STD = 0.35  # [rad], standard deviation of the angle of small objects
 
 
 def place_on_top(
-    room: RoomSpace, anchor: PlacedModel, kind: str | PlacedModel, straight: bool = False, middle: bool = False
+    room: RoomSpace,
+    anchor: PlacedModel,
+    kind: str | PlacedModel,
+    straight: bool = False,
+    middle: bool = False,
+    surfaces: slice = slice(2),
+    attempts: int = MAX_TOP_ATTEMPTS,
 ) -> PlacedModel | None:
-    """Place an object on one of the two largest level surfaces of another; None if it does not fit.
+    """Place an object on one of the largest level surfaces of another; None if it does not fit.
 
     Args:
         room: The room of both.
@@ -26,32 +32,42 @@ def place_on_top(
         kind: The object, or its kind.
         straight: Face as the anchor faces, at its back unless `middle`; else turn a little at random.
         middle: Try the middle of the surface first.
+        surfaces: Surfaces to try, in descending order of area.
+        attempts: Places to try on each.
     """
     item = room.draw_object(kind) if isinstance(kind, str) else kind
-    for top in find_support_surfaces(anchor.model.id)[:2]:
-        if placed := _place_on_surface(room, anchor, top, item, straight, middle):
+    for top in find_support_surfaces(anchor.model.id)[surfaces]:
+        if placed := _place_on_surface(room, anchor, top, item, straight, middle, attempts):
             return placed
     return None
 
 
 def _place_on_surface(
-    room: RoomSpace, anchor: PlacedModel, top: SupportSurface, item: PlacedModel, straight: bool, middle: bool
+    room: RoomSpace,
+    anchor: PlacedModel,
+    top: SupportSurface,
+    item: PlacedModel,
+    straight: bool,
+    middle: bool,
+    attempts: int,
 ) -> PlacedModel | None:
     scale = np.array([anchor.scale[0], anchor.scale[2]])
     low, high = top.low * scale, top.high * scale
     own = item.size[[0, 2]] / 2
     slack = np.maximum((high - low) / 2 - 0.8 * own, 0.0)
-    for k in range(MAX_TOP_ATTEMPTS):
+    turned = item.moved_to(0.0, 0.0, 0.0, anchor.quarter)
+    turned = turned if straight else yaw_by(turned, float(room.rng.normal(0, ANGLE_STD)))
+    boxes, y = collision_boxes(turned), anchor.position[1] + top.height * anchor.scale[1]
+    for k in range(attempts):
         # equals `rng.uniform(-slack, slack)`, which takes several times as long for two numbers
         shift = (2 * slack * room.rng.random(2) - slack) * (not (middle and k == 0))
         right, front = ((low + high) / 2 + shift).tolist()
         if straight and not middle:
             front = float(min(low[1] + own[1] + 0.02, (low + high)[1] / 2))
         x, z = anchor.local_point(-right if anchor.mirrored else right, front)
-        spot = item.moved_to(x, anchor.position[1] + top.height * anchor.scale[1], z, anchor.quarter)
-        spot = spot if straight else yaw_by(spot, float(room.rng.normal(0, ANGLE_STD)))
-        if room.solid.overlaps_any(collision_boxes(spot)):  # the most frequent failure, and the cheaper test
+        if room.solid.overlaps_any(np.add(boxes, (x, y, z))):  # the most frequent failure, and the cheaper test
             continue
+        spot = turned.moved_to(x, y, z, turned.quarter)
         if can_support(anchor, top, spot) and place_object(room, spot, views=False):
             return spot
     return None

@@ -1,5 +1,8 @@
 """Objects on walls and ceilings, and fittings of doors and windows."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 
 from home_procgen.floor_plan.placed_model import FRONT_DIRECTIONS, PlacedModel
@@ -15,12 +18,15 @@ from home_procgen.furnish.space.floor_placement import (
     wall_spots,
 )
 from home_procgen.furnish.space.room_space import RoomSpace
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.style.object_kinds import list_models
 
 SWITCH_DOOR_GAP = 0.12  # [m], from the frame to a switch
 SWITCH_HEIGHT = 1.05  # [m], height of switches above the floor
 CURTAIN_RISE = 0.12  # [m], from the top of a window to the top of its curtain
 MAX_WALL_DEVIATION = 0.003  # [m], maximum deviation of a hanging object from its distance to the wall
+CAFE_SHARE = 0.48  # height of a café curtain's rod above the sill, as a share of the window's height
+CAFE_DROP = 0.05  # [m], from the sill to the lower edge of a café curtain
 CURTAIN_OVERHANG = 0.3  # [m], width of curtains beyond the window, both sides together
 
 
@@ -59,6 +65,11 @@ def _is_backed_by(wall: PlanWall, item: PlacedModel) -> bool:
     off = (item.position[2 * (1 - wall.axis)] - wall.line) * float(wall.normal[1 - wall.axis])
     near = abs(off - float(item.size[2]) / 2 - PRISM_THICKNESS - HANGING_GAP) < MAX_WALL_DEVIATION
     return near and wall.span[0] <= along - half and along + half <= wall.span[1]
+
+
+def ceiling_height(room: RoomSpace) -> float:
+    """Return the height of the ceiling above the floor, less a gap of 1 mm [m]."""
+    return room.height - CEILING_DROP - FLOOR_TOP - 0.001
 
 
 def hang_from_ceiling(room: RoomSpace, item: PlacedModel, x: float, z: float) -> PlacedModel | None:
@@ -105,27 +116,40 @@ def place_sockets(room: RoomSpace) -> None:
         hang(room, room.draw_object("socket"), 0.28)
 
 
-def place_curtain(room: RoomSpace, window: PlacedModel, kind: str) -> bool:
-    """Place a curtain or blind at a window, a little wider than the window; return whether it fits."""
+def place_curtain(room: RoomSpace, window: PlacedModel, options: Sequence[FurnitureModel]) -> bool:
+    """Place the first curtain or blind that fits a window, a little wider than it; return whether one fits."""
     wall = find_wall(room, window)
     if wall is None:
         return False
-    width = float(window.size[0]) + CURTAIN_OVERHANG
-    top = min(float(window.box[1, 1]) + CURTAIN_RISE, room.height - CEILING_DROP - 0.01)
-    options = [m for m in list_models(kind) if 0.72 < width / m.size[0] < 1.35 and m.size[1] < top - FLOOR_TOP - 0.01]
-    for index in room.rng.permutation(len(options)).tolist():
-        plain = room.style.make_object(options[index], room.look)
-        stretched = PlacedModel(
-            plain.model,
-            plain.position,
-            scale=(round(width / float(plain.size[0]), 4), 1.0, 1.0),
-            materials=plain.materials,
-        )
-        y = top - float(plain.size[1])
-        spot = back_against(stretched, wall, window.position[2 * wall.axis], y, HANGING_GAP)
-        if spot.box[1, 1] < room.height - CEILING_DROP and place_object(room, spot, views=False):
+    for model in options:
+        if not _suits_width(model, window):
+            continue
+        plain = room.style.make_object(model, room.look)
+        low, high = _curtain_span(room, model, window)
+        scale = (round(_curtain_width(window) / float(plain.size[0]), 4), round((high - low) / float(plain.size[1]), 4))
+        stretched = replace(plain, scale=(*scale, 1.0))
+        spot = back_against(stretched, wall, window.position[2 * wall.axis], low, HANGING_GAP)
+        if low > FLOOR_TOP + 0.01 and place_object(room, spot, views=False):
             return True
     return False
+
+
+def _curtain_width(window: PlacedModel) -> float:
+    return float(window.size[0]) + CURTAIN_OVERHANG
+
+
+def _suits_width(model: FurnitureModel, window: PlacedModel) -> bool:
+    """Return whether the curtain is neither stretched nor compressed too much at the window."""
+    return 0.72 < _curtain_width(window) / float(model.size[0]) < 1.35
+
+
+def _curtain_span(room: RoomSpace, model: FurnitureModel, window: PlacedModel) -> tuple[float, float]:
+    """Return the heights of a curtain's edges [m]; the rod of a café curtain is below half the window."""
+    sill, head = window.box[:, 1].tolist()
+    if model in list_models("cafe_curtain"):
+        return sill - CAFE_DROP, sill + CAFE_SHARE * (head - sill)
+    top = min(head + CURTAIN_RISE, room.height - CEILING_DROP - 0.01)
+    return top - float(model.size[1]), top
 
 
 def place_radiator(room: RoomSpace, window: PlacedModel) -> bool:
@@ -147,14 +171,22 @@ def furnish_windows(room: RoomSpace, kinds: tuple[str, ...], heated: float) -> N
     """
     if not kinds:
         return
-    kind = str(room.rng.choice(kinds))
-    for window in room.windows:
-        if window.model.fine != "window":
-            continue
+    windows = [window for window in room.windows if window.model.fine == "window"]
+    options = _curtain_options(room, str(room.rng.choice(kinds)), windows)
+    for window in windows:
         if room.draw_chance(heated):
             place_radiator(room, window)
-        if kind and not place_curtain(room, window, kind):
-            place_curtain(room, window, "short_curtain")
+        place_curtain(room, window, options)
+
+
+def _curtain_options(room: RoomSpace, kind: str, windows: Sequence[PlacedModel]) -> list[FurnitureModel]:
+    """Return curtains of a kind and then short ones in random order, those first that suit most of the windows."""
+    found: list[FurnitureModel] = []
+    for one in (kind, "short_curtain") if kind else ():
+        models = list_models(one)
+        order = [models[i] for i in room.rng.permutation(len(models)).tolist()]
+        found += sorted(order, key=lambda model: -sum(_suits_width(model, window) for window in windows))
+    return found
 
 
 def hang_pictures(room: RoomSpace, max_pictures: int) -> None:

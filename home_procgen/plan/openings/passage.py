@@ -16,6 +16,7 @@ from home_procgen.plan.shape.storeys import Stairwell
 BOX_HEIGHT = 2.5  # [m], of boxes of walls and stairs: taller than an agent, and at most the wall height
 
 STRIP_SHARE = 0.125  # width of each box that approximates a cut-off corner, as a share of the corner's side
+MIN_WAY_WIDTH = 0.6  # [m], of the ways between the doors of a furnished room
 LANDING_DISTANCE = 0.5  # [m], from the edge of stairs to the points that must be reachable
 
 
@@ -74,9 +75,8 @@ def build_floor_grid(room: RoomPlan, openings: Sequence[PlanOpening], stairs: St
     parts = [part for opening in openings for part in opening.object.parts]
     doors = [opening.object for opening in openings if opening.is_door]
     ways = [door.local_point(0.0, side * 0.5) for door in doors for side in (-1, 1)]
-    return WalkingGrid(
-        room, [*boundary_boxes(room, BOX_HEIGHT, stairs), *parts], [*ways, *(landing_points(stairs) if stairs else ())]
-    )
+    starts = [*ways, *(landing_points(stairs) if stairs else ())]
+    return WalkingGrid(room, [*boundary_boxes(room, BOX_HEIGHT, stairs), *parts], starts, MIN_WAY_WIDTH / 2)
 
 
 @lru_cache(maxsize=64)

@@ -32,6 +32,8 @@ from home_procgen.things import get_model
 
 SMALL_WINDOW_NUMBER = 1  # model number of small windows
 WINDOW_SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # sets of matching models, narrow ones first
+LOW_WINDOWS = {2: 11, 3: 12, 4: 13, 5: 14, 6: 15, 7: 7, 8: 16, 9: 17}  # models of kitchens' windows, by those of others
+KITCHEN_SILL_Y = 1.05  # [m], sill height of kitchens, above worktops
 WALL_PER_WINDOW = 3.4  # [m], length of wall per window
 SECOND_WALL_PROBABILITY = 0.55  # probability of windows in another wall
 
@@ -78,11 +80,14 @@ def _bounds_rect(site: OpeningSite, rect: Rect) -> bool:
 def _fit_windows(
     rng: np.random.Generator, site: OpeningSite, kind: str, alike: Sequence[int], taken: Sequence[PlanOpening]
 ) -> Iterator[PlanOpening]:
-    """Generate evenly spaced windows of one size in a stretch of wall; small high ones in wet rooms and garages."""
+    """Generate evenly spaced windows of one size in a stretch of wall.
+
+    Wet rooms and garages have small high ones, kitchens low ones above their worktops.
+    """
     low, high = site.span
     small = kind in (*WET_TYPES, "Garage")
     count = 1 if small else max(1, round((high - low) / WALL_PER_WINDOW))
-    numbers = (SMALL_WINDOW_NUMBER,) if small else alike
+    numbers = (SMALL_WINDOW_NUMBER,) if small else [LOW_WINDOWS[n] for n in alike] if kind == "Kitchen" else alike
     models = [get_model("window", number) for number in numbers]
     fitting = [m for m in models if m.size[0] + 2 * MIN_OPENING_MARGIN <= (high - low) / count]
     if not fitting:
@@ -91,7 +96,7 @@ def _fit_windows(
     boxes = _reserved_boxes(taken)
     for i in range(count):
         x, z = site.wall.point(round(low + (i + 0.5) / count * (high - low), 2))
-        y = HIGH_SILL_Y if small else SILL_Y
+        y = HIGH_SILL_Y if small else KITCHEN_SILL_Y if kind == "Kitchen" else SILL_Y
         placed = PlacedModel(model, (x, y, z), quarter_towards(*site.wall.normal))
         if not overlap_mask(placed.box, boxes).any():
             yield PlanOpening(placed, site.rooms)
@@ -126,5 +131,6 @@ def place_slanted_windows(room: int, plan: RoomPlan, model: FurnitureModel) -> I
         if length >= model.size[0] + 2 * SLANTED_WINDOW_MARGIN:
             facing = (round(float(-way[1] / length), 6), round(float(way[0] / length), 6))
             x, z = ((a + b) / 2 for a, b in zip(start, end, strict=True))
-            placed = SlantedWindow(model, (round(x, 6), SILL_Y, round(z, 6)), facing=facing)
+            y = KITCHEN_SILL_Y if plan.type == "Kitchen" else SILL_Y
+            placed = SlantedWindow(model, (round(x, 6), y, round(z, 6)), facing=facing)
             yield PlanOpening(placed, (room,))

@@ -129,6 +129,11 @@ WINDOWS = (
     design(window), design(window, width=2.0, sashes=3), design(window, width=1.0, height=1.5, style="sash"),
     design(window, style="transom"), design(window, width=1.0, sashes=1, style="diamond", height=1.2),
     design(arched_window), design(window, style="bars", width=1.6), design(louvred_window),
+    # The same, as low as kitchens need them above worktops.
+    design(window, width=1.0, height=1.2, sashes=1, style="bars"), design(window, height=1.2),
+    design(window, width=2.0, height=1.2, sashes=3), design(window, width=1.0, height=1.2, style="sash"),
+    design(window, style="transom", height=1.2), design(arched_window, height=1.2),
+    design(window, style="bars", width=1.6, height=1.2),
 )  # fmt: skip
 
 _GLASS = {"color": "color", "color_1": "glass"}

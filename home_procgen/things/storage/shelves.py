@@ -29,6 +29,17 @@ def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Ite
                     yield rod("cream", (x, y - 0.01, z), (x, y + 0.36, 0.5 * z), 0.006, sides=6)
 
 
+def plate_shelf(width: float = 0.6, depth: float = 0.18, count: int = 2) -> Iterator[Solid]:
+    """Build empty plates on two brackets each."""
+    for k in range(count):
+        y = 0.3 * k
+        yield rounded_box("wood", (width, 0.02, depth), (0.0, y + 0.16, 0.0), 0.006, 1)
+        for s in (-1, 1):
+            x = s * (width / 2 - 0.06)
+            yield rounded_box("chrome", (0.02, 0.16, 0.012), (x, y, -depth / 2 + 0.006), 0.004, 1)
+            yield beam("chrome", (x, y + 0.02, -depth / 2 + 0.01), (x, y + 0.155, depth / 2 - 0.03), 0.012)
+
+
 def wall_cubes(count: int = 3) -> Iterator[Solid]:
     """Build open wall boxes at two heights, each with random contents."""
     for i in range(count):
@@ -136,6 +147,7 @@ SHELVING = (
     design(wall_shelf), design(metal_rack), design(wire_rack), design(corner_etagere), design(pegboard),
     design(wine_rack), design(wall_shelf, count=1, width=1.0), design(wall_shelf, count=2, kind="rope", width=0.7),
     design(zigzag, width=0.6, height=1.4), design(metal_rack, width=1.2, height=2.0, depth=0.5), design(wall_cubes),
+    design(plate_shelf),
 )  # fmt: skip
 
 

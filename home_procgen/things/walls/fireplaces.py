@@ -6,12 +6,14 @@ from home_procgen.primitives.solids import Solid, box, cylinder
 from home_procgen.shapes.revolve import revolve
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import rod, tube
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import corners
 
+STOVE_HEIGHTS = (2.44, 2.64, 2.84)  # [m], tops of the pipes of stoves above the floor
 
-def fireplace(kind: str = "mantel") -> Iterator[Solid]:
-    """Build a fireplace: a mantelpiece, a brick hearth, an iron stove or a modern slot."""
+
+def fireplace(kind: str = "mantel", top: float = STOVE_HEIGHTS[0]) -> Iterator[Solid]:
+    """Build a fireplace: a mantelpiece, a brick hearth, a modern slot, or an iron stove with a pipe up to `top` [m]."""
     if kind == "stove":
         for x, z in corners(0.42, 0.34):
             yield tube("iron", [(1.15 * x, 0.0, 1.15 * z), (x, 0.14, z)], [0.02, 0.03], 8)
@@ -20,7 +22,7 @@ def fireplace(kind: str = "mantel") -> Iterator[Solid]:
         yield rounded_box("iron", (0.38, 0.38, 0.03), (0.0, 0.26, 0.222), 0.02, 2)
         yield box("orange", (0.28, 0.22, 0.01), (0.0, 0.34, 0.236))
         yield rod("brass", (0.16, 0.4, 0.26), (0.16, 0.5, 0.26), 0.008)
-        yield cylinder("iron", 0.075, 1.5, (0.0, 0.75, -0.08), sides=18)
+        yield cylinder("iron", 0.075, top - 0.75, (0.0, 0.75, -0.08), sides=18)
         yield rounded_box("stone", (0.9, 0.03, 0.8), (0.0, 0.0, 0.06), 0.008, 1)
         return
     slot = {"mantel": "white", "brick": "masonry", "slot": "concrete"}[kind]
@@ -63,4 +65,10 @@ def fireplace(kind: str = "mantel") -> Iterator[Solid]:
         )
 
 
-FAMILIES = (FurnitureFamily("fireplace", "fireplace", design_kinds(fireplace, "mantel", "brick", "stove", "slot")),)
+FIREPLACES = (
+    *design_kinds(fireplace, "mantel", "brick", "stove", "slot"),
+    *(design(fireplace, kind="stove", top=top) for top in STOVE_HEIGHTS[1:]),
+)
+
+
+FAMILIES = (FurnitureFamily("fireplace", "fireplace", FIREPLACES),)
