@@ -65,19 +65,19 @@ class BraxEnv(BraxBaseEnv):
 
     @property
     def observation_size(self) -> dict[str, tuple[int, ...]]:
-        """Shapes of the observations."""
+        """Shapes of one environment's observations by name."""
         with silence():
             shapes = jax.eval_shape(self.reset, jax.ShapeDtypeStruct((2,), jnp.uint32)).obs
         return {name: leaf.shape for name, leaf in shapes.items()}
 
     @property
     def action_size(self) -> int:
-        """Size of an action, such as forward, left, turn left, look up."""
+        """Number of components of an action, such as 4: forward, left, turn left, look up."""
         return self.env.action_size
 
     @property
     def backend(self) -> str:
-        """Name of the physics engine for Brax."""
+        """Name `mjx` of a physics engine, which Brax expects; always the same."""
         return "mjx"
 
     @property
@@ -107,11 +107,11 @@ class BraxEnv(BraxBaseEnv):
         return [picture.render(_inner_state(state)) for state in trajectory]
 
     def reset(self, rng: Array) -> BraxState:
-        """Start a new episode."""
+        """Start a new episode of one environment; `rng` is one key."""
         return self.to_brax(self.env.reset(rng))
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """Apply one control step; truncation is left to the wrapper."""
+        """Apply one control step; `done` is termination only: truncation and reset are left to the wrapper."""
         inner: Any = state.pipeline_state  # Brax annotates it as a state of its own physics
         new = self.env.step(inner.replace(truncated=jnp.zeros_like(inner.truncated)), action)
         brax: Any = self.to_brax(new)
@@ -121,13 +121,13 @@ class BraxEnv(BraxBaseEnv):
         )
 
     def to_brax(self, state: State) -> BraxState:
-        """Convert our state, or a batch of states, to Brax's."""
+        """Convert our state, or a batch, to Brax's; `pipeline_state` is ours without observations, `info` is empty."""
         obs, done = self.to_brax_obs(state.obs), state.done.astype(jnp.float32)
         inner: Any = state.replace(obs={}, info={})  # neither is read by a step
         return BraxState(inner, obs, state.reward, done, dict(state.metrics), {})
 
     def to_brax_obs(self, obs: dict[str, Array]) -> dict[str, Array]:
-        """Return the observations that Brax's networks can use."""
+        """Return images, scaled as the class says, and all vectors joined as `state`; omit all other observations."""
         out = {name: self._pixels(name, value) for name, value in obs.items() if name.startswith("pixels/")}
         vectors = [obs[name] for name in self._vectors]
         return {**out, **({"state": jnp.concatenate(vectors, axis=-1)} if vectors else {})}
@@ -155,7 +155,7 @@ class TrainingWrapper(Wrapper):
         self.auto = AutoReset(core, final_obs="all").bind(inner.params)
 
     def reset(self, rng: Array) -> BraxState:
-        """Start a new episode for each key."""
+        """Start a new episode in each environment, one key each (N)."""
         state = self.auto.reset(rng)
         zero = jnp.zeros_like(state.reward)
         totals = dict.fromkeys(("sum_reward", "length", *state.metrics), zero)
@@ -163,7 +163,7 @@ class TrainingWrapper(Wrapper):
         return self._to_brax(state, info)
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """Apply one control step to all environments, and reset those whose episode ends; `info` has episode totals."""
+        """Apply one control step to all, and reset those whose episode ends; `info` has its totals and `final_obs`."""
         before: Any = state.pipeline_state
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
@@ -184,7 +184,7 @@ class TrainingWrapper(Wrapper):
 
 
 def _final_metrics(state: State) -> dict[str, Array]:
-    """Return the metrics of episodes that have ended; 0 for others."""
+    """Return the metrics by name (N,), those of environments whose episode goes on set to 0."""
     return {name: jnp.where(state.done, value, 0) for name, value in state.metrics.items()}
 
 
@@ -195,7 +195,7 @@ def _inner_state(state: Any) -> Any:
 def wrap_for_training(
     env: BraxEnv, episode_length: int = 500, action_repeat: int = 1, randomization_fn: Any = None
 ) -> TrainingWrapper:
-    """Wrap an environment for Brax's trainers, as their `wrap_env_fn`.
+    """Wrap an environment for Brax's trainers, as their `wrap_env_fn`: batched, reset after `episode_length` steps.
 
     Raises:
         ConfigError: For an action repeat (use a longer `ctrl_dt`) or a randomisation function (houses already differ).
@@ -208,7 +208,7 @@ def wrap_for_training(
 
 
 def register() -> None:
-    """Add every id of `home_mjx.list_envs()` to Brax's registry; call it again after adding ids.
+    """Add every id of `home_mjx.list_envs()` to Brax's registry, as on import; call it again after adding ids.
 
     Example:
         >>> env = brax.envs.get_environment("PointNav-v0", num_houses=2)  # doctest: +SKIP

@@ -214,7 +214,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
     def _step_result(
         self, state: State, infos: dict[str, Any]
     ) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """Return the result of `step` by autoreset mode; update the mask of environments that reset in their next step.
+        """Return the result of `step` by autoreset mode; update the mask of environments whose next step only resets.
 
         Args:
             state: State after the step.
@@ -253,7 +253,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return np.stack([tools.draw_key(np.random.default_rng(one)) for one in seed])
 
     def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
-        """Return the row with which each environment begins: its own index after a seed, else the one after the last.
+        """Return the row with which each environment begins: its own index after a seed, else its last row plus n.
 
         An environment whose next step only resets has begun its next row already, which no one has seen.
         """

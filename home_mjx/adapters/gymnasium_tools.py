@@ -71,14 +71,14 @@ def refuse_forking_workers() -> None:
 
 
 def check_render_mode(render_mode: str | None) -> None:
-    """Reject render modes that are not in `RENDER_MODES`."""
+    """Raise `ConfigError` for render modes that are not in `RENDER_MODES`."""
     if render_mode not in RENDER_MODES:
         hint = "gymnasium.make(..., render_mode='human') shows the pictures of 'rgb_array' in a window (needs pygame)."
         raise ConfigError(f"render_mode must be None or 'rgb_array', got {render_mode!r}", hint=hint)
 
 
 def parse_autoreset_mode(mode: Any) -> AutoresetMode:
-    """Return an autoreset mode from the mode or its name.
+    """Return an autoreset mode from the mode or its value, such as "NextStep".
 
     Raises:
         ConfigError: It is not in `AUTORESET_MODES`.
@@ -90,22 +90,22 @@ def parse_autoreset_mode(mode: Any) -> AutoresetMode:
 
 
 def broadcast_mask(mask: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Reshape a mask of environments to as many axes as `x` has."""
+    """Reshape a mask (N,) of environments to (N, 1, ...), with as many axes as `x`."""
     return mask.reshape(-1, *[1] * (x.ndim - 1))
 
 
 def to_numpy(tree: Any) -> Any:
-    """Copy arrays to NumPy, because views of device buffers may be overwritten by a later step."""
+    """Copy arrays to NumPy, bool to int8, because views of device buffers may be overwritten by a later step."""
     return jax.tree.map(lambda x: np.array(x, np.int8) if x.dtype == bool else np.array(x), tree)
 
 
 def draw_key(random: np.random.Generator) -> np.ndarray:
-    """Return a raw JAX key from Gymnasium's generator."""
+    """Draw a raw JAX key (2,) uint32 from Gymnasium's generator, which advances."""
     return np.asarray(random.integers(0, 2**32, 2, np.uint32))
 
 
 def index_option(options: Mapping[str, Any], name: str, count: int, num_envs: int | None = None) -> Any:
-    """Return an index from the options of reset, or one per environment; None if the option is absent.
+    """Return option `name` of reset, from 0 to `count` - 1, as int32 or (num_envs,) int32; None if it is absent.
 
     Raises:
         ConfigError: It is out of range, or its number differs from the number of environments.
@@ -123,7 +123,7 @@ def index_option(options: Mapping[str, Any], name: str, count: int, num_envs: in
 
 
 def check_options(env: Env, options: Mapping[str, Any], others: tuple[str, ...] = ()) -> None:
-    """Reject options of reset that have no effect: unknown ones, and `house` where rows have their own houses.
+    """Raise for options of reset without effect: unknown ones, `episode` without rows, and `house` with rows.
 
     Args:
         env: The environment.
@@ -149,12 +149,12 @@ def check_options(env: Env, options: Mapping[str, Any], others: tuple[str, ...] 
 
 
 def count_episodes(env: Env) -> int:
-    """Return the number of rows that `options={"episode": ...}` can select."""
+    """Return the number of saved episodes or tasks, which `options={"episode": ...}` selects; 0 without any."""
     return 0 if env.params.tasks is None else len(env.params.tasks)
 
 
 def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> np.ndarray:
-    """Convert the action of one environment or a batch to the type of its spec.
+    """Return the action of one environment, or a batch of `num_envs`, in the type of its spec.
 
     Raises:
         ConfigError: The action is not in the action space. Continuous actions beyond the bounds are allowed, because
@@ -174,7 +174,7 @@ def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> n
 
 
 def collect_infos(state: State, before: World | None = None) -> dict[str, np.ndarray]:
-    """Return house, episode, metrics and status flags of one environment or of each of a batch.
+    """Return `house`, `episode_index`, metrics and `status/<flag>` of one environment () or each of a batch (N,).
 
     Args:
         state: State after the step.
@@ -189,7 +189,7 @@ def collect_infos(state: State, before: World | None = None) -> dict[str, np.nda
 
 
 def with_masks(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
-    """Return infos in the form of Gymnasium's vector environments: each with the mask of its environments."""
+    """Return infos as of Gymnasium's vector environments: beside each `name`, `_name` is the mask of valid entries."""
     return {**infos, **{f"_{name}": mask for name in infos}}
 
 
@@ -215,10 +215,10 @@ class DisplayCamera:
         self._params, self._draw = env.params, jax.jit(draw)
 
     def render(self, state: State) -> np.ndarray:
-        """Render the view of the first agent (H, W, 3) uint8."""
+        """Render the first agent's view (H, W, 3) uint8 in a state of one environment."""
         return np.array(self._draw(self._params, state))
 
 
 def reset_needed_error(is_over: bool = False) -> gymnasium.error.ResetNeeded:
-    """Return the error for a step before the first reset, or after the end of the episode."""
+    """Return, not raise, the error for a step before the first reset or, if `is_over`, after the end of the episode."""
     return gymnasium.error.ResetNeeded(f"call reset() before step(){': the episode is over' if is_over else ''}")

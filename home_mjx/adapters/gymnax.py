@@ -101,7 +101,7 @@ class GymnaxEnv:
         return self._seen(state.obs), strip_observations(state), state.reward, state.terminated, state.truncated, info
 
     def action_space(self, params: EnvParams | None = None) -> BoxSpace | DiscreteSpace:
-        """Return the action space, which does not depend on the parameters."""
+        """Return the space of one environment's actions; `params` is unused."""
         del params
         return (
             DiscreteSpace(self.num_actions)
@@ -110,7 +110,7 @@ class GymnaxEnv:
         )
 
     def observation_space(self, params: EnvParams | None = None) -> BoxSpace | DictSpace:
-        """Return the observation space, which does not depend on the parameters."""
+        """Return the space of one environment's observations, a box if `vector`, else by name; `params` is unused."""
         del params
         if self._vector is not None:
             return make_jax_space(self._vector)

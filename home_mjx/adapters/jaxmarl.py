@@ -71,7 +71,7 @@ class JaxMarlEnv(MultiAgentEnv):
 
     @property
     def agent_classes(self) -> dict[str, list[str]]:
-        """A single class of all agents."""
+        """All agents, under the name of a single class, `agent`."""
         return {"agent": list(self.agents)}
 
     @partial(jax.jit, static_argnums=0)
@@ -90,7 +90,7 @@ class JaxMarlEnv(MultiAgentEnv):
             key: Unused: a state carries its key from `reset` on.
             state: State before the step.
             actions: An element of `action_space` for every agent.
-            reset_state: State after the end of an episode; None: a new episode.
+            reset_state: State with which to continue after the end of an episode; None: a new episode.
         """
         if reset_state is not None:
             return super().step(key, state, actions, reset_state)
@@ -99,19 +99,19 @@ class JaxMarlEnv(MultiAgentEnv):
 
     @partial(jax.jit, static_argnums=0)
     def step_env(self, key: Array, state: State, actions: Mapping[str, Array]) -> MarlStepResult:
-        """Apply one control step without automatic reset."""
+        """Apply one control step without automatic reset; `key` is unused, else as `step`."""
         del key
         new = self.env.step(state, self._action(actions))
         return self._result(new, new.obs if self.final_obs else None)
 
     @partial(jax.jit, static_argnums=0)
     def get_obs(self, state: State) -> MarlObs:
-        """Compute the observations of a state."""
+        """Compute the observations of a state by agent, vectors if `vector`."""
         return self._seen(self.env.observe(state).obs)
 
     @partial(jax.jit, static_argnums=0)
     def get_avail_actions(self, state: State) -> dict[str, Bool[Array, " n"]]:
-        """Return masks of available actions; all actions are always available."""
+        """Return a mask of available actions by agent; all are True, since actions are always available."""
         del state
         return {agent: jnp.ones(self.env.action_size, bool) for agent in self.agents}
 

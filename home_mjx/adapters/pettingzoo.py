@@ -69,11 +69,11 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         self.action_spaces = {agent: agent_action_space(env) for agent in self.possible_agents}
 
     def observation_space(self, agent: str) -> gymnasium.Space:
-        """Return a dictionary of boxes; the same object at every call."""
+        """Return the agent's space of observations, boxes by name; the same object at every call."""
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> gymnasium.Space:
-        """Return a box of numbers in [-1, 1], or discrete actions; the same object at every call."""
+        """Return the agent's box of numbers in [-1, 1], or discrete actions; the same object at every call."""
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
@@ -112,7 +112,7 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         )
 
     def render(self) -> np.ndarray | None:
-        """Render the view of the first agent (H, W, 3) uint8."""
+        """Render the view of the first agent (H, W, 3) uint8; None if off or before reset."""
         return self.gym.render()
 
     def _each(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:

@@ -30,7 +30,7 @@ except ModuleNotFoundError as error:
 
 
 def default_config(env_id: str = "PointNav-v0") -> ConfigDict:
-    """Return the most common options as a config; any other option of `home_mjx.make` can be added.
+    """Return the common options of an id, with its defaults, as a config; all others of `home_mjx.make` can be added.
 
     `action_repeat` must stay 1.
     """
@@ -93,7 +93,7 @@ class PlaygroundEnv(MjxEnv):
         super().__init__(config)
 
     def reset(self, rng: Array) -> State:
-        """Start a new episode.
+        """Start a new episode of one environment.
 
         Args:
             rng: One key, raw as Playground's wrappers need, or typed.
@@ -101,13 +101,13 @@ class PlaygroundEnv(MjxEnv):
         return _from_brax(self.brax.reset(rng))
 
     def step(self, state: State, action: Array) -> State:
-        """Apply one control step; truncation is left to the wrapper."""
+        """Apply one control step; `done` is termination only: truncation and reset are left to the wrapper."""
         given = BraxState(state.data, state.obs, state.reward, state.done, state.metrics, state.info)
         return _from_brax(self.brax.step(given, action))
 
     @property
     def action_size(self) -> int:
-        """Size of an action."""
+        """Number of components of an action."""
         return self.brax.action_size
 
     @property
@@ -196,7 +196,7 @@ def wrap_for_training(env: PlaygroundEnv, episode_length: int = 1000, **options:
 
 
 def register() -> None:
-    """Add every id of `home_mjx.list_envs()` to Playground's registry; call it again after adding ids.
+    """Add every id of `home_mjx.list_envs()` to Playground's registry, as on import; call it again after adding ids.
 
     Its suites cannot be extended, so the ids join the DeepMind Control suite, the only one without randomisation.
     """

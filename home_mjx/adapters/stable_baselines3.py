@@ -57,7 +57,7 @@ class BatchVecEnv(VecEnv):
         super().__init__(num_envs, self.batch.single_observation_space, self.batch.single_action_space)
 
     def reset(self) -> dict[str, np.ndarray]:
-        """Start an episode in every environment, with the seeds and options of `seed` and `set_options`."""
+        """Start an episode in every environment, with the seeds and options of `seed` and `set_options`, used once."""
         seeded = any(seed is not None for seed in self._seeds)
         obs, infos = self.batch.reset(seed=list(self._seeds) if seeded else None, options=_merge_options(self._options))
         self.reset_infos = _infos_of_each(infos, self.num_envs)
@@ -75,7 +75,7 @@ class BatchVecEnv(VecEnv):
         self._actions = np.asarray(actions)
 
     def step_wait(self) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray, list[dict[str, Any]]]:
-        """Step all environments.
+        """Step all environments with the actions of `step_async`, which are used up.
 
         Returns:
             Observations, rewards (N,) float32, whether episodes ended (N,), and an info per environment. Where an
@@ -105,7 +105,7 @@ class BatchVecEnv(VecEnv):
         return self.batch.render() or [None] * self.num_envs
 
     def get_attr(self, attr_name: str, indices: int | Iterable[int] | None = None) -> list[Any]:
-        """Return an attribute of the batch, once for each of the environments.
+        """Return an attribute of the whole batch, repeated for each of the `indices`; None: all.
 
         Raises:
             AttributeError: The batch has no such attribute.
@@ -129,18 +129,18 @@ class BatchVecEnv(VecEnv):
         )
 
     def env_is_wrapped(self, wrapper_class: type, indices: int | Iterable[int] | None = None) -> list[bool]:
-        """Return False for each environment: none is wrapped."""
+        """Return False for each of the `indices` (None: all): none is wrapped."""
         return [False] * len(self._indices(indices))
 
     def _indices(self, indices: int | Iterable[int] | None) -> list[int]:
-        """Return the numbers of the environments that a caller means; None: all."""
+        """Return indices of environments as a list, from one, several or None, which means all."""
         if indices is None:
             return list(range(self.num_envs))
         return [indices] if isinstance(indices, int) else list(indices)
 
 
 def _infos_of_each(infos: dict[str, Any], num_envs: int) -> list[dict[str, Any]]:
-    """Return one dictionary per environment, without masks, with `is_success` if there is a success."""
+    """Return one dictionary per environment, without masks; `is_success` is added if there is a metric `success`."""
     named = {name: value for name, value in infos.items() if f"_{name}" in infos and not isinstance(value, dict)}
     if SUCCESS in named:
         named["is_success"] = named[SUCCESS] > 0
@@ -149,10 +149,10 @@ def _infos_of_each(infos: dict[str, Any], num_envs: int) -> list[dict[str, Any]]
 
 
 def _merge_options(options: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return options of the batch from those of each environment.
+    """Return options of the batch: for each name an array of the values of all environments.
 
     Raises:
-        ConfigError: Environments have different options.
+        ConfigError: Environments have options of different names.
     """
     if any(own.keys() != options[0].keys() for own in options):
         raise ConfigError(f"expected the same options in all environments, got {list(options)}")

@@ -108,7 +108,7 @@ def _dispatch(argv: list[str]) -> int:
 
 
 def _load_command(name: str) -> ModuleType:
-    """Import the module of a command; raise `ConfigError` if it is part of the repository and there is no checkout."""
+    """Import and return the module of a known command; raise `ConfigError` if it needs a checkout and there is none."""
     package = next(package for package, names in COMMAND_PACKAGES.items() if name in names)
     if name in CHECKOUT_COMMANDS:
         if not (CHECKOUT / package).is_dir():

@@ -36,13 +36,13 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
 def add_house_arguments(
     parser: argparse.ArgumentParser, text: str = "id of the house (default: the dataset's first)"
 ) -> None:
-    """Add `HOUSE` with help `text`, and `--dataset ROOT`."""
+    """Add the optional positional `HOUSE` with help `text`, and `--dataset ROOT`."""
     parser.add_argument("house", nargs="?", metavar="HOUSE", help=text)
     add_dataset_option(parser)
 
 
 def add_strict_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--strict`."""
+    """Add the flag `--strict`, see `read_options`."""
     parser.add_argument(
         "--strict", action="store_true", help="reject a house with missing files, instead of using fallbacks"
     )
@@ -56,7 +56,7 @@ def read_options(args: argparse.Namespace) -> "ReadOptions":
 
 
 def add_movable_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--max-bodies N`."""
+    """Add `--max-bodies N`; None by default, see `compile_options`."""
     parser.add_argument(
         "--max-bodies",
         type=parse_natural,
@@ -66,7 +66,7 @@ def add_movable_option(parser: argparse.ArgumentParser) -> None:
 
 
 def compile_options(args: argparse.Namespace) -> "CompileOptions":
-    """Return the compile options from `--strict` and `--max-bodies`, where a command has them."""
+    """Return the compile options from `--strict` and `--max-bodies`; defaults for commands without them."""
     from home_mjx.scene_compile.collision.movables import MovableOptions
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
@@ -83,14 +83,14 @@ def selected_root(args: argparse.Namespace) -> str | Path:
 
 
 def is_dataset_name(args: argparse.Namespace) -> bool:
-    """Return whether `HOUSE` is the name of a dataset, such as `procedural:1?seed=40`."""
+    """Return whether `HOUSE` is the name of a dataset, such as `procedural:1?seed=40`; False for None."""
     from home_mjx.datasets.registry import has_scheme
 
     return has_scheme(args.house)
 
 
 def is_dataset_root(args: argparse.Namespace) -> bool:
-    """Return whether `HOUSE` is given as a dataset: its name, a path, or a folder that `--dataset` lacks as a house."""
+    """Return whether `HOUSE` is a dataset: a name, a path with `/`, or a folder that is no house of `--dataset`."""
     from home_mjx.datasets.registry import has_scheme
 
     name = args.house
@@ -108,7 +108,7 @@ def open_selected_dataset(args: argparse.Namespace) -> "Dataset":
 
 
 def selected_houses(args: argparse.Namespace) -> "HouseSet":
-    """Return all houses of the selected dataset, or the selected house."""
+    """Return the selected house, or all houses of the dataset if `HOUSE` is absent or a dataset."""
     from home_mjx.houses.house_set import HouseSet
 
     ids = None if args.house is None or is_dataset_root(args) else (str(args.house),)
@@ -136,7 +136,7 @@ def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
 
 
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
-    """Load the selected house as stored in the dataset; errors as in `selected_house`."""
+    """Load the selected house, not compiled, and its dataset's metadata; errors as in `selected_house`."""
     dataset, house_id = selected_house(args)
     options = read_options(args)
     return dataset.load_house(house_id, options), dataset.metadata_for(options)

@@ -10,7 +10,7 @@ _created: list[Path] = []  # folders created by this process, innermost first
 
 
 def make_folder(path: Path) -> Path:
-    """Create a folder if it is missing, and check that files can be written there.
+    """Create a folder if it is missing, check that files can be written there, and return it.
 
     Raises:
         ConfigError: The folder cannot be created or written.

@@ -49,7 +49,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def parse_seed_range(text: str) -> range:
-    """Parse seeds from `A:B` (B excluded) or one seed.
+    """Parse seeds from `A:B` (B excluded) or one seed; raise `ArgumentTypeError` if invalid or over `MAX_HOUSES`.
 
     Example:
         >>> list(parse_seed_range("3:6")), list(parse_seed_range("7"))
@@ -69,7 +69,7 @@ def parse_seed_range(text: str) -> range:
 
 
 def parse_path(text: str) -> Path:
-    """Parse a path; reject an empty text, such as an unset shell variable.
+    """Parse a path; raise `ArgumentTypeError` if it is empty, such as an unset shell variable. It may not exist.
 
     Example:
         >>> parse_path("houses").name
@@ -93,7 +93,7 @@ def parse_dataset(text: str) -> Path | str:
 
 
 def parse_names(text: str) -> tuple[str, ...]:
-    """Parse names that are separated by commas; spaces around them are dropped.
+    """Parse names separated by commas, without spaces around them; raise `ArgumentTypeError` if one is empty.
 
     Example:
         >>> parse_names("depth, goal")
@@ -106,7 +106,7 @@ def parse_names(text: str) -> tuple[str, ...]:
 
 
 def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
-    """Return an argument type of numbers from `low` to `high`.
+    """Return an argument type of numbers from `low` to `high`, both included.
 
     Example:
         >>> number_type(low=0)("2.5")
@@ -126,14 +126,14 @@ def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
 
 
 def parse_seed(text: str) -> int:
-    """Parse a seed of 32 bits, the size of a random key."""
+    """Parse a seed from 0 to 2**32 - 1; raise `ArgumentTypeError` for other texts."""
     if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**32:
         raise argparse.ArgumentTypeError(f"expected a whole number from 0 to {2**32 - 1}, got `{text:.{MAX_DIGITS}}`")
     return int(text)
 
 
 def parse_natural(text: str) -> int:
-    """Parse a whole number of at least 0.
+    """Parse a whole number from 0 to 2**31 - 1; raise `ArgumentTypeError` for other texts.
 
     Example:
         >>> parse_natural("0")
@@ -145,7 +145,7 @@ def parse_natural(text: str) -> int:
 
 
 def whole_number_type(maximum: int) -> Callable[[str], int]:
-    """Return an argument type of whole numbers from 1 to `maximum`.
+    """Return an argument type of whole numbers from 1 to `maximum`, included.
 
     Example:
         >>> whole_number_type(100)("25")

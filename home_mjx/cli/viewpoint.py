@@ -51,7 +51,7 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
-    """Load the selected house onto the device and place a head in it.
+    """Load the selected house onto the device and place a head at `--at`, else at a start; eyes at their usual height.
 
     Args:
         args: The parsed options.
@@ -95,13 +95,13 @@ def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpo
 
 
 def _lowest_ceiling(rooms: RoomTable, here: Int[np.ndarray, " n"]) -> float:
-    """Return the lowest ceiling of rooms [m]; rooms without one, such as balconies, are ignored."""
+    """Return z of the lowest ceiling of rooms `here` [m], balconies ignored; eye height if no room has a ceiling."""
     roofed = here[rooms.ceiling[here] > rooms.floor[here] + EYE_HEIGHT]
     return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
 
 
 def _scene_of(bank: HouseBank) -> Scene:
-    """Build the scene of the first house of a bank, without agents."""
+    """Build the scene of the first house of a bank at its initial poses, without agents."""
     import jax.numpy as jnp
 
     from home_mjx.raycast_render.scene.scene import make_scene
@@ -130,7 +130,7 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
 
 
 def longest_free_direction(bank: HouseBank, feet: np.ndarray) -> float:
-    """Return the direction [rad] of the longest straight walkable path from `feet` (3,) in the bank's first house."""
+    """Return the direction from +x [rad] of the longest straight walkable path from `feet` in the first house."""
     navigation, cell = bank.navigation, bank.spec.cell
     free, origin = np.asarray(navigation.region[0, 0] == 0), np.asarray(navigation.origin[0])
     yaw = np.linspace(-np.pi, np.pi, 72, endpoint=False)

@@ -62,19 +62,19 @@ class InputDigests(Protocol):
     """Digests of the files from which the houses of a dataset are compiled; part of the key of every cache entry."""
 
     def house(self, house_id: str) -> bytes:
-        """Return the digest of everything that decides how a house is read, textures excepted."""
+        """Return a digest of all files that determine a house, except textures; missing files are no error."""
         ...
 
     def texture(self, path: str) -> str:
-        """Return the digest of an image file; "" if it does not exist."""
+        """Return the hexadecimal digest of the image at an absolute path; "" if it does not exist."""
         ...
 
     def has_texture(self, name: str) -> bool:
-        """Return whether an image exists now for a texture that a house lacked when it was compiled."""
+        """Return whether the image of a missing texture, named by its `Material.missing_file`, now exists."""
         ...
 
     def save(self, interval: float = 0.0) -> None:
-        """Write digests that were computed to disk, at most once in `interval` seconds [s]."""
+        """Write new digests to disk, unless the last write was less than `interval` [s] ago."""
         ...
 
 
@@ -150,10 +150,10 @@ class Dataset(ABC):
 
     @abstractmethod
     def inputs(self) -> InputDigests:
-        """Return digests of the files behind the houses, see `InputDigests`."""
+        """Return the object that computes digests of the houses' files on request, see `InputDigests`."""
 
     def prepare(self, house_ids: Sequence[str], progress: bool = False) -> None:  # noqa: B027 (most need nothing)
-        """Make houses available on disk before they are read, such as by generating them.
+        """Make houses available on disk before they are read, such as by generating them; by default do nothing.
 
         Args:
             house_ids: Some of `house_ids`.
@@ -181,15 +181,15 @@ class Dataset(ABC):
             )
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
-        """Return the options with `strict` decided; by default a dataset is complete, so missing files are errors."""
+        """Return the options, a `strict` of None replaced: here by True, since a dataset is complete by default."""
         return options if options.strict is not None else replace(options, strict=True)
 
     def metadata_for(self, options: ReadOptions) -> Metadata:
-        """Return the metadata that belongs to houses read with these options."""
+        """Return the metadata for houses read with these options; by default `metadata`, whatever the options."""
         return self.metadata
 
     def model_info(self, model_id: str, category: str) -> ModelInfo:
-        """Return the metadata row of a model from the dataset's own category.
+        """Return a metadata row, without size, whose categories are those of the dataset's own category.
 
         Args:
             model_id: Id of the model.
@@ -248,12 +248,12 @@ class FileDigests:
         return digest.digest()
 
     def texture(self, path: str) -> str:
-        """Return the SHA-256 digest of an image; "" if it does not exist."""
+        """Return the hexadecimal SHA-256 of the image at an absolute path; "" if it does not exist."""
         file = Path(path)
         return hashlib.sha256(file.read_bytes()).hexdigest() if file.is_file() else ""
 
     def has_texture(self, name: str) -> bool:
-        """Return whether a file exists at a path relative to the dataset's folder."""
+        """Return whether a file exists at a path relative to the dataset's folder; False if it leads out of it."""
         found = resolve_below(self.root, self.root, name)
         return found is not None and found.is_file()
 

@@ -40,7 +40,7 @@ _STORE: ContextVar[ResultStore | None] = ContextVar("store of kept results", def
 
 @contextmanager
 def keep_results(store: ResultStore) -> Iterator[None]:
-    """Keep results in a store during the block, in this thread."""
+    """Make `kept_result` and `find_model` use a store during the block, in this thread; then restore the former one."""
     token = _STORE.set(store)
     try:
         yield
@@ -49,13 +49,13 @@ def keep_results(store: ResultStore) -> Iterator[None]:
 
 
 def find_model(key: str) -> Model | None:
-    """Return the kept model with a key, see `geometry.meshes.make_model`; None if there is none."""
+    """Return the kept model with a key of `geometry.meshes.make_model`; None without it or without a store."""
     store = _STORE.get()
     return None if store is None else store.find_model(key)
 
 
 def kept_result(kind: type[T], inputs: bytes, compute: Callable[[], T]) -> T:
-    """Return a kept result, or compute and keep it.
+    """Return the result kept in the store of `keep_results`, or compute and keep it; compute only if there is no store.
 
     Args:
         kind: Dataclass of the result, of arrays and JSON values; see `core.array_store.flatten`.

@@ -126,7 +126,7 @@ def _walls(
     openings: Sequence[WallOpening],
     height: float,
 ) -> Mesh:
-    """Build one wall per side; the interior is to the right of the corners' order, as `wall_prisms` requires."""
+    """Build the walls, one per side; seen from above, the room is to the right from each corner to the next."""
     pieces: list[MeshPiece] = []
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)
@@ -136,7 +136,7 @@ def _walls(
 
 
 def _hole(opening: WallOpening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
-    """Compute the hole of an opening in a wall [m]; None if the wall is not along it or has little of it."""
+    """Return (left, right, low, high) of an opening, from `start` and the floor [m]; None if it is not in this wall."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.array([opening.start, opening.end], float) - start

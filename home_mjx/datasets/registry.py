@@ -72,7 +72,7 @@ def dataset_schemes() -> tuple[str, ...]:
 
 
 def has_scheme(name: object) -> bool:
-    """Return whether a value is a name such as `procedural:16` rather than a path.
+    """Return whether a value is a name such as `procedural:16`; False for existing paths and other types than `str`.
 
     Example:
         >>> has_scheme("procedural:16"), has_scheme("houses/demo"), has_scheme("C:/houses")
@@ -136,7 +136,7 @@ def _name_hint(text: str) -> str | None:
 
 
 def find_format(scheme: str) -> DatasetFormat:
-    """Return the kind of dataset of a scheme, loading the package that provides it.
+    """Return the registered kind of dataset of a scheme; register it first from an installed package if necessary.
 
     Raises:
         UnknownNameError: No dataset has this scheme.
@@ -154,7 +154,7 @@ def find_format(scheme: str) -> DatasetFormat:
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
-    """Entry points of datasets by scheme."""
+    """Return the entry points of installed datasets by scheme, including `suncg`; cached."""
     return {point.name: point for point in (SUNCG, *entry_points(group=GROUP))}
 
 

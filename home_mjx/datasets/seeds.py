@@ -22,7 +22,7 @@ def house_id(seed: int) -> str:
 
 
 def sort_house_ids(ids: Iterable[str]) -> tuple[str, ...]:
-    """Sort house ids: generated houses by seed, then all others by id.
+    """Return the distinct house ids in order: generated houses by seed, then all others by id.
 
     The first houses of a generated folder thus stay first when houses of higher seeds are added. Sorted by id, which is
     a hash, a new house could come anywhere. Seeds of `MAX_LOOKUP_SEED` and more count as unknown.
@@ -55,7 +55,7 @@ def find_seeds(ids: Iterable[str]) -> tuple[int, ...]:
 
 
 def _known(ids: set[str]) -> dict[str, int]:
-    """Map ids of seeds below `MAX_LOOKUP_SEED` to their seeds, in ascending order of seeds."""
+    """Map the ids of seeds below `MAX_LOOKUP_SEED` to their seeds, in ascending order; omit all other ids."""
     left = sum(name.startswith(ID_PREFIX) for name in ids)
     found: dict[str, int] = {}
     for seed in range(MAX_LOOKUP_SEED):

@@ -35,7 +35,7 @@ def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
 
 
 def select_ids(ids: Iterable[str], split: str | None) -> list[str]:
-    """Select the house ids of a split of `SPLITS`; all if it is None.
+    """Return the house ids of a split of `SPLITS` in the given order; all if the split is None.
 
     Raises:
         ConfigError: The split is unknown.

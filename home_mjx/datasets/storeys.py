@@ -16,7 +16,7 @@ def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
 
     Args:
         levels: Levels of `outline_house`, from below.
-        rise: Height from floor to floor [m].
+        rise: Height from floor to floor [m]; level i is moved up (+y) by i times this.
 
     Example:
         >>> from home_mjx.datasets import RoomOutline, outline_house

@@ -23,7 +23,7 @@ def agent_names(num_agents: int) -> list[str]:
 
 
 def split_by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
-    """Split a tree into one tree per agent; with several agents, arrays have a leading agent axis.
+    """Split a tree into one tree per agent: with several, arrays lose their leading agent axis; one gets `tree` itself.
 
     Example:
         >>> split_by_agent({"state": jnp.arange(2)}, ["agent_0", "agent_1"])["agent_1"]["state"].item()
@@ -35,7 +35,7 @@ def split_by_agent(tree: Any, names: list[str]) -> dict[str, Any]:
 
 
 def ordered_values(values: Mapping[str, Any], names: list[str]) -> list[Any]:
-    """Return the values in the order of the agents.
+    """Return the values by agent name in the order of `names`.
 
     Raises:
         ConfigError: A value is missing, or belongs to an unknown agent.
@@ -46,17 +46,17 @@ def ordered_values(values: Mapping[str, Any], names: list[str]) -> list[Any]:
 
 
 def vector_observations(specs: Specs) -> tuple[str, ...]:
-    """Return the observations of one agent that can be joined to a vector: float32 with one axis."""
+    """Return the names of those observations of one agent that can be joined to a vector: float32 with one axis."""
     return tuple(name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype == "float32")
 
 
 def join_vectors(obs: Mapping[str, Array], names: tuple[str, ...]) -> Array:
-    """Concatenate observations along the last axis; works on a batch as well."""
+    """Concatenate the observations `names`, in this order, along the last axis; works on a batch as well."""
     return jnp.concatenate([obs[name] for name in names], axis=-1)
 
 
 def vector_spec(specs: Specs) -> ArraySpec:
-    """Return the spec of the vector of all observations in `vector_observations`.
+    """Return the spec, with bounds per element, of all `vector_observations` of one agent joined to a vector.
 
     Warns:
         UserWarning: Observations are omitted: images, and words, whose ids are not quantities.

@@ -48,5 +48,5 @@ def as_single_env(run: Callable[..., State]) -> Callable[..., State]:
 
 
 def strip_observations(state: State) -> State:
-    """Return the state without fields that no step reads, so that loops do not store images twice."""
+    """Return a copy of the state with empty `obs` and `info`, which no step reads, so that loops do not store them."""
     return state.replace(obs={}, info={})

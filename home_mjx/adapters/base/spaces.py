@@ -30,11 +30,11 @@ class DiscreteSpace:
         return ()
 
     def sample(self, key: Array) -> Array:
-        """Sample an integer uniformly."""
+        """Sample an integer from 0 to n - 1 uniformly; `key` is one key."""
         return jax.random.randint(key, (), 0, self.n, self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Return whether a value is from 0 to n - 1."""
+        """Return whether each value is from 0 to n - 1, in the shape of `x`."""
         return (jnp.asarray(x) >= 0) & (jnp.asarray(x) < self.n)
 
 
@@ -64,7 +64,7 @@ class BoxSpace:
         return jax.random.randint(key, self.shape, least, most + 1).astype(self.dtype)
 
     def contains(self, x: Any) -> Bool[Array, ""]:
-        """Return whether all numbers are within the bounds."""
+        """Return whether all numbers are within the bounds, ends included; shape and type are not checked."""
         return jnp.all((jnp.asarray(x) >= self.low) & (jnp.asarray(x) <= self.high))
 
 
@@ -75,15 +75,15 @@ class DictSpace:
     spaces: Mapping[str, Any]
 
     def sample(self, key: Array) -> dict[str, Array]:
-        """Sample an element of each space."""
+        """Sample an element of each space, with independent keys; return them by name."""
         keys = jax.random.split(key, len(self.spaces))
         return {name: space.sample(keys[i]) for i, (name, space) in enumerate(self.spaces.items())}
 
     def contains(self, x: Mapping[str, Any]) -> Bool[Array, ""]:
-        """Return whether each element is in its space."""
+        """Return whether each element is in its space; a missing name raises `KeyError`, others are ignored."""
         return jnp.all(jnp.stack([space.contains(x[name]) for name, space in self.spaces.items()]))
 
 
 def make_jax_space(spec: ArraySpec) -> BoxSpace:
-    """Return the space of one array."""
+    """Return the box with shape, type and bounds of an array's spec."""
     return BoxSpace(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))

@@ -75,7 +75,7 @@ def _extras() -> Iterator[CheckResult]:
 
 
 def _known_bad_pairs() -> Iterator[CheckResult]:
-    """Report pairs of versions that install together but fail at run time."""
+    """Yield a result for each installed pair of versions that fails at run time; nothing without such a pair."""
     import jax
 
     brax, flax = _version("brax"), _version("flax")
@@ -172,7 +172,7 @@ def _project_name(requirement: str) -> str:
 
 
 def _version_numbers(version: str) -> tuple[int, ...]:
-    """Return the leading whole numbers of a version, such as (0, 12) of `0.12.6rc1`."""
+    """Return the leading whole numbers of a version, such as (0, 12) of `0.12.6rc1`; () if there are none."""
     numbers: list[int] = []
     for part in version.split("."):
         if not part.isdecimal():

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the houses and print their location."""
+    """Write a house per seed, keeping existing ones; print number, first and last id and location; return 0."""
     from home_procgen.generate import generate_dataset
 
     ids = generate_dataset(args.out, args.seeds, progress=is_progress_shown(), version=args.generator)

@@ -44,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print counts and problems of a house, counts of a dataset, semantics, or a validation; return 1 if that fails."""
+    """Print counts of a house or a dataset, semantics or findings; return 1 if `--validate` finds errors, else 0."""
     if args.validate:
         return _validate(args)
     if args.semantics:
@@ -94,7 +94,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _count_joints(dataset: "Dataset", house: "House") -> int:
-    """Count the joints of its objects in the dataset's table of joints; 0 if it has none."""
+    """Count the joints that the dataset's table has for the objects of a house; 0 without a table."""
     keys = [item.model_key for level in house.levels for item in level.objects]
     return sum(len(dataset.joints.get(key, ())) for key in keys)
 
@@ -112,7 +112,7 @@ def _print_row(name: str, count: int) -> None:
 
 
 def _dataset(args: argparse.Namespace) -> int:
-    """Print the bank memory of all houses of a dataset, which compiles those that are not cached."""
+    """Print the bank memory of all houses of a dataset [bytes], compiling those not in the cache; return 0."""
     from home_mjx.bank.usage import bank_usage
     from home_mjx.houses.house_cache import HouseCache
 
@@ -142,7 +142,7 @@ def _dataset(args: argparse.Namespace) -> int:
 
 
 def _semantics(args: argparse.Namespace) -> int:
-    """Print a line per surface and object, or one JSON object with the complete semantics."""
+    """Print a line per surface and object, or one JSON object with the complete semantics; return 0."""
     from home_mjx.scene_compile.semantics.engine import house_semantics
     from home_mjx.scene_compile.semantics.records import house_record
 

@@ -47,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the report, write the picture and print its path."""
+    """Print the report of one state, write the picture unless `--no-picture`, print its path, and return 0."""
     from home_mjx.tasks.env.state_io import load_states, read_origin
     from home_mjx.viewer.episodes.state_report import describe_state, draw_state
     from home_mjx.viewer.episodes.video import compose_frame
@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _make_env(args: argparse.Namespace, origin: "StateOrigin") -> "Env":
-    """Make the environment of the file, in its houses."""
+    """Make the environment of the arguments or the file, in the file's houses if it names them."""
     from home_mjx.env_factory import make
     from home_mjx.houses.load import house_set
 

@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write one PNG per image kind."""
+    """Write `KIND.png` into the folder `--out` for each kind of image, print the paths, and return 0."""
     import jax
     import jax.numpy as jnp
 
@@ -139,7 +139,7 @@ def _parse_storey(text: str) -> int:
 
 
 def _to_colours(kind: str, image: np.ndarray) -> np.ndarray:
-    """Convert an image to (H, W, 3) uint8; the faces of a cube map are stacked vertically."""
+    """Convert an image of a kind to colours (H, W, 3) uint8; the faces of a cube map are stacked vertically."""
     if image.ndim > len(IMAGE_AXES.get(kind, "hw")):
         image = np.concatenate(image)
     if kind == "rgb":

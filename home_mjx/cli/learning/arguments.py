@@ -21,7 +21,7 @@ PACKAGED_AGENT = "demo"  # name of the packaged agent; use `./demo` for a folder
 
 
 def add_import_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--import MODULE`."""
+    """Add `--import MODULE`, a list `modules` for `import_modules`."""
     parser.add_argument(
         "--import", dest="modules", action="append", default=[], metavar="MODULE",
         help="import a module first, such as one that registers your tasks or shaders",
@@ -29,12 +29,12 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_sensors_option(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add `--sensors A,B` with a help text."""
+    """Add `--sensors A,B`, a tuple of names, with help `text`; None by default."""
     parser.add_argument("--sensors", type=parse_names, metavar="A,B", help=text)
 
 
 def add_episode_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--episode-file FILE`."""
+    """Add `--episode-file FILE`; None by default."""
     parser.add_argument(
         "--episode-file", type=parse_path, metavar="FILE",
         help="use the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
@@ -42,7 +42,7 @@ def add_episode_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_observe_option(parser: argparse.ArgumentParser, example: str) -> None:
-    """Add `--observe NAME`, with the name of an observer as an example."""
+    """Add `--observe NAME`, a list `observers`, with an `example` of a name in its help."""
     parser.add_argument(
         "--observe", dest="observers", action="append", default=[], metavar="NAME",
         help=f"add an observer that is registered under this name, such as {example}; see --import",
@@ -116,7 +116,7 @@ def parse_checkpoint_path(text: str) -> Path:
 
 
 def find_checkpoint(path: Path) -> Path:
-    """Return the file itself, or the checkpoint in the folder of a run."""
+    """Return the path of the checkpoint in the folder of a run, which may not exist; any other path unchanged."""
     from home_mjx.training import CHECKPOINT_FILE  # raises ConfigError if the extra `train` is not installed
 
     return path / CHECKPOINT_FILE if path.is_dir() else path

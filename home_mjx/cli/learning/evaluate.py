@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Evaluate a checkpoint, film episodes with `--films`, and print the metrics."""
+    """Evaluate a checkpoint, film episodes with `--films`, print the metrics, and return 0."""
     import_modules(args.modules)
     path = find_checkpoint(args.checkpoint)
     from home_mjx.training import evaluate_checkpoint

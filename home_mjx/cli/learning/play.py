@@ -69,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play, and print the paths of the film."""
+    """Play episodes, print their results and the paths of the film, if any, and return 0."""
     from home_mjx.viewer.episodes.policies import check_agent
     from home_mjx.viewer.episodes.run import AGENT_NAMES, PlayOptions, run_play
 
@@ -100,7 +100,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
-    """Return the spec with the sensors of the arguments or the checkpoint; else few, with sound for films that have it.
+    """Return the spec with the sensors of the arguments or checkpoint; else `state`, and `audio` for films with sound.
 
     Agents without a checkpoint use no observations, so that the default computes as few as possible.
     """

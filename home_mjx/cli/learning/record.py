@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Record, and print the location of the dataset."""
+    """Record whole episodes until they have `--frames` steps in all, print the location, and return 0."""
     from home_mjx.env_factory import make
     from home_mjx.tasks import add_expert
     from home_mjx.training.trajectories import Trajectories, record

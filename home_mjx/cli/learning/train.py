@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, evaluate on held-out houses, write `evaluation.json`, and print the results."""
+    """Train, evaluate in held-out houses, write `evaluation.json`, print the results, and return 0."""
     import_modules(args.modules)
     config = run_config(args)
     from home_mjx.core.files import write_durably
@@ -111,7 +111,7 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 
 
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
-    """Return the spec of task and training houses."""
+    """Return the spec of the named task with sensors and options of the arguments, in houses of split `train`."""
     import dataclasses
 
     options = {"sensors": args.sensors or TRAINED_SENSORS, **parse_assignments(args.env)}
@@ -123,7 +123,7 @@ def env_spec(args: argparse.Namespace) -> "EnvSpec":
 
 
 def ppo_config(args: argparse.Namespace) -> "PPOConfig":
-    """Return the training options: defaults for the JAX backend, overridden by the arguments."""
+    """Return the training options: defaults for a CPU or an accelerator, overridden by the arguments."""
     import jax
 
     from home_mjx.tasks.base.options import override_options

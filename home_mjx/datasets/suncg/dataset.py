@@ -96,7 +96,7 @@ class SuncgDataset(Dataset):
         return house
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
-        """Return the options with `strict` resolved: generated datasets are complete, so missing parts are errors."""
+        """Return the options with a `strict` of None replaced: True for generated (complete) datasets, else False."""
         if options.strict is not None:
             return options
         return replace(options, strict=is_file(self.root / GENERATED_MARKER))
@@ -121,13 +121,13 @@ class SuncgDataset(Dataset):
         """Read one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
 
         Raises:
-            DatasetError: Its OBJ file is missing or broken.
+            DatasetError: Its OBJ, an MTL or a texture is missing or broken.
         """
         place = JsonValue(self.root / "object", "", key)
         return self.assets.model(place.name(), key, place)
 
     def inputs(self) -> SuncgDigests:
-        """Return digests of the files behind the houses."""
+        """Return the object that computes digests of the houses' files on request."""
         return SuncgDigests(self.root)
 
     @property
@@ -136,7 +136,7 @@ class SuncgDataset(Dataset):
         return "" if is_file(self.root / GENERATED_MARKER) else fallback_version()
 
     def warn_fallbacks(self, house_id: str, fallbacks: Sequence[Fallback]) -> None:
-        """Log one warning that counts what a house lacks; nothing if it is complete, and nothing twice."""
+        """Log one warning that counts the fallbacks by kind; nothing if there are none, and nothing twice."""
         if fallbacks:
             _warn(self.root, house_id, describe_fallbacks(fallbacks))
 

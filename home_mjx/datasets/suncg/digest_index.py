@@ -47,7 +47,7 @@ class FileFacts:
 
 
 def file_stamp(status: os.stat_result) -> Stamp:
-    """Return the stamp that detects a changed file without reading it."""
+    """Return size, mtime [ns], ctime [ns] and inode, which detect a changed file without reading it."""
     return status.st_size, status.st_mtime_ns, status.st_ctime_ns, status.st_ino
 
 
@@ -67,7 +67,7 @@ class DigestIndex:
         self._known = {} if os.environ.get(RECHECK_VARIABLE) else _read(path)
 
     def facts(self, name: str, stamp: Stamp, read: Callable[[], FileFacts]) -> FileFacts:
-        """Return the facts of a file; `read` reads them if the index has no entry with this stamp.
+        """Return the indexed facts of a file; call `read` and add its result if no entry has this name and stamp.
 
         Facts of a file that was changed within `MIN_AGE_SECONDS` are not added to the index.
 
@@ -87,7 +87,7 @@ class DigestIndex:
         return facts
 
     def save(self) -> None:
-        """Add new facts to the index on disk; a failed write only costs time later."""
+        """Add new facts to the index on disk; a failed write raises nothing and only costs time later."""
         if not self.unsaved:
             return
         self.unsaved = 0
@@ -119,6 +119,6 @@ def _read(path: Path) -> dict[str, tuple[Stamp, FileFacts]]:
 
 
 def index_folder(root: Path) -> Path:
-    """Return the folder of the indices of a dataset root."""
+    """Return the folder of a dataset root's digest indices, below the cache folder; it may not exist."""
     name = hashlib.sha256(os.fspath(root).encode(errors="surrogateescape")).hexdigest()[:16]
     return cache_folder() / "digests" / name

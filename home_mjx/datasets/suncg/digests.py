@@ -43,7 +43,7 @@ class SuncgDigests:
         self._saved = 0.0
 
     def house(self, house_id: str) -> bytes:
-        """Compute the digest of a house's files, of its models and of the tables; missing files are part of it."""
+        """Return the digest of a house's files, its models and the tables; files that are missing change it."""
         own = DigestIndex(self._folder / "houses" / f"{house_id}.json")
         digest = hashlib.sha256()
         document = self.root / "house" / house_id
@@ -57,7 +57,7 @@ class SuncgDigests:
         return digest.digest()
 
     def texture(self, path: str) -> str:
-        """Return the digest of an image; "" if it does not exist."""
+        """Return the hexadecimal digest of the image at an absolute path, read once; "" if it does not exist."""
         if path not in self._textures:
             found = os.path.isfile(path)
             self._textures[path] = (
@@ -71,7 +71,7 @@ class SuncgDigests:
         return resolve_below(self.root, textures.folder, name) is not None and textures.find(name) is not None
 
     def save(self, interval: float = 0.0) -> None:
-        """Save new facts to disk, unless that was done less than `interval` seconds ago."""
+        """Save new digests of shared files to disk, unless that was done less than `interval` [s] ago."""
         if self._shared.unsaved and time.monotonic() - self._saved >= interval:
             self._shared.save()
             self._saved = time.monotonic()
@@ -81,7 +81,7 @@ class SuncgDigests:
         return self._digest(self.root / "metadata", self._shared)
 
     def _model(self, name: str) -> bytes:
-        """Return the digest of a model's folder."""
+        """Return the digest of the folder of a model id, in which its variants are; cached."""
         if name not in self._models:
             self._models[name] = self._digest(self._assets.model_path(name, name).parent, self._shared)
         return self._models[name]
@@ -98,14 +98,14 @@ class SuncgDigests:
         return digest.digest()
 
     def _elsewhere(self, folder: Path, relative: str) -> bytes:
-        """Return the digest of an MTL file by its path from a folder; empty if it is missing or outside the dataset."""
+        """Return the digest of the file at a path from `folder`; b"" if it is missing or outside the dataset."""
         found = resolve_below(self.root, folder, relative)
         return (
             self._facts(str(found), file_stamp(found.stat()), self._shared).digest if found and found.is_file() else b""
         )
 
     def _model_ids(self, document: Path, index: DigestIndex) -> tuple[str, ...]:
-        """Return the models named in a house.json; invalid file names are left out."""
+        """Return the sorted model ids in a house.json that are valid file names; () if the file is missing."""
         if not document.is_file():
             return ()
         return self._facts(str(document), file_stamp(document.stat()), index).names
@@ -123,7 +123,7 @@ def _shared_index(path: Path) -> DigestIndex:
 
 
 def _look(path: str, size: int) -> FileFacts:
-    """Read the facts of a file; of files beyond the reader's size limit only the size counts."""
+    """Read digest and names of a file of `size` bytes; a file beyond `MAX_BYTES` is not read, its size is hashed."""
     data = Path(path).read_bytes() if size <= MAX_BYTES else str(size).encode()
     names: tuple[str, ...] = ()
     if path.endswith(".obj"):
@@ -134,7 +134,7 @@ def _look(path: str, size: int) -> FileFacts:
 
 
 def _libraries_elsewhere(data: bytes) -> tuple[str, ...]:
-    """Find the material libraries in other folders that an OBJ file names."""
+    """Return the paths, with `/`, that the `mtllib` lines of an OBJ may mean; names without a folder are omitted."""
     found = [name.decode(errors="replace").rstrip() for name in MTLLIB_PATTERN.findall(data)]
     if any(text.endswith("\\") for text in found):  # continued on the next line
         statements = split_statements(data.decode(errors="replace"))
@@ -144,7 +144,7 @@ def _libraries_elsewhere(data: bytes) -> tuple[str, ...]:
 
 
 def _model_names(document: Path) -> tuple[str, ...]:
-    """Find the models named in a house.json, with any characters; invalid file names are left out."""
+    """Return the distinct model ids in a house.json that are valid file names, sorted; () if it is unreadable."""
     try:
         text = read_text(document)
     except DatasetError:
@@ -162,7 +162,7 @@ def _decoded(literal: str) -> str:
 
 
 def _files(folder: Path) -> list[tuple[str, str, Stamp]]:
-    """Return name, path and stamp of the regular files in a folder, sorted by name."""
+    """Return name, path and stamp of the regular files in a folder, sorted by name; [] if there is no folder."""
     try:
         with os.scandir(folder) as entries:
             return sorted((e.name, e.path, file_stamp(e.stat())) for e in entries if e.is_file())

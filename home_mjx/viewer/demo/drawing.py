@@ -23,9 +23,9 @@ class WalkRecord:
     sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
 
     def most_varied_observation(self, view: int) -> dict[str, np.ndarray]:
-        """Return the observation with the most different instances in the view's share of the walk.
+        """Return all environments' observations at the step in which environment `view` observes most instances.
 
-        Each view has its own share, because agents of one house would otherwise all be drawn at the same place.
+        Each view has its own share of the steps: agents of one house would otherwise all be drawn at the same place.
         """
         num_views = len(self.sources)
         part = slice(len(self.obs) * view // num_views, max(len(self.obs) * (view + 1) // num_views, 1))
@@ -33,7 +33,7 @@ class WalkRecord:
 
 
 def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord, folder: Path) -> None:
-    """Write `contact_sheet.png`: per environment, the plan with its path, and images of its most varied observation."""
+    """Write `contact_sheet.png`, a row per environment: plan with path, and images of its most varied observation."""
     houses = np.asarray(states.world.house)
     tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
     paths = np.stack(walk.positions)
@@ -46,7 +46,7 @@ def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord,
 
 
 def _scene(env: Env[HouseholdEnv], states: State, index: int) -> Scene:
-    """Return the scene of one environment, for ray casting."""
+    """Return the scene of environment `index` of a batch of states, for ray casting."""
     return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
 
 

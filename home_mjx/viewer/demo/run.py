@@ -59,7 +59,7 @@ class DemoOptions:
 
 
 def run_demo(options: DemoOptions) -> dict[str, Any]:
-    """Run the demo.
+    """Walk agents through houses, measure speed, film searches, and write all files into `options.out`, or none.
 
     Returns:
         The content of `report.json`.
@@ -111,7 +111,7 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
 
 
 def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
-    """Return the results of the trained agent's filmed searches, or the reason why there are none."""
+    """Film `num_views` searches of the trained agent; return a dictionary each, or the reason why there is no film."""
     try:
         return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_views, options.seed)]
     except ConfigError as error:  # without the extra `train` the demo has no film
@@ -119,7 +119,7 @@ def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | 
 
 
 def _compiled_begin(env: Env[HouseholdEnv], options: DemoOptions) -> tuple[Any, float]:
-    """Compile the batched start; return the program and its compile time [s].
+    """Compile the reset of all `num_envs` environments; return the program and its compile time [s].
 
     It returns no observations, because the step does not read them and rendering is then compiled only once.
     """
@@ -130,7 +130,7 @@ def _compiled_begin(env: Env[HouseholdEnv], options: DemoOptions) -> tuple[Any, 
 
 
 def _compiled_step(env: Env[HouseholdEnv], states: State) -> tuple[Any, float]:
-    """Compile the batched step; return the program and its compile time [s]."""
+    """Compile the step, with observations, of as many environments as `states`; return program and compile time [s]."""
     return profiling.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, _no_actions(env, states))
 
 
@@ -139,7 +139,7 @@ def _no_actions(env: Env[HouseholdEnv], states: State) -> jax.Array:
 
 
 def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
-    """Start the environments in the houses in turn; the radio is `source_height` above the first goal of each house."""
+    """Start environment i in house i modulo their number; the radio is `source_height` above the house's first goal."""
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
     houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
     states = begin(env.params, keys, houses)
@@ -169,14 +169,14 @@ def record_walk(
 
 
 def make_walkers(env: Env[HouseholdEnv], states: State, pos: np.ndarray) -> list[PathFollower]:
-    """Return a path follower per environment."""
+    """Return a path follower per environment, from `pos` (N, 3), the agents' positions [m]."""
     houses = np.asarray(states.world.house)
     turn = env.config.body.turn_rate * env.dt
     return [make_path_follower(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
 
 
 def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
-    """Return rates [environment steps/s] with all sensors, of physics, of each sensor alone; and compile times [s]."""
+    """Return environment steps/s by name (`all` sensors, `physics`, each sensor alone), compile times by name [s]."""
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)

@@ -49,7 +49,7 @@ class FilmCamera:
         self._see, self._is_compiled = jax.jit(self._seen), False
 
     def capture(self, state: State) -> CameraShot:
-        """Render the view of a state and copy it to the host with the positions."""
+        """Render the first agent's view in a state of one environment; return it as NumPy arrays with the positions."""
         if not self._is_compiled:
             self._is_compiled = True
             say("compiling the film's camera (once, about a minute)", self.env.core.progress)
@@ -68,7 +68,7 @@ class FilmCamera:
 
 
 def scene_without_agents(env: Env[HouseholdEnv], state: State) -> Scene:
-    """Build the scene of a state without agents, which are drawn as markers instead."""
+    """Build the scene of one environment's state without agents, which are drawn as markers instead."""
     template = env.core.template(env.bank)
     pos, quat = physics.body_pose(template, state.physics)
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

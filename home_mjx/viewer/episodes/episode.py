@@ -31,7 +31,7 @@ class EpisodeRunner:
         self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
 
     def run(self, player: Player, number: int, key: Any, row: int | None, observer: Observer) -> EpisodeResult:
-        """Run an episode to its end, or until the player chooses no action.
+        """Run an episode to its end, or until the player's action is None; return its result.
 
         Args:
             player: Player that chooses the actions.
@@ -76,7 +76,7 @@ def run_episodes(
         env: The environment.
         player: Player that chooses the actions.
         rows: Rows of the environment's episodes or tasks; None: sampled.
-        seed: Seed of the episodes.
+        seed: Seed of the episodes; the key of number n, from 1, is of `seed + n`.
         observer: Observer of the episodes.
     """
     runner, results = EpisodeRunner(env), []
@@ -87,7 +87,7 @@ def run_episodes(
 
 
 def _result(start: EpisodeStart, last: EpisodeStep, walked: float) -> EpisodeResult:
-    """Return the result of an episode after its last step; `spl` is from its metrics, or computed from `walked` [m].
+    """Return the result of an episode after step `last`; `spl` is from its metrics, or computed from `walked` [m].
 
     It is NaN if neither is known.
     """
@@ -108,7 +108,7 @@ def _result(start: EpisodeStart, last: EpisodeStep, walked: float) -> EpisodeRes
 
 
 def format_status(env: Env[HouseholdEnv], step: EpisodeStep, name: str) -> str:
-    """Format the progress of an episode as one line of text."""
+    """Format agent name, step, action, distance to the goal (if it is a metric) and return as one line of text."""
     parts = [name, f"step {int(step.state.world.step)} of {env.config.episode_length}"]
     if step.action is not None:
         parts.append(describe_action(env, step.action))

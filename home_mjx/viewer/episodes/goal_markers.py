@@ -42,7 +42,7 @@ class GoalMarkers(NamedTuple):
 
 
 def get_instruction(env: Env[HouseholdEnv], state: State) -> Instruction:
-    """Return the instruction of a state's episode."""
+    """Return task, instruction and shortest path length of the episode of one environment's state."""
     task = env.spec.id.rpartition("-v")[0] if env.spec is not None else type(env.task).__name__
     if isinstance(state.task, PointNavState):
         return _asked_of_point(task, env.params.tasks, state)
@@ -62,7 +62,7 @@ def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Instr
 
 
 def get_goal_markers(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> GoalMarkers:
-    """Return place or object centres, and rooms, of the current stage's goal; empty if it has none.
+    """Return place or else object centres, and rooms, of the current stage's goal; no point and no room if it has none.
 
     Args:
         bank: The houses.

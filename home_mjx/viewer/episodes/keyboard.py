@@ -31,7 +31,7 @@ TERMINAL_COLUMNS = 100  # width of an image in a terminal [characters]
 
 
 def key_actions(config: EnvConfig) -> dict[str, Any]:
-    """Return the action of one agent for each key.
+    """Map keys to actions of one agent: indices of discrete actions, or arrays of all components.
 
     Example:
         >>> key_actions(EnvConfig(actions="discrete"))["w"]
@@ -52,7 +52,7 @@ def key_actions(config: EnvConfig) -> dict[str, Any]:
 
 
 def key_help(config: EnvConfig) -> str:
-    """Format the key bindings as one line of text.
+    """Format the key bindings, `q` to quit included, as one line of text.
 
     Example:
         >>> key_help(EnvConfig(actions="discrete"))[:30]
@@ -91,7 +91,7 @@ class KeyboardPlayer:
         """Do nothing; a keyboard player has no state."""
 
     def act(self, state: State | Any) -> Any:
-        """Wait for a key with an action; return None at the end of input or on a quit key."""
+        """Wait for a key with an action, ignoring others; return all agents' actions, None at the end or on `q`."""
         for key in self.keys:
             if key.lower() in QUIT_KEYS:
                 return None
@@ -124,7 +124,7 @@ def read_keys(source: Any) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _single_keys(terminal: Any) -> Iterator[None]:
-    """Switch a terminal to unbuffered input without echo; restore it on exit. Windows: do nothing."""
+    """Switch a terminal to input key by key without echo during the block; on Windows do nothing."""
     try:
         import termios
         import tty

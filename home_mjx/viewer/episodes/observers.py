@@ -40,7 +40,7 @@ class ShotCache:
         self._last: tuple[EpisodeStep, CameraShot] | None = None
 
     def get(self, env: Env[HouseholdEnv], step: EpisodeStep) -> CameraShot:
-        """Return the view of a step of the environment's episode."""
+        """Return view and positions of a step; render them unless the last call was for this very step."""
         if self._camera is None or self._camera.env is not env:
             self._camera = FilmCamera(env, *self.size)
         if self._last is None or self._last[0] is not step:
@@ -63,14 +63,14 @@ class FilmObserver(Observer):
         self.shots, self.name = shots, name
 
     def on_run_start(self, start: RunStart) -> None:
-        """Create the video writer, with sound if the environment computes it."""
+        """Create the video writer, with sound if the environment has the sensor `audio`."""
         assert start.env is not None
         self.env, self.agent = start.env, start.name
         self.has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(self.env.core.sensors)}
         self.video = VideoWriter(self.env.dt, self.env.config.audio.sample_rate if self.has_sound else None)
 
     def on_episode_start(self, start: EpisodeStart) -> None:
-        """Forget the previous episode."""
+        """Store the instruction; drop the views and utterances of the previous episode."""
         self.instruction, self.sights = start.instruction, []
         self.words: dict[str, None] = {}  # utterances, each once, in their order
 
@@ -89,7 +89,7 @@ class FilmObserver(Observer):
         self.video.add(self._frame(format_status(self.env, step, self.agent)), self._sound(step))
 
     def on_episode_end(self, result: EpisodeResult) -> None:
-        """Hold the last frame with the result below."""
+        """Add the last frame again, held for 1.5 s, with the result below."""
         spl = "" if np.isnan(result.spl) else f"   SPL {result.spl:.2f}"
         how = "success" if result.success else "failure"
         words = f"   said {', '.join(self.words)}" if self.words else ""
@@ -97,7 +97,7 @@ class FilmObserver(Observer):
         self.video.add_final(self._frame(text, result.success > 0))
 
     def write(self, folder: Path) -> None:
-        """Write `name.mp4` and `name.png`."""
+        """Write `<self.name>.mp4`, the film, and `<self.name>.png`, the last frames."""
         self.video.write(folder, self.name)
 
     def _frame(self, status: str, success: bool | None = None) -> np.ndarray:
@@ -130,7 +130,7 @@ class TerminalObserver(Observer):
         self.instruction = start.instruction
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Print view, instruction and status if another action follows."""
+        """Print view (in a terminal), instruction and status; nothing for the last step of an episode."""
         if step.state.done:
             return
         in_terminal = self.stream.isatty()
@@ -155,12 +155,12 @@ class ResultsObserver(Observer):
         self.results: list[EpisodeResult] = []
 
     def on_episode_end(self, result: EpisodeResult) -> None:
-        """Print the result."""
+        """Store the result and pass its line to `print_line`."""
         self.results.append(result)
         self.print_line(result.format_line())
 
     def write(self, folder: Path) -> None:
-        """Write `name.jsonl`."""
+        """Write `<self.name>.jsonl`, one result per line."""
         write_json_lines(folder / f"{self.name}.jsonl", map(dataclasses.asdict, self.results), "outcomes")
 
 

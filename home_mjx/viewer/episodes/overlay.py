@@ -64,7 +64,7 @@ class TopDownOverlay:
         return max(int((pos[2] > np.asarray(self.bank.navigation.floor[self.house])).sum()) - 1, 0)
 
     def _tinted(self, top: TopView, goals: GoalMarkers, level: int) -> UInt8[np.ndarray, "s s 3"]:
-        """Return the image with tinted goal rooms."""
+        """Return the image of storey `level` with its goal rooms tinted; unchanged without goal rooms."""
         if not goals.rooms.any():
             return top.image
         room = np.asarray(self.bank.navigation.room[self.house, level])
@@ -82,7 +82,7 @@ class TopDownOverlay:
     def _draw_shortest(
         self, draw: ImageDraw.ImageDraw, top: TopView, points: Float[np.ndarray, "n 3"], level: int
     ) -> None:
-        """Draw the parts of the shortest path that are on a storey, as dots."""
+        """Draw every second point of a path that is on storey `level` as a dot."""
         for point in points[::SHORTEST_STRIDE]:
             if self._level(point + np.array([0, 0, FLOOR_MARGIN])) == level:
                 _dot(draw, top.to_pixel(point), 2 * PLAN_PIXELS / 512, GOAL_COLOUR, GOAL_COLOUR)

@@ -57,11 +57,11 @@ class Player(Protocol):
     """Interface that chooses the actions of one environment's agents."""
 
     def reset(self) -> None:
-        """Reset at the start of an episode."""
+        """Prepare for a new episode; called once before its first `act`."""
         ...
 
     def act(self, state: State) -> Any:
-        """Return the next action of all agents; None ends the episode."""
+        """Return the next action of all agents, stacked if there are several; None ends the episode."""
         ...
 
 
@@ -81,11 +81,11 @@ class PolicyPlayer:
         self._act: Callable[..., Any] = jax.jit(self._acted)
 
     def reset(self) -> None:
-        """Reset the memory."""
+        """Reset the policy's memory at the start of an episode; its random keys go on."""
         self.memory, self.is_first = self.policy.initial_memory(self.agents), True
 
     def act(self, state: State) -> Any:
-        """Return the actions of all agents; update the policy's memory and the random keys."""
+        """Return all agents' actions, stacked if there are several; update the policy's memory and the random keys."""
         begins = jnp.full(self.agents, self.is_first)
         self.memory, action, self.keys = self._act(self.memory, state.obs, begins, self.keys)
         self.is_first = False

@@ -65,7 +65,7 @@ class PlayOptions:
 
     @property
     def file_name(self) -> str:
-        """Name of the files without suffix."""
+        """Name of the files without suffix: `name`, or `<environment id>_<agent>` if it is empty."""
         return self.name or f"{self.env.id}_{self.agent}"
 
 
@@ -75,7 +75,7 @@ def run_play(
     key_source: Any = None,
     observers: Iterable[Observer | str] = (),
 ) -> list[EpisodeResult]:
-    """Play episodes.
+    """Play episodes of one environment; print a line for each, and film them if `options.out` is given.
 
     Args:
         options: Options of episodes and film.
@@ -144,7 +144,7 @@ def film_checkpoint(
 
 
 def _task_rows(env: Env[HouseholdEnv], options: PlayOptions) -> list[int | None]:
-    """Return a task row per episode, in a file's order or else shuffled, then repeated; None for each without tasks."""
+    """Return a task row per episode: in order if from a file, else shuffled; then repeated. None without tasks."""
     if env.params.tasks is None:
         return [None] * options.episodes
     order = np.arange(len(env.params.tasks))

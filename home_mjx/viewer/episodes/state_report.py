@@ -138,14 +138,14 @@ def shortest_path(
 
 
 def _cells_at(graph: CellGraph, place: Float[np.ndarray, " 3"]) -> EndCells:
-    """Return the cell of the storey below a place that is nearest to it."""
+    """Return the cell (1,) nearest to a place on the storey below it, else anywhere, and its plan distance [m]."""
     high = place + np.array([0.0, 0.0, GOAL_HEIGHT_MARGIN])
     cells, lengths = graph.nearest_cells(high, high, 1)
     return (cells, lengths) if len(cells) else graph.nearest_cell(place)
 
 
 def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
-    """Return the figures of a state; jitted."""
+    """Return the figures of one environment's state, as JAX arrays; to be jitted."""
     snapshot = core.snapshot(params, state)
     contacts, bank, house = snapshot.body_contacts, snapshot.bank, snapshot.house
     meaning, (gap, near) = contact_semantics(snapshot.scene, contacts), _surroundings(core, snapshot)
@@ -170,7 +170,7 @@ def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
 
 
 def _surroundings(core: HouseholdEnv, snapshot: Snapshot) -> tuple[Array, Array]:
-    """Return the free distance beyond each agent's body [m], and semantics of what is there (A, H, D, columns)."""
+    """Return free distances beyond agents' bodies (A, H, D) [m]; inf over `MAX_GAP`; and semantics of things there."""
     agents = core.config.agents
     half = jnp.array([body.height / 2 for body in agents], jnp.float32)
     radius = jnp.array([body.radius for body in agents], jnp.float32)
@@ -234,7 +234,7 @@ def _name_room(bank: HouseBank, house: int, room: int) -> str:
 
 
 def _describe_contact(facts: _Facts, agent: int) -> str:
-    """Return what an agent touches, besides the floor."""
+    """Return a text on what an agent touches besides the floor, with impulse and place."""
     if not facts.in_contact[agent]:
         return "touches nothing but the floor"
     if facts.partner[agent] == NOTHING:
@@ -245,7 +245,7 @@ def _describe_contact(facts: _Facts, agent: int) -> str:
 
 
 def _describe_surroundings(facts: _Facts, agent: int) -> list[str]:
-    """Return a text for each thing within `MAX_GAP` beyond the body, nearest first."""
+    """Return texts on at most `MAX_NEIGHBOURS` things within `MAX_GAP` beyond the body, nearest first."""
     nearest: dict[str, tuple[float, int]] = {}
     for number in np.argsort(facts.gap[agent], axis=None, kind="stable"):
         at = np.unravel_index(number, facts.gap[agent].shape)
@@ -286,14 +286,14 @@ def _strength(facts: _Facts, row: int) -> str:
 
 
 def _describe_goals(bank: HouseBank, state: State, facts: _Facts) -> list[str]:
-    """Return the rooms and points that are goals of the current stage."""
+    """Return texts on the rooms and points that are goals of the current stage; none without a goal."""
     goals = get_goal_markers(bank, state, facts.boxes)
     rooms = [_name_room(bank, int(state.world.house), room) for room in np.flatnonzero(goals.rooms).tolist()]
     return rooms + [f"at {_point(place)} m" for place in goals.places]
 
 
 def _describe_not_a_number(state: State) -> list[str]:
-    """Return a line that names the arrays of a state with NaN, if there are any."""
+    """Return one line that names the arrays of a state with NaN; no line without NaN."""
     leaves = jax.tree_util.tree_leaves_with_path(state.replace(info={}))
     found = [
         jax.tree_util.keystr(place)
@@ -304,7 +304,7 @@ def _describe_not_a_number(state: State) -> list[str]:
 
 
 def _name(row: np.ndarray) -> str:
-    """Return what a row of semantics names, such as `wall (white, tile) of the Bathroom`."""
+    """Return a row of semantics in words, such as `wall (white, tile) of the Bathroom`; `something` if unknown."""
     known = decode_row(row)
     kind, color, material, room = (known.get(column) for column in COLUMNS)
     looks = ", ".join(str(word) for word in (color, material) if word is not None)

@@ -49,7 +49,7 @@ def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, succe
 
 
 def fit_image(image: RgbImage, width: int, height: int) -> RgbImage:
-    """Scale an image to the largest size that fits a box, and pad it to the box."""
+    """Scale an image, aspect ratio kept, to fit a box [px] and centre it there on the background."""
     scale = min(width / image.shape[1], height / image.shape[0])
     size = max(1, math.floor(image.shape[1] * scale)), max(1, math.floor(image.shape[0] * scale))
     canvas = Image.new("RGB", (width, height), BACKGROUND)
@@ -59,7 +59,7 @@ def fit_image(image: RgbImage, width: int, height: int) -> RgbImage:
 
 
 def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: int, width: int) -> None:
-    """Draw a line of text, in a smaller font if it does not fit."""
+    """Draw a line of text at `top` [px], in a smaller font, down to 8, if it is wider than the image."""
     while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * PANEL_GAP:
         size -= 1
     draw.text((PANEL_GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))
@@ -86,13 +86,13 @@ class VideoWriter:
         return 1 / self.dt if self.sample_rate else max(1 / self.dt, MIN_FPS)
 
     def add(self, picture: RgbImage, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
-        """Add the frame of a step."""
+        """Add the frame and the sound of a step; None is silence. Without a sample rate, sound is ignored."""
         self.frames.append(picture)
         if self.sample_rate:
             self.sounds.append(np.zeros((2, round(self.sample_rate * self.dt))) if sound is None else sound)
 
     def add_final(self, picture: RgbImage) -> None:
-        """Add the last frame of an episode, repeated for `FINAL_FRAME_SECONDS`."""
+        """Add the last frame of an episode, repeated for `FINAL_FRAME_SECONDS` in silence."""
         self.ends.append(picture)
         for _ in range(max(1, round(FINAL_FRAME_SECONDS * self.fps))):
             self.add(picture)

@@ -54,7 +54,7 @@ def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
 
 
 def _paint_cells(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
-    """Return the map with one pixel per cell."""
+    """Return the whole map with one pixel per cell, the first row in the south."""
     image = np.array([COLOURS[ground] for ground in CellOccupancy], float)[np.asarray(found.occupancy)]
     goal = np.asarray(found.goal)
     image[goal] = 0.35 * image[goal] + 0.65 * np.array(GOAL_COLOUR)

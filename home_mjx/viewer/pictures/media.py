@@ -14,7 +14,7 @@ from home_mjx.errors import HomeMjxError
 
 
 def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
-    """Write an image.
+    """Write an image as PNG, atomically.
 
     Raises:
         ConfigError: It cannot be written, such as on a full disk; no partial file is left.

@@ -12,7 +12,7 @@ TEXT_COLOUR = (235, 235, 235)
 
 
 def colour_depth(depth: Float[np.ndarray, "h w"], max_depth: float) -> UInt8[np.ndarray, "h w 3"]:
-    """Map depth to colours: near is warm and bright, far is dark blue."""
+    """Map depth to colours: 0 is warm and bright, `max_depth` and more is dark blue."""
     near = 1 - np.clip(depth / max_depth, 0, 1)
     ramp = np.array([[10, 12, 40], [60, 40, 120], [180, 60, 110], [245, 140, 60], [252, 250, 190]], float)
     place = near * (len(ramp) - 1)
@@ -22,7 +22,7 @@ def colour_depth(depth: Float[np.ndarray, "h w"], max_depth: float) -> UInt8[np.
 
 
 def colour_ids(ids: Int[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w 3"]:
-    """Map ids to fixed colours; consecutive ids differ in hue, -1 is black."""
+    """Map ids to fixed colours; consecutive ids differ in hue, negative ones are black."""
     values = np.unique(ids)
     table = np.array([_id_colour(int(v)) for v in values], np.uint8)
     return table[np.searchsorted(values, ids)]
@@ -36,13 +36,13 @@ def _id_colour(value: int) -> tuple[int, int, int]:
 
 
 def enlarge(image: UInt8[np.ndarray, "h w 3"], size: int) -> UInt8[np.ndarray, "s s2 3"]:
-    """Scale an image to `size` rows without interpolation."""
+    """Scale an image to `size` rows, up or down, by nearest neighbours; the aspect ratio is kept."""
     height, width = image.shape[:2]
     return np.asarray(Image.fromarray(image).resize((size * width // height, size), Image.Resampling.NEAREST))
 
 
 def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray, "h2 w 3"]:
-    """Add a line of text above an image."""
+    """Return an image with a line of text in 18 more rows above; long text is cut off."""
     height, width = image.shape[:2]
     canvas = Image.new("RGB", (width, height + 18), BACKGROUND)
     canvas.paste(Image.fromarray(image), (0, 18))
@@ -51,7 +51,7 @@ def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarra
 
 
 def compose_sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Compose panels in rows on a dark background, with `gap` [px] around them; both sides are even."""
+    """Compose panels in rows, from the top left, on a dark background with `gap` [px] around them; sides are even."""
     heights = [max(panel.shape[0] for panel in row) for row in rows]
     widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
     # H.264 needs even sides.
@@ -70,7 +70,7 @@ def compose_sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int
 def draw_waveform(
     samples: Float[np.ndarray, "2 n"], width: int, height: int, peak: float
 ) -> UInt8[np.ndarray, "h w 3"]:
-    """Draw the oscillograms of the left (above) and right (below) ear; ±`peak` fills half of the height each."""
+    """Draw oscillograms of the left ear (above) and the right; ±`peak` fills half of the height each; n >= `width`."""
     canvas = Image.new("RGB", (width, height), BACKGROUND)
     draw = ImageDraw.Draw(canvas)
     for ear, colour in enumerate([(120, 200, 255), (255, 170, 110)]):

@@ -55,7 +55,7 @@ def reduce_rays(config: AudioConfig) -> AudioConfig:
 
 
 def _receiver_grid(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return receivers on the storey of a point: in a room (y, x), free to stand (y, x), ears (y, x, 3) [m]."""
+    """Return masks (y, x) of receivers in a room and of walkable ones, and ears (y, x, 3) [m], on a point's storey."""
     navigation, cell = bank.navigation, bank.spec.cell
     floor = np.asarray(navigation.floor[0])
     level = max(int(np.sum(floor <= source[2])) - 1, 0)

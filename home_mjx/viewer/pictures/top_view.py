@@ -54,14 +54,14 @@ class TopView:
     def draw_path(
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int
     ) -> UInt8[np.ndarray, "s s 3"]:
-        """Return the image with a path [m], its end, and the sound source."""
+        """Return the image scaled to `size` [px], with a path [m], its end (green), and the sound source (red)."""
         image = self.draw_markers([Marker(path[-1], AGENT_COLOUR, 7), Marker(source, SOURCE_COLOUR, 9)], path)
         return np.asarray(Image.fromarray(image).resize((size, size), Image.Resampling.LANCZOS))
 
     def draw_markers(
         self, marks: Sequence[Marker], path: Float[np.ndarray, "t 3"] | None = None
     ) -> UInt8[np.ndarray, "s s 3"]:
-        """Return the image with dots, and a path [m] below them."""
+        """Return a copy of the image with dots, and a path [m] below them."""
         canvas = Image.fromarray(self.image)
         draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
         if path is not None and len(path) > 1:
@@ -72,19 +72,19 @@ class TopView:
         return np.asarray(canvas)
 
     def crop(self, image: UInt8[np.ndarray, "s s 3"]) -> UInt8[np.ndarray, "h w 3"]:
-        """Crop an image to the extent of the rooms."""
+        """Crop an image of this view's size to the extent of the rooms and `VIEW_MARGIN`."""
         width, height = (int(length * self.scale) for length in self.size)
         x, y = (len(image) - width) // 2, (len(image) - height) // 2
         return image[y : y + height, x : x + width]
 
     def to_pixel(self, point: Float[np.ndarray, " *p"]) -> tuple[float, float]:
-        """Return column and row of a point [m]."""
+        """Return column and row, with fractions, of a point in the world [m]; outside the image for points outside."""
         x, y = (np.asarray(point[:2]) - self.low) * self.scale
         return float(x), float(self.image.shape[0] - y)
 
 
 def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return the lower corner of a square around a house's rooms, the extent of the rooms, the square's side [m]."""
+    """Return lower corner (x, y) of a square around the rooms, extent (x, y) of rooms and margin, the side [m]."""
     inside = np.argwhere(np.asarray(bank.navigation.room[house, 0]) >= 0)
     low, high = inside.min(0)[::-1] * bank.spec.cell, (inside.max(0)[::-1] + 1) * bank.spec.cell
     size = high - low + 2 * VIEW_MARGIN
@@ -107,7 +107,7 @@ def _render_from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Arr
 
 
 def is_in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
-    """Return whether points are inside walls, where a downward view would start behind the surface.
+    """Return the mask of points inside walls, where a downward view would start behind the surface.
 
     Walls are closed solids: from inside one, a ray hits the back of a face, in x or in y.
 

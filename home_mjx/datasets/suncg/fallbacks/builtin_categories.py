@@ -52,10 +52,9 @@ UNKNOWN_CATEGORY = ModelInfo("").coarse
 
 
 def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
-    """Return the tables with the built-in categories of SUNCG's doors, windows and similar models that they lack.
+    """Return tables to which the built-in categories of SUNCG's doors, windows and similar models are added.
 
-    Args:
-        tables: Tables of the dataset.
+    Categories in `tables` take precedence.
 
     Example:
         >>> add_builtin_categories(SuncgMetadata({})).info("122_0").coarse
@@ -74,16 +73,11 @@ def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
 
 
 def has_category(tables: SuncgMetadata, model_id: str) -> bool:
-    """Return whether the tables have the category of a model, or of the base of a variant.
-
-    Args:
-        tables: Tables of the dataset.
-        model_id: Id of the model.
-    """
+    """Return whether the tables have the category of a model, or of the base of a variant."""
     return tables.info(model_id).coarse != UNKNOWN_CATEGORY
 
 
 def _base(tables: SuncgMetadata, model_id: str) -> str:
-    """Return the base model of a variant, or the model itself."""
+    """Return the base of a variant, an id that ends in `_` and a digit; the id itself if `tables` lack that base."""
     stem, _, variant = model_id.rpartition("_")
     return stem if stem in tables.models and variant.isdigit() and len(variant) == 1 else model_id

@@ -64,12 +64,12 @@ def _provider() -> FallbackModels:
 
 
 def fallback_version() -> str:
-    """Return the version of the provider; part of cache keys."""
+    """Return the `version` of the installed provider or of `BoxModels`; part of cache keys."""
     return _provider().version
 
 
 def fallback_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -> tuple[Mesh, str]:
-    """Return a mesh that replaces a missing model, and its description.
+    """Return the installed provider's mesh for a missing model, or a box of `BoxModels`, and its description.
 
     Args:
         path: Path of the missing OBJ file.
@@ -87,7 +87,7 @@ def fallback_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -
 
 
 def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds | None) -> Bounds | None:
-    """Return the box of a model in its own frame [m, Y up]; None if it is unknown.
+    """Return the box of a model in its own frame [m, Y up], from its row or else `bbox`; None if neither has it.
 
     Args:
         info: Row of the model in the metadata tables.
@@ -101,7 +101,7 @@ def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds
 
 
 def _turned_back(transform: Float[np.ndarray, "4 4"], bbox: Bounds) -> Bounds:
-    """Return the box whose image under the transform has the bounding box `bbox`.
+    """Return the box in the model's frame whose image under the transform has, about, the bounding box `bbox`.
 
     Half edges h of the model yield half edges |A| h of the object. If that hardly distinguishes two edges, they are
     taken as equal.

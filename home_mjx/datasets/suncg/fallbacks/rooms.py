@@ -114,7 +114,7 @@ def slab_mesh(
     plain: Material,
     outset: float = SLAB_OUTSET,
 ) -> Mesh:
-    """Build a slab over a polygon with the outset of SUNCG's floors.
+    """Build a closed horizontal slab over a polygon that is enlarged by `outset`.
 
     Args:
         group: Group name of the mesh.
@@ -151,7 +151,7 @@ def _walls(
 def _hole(
     gap: OpeningSpan, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], shape: RoomShape
 ) -> Hole | None:
-    """Compute the hole of an opening in a wall [m]; None if the wall is not along it or has little of it."""
+    """Return (left, right, low, high) of an opening, from `start` and the wall's base [m]; None if not in this wall."""
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.stack([gap.start, gap.end]) - start
@@ -163,7 +163,7 @@ def _hole(
 
 
 def _heights(room: RoomNode) -> tuple[float, float]:
-    """Return base and nominal height of the walls [m], from existing meshes, else from the box."""
+    """Return the y of the walls' base and their height above it [m]: of meshes, the box or by default."""
     lows = [m.vertices[:, 1].min() for m in (room.walls, room.floor) if m is not None]
     tops = [] if room.walls is None else [room.walls.vertices[:, 1].max() - WALL_EXTRA_HEIGHT]
     tops += [] if room.ceiling is None else [room.ceiling.vertices[:, 1].min() + CEILING_OFFSET]
@@ -177,14 +177,14 @@ def _heights(room: RoomNode) -> tuple[float, float]:
 
 
 def _slab_outline(mesh: Mesh) -> Polygon:
-    """Return the outline of a floor or ceiling, counter-clockwise."""
+    """Return the outline (x, z) of a floor or ceiling [m], counter-clockwise with x right and z up."""
     x, y, z = mesh.vertices[mesh.faces].transpose(2, 0, 1)
     upright = outline(np.stack([x, -z, y], axis=-1))
     return (upright * (1, -1))[::-1]
 
 
 def _sound(corners: Polygon | None) -> Polygon | None:
-    """Return the simplified polygon if a floor can be made of it; else None."""
+    """Return the simplified polygon; None if it is None or cannot be triangulated."""
     if corners is None:
         return None
     try:
@@ -196,7 +196,7 @@ def _sound(corners: Polygon | None) -> Polygon | None:
 
 
 def _wall_lines(walls: Mesh) -> Polygon:
-    """Return the intersections of successive walls' centre lines; if incomplete, the rectangle around all walls."""
+    """Return the intersections (x, z) of successive walls' centre lines; if unusable, a rectangle around all walls."""
     lines = [_middle_line(walls.vertices[walls.faces[faces]]) for faces in walls.faces_by_part()]
     corners = [_meeting(a, b) for a, b in zip([lines[-1], *lines[:-1]], lines, strict=True)]
     found = np.array([corner for corner in corners if corner is not None])
@@ -207,7 +207,7 @@ def _wall_lines(walls: Mesh) -> Polygon:
 
 
 def _middle_line(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Float[np.ndarray, "2"], float]:
-    """Return the direction across a wall, and the offset of its middle plane from the origin along it [m]."""
+    """Return the unit (x, z) across a wall, and the offset of its middle plane from the origin along it [m]."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     across = facing_axis(normal[:, [0, 2]], np.linalg.norm(normal, axis=1))
     off = triangles[..., [0, 2]] @ across

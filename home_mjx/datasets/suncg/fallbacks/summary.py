@@ -10,11 +10,7 @@ COLOR_WORDS, LIBRARY_WORDS = "the material's colour", "grey materials"
 
 
 def list_missing_materials(house: House) -> list[Fallback]:
-    """List textures and material libraries that the dataset lacks, each once, with its first user.
-
-    Args:
-        house: House as read.
-    """
+    """Return a `Fallback` per texture and material library that the dataset lacks, with its first user."""
     found: dict[tuple[str, str], Fallback] = {}
     for owner, material in _materials(house):
         if material.missing_file:
@@ -26,7 +22,7 @@ def list_missing_materials(house: House) -> list[Fallback]:
 
 
 def _materials(house: House) -> Iterator[tuple[str, Material]]:
-    """Yield every material with its owner: the element path of an override, else the path of a mesh."""
+    """Yield (owner, material) for all materials: owners are element paths of overrides or file names of meshes."""
     for level in house.levels:
         for node in (*level.objects, *level.boxes):
             yield from ((node.path, material) for material in node.materials)
@@ -43,9 +39,6 @@ def _parts(level: Level) -> Iterator:
 def count_fallbacks(fallbacks: Sequence[Fallback]) -> dict[str, int]:
     """Count the fallbacks by kind, in the order of `FALLBACK_KINDS`; 0 for kinds without any.
 
-    Args:
-        fallbacks: Fallbacks of a house.
-
     Example:
         >>> count_fallbacks([Fallback("texture", "wood_8", "122.obj", "the material's colour")])["texture"]
         1
@@ -55,10 +48,7 @@ def count_fallbacks(fallbacks: Sequence[Fallback]) -> dict[str, int]:
 
 
 def describe_fallbacks(fallbacks: Sequence[Fallback]) -> str:
-    """Describe the counts of missing parts, for a message.
-
-    Args:
-        fallbacks: Fallbacks of a house.
+    """Describe the counts by kind, for a message; "" if there are none.
 
     Example:
         >>> describe_fallbacks(

@@ -26,13 +26,13 @@ class AssetLibrary:
         self._models: dict[str, Mesh] = {}
 
     def model_path(self, model_id: str, key: str) -> Path:
-        """Return the path of a model's OBJ; variants are in the folder of their base."""
+        """Return the path of `key`.obj in the folder of the model, or of a variant's base; it may not exist."""
         objects = self.root / "object"
         folder = base_model(model_id, lambda name: name not in ("", ".", "..") and is_folder(objects / name))
         return objects / folder / f"{key}.obj"
 
     def model(self, model_id: str, key: str, place: Location) -> Mesh:
-        """Return a library model, parsed on first use or if a missing file has appeared.
+        """Return a library model; parse it on first use, and again if a texture or MTL that it lacked now exists.
 
         Args:
             model_id: Id of the model, already validated as a file name.
@@ -65,9 +65,9 @@ class AssetLibrary:
         return path
 
     def mesh(self, path: Path) -> Mesh:
-        """Read a mesh without caching; raise `DatasetError` like `model`."""
+        """Read the OBJ at a path at every call; raise `DatasetError` if it or its MTL is missing or broken."""
         return read_obj(path, self.textures)
 
     def room_path(self, house_id: str, stem: str) -> Path:
-        """Return the path of the mesh of a room or a ground."""
+        """Return the path of the OBJ of a room or ground, such as `fr_0rm_3f` as `stem`; it may not exist."""
         return self.root / "room" / house_id / f"{stem}.obj"

@@ -31,7 +31,7 @@ PRESERVED_FIELDS = {"camera", "stats"}  # known, but unused; preserved for writi
 
 
 def printable(text: str) -> str:
-    """Escape unprintable characters in `text` and shorten it to a few lines."""
+    """Return `text`, cut to `MAX_MESSAGE_LENGTH` characters and `…`, with unprintable characters escaped."""
     text = text if len(text) <= MAX_MESSAGE_LENGTH else f"{text[:MAX_MESSAGE_LENGTH]}…"
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
@@ -49,7 +49,7 @@ class Location:
     element: str = ""
 
     def error(self, message: str, hint: str | None = None, kind: type[DatasetError] = DatasetError) -> DatasetError:
-        """Create an error at this location; the default hint suits any line or value."""
+        """Return an error of class `kind` at this location, not raised; the default hint suits any line or value."""
         return kind(
             printable(message),
             file=self.file,
@@ -102,7 +102,7 @@ class JsonValue(Location):
         return self.data
 
     def name(self) -> str:
-        """Return a string that is a valid file name, with no separator, not `.` or `..`; else raise `DatasetError`."""
+        """Return a string that is a plain file name, without separators; raise `DatasetError` for other values."""
         text = self.text()
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
             hint = "It must not be empty, contain `/` or lead out of its folder."
@@ -118,7 +118,7 @@ class JsonValue(Location):
         return int(self.data)
 
     def number(self) -> float:
-        """Return a finite number; raise `DatasetError` for other values."""
+        """Return a finite number as a float; raise `DatasetError` for other values, booleans included."""
         if isinstance(self.data, bool) or not isinstance(self.data, int | float):
             raise self._expected("a number")
         if self._floor() is None:
@@ -126,7 +126,7 @@ class JsonValue(Location):
         return float(self.data)
 
     def coordinate(self) -> float:
-        """Return a number within `MAX_COORDINATE` of 0; raise `DatasetError` for other values."""
+        """Return a number from -`MAX_COORDINATE` to `MAX_COORDINATE`; raise `DatasetError` for other values."""
         number = self.number()
         if abs(number) > MAX_COORDINATE:
             raise self.error(f"expected a number between -{MAX_COORDINATE:g} and {MAX_COORDINATE:g}, got {number:g}")
@@ -202,5 +202,5 @@ def preserved_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
 
 
 def unknown_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
-    """Return the unknown fields of a JSON object, unchanged."""
+    """Return the fields of a JSON object that are not in `known`, unchanged; {} for other values."""
     return {key: data for key, data in value.data.items() if key not in known} if isinstance(value.data, dict) else {}

@@ -34,7 +34,7 @@ class PlacedMap:
     is_clamped: bool = False
 
     def place(self, uv: Float[np.ndarray, "f 3 2"]) -> Float[np.ndarray, "f 3 2"]:
-        """Return texture coordinates of the image for those of the file.
+        """Return `uv * scale + offset`: texture coordinates of the image for those of the OBJ.
 
         Raises:
             ValueError: The image is clamped, and coordinates are outside of it.
@@ -85,7 +85,7 @@ def read_color_map(text: str, place: Location, is_known: Callable[[str], bool]) 
 
 
 def _taken(words: list[str], is_numeric: bool, place: Location, text: str) -> list[str]:
-    """Return the leading words that are values of an option; the first one must be."""
+    """Return the leading numbers, at least one, else raise `DatasetError`; the first word if not `is_numeric`."""
     if not is_numeric:
         return words[:1]
     count = next((i for i, word in enumerate(words) if not _is_number(word)), len(words))

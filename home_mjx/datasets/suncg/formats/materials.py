@@ -29,7 +29,7 @@ def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureL
 
 
 def read_material(value: JsonValue, textures: TextureLookup) -> Material:
-    """Read one override, which changes nothing if it is null; raise `DatasetError` like `read_materials`."""
+    """Read one override; an empty one, which changes nothing, if it is null. Errors are those of `read_materials`."""
     if not value.has_value:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))

@@ -49,7 +49,7 @@ def read_obj(path: Path, textures: TextureLookup) -> Mesh:
 
 
 def read_library_obj(path: Path, textures: TextureLookup) -> Mesh:
-    """Read a mesh as `read_obj` does, and keep what follows from its text alone, since many houses use it."""
+    """Read a mesh as `read_obj` does, but keep its parsed text by `kept_result`, since many houses use it."""
     text = read_statement_lines(path, tolerant=textures.tolerant)
     inputs = b"%d" % textures.tolerant + text.encode()
     return _mesh(kept_result(ObjShape, inputs, lambda: _shape(text, path, textures)), path, textures)
@@ -87,7 +87,7 @@ class ObjShape:
 
 
 def _shape(text: str, path: Path, textures: TextureLookup) -> ObjShape:
-    """Parse the text of an OBJ; raises the errors of `read_obj` that need no material."""
+    """Parse the text of an OBJ to triangles without its MTL; raise those errors of `read_obj` that need none."""
     rows = scan_obj(text, path)
     if not rows["f"]:
         raise Location(path).error("mesh has no faces", "Export the model again or remove the nodes that use it.")
@@ -113,7 +113,7 @@ def _shape(text: str, path: Path, textures: TextureLookup) -> ObjShape:
 
 
 def _mesh(shape: ObjShape, path: Path, textures: TextureLookup) -> Mesh:
-    """Add the materials to a shape; raises the errors of `read_obj` that concern them."""
+    """Read the materials of a shape and return its mesh; raise the errors of `read_obj` that concern them."""
     entries, slot = _materials(shape, path, textures)
     return Mesh(
         path=path,
@@ -129,7 +129,7 @@ def _mesh(shape: ObjShape, path: Path, textures: TextureLookup) -> Mesh:
 
 
 def scan_obj(text: str, path: Path) -> dict[str, Rows]:
-    """Return the statements of an OBJ by keyword in lower case; arguments of `fo` count as those of `f`.
+    """Return (line number, arguments) of the statements of an OBJ by lower-case keyword; `fo` counts as `f`.
 
     Args:
         text: Text of the file.
@@ -154,7 +154,7 @@ def scan_obj(text: str, path: Path) -> dict[str, Rows]:
 
 
 def _scan_plain(text: str, rows: dict[str, Rows]) -> None:
-    """Add the statements of a text without continued lines to `rows`; most lines are numbers behind one space."""
+    """Add the statements of a text without continued lines to `rows`, in place; fast for numbers behind one space."""
     numeric = {keyword: rows[keyword] for keyword in ("v", "vt", "vn", "f")}
     for number, line in enumerate(text.split("\n"), 1):
         keyword, _, rest = line.partition(" ")
@@ -168,7 +168,7 @@ def _scan_plain(text: str, rows: dict[str, Rows]) -> None:
 def _place_maps(
     uv: Float[np.ndarray, "t 3 2"], slot: Int[np.ndarray, " t"], entries: Sequence[LibraryMaterial], path: Path
 ) -> Float[np.ndarray, "t 3 2"]:
-    """Return the texture coordinates after scale and offset of the materials' colour maps."""
+    """Apply scale and offset of the materials' colour maps to `uv`, in place, and return it."""
     for number, entry in enumerate(entries):
         placed, own = entry.color_map, slot == number
         try:
@@ -181,7 +181,7 @@ def _place_maps(
 
 
 def read_table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
-    """Return the first `width` numbers of each row.
+    """Return the first `width` numbers of each row; further words are ignored.
 
     Raises:
         DatasetError: A number is missing, not finite or beyond `MAX_COORDINATE`.
@@ -203,7 +203,7 @@ def read_table(rows: Rows, width: int, path: Path) -> Float[np.ndarray, "n w"]:
 
 
 def _is_plain(words: Sequence[str]) -> bool:
-    """Return whether words have only characters of numbers in files; Python also reads `1_0` and other digits."""
+    """Return whether words are ASCII without `_`: Python's `float` also reads `1_0` and other digits."""
     text = " ".join(words)
     return text.isascii() and "_" not in text
 
@@ -240,7 +240,7 @@ def _materials(
 
 
 def _slots(names: Sequence[str]) -> Mapping[str, int]:
-    """Return the slot of each name; the first library counts, and whole names before those without comments."""
+    """Map each name, and it without comment and quotes, to its position; whole names come first, then the first."""
     slots: dict[str, int] = {}
     for name, slot in (*((n, i) for i, n in enumerate(names)), *((bare_name(n), i) for i, n in enumerate(names))):
         slots.setdefault(name, slot)
@@ -291,7 +291,7 @@ def find_libraries(rows: Rows, path: Path, textures: TextureLookup) -> dict[Path
 
 
 def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> list[tuple[Path, Location]]:
-    """Return the files of a `mtllib`: one whose name may contain spaces, or several names.
+    """Return path and line of the files of a `mtllib`, one with spaces in its name or several; they may not exist.
 
     Raises:
         DatasetError: A path leads out of the dataset.

@@ -41,7 +41,7 @@ def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 
 
 
 def _plain_indices(rows: Rows) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, " f"]] | None:
-    """Return the indices and the corners per face if all corners are like `1/2/3`, one space apart; otherwise None."""
+    """Return raw indices and corners per face if all corners are like `1/2/3`, one space apart; otherwise None."""
     text = "\n".join(rest for _, rest in rows)
     if not text.isascii():
         return None
@@ -58,13 +58,13 @@ def _plain_indices(rows: Rows) -> tuple[Int[np.ndarray, "c 3"], Int[np.ndarray, 
 
 
 def _split_indices(rows: Rows) -> tuple[Int[np.ndarray, "c 3"] | None, Int[np.ndarray, " f"]]:
-    """Return the indices, None if a corner is malformed, and the corners per face."""
+    """Return raw indices (0 if absent; None if a corner is malformed) and the number of corners per face."""
     faces = [_words(rest) for _, rest in rows]
     return _indices(faces), np.array([len(words) for words in faces])
 
 
 def _words(text: str) -> list[str]:
-    """Return the corners of a face, without a comment behind them."""
+    """Return the corners of an `f` line as text, such as `1/2/3`, without a comment behind them."""
     return text.partition("#")[0].split()
 
 
@@ -128,7 +128,7 @@ def split_faces(
         sides: Number of corners of each face.
         rows: Lines of `f`, for errors.
         path: The file, for errors.
-        tolerant: As in `triangulate_faces`.
+        tolerant: Split polygons that cannot be cut as a fan of their first corner, instead of raising.
 
     Raises:
         DatasetError: A polygon crosses itself, or has too many corners.

@@ -109,6 +109,6 @@ def library_names(text: str) -> list[str]:
 
 
 def split_library_names(text: str) -> list[str]:
-    """Return the file names in the arguments of a `mtllib`, each of which ends with `.mtl` and may contain spaces."""
+    """Split the arguments of a `mtllib` behind each `.mtl`, so that names may contain spaces; one name without any."""
     parts = re.split(r"(?<=\.mtl)[\"\s]+", bare_name(text), flags=re.IGNORECASE)
     return [bare_name(part.strip('"')) for part in parts if part] or [text]

@@ -46,13 +46,16 @@ class TextureLookup:
         return path
 
     def find(self, name: str) -> Path | None:
-        """Return the image of a texture; None if missing. A tolerant lookup searches again each time."""
+        """Return the image of a texture named without extension, in any case; None if missing.
+
+        A tolerant lookup searches for a missing image at each call, others once.
+        """
         if self._known.get(name) is None and (self.tolerant or name not in self._known):
             self._known[name] = self._find(name)
         return self._known[name]
 
     def material_fields(self, name: str, find: Callable[[], Path]) -> dict[str, Any]:
-        """Return a material's field `texture`; or `missing_file`, if the image is missing and the lookup is tolerant.
+        """Return {"texture": path}; or {"missing_file": name} if the image is missing and the lookup is tolerant.
 
         Args:
             name: Name of the texture, without extension.
@@ -106,5 +109,5 @@ class TextureLookup:
 
 
 def escape_error(relative: str, place: Location) -> Exception:
-    """Create the error for a path that leads out of the dataset root."""
+    """Return, without raising it, the error for a path that leads out of the dataset root."""
     return place.error(f"path `{relative[:80]}` leads out of the dataset", "Paths must stay below the dataset root.")

@@ -66,11 +66,11 @@ class SuncgMetadata(Metadata):
     lights: Mapping[str, tuple[Light, ...]] = field(default_factory=dict)  # by stem of an OBJ
 
     def info(self, model_id: str) -> ModelInfo:
-        """Return the row of a model or of the base of a variant; `unknown` for others."""
+        """Return the row of a model, or of a variant's base; for others a row of category `unknown` without size."""
         return self.models.get(base_model(model_id, self.models.__contains__)) or ModelInfo(model_id)
 
     def lights_of(self, model_id: str, key: str) -> tuple[Light, ...]:
-        """Return the lights of a model in a state; those of its base model if the state has no row.
+        """Return the lights of a model in a state; else those of its base model; () if it has none either.
 
         Args:
             model_id: Id of the model.

@@ -37,7 +37,7 @@ class Architecture:
     note: Note
 
     def mesh(self, kind: str, node_id: str) -> Mesh | None:
-        """Build the walls, floor, ceiling or ground of a node; None if the file has none.
+        """Build the walls, floor, ceiling or ground of a node [m, Y up]; None if the file has none.
 
         Args:
             kind: `Wall`, `Floor`, `Ceiling` or `Ground`.
@@ -94,7 +94,7 @@ class Architecture:
         )
 
     def _measure(self, value: JsonValue, kind: str, key: str, default: float, least: float = 1e-3) -> float:
-        """Read a length from an element, else from `defaults`, else use SUNCG's default; in units of the file."""
+        """Return a length of an element, else of `defaults`, else `default` [m]; in units of the file."""
         own = value.member(key)
         return self._length(own if own.has_value else self._default(kind, key), default, least)
 

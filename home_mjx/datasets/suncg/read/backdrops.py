@@ -15,7 +15,7 @@ MAX_AXIS_SINE = 1e-3  # maximum sine of the angle between the axes and a box tha
 
 
 def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) -> list[Node]:
-    """Return the nodes of a level, long boxes cut to the extent of the others, or left out if outside or slanted.
+    """Return the nodes, boxes over 20 m cut to the extent of the others, or left out if outside or slanted.
 
     Changes are reported as problems.
 
@@ -48,7 +48,7 @@ def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
 
 
 def box_bounds(box: BoxNode) -> Float[np.ndarray, "2 3"]:
-    """Return the axis-aligned bounds of a box in the scene [m]."""
+    """Return the lower and upper corner of a box's axis-aligned bounds in the scene [m]."""
     half = abs(box.transform[:3, :3]) @ box.dimensions / 2
     return np.stack([box.transform[:3, 3] - half, box.transform[:3, 3] + half])
 

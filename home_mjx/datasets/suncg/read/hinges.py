@@ -110,7 +110,7 @@ def _moved(triangles: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 
 def _moved_parts(
     triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], other: Float[np.ndarray, "s 3 3"]
 ) -> list[int]:
-    """Return the components with a corner that the other variant does not have."""
+    """Return the numbers in `part` of components with a corner over 2 mm from all corners of the other variant."""
     away = KDTree(other.reshape(-1, 3)).query(triangles.reshape(-1, 3))[0].reshape(-1, 3).max(axis=1)
     return [int(p) for p in np.unique(part) if away[part == p].max() > SAME_CORNER_DISTANCE]
 
@@ -118,7 +118,7 @@ def _moved_parts(
 def _leaves(
     triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], moved: Bool[np.ndarray, " t"]
 ) -> Iterator[Bool[np.ndarray, " t"]]:
-    """Yield groups of moved components that touch: a leaf with its panels and handles."""
+    """Yield a mask of triangles per leaf: moved components within 3 cm of each other, such as panel and handles."""
     names = np.unique(part[moved])
     trees = [KDTree(_sample(triangles[part == name], MAX_PART_DISTANCE / 2)) for name in names]
     group = np.arange(len(names))
@@ -170,7 +170,7 @@ def _slide(
 def _guesses(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> Iterator[tuple[float, Float[np.ndarray, "2"]]]:
-    """Yield rotations and shifts that align the leaf's largest component with each similar one, in 4 orientations."""
+    """Yield turns about +z [rad] and shifts [m] of the leaf's largest component onto each similar one, 4 per pair."""
     big = _largest(leaf)
     source = narrowest_box(big.reshape(-1, 3))
     part = triangle_components(target)
@@ -195,10 +195,10 @@ def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"
 def _refine(
     points: Float[np.ndarray, "p 3"], tree: KDTree, angle: float, shift: Float[np.ndarray, "2"], rounds: int = 20
 ) -> tuple[float, float, Float[np.ndarray, "2"]]:
-    """Refine a motion by iterated closest points in the plan (Besl and McKay, 1992).
+    """Refine a motion of `points` onto those of `tree` by iterated closest points in the plan (Besl and McKay, 1992).
 
     Returns:
-        Share of points on the surface, turn, shift.
+        Share of points on the surface, rotation about the origin [rad], and shift after it [m].
     """
     before = None
     for _ in range(rounds):
@@ -222,7 +222,7 @@ def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray
 
 
 def _fit(source: Float[np.ndarray, "p 2"], target: Float[np.ndarray, "p 2"]) -> tuple[float, Float[np.ndarray, "2"]]:
-    """Return the least-squares rigid motion of the plane (Kabsch, 1976)."""
+    """Return rotation [rad] and shift of the least-squares motion from `source` to `target` (Kabsch, 1976)."""
     middle, goal = source.mean(axis=0), target.mean(axis=0)
     a, b = source - middle, target - goal
     angle = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))

@@ -54,12 +54,12 @@ def read_house(
 
 
 def house_path(house_id: str, assets: AssetLibrary) -> Path:
-    """Return the path of a house's house.json."""
+    """Return the path of a house's house.json, which may not exist."""
     return assets.root / "house" / house_id / "house.json"
 
 
 def build_house(document: JsonValue, reading: ReaderState) -> House:
-    """Build the house that a document describes; `reading` collects errors and problems."""
+    """Build the house that a house.json describes; `reading` records problems, and errors if it collects them."""
     reading.materials = document.member("materials")
     reading.scale = reading.attempt(_scale, document.member("scaleToMeters")) or 1.0
     reading.attempt(_check_header, document, reading)
@@ -105,7 +105,7 @@ def _check_header(document: JsonValue, reading: ReaderState) -> None:
 
 
 def read_level(level: JsonValue, index: int, reading: ReaderState) -> Level | None:
-    """Read one storey; None if it is disabled."""
+    """Read one storey, number `index` in the file; None if its `valid` is 0."""
     if not level.member("valid").flag(default=True):
         return None
     nodes = level.member("nodes")
@@ -134,7 +134,7 @@ def read_level(level: JsonValue, index: int, reading: ReaderState) -> Level | No
 
 
 def _hidden(values: Sequence[JsonValue], level: int, shown: Collection[int]) -> tuple[UnknownNode, ...]:
-    """Return empty and disabled nodes, which occupy positions in the list of nodes."""
+    """Return the empty and disabled nodes that are not in `shown`, kept because they occupy positions in the list."""
     found = [(i, value) for i, value in enumerate(values) if i not in shown and isinstance(value.data, dict)]
     off = [(i, value) for i, value in found if not value.data or value.data.get("valid", 1) in (0, "0", False)]
     return tuple(UnknownNode(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
@@ -161,7 +161,7 @@ def _read_node(value: JsonValue, default_id: str, index: int, reading: ReaderSta
 
 
 def _id(value: JsonValue, default: str, reading: ReaderState) -> str:
-    """Return the id as a string; some files have a number or no id."""
+    """Return the id of a level or node as a string, also from a number; `default`, with a note, if it has none."""
     found = value.member("id")
     if not found.has_value:
         reading.note(found, "missing-id", f"no id: `{default}` is used")

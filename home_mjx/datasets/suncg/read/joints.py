@@ -62,7 +62,7 @@ def _point(text: str, place: Location) -> Vector:
 
 
 def _limits(text: str, place: Location) -> tuple[float, float]:
-    """Parse the range, which must contain 0, the pose in the OBJ."""
+    """Parse a range `low, high`, which must contain 0, the pose in the OBJ; else raise `DatasetError`."""
     try:
         low, high = (float(word) for word in text.split(","))
     except ValueError:
@@ -73,7 +73,7 @@ def _limits(text: str, place: Location) -> tuple[float, float]:
 
 
 def _runs(text: str, place: Location) -> tuple[tuple[int, int], ...]:
-    """Parse runs of faces such as `0-11 24-35`, in ascending order."""
+    """Parse (first, last) of ascending runs of faces such as `0-11 24-35`, ends inclusive; else raise."""
     matches = [_RUN.fullmatch(word) for word in text.split()]
     runs = [(int(match[1]), int(match[2])) for match in matches if match is not None]
     ends = [end for run in runs for end in run]

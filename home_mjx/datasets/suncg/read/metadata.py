@@ -85,7 +85,7 @@ def parse_triple(text: str, place: Location) -> tuple[float, float, float]:
 def read_rows(
     path: Path, columns: tuple[str, ...], hint: str | None, optional: tuple[str, ...] = ()
 ) -> Iterator[tuple[Location, list[str]]]:
-    """Yield the named columns of every row of a CSV file; optional columns are empty if missing.
+    """Yield place and cells of each row of a CSV file: `columns`, then `optional` ones, which are "" if missing.
 
     Raises:
         DatasetError: The file cannot be read, a column is missing, or a row is broken.

@@ -66,7 +66,7 @@ def add_part_fallbacks(nodes: Sequence[Node], reading: ReaderState) -> list[Node
 
 
 def _gap(item: ObjectNode, reading: ReaderState) -> OpeningSpan | None:
-    """Return the wall span of a door, window or arch; None for other objects."""
+    """Return the span of a door, window or arch in the scene [m]; None for other objects."""
     info = _info(reading.tables, item.model_id)
     if info.coarse not in OPENING_CATEGORIES:
         return None
@@ -112,7 +112,7 @@ def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
 
 
 def _missing(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tuple[Path, str]:
-    """Return the path of a missing mesh, and the reason if the file exists but cannot be read."""
+    """Return the path of a mesh in `missing_parts`, and the reason if it cannot be read; "" if it does not exist."""
     path = reading.assets.room_path(reading.house_id, node.model_id + MESH_SUFFIX[kind])
     return path, reading.missing_parts[node.path, kind]
 
@@ -123,7 +123,7 @@ def _give_up(node: RoomNode | GroundNode, path: Path, reading: ReaderState) -> N
 
 
 def _materials(path: Path, reading: ReaderState) -> Sequence[Material]:
-    """Read the materials of a missing mesh, if its MTL exists."""
+    """Read the materials of a missing mesh from its MTL; empty if that is missing or broken."""
     library = path.with_suffix(".mtl")
     try:
         return read_mtl(library, reading.assets.textures) if is_file(library) else ()
@@ -132,7 +132,7 @@ def _materials(path: Path, reading: ReaderState) -> Sequence[Material]:
 
 
 def collect_fallbacks(house: House, reading: ReaderState) -> tuple[Fallback, ...]:
-    """Return all fallbacks of a house in the order of `FALLBACK_KINDS`, each once.
+    """Return the fallbacks of a house, each once: materials first, models and room meshes, then metadata rows.
 
     Args:
         house: House as read.

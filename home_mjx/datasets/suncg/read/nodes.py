@@ -54,7 +54,7 @@ def read_object(node: JsonValue, common: dict[str, Any], reading: ReaderState) -
 
 
 def read_or_fallback(item: ObjectNode, node: JsonValue, reading: ReaderState) -> ObjectNode:
-    """Store the object's model or its fallback in `reading.models` and return the object."""
+    """Store the object's model, or a fallback if that cannot be read, in `reading.models`; return the object."""
     if item.model_key not in reading.fallback_keys:
         try:
             _keep(item, reading.model(item.model_id, item.model_key, node.member("modelId")), node, reading)
@@ -82,7 +82,7 @@ def _read_other(item: ObjectNode, node: JsonValue, reading: ReaderState) -> None
 
 
 def read_box(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> BoxNode | None:
-    """Read a box; None if it has no volume."""
+    """Read a box, with the fields `common` of `Node`; None, with a note, if it has no volume."""
     transform = _transform(node, reading)
     dimensions = node.member("dimensions").vector(3)
     if transform is not None and dimensions.min() <= 0:
@@ -94,7 +94,7 @@ def read_box(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> B
 
 
 def read_room(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> RoomNode:
-    """Read a room with its meshes; `members` are unchecked indices from the file."""
+    """Read a room with its meshes, None if hidden or missing; `members` are unchecked indices from the file."""
     members = node.member("nodeIndices")
     return RoomNode(
         **common,
@@ -108,7 +108,7 @@ def read_room(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> 
 
 
 def _members(values: JsonValue, reading: ReaderState) -> tuple[int, ...]:
-    """Read indices of nodes; exports of deep-synth and PlanIT write them as strings."""
+    """Read indices of nodes, also from strings, as exports of deep-synth and PlanIT write them; note those."""
     entries = values.entries()
     if any(isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data) for entry in entries):
         reading.note(values, "text-member", "indices are written as strings: read as numbers")
@@ -122,7 +122,7 @@ def _members(values: JsonValue, reading: ReaderState) -> tuple[int, ...]:
 
 
 def read_ground(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> GroundNode:
-    """Read a slab of outdoor ground."""
+    """Read a slab of outdoor ground; its mesh is None if hidden or missing."""
     mesh = reading.attempt(read_part, node, "Ground", common["id"], reading)
     return GroundNode(**common, model_id=node.member("modelId").name(), mesh=mesh)
 

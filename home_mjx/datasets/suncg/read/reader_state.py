@@ -43,7 +43,7 @@ class ReaderState:
         return self.assets.tolerant
 
     def note(self, place: Location, rule: str, message: str) -> None:
-        """Record a tolerated irregularity with the validator rule that it violates."""
+        """Record a tolerated irregularity, with the key in `RULES` of the validator's rule that it violates."""
         self.notes.append((place, Problem(printable(place.element), printable(message), rule)))
 
     def attempt(self, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T | None:
@@ -57,7 +57,7 @@ class ReaderState:
             return None
 
     def cached(self, key: str, read: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
-        """Return the cached result or error of the first call with this key; thousands of nodes may use one file."""
+        """Return the result, or raise the `DatasetError`, of the first call with this key; later calls do not read."""
         if key not in self.results:
             try:
                 self.results[key] = read(*args, **kwargs)

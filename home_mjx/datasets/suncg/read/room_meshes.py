@@ -68,7 +68,7 @@ def _mesh(path: Path, reading: ReaderState) -> Mesh:
 
 
 def _wall_of_faces(mesh: Mesh) -> Int[np.ndarray, " f"]:
-    """Return the wall of each face from the names of groups; -1 without a group.
+    """Return the number of the wall of each face, by first occurrence in the group names; -1 without a group.
 
     The inner and outer layer, WallInside#0_1_3 and WallOutside#0_1_3, are one wall.
     """

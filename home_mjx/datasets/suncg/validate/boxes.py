@@ -40,7 +40,7 @@ def _check_node(subject: ValidationContext, node: Node) -> None:
 
 
 def _check_union(subject: ValidationContext, owner: JsonValue, parts: list[Bounds | None]) -> Bounds | None:
-    """Compare the box of a level or house with that around its parts, and return the latter; None without parts."""
+    """Report a level or house whose box differs from that around `parts`; return the latter, None without parts."""
     boxes = [box for box in parts if box is not None]
     if not boxes:
         return None

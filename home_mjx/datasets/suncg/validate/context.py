@@ -19,7 +19,7 @@ Bounds = Float[np.ndarray, "2 3"]
 
 
 def level_nodes(level: Level) -> tuple[Node, ...]:
-    """Return all nodes of a level that could be read."""
+    """Return the rooms, grounds, objects and boxes of a level, in this order; hidden and unknown nodes are left out."""
     return (*level.rooms, *level.grounds, *level.objects, *level.boxes)
 
 
@@ -47,7 +47,7 @@ class ValidationContext:
             yield from level_nodes(level)
 
     def entries(self) -> Iterator[tuple[int, JsonValue, list[JsonValue]]]:
-        """Yield index, level and nodes of every level; values of wrong types are skipped."""
+        """Yield index, level and nodes of each level of the file; no nodes if they are not a list or too many."""
         levels = self.document.data.get("levels")
         for index, level in enumerate(levels if isinstance(levels, list) else []):
             if isinstance(level, dict):
@@ -56,7 +56,7 @@ class ValidationContext:
                 yield index, value, value.member("nodes").entries() if usable else []
 
     def bounds(self, node: Node) -> Bounds | None:
-        """Return the bounds of a node [m]; those of an object are of its base model, in every state."""
+        """Return the bounds of a node [m], of an object's base model in every state; None without a readable mesh."""
         if node.path not in self._bounds:
             self._bounds[node.path] = box_bounds(node) if isinstance(node, BoxNode) else self._mesh_bounds(node)
         return self._bounds[node.path]

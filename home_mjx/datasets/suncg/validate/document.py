@@ -53,7 +53,7 @@ def _check_members(subject: ValidationContext, nodes: list[JsonValue]) -> None:
 
 
 def _members(node: JsonValue, count: int) -> list[int]:
-    """Return members in range; the reader reports other indices, and values that are not lists of numbers."""
+    """Return the members of a node below `count`; [] if it is hidden. The reader reports all other values."""
     listed = node.data.get("nodeIndices") if _shown(node) else None
     if not isinstance(listed, list):
         return []

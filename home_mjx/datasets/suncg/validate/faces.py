@@ -97,7 +97,7 @@ def _odd_faces(
 
 
 def _has_bridge(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
-    """Return whether a polygon returns to one of its corners; a corner repeated at once does not count."""
+    """Return which polygons return to one of their corners; a corner repeated at once does not count."""
     order = np.lexsort(polygons.transpose(2, 0, 1), axis=1)
     ordered = np.take_along_axis(polygons, order[..., None], axis=1)
     same = (np.diff(ordered, axis=1) == 0).all(axis=2)
@@ -106,7 +106,7 @@ def _has_bridge(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
 
 
 def _is_bent(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
-    """Return whether corners are off the plane through the first one, across the vector area."""
+    """Return which polygons' corners spread by over `MAX_BEND` of the extent along the vector area."""
     away = polygons - polygons[:, :1]
     normal = np.cross(away[:, :-1], away[:, 1:]).sum(axis=1)
     length = np.linalg.norm(normal, axis=1, keepdims=True)

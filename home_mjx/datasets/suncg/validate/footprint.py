@@ -16,7 +16,7 @@ Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
 def upward_faces(mesh: Mesh) -> Triangles:
-    """Return the upward faces of a mesh in plan, at most `MAX_TRIANGLES`."""
+    """Return the first `MAX_TRIANGLES` faces of a mesh that face up within 45 degrees, in plan."""
     corners = mesh.vertices[mesh.faces]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return corners[normal[:, 1] > 0.7 * np.linalg.norm(normal, axis=1)][:MAX_TRIANGLES, :, [0, 2]]
@@ -32,7 +32,7 @@ class FootprintGrid:
 
     @classmethod
     def around(cls, areas: Sequence[Triangles]) -> "FootprintGrid":
-        """Create a grid around areas, with a margin of two cells."""
+        """Create a grid around areas, at least one, with a margin of two cells."""
         corners = np.concatenate([area.reshape(-1, 2) for area in areas])
         low, high = corners.min(axis=0), corners.max(axis=0)
         step = max(MIN_CELL_SIZE, float((high - low).max()) / MAX_CELLS)
@@ -53,6 +53,6 @@ class FootprintGrid:
         return found
 
     def at(self, mask: Bool[np.ndarray, "c r"], point: Float[np.ndarray, "2"]) -> bool:
-        """Return the value of a mask at a point; False outside the grid."""
+        """Return the value of a mask of this grid at a point (x, z) [m]; False outside the grid."""
         cell = np.floor((point - self.low) / self.step).astype(int)
         return bool((cell >= 0).all() and (cell < self.shape).all() and mask[tuple(cell)])

@@ -37,7 +37,7 @@ def _check_walls(subject: ValidationContext, walls: Mesh) -> None:
 
 
 def _thickness(walls: Mesh, faces: np.ndarray) -> float:
-    """Compute the extent of a wall in the direction that most of its area faces [m], as in the compiler."""
+    """Return the extent of some faces in the horizontal direction that most of their area faces [m]."""
     corners = walls.vertices[walls.faces[faces]].astype(np.float64)
     normal, area = _normals(corners)
     return float(np.ptp(corners[..., [0, 2]] @ facing_axis(normal[:, [0, 2]], area)))

@@ -33,7 +33,7 @@ def check_rooms(subject: ValidationContext) -> None:
 
 
 def footprint(node: RoomNode | GroundNode) -> Triangles | None:
-    """Return upward faces of the floor, else the ceiling, else the walls' box, in plan; None without meshes."""
+    """Return upward faces of floor or ground, else ceiling, else the walls' box, in plan (x, z); None without."""
     slabs = (node.floor, node.ceiling) if isinstance(node, RoomNode) else (node.mesh,)
     for mesh in slabs:
         if mesh is not None and len(area := upward_faces(mesh)):
@@ -68,7 +68,7 @@ def _check_outside(subject: ValidationContext, level: Level, areas: Sequence[Tri
 
 
 def _wall_edges(walls: Sequence[Mesh]) -> Float[np.ndarray, "e 2 2"]:
-    """Return the edges of the walls' upward faces: outlines of walls and of sills."""
+    """Return the first `MAX_EDGES` edges of the walls' upward faces in plan: edges, ends, (x, z) [m]."""
     tops = np.concatenate([np.zeros((0, 3, 2)), *(upward_faces(mesh) for mesh in walls)])
     return np.stack([tops, np.roll(tops, -1, axis=1)], axis=2).reshape(-1, 2, 2)[:MAX_EDGES]
 
@@ -86,7 +86,7 @@ def _check_category(subject: ValidationContext, item: ObjectNode, edges: Float[n
 
 
 def _distance(edges: Float[np.ndarray, "e 2 2"], point: Float[np.ndarray, "2"]) -> float:
-    """Compute the distance from a point to the nearest segment [m]."""
+    """Return the distance from a point (x, z) to the nearest of `edges`, which are not empty [m]."""
     start, way = edges[:, 0], edges[:, 1] - edges[:, 0]
     along = ((point - start) * way).sum(-1) / np.maximum((way**2).sum(-1), 1e-12)
     return float(np.linalg.norm(start + np.clip(along, 0, 1)[:, None] * way - point, axis=-1).min())

@@ -64,7 +64,7 @@ def _metadata(dataset: SuncgDataset, reading: ReaderState) -> Metadata | None:
 
 
 def _sorted(subject: ValidationContext, path: str) -> tuple[ValidationFinding, ...]:
-    """Sort findings: errors first, otherwise in the order of checks; faults of shared files are reported once."""
+    """Return all distinct findings and the reader's errors and notes, errors first, otherwise in order of checks."""
     notes = [ValidationFinding(str(place.file), p.element, p.rule, p.message) for place, p in subject.reading.notes]
     errors = [_unreadable(error, path) for error in subject.reading.errors or []]
     found = dict.fromkeys((*errors, *notes, *subject.findings))

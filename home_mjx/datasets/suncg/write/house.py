@@ -63,7 +63,7 @@ def write_house(root: Path, house: House) -> None:
 
 
 def is_house_complete(root: Path, house_id: str) -> bool:
-    """Return whether a house is complete, by the digests of its files.
+    """Return whether all files of a house exist and are as written, by their digests.
 
     Without digests, as in former versions, return whether its `house.json` is JSON and its rooms exist.
 
@@ -179,7 +179,7 @@ def _digests(files: Mapping[str, str]) -> dict[str, str]:
 
 
 def is_folder_complete(folder: Path, digests_name: str = DIGESTS) -> bool:
-    """Return whether a folder written with digests still contains the same files.
+    """Return whether all files in a folder's digests are unchanged; False without digests. Further files are ignored.
 
     Args:
         folder: Folder of a model or of the tables.
@@ -220,7 +220,7 @@ def _write_folder(
 
 
 def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
-    """Rewrite a file atomically if its content differs, since other processes may be reading it."""
+    """Write a file atomically, since others may be reading it, unless it has this text or, decoded, this image."""
     if not _holds(path, content):
         if path.exists():
             log.warning("broken file %s is rewritten", path)
@@ -262,7 +262,7 @@ def _architecture(level: Level) -> Iterable[Mesh]:
 
 
 def house_document(house: House) -> dict[str, Any]:
-    """Build the content of house.json, in SUNCG's order of keys, without absent flags."""
+    """Return the content of house.json as JSON values, in SUNCG's order of keys, with boxes from the geometry."""
     levels = [_level(level, house) for level in house.levels]
     return {
         "version": house.version,
@@ -342,7 +342,7 @@ def _bbox(bounds: Bounds) -> dict[str, Any]:
 
 
 def _numbers(values: np.ndarray) -> list[int | float]:
-    """Round numbers to a nanometre; integral values become integers, as JavaScript writes them."""
+    """Return a flat list, rounded to 9 decimals; integral values become integers, as JavaScript writes them."""
     rounded = (np.round(values.reshape(-1).astype(float), 9) + 0.0).tolist()
     return [int(x) if x.is_integer() else x for x in rounded]
 

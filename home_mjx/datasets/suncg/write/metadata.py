@@ -48,7 +48,7 @@ class LibraryModel:
 
 
 def categories_csv(models: Sequence[LibraryModel]) -> str:
-    """Format `ModelCategoryMapping.csv`; the index of a row is the label of its pixels."""
+    """Return the text of `ModelCategoryMapping.csv`: five pseudo rows, then the models; a row's index is its label."""
     rows = [*PSEUDO_ROWS, *(_category_row(model) for model in models)]
     return _csv(_CATEGORY_COLUMNS, ((i, *row) for i, row in enumerate(rows)))
 
@@ -60,7 +60,7 @@ def _category_row(model: LibraryModel) -> tuple[str, ...]:
 
 
 def sizes_csv(models: Sequence[LibraryModel]) -> str:
-    """Format `models.csv`; variants have rows of their own, with the index of their base."""
+    """Return the text of `models.csv`; variants have rows of their own, with the index of their base."""
     return _csv(
         _SIZE_COLUMNS, (row for i, model in enumerate(models, len(PSEUDO_ROWS)) for row in _size_rows(model, i))
     )
@@ -77,7 +77,7 @@ def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
 
 
 def joints_csv(models: Sequence[LibraryModel]) -> str:
-    """Format `joints.csv`; one row per movable part, in the order of the models."""
+    """Return the text of `joints.csv`: one row per movable part, in the order of the models."""
     return _csv(_JOINT_COLUMNS, (_joint_row(joint) for model in models for joint in model.joints))
 
 
@@ -98,7 +98,7 @@ def _csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def lights_json(models: Sequence[LibraryModel]) -> str:
-    """Format `suncgModelLights.json`: lights by model id, in the model's frame."""
+    """Return the text of `suncgModelLights.json`: lights by model id, in the model's frame, models without omitted."""
     lit = {m.info.model_id: [_light(light, m.info.model_id) for light in m.lights] for m in models if m.lights}
     return json.dumps(lit, separators=(",", ":"))
 

@@ -38,14 +38,14 @@ def face_order(mesh: Mesh) -> Int[np.ndarray, " f"]:
 
 
 def _faces(mesh: Mesh, own: Bool[np.ndarray, " f"], index: Int[np.ndarray, "f 9"]) -> Iterator[str]:
-    """Yield the `f` lines of one group, by material."""
+    """Yield a `usemtl` line and the `f` lines of each material of the group with the mask `own`."""
     for slot in np.unique(mesh.slot[own]).tolist():
         yield f"usemtl {mesh.materials[slot].name}\n"
         yield _rows("f %d/%d/%d %d/%d/%d %d/%d/%d\n", index[own & (mesh.slot == slot)])
 
 
 def _rows(line: str, rows: Real[np.ndarray, "n d"]) -> str:
-    """Format each row as a line, all at once."""
+    """Return the rows as text: each fills the printf format `line`."""
     return (line * len(rows)) % tuple(rows.reshape(-1).tolist())
 
 
@@ -78,13 +78,13 @@ def _unique(
 
 
 def _of(number: int, found: tuple[Int[np.ndarray, " m"], Real[np.ndarray, "m d"]]) -> Real[np.ndarray, "k d"]:
-    """Return the rows of one group."""
+    """Return the rows of group `number` from a result of `_unique`; empty if it has none."""
     groups, rows = found
     return rows[slice(*np.searchsorted(groups, [number, number + 1]).tolist())]
 
 
 def mtl_text(materials: tuple[Material, ...]) -> str:
-    """Format material slots as MTL text; textures are in `../../texture/`."""
+    """Return material slots as MTL text in order; textures are named as `../../texture/<file name>`."""
     return "\n".join(_newmtl(material) for material in materials)
 
 
