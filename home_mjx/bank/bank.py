@@ -54,11 +54,11 @@ class HouseBank(BankArrays):
         return tuple(bytes(row).rstrip(b"\0").decode() for row in np.asarray(self.house_id))
 
     def clip_house_index(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
-        """Clip house indices to the bank, see `Geometry.clip_house_index`."""
+        """Clip house indices to 0..`num_houses` - 1, see `Geometry.clip_house_index`."""
         return self.geometry.clip_house_index(house)
 
     def fingerprint(self, house: Int[Array, ""] | int) -> UInt32[Array, ""]:
-        """Return a number that states carry to identify their house: a hash of its id, grid and goals.
+        """Return a 32-bit number that states store to identify their house: a hash of its id, grid size and goals.
 
         Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
 
@@ -82,7 +82,7 @@ class HouseBank(BankArrays):
 
         Args:
             house: Index of the house in the bank.
-            object_id: Object ids; agent a has the id `spec.num_instances` + a.
+            object_id: Object ids; agent a has the id `spec.num_instances` + a. All ids from there on count as agents.
             column: One of `compiled.Semantic`; `semantics.vocabularies()` maps its values to names.
 
         Returns:

@@ -29,7 +29,7 @@ class Usage:
 
 
 def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
-    """Compute the memory usage of houses in a bank.
+    """Return the bytes that houses, library models and textures would take in a bank, without building it.
 
     Args:
         houses: At least one house.
@@ -82,7 +82,7 @@ def bank_bytes(bank: BankArrays) -> int:
 
 
 def _owned_bytes(owners: Owners, sizes: Sizes) -> int:
-    """Return the bytes of the rows of some owners; a house's own row counts with its padding."""
+    """Return the bytes of the rows of owners by kind; a house's own row, `HOUSE_AXIS`, counts with its padding."""
     total = 0
     for declaration in declarations():
         if declaration.kind == HOUSE_AXIS and HOUSE_AXIS in owners:

@@ -46,10 +46,12 @@ JsonFields = dict[str, Any]  # JSON-serializable values
 def flatten(record: Any, skip: frozenset[str] = frozenset(), prefix: str = "") -> tuple[Arrays, JsonFields]:
     """Flatten a dataclass and nested ones to arrays and JSON values, by dotted name.
 
+    A tuple of arrays becomes the arrays `name.0`, `name.1`, ... and its length a JSON value; an array is not copied.
+
     Args:
         record: A dataclass of arrays, strings, numbers, tuples of arrays or of strings, and such dataclasses.
-        skip: Dotted names of fields to omit.
-        prefix: Prefix of the names.
+        skip: Dotted names of fields to omit, with the prefix.
+        prefix: Prefix of the names, which ends with a dot.
     """
     arrays: Arrays = {}
     notes: JsonFields = {}
@@ -79,11 +81,11 @@ def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: JsonFields, p
         arrays: Arrays by dotted name.
         notes: JSON values by dotted name.
         prefix: Prefix of the names.
-        given: Values of the fields that were skipped.
+        given: Values by field name of the outermost record's skipped fields; not validated.
 
     Raises:
         KeyError: A field is missing.
-        ValueError: An array has another type or shape than its field.
+        ValueError: An array's dtype or shape differs from the hint, or axes of one name differ within the record.
     """
     hints = _hints(cls)
     values = dict(given)
@@ -107,7 +109,7 @@ def _numbered(cls: type) -> dict[str, int]:
 
 
 def _numbers(hints: Iterable[Any]) -> dict[str, int]:
-    """Return the axis lengths that are numeric in the hints, by axis name."""
+    """Return the axis lengths that are numeric in jaxtyping hints, by axis name, such as {"3": 3} for "n 3"."""
     return {axis: int(axis) for hint in hints for axis in _axes(hint) if axis.isdigit()}
 
 
@@ -141,7 +143,7 @@ def _checked(array: np.ndarray, hint: Any, name: str, lengths: dict[str, int]) -
 
 @functools.cache
 def _axes(hint: Any) -> tuple[str, ...]:
-    """Return the axis names of a hint, see `_numbers`."""
+    """Return the axis names of a jaxtyping hint, such as ("n", "3")."""
     return tuple(hint.dim_str.split())
 
 
@@ -155,7 +157,7 @@ def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
 
     Args:
         path: The file, whose stem is stored in the entry; its folder is created if necessary.
-        arrays: Arrays by name; any dtype except objects.
+        arrays: Boolean, integer or float arrays by name; `read_entry` rejects other dtypes.
         notes: JSON-serializable values by name.
 
     Raises:
@@ -171,9 +173,8 @@ def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
     if at > MAX_MEMBER_BYTES:
         raise OSError(errno.EFBIG, f"arrays have {at} bytes, an entry holds at most {MAX_MEMBER_BYTES}", str(path))
     head = json.dumps({"name": path.stem, "arrays": table, "notes": notes}).encode()
-    head += b" " * (
-        -(2 * _LOCAL + len(NOTES_MEMBER) + len(head) + len(DATA_MEMBER)) % ALIGNMENT
-    )  # aligns the data member
+    before = 2 * _LOCAL + len(NOTES_MEMBER) + len(head) + len(DATA_MEMBER)
+    head += b" " * (-before % ALIGNMENT)  # aligns the data member
     members = {NOTES_MEMBER: head, DATA_MEMBER: b"".join(chunks)}
     with write_atomically(path) as file, zipfile.ZipFile(file, "w") as archive:
         for name, data in members.items():
@@ -185,7 +186,7 @@ def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
 
     Raises:
         FileNotFoundError: There is no such entry.
-        Exception: The file is corrupted or another entry; one of `READ_ERRORS`.
+        Exception: The file is corrupted, or was renamed from another entry; one of `READ_ERRORS`.
     """
     content = _content(path)
     notes, data = _members(content)
@@ -197,13 +198,13 @@ def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
 
 
 def read_notes(path: Path) -> JsonFields:
-    """Return only the notes of an entry; raises the same errors as `read_entry`."""
+    """Return only the notes of an entry, without verifying its arrays; errors as of `read_entry`."""
     content = _content(path)
     return _head(_sound(content, _members(content)[0]), path)["notes"]
 
 
 def _content(path: Path) -> np.ndarray:
-    """Read the whole file; raise `ValueError` if it is too large or is overwritten meanwhile."""
+    """Return a file's bytes; `ValueError` if it is too large or is overwritten meanwhile, `OSError` if unreadable."""
     # Entries are small, and seeking takes longer than reading them.
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size

@@ -22,14 +22,14 @@ def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
 
 
 def check_names(kind: str, names: object, known: Iterable[str]) -> None:
-    """Raise `ConfigError` unless `names` is a sequence of known names; a bare string is rejected."""
+    """Raise `ConfigError` unless `names` is an iterable of names in `known`, maybe empty; a bare string is rejected."""
     if isinstance(names, str) or not isinstance(names, Iterable):
         raise ConfigError(f"expected several names of a {kind}, got {shorten(names)}", hint=names_hint(names))
     check_known(kind, [str(name) for name in names], known)
 
 
 def names_hint(text: object) -> str:
-    """Return a hint that writes `text`, with or without commas, as a sequence of names.
+    """Return a hint that shows names, given as one text with or without commas, as a tuple and as a JSON list.
 
     Example:
         >>> names_hint("depth, rgb")
@@ -42,7 +42,7 @@ def names_hint(text: object) -> str:
 
 
 def check_flag(name: str, value: object) -> None:
-    """Raise `ConfigError` unless an option is True or False."""
+    """Raise `ConfigError` unless an option is True or False; 0, 1 and NumPy's booleans are rejected."""
     if not isinstance(value, bool):
         raise ConfigError(f"`{name}` must be True or False, got {value!r}")
 
@@ -75,9 +75,9 @@ def check_number(
     Args:
         name: Name of the option, for the message.
         value: Its value.
-        minimum: Minimum allowed value.
-        maximum: Maximum allowed value.
-        integer: Require an integer.
+        minimum: Minimum allowed value, itself included.
+        maximum: Maximum allowed value, itself included.
+        integer: Require an integer within 64 bits; 3.0 is rejected.
 
     Example:
         >>> check_number("width", 64, 1, integer=True)
@@ -90,9 +90,8 @@ def check_number(
         return
     above = f" of at least {minimum:g}" if math.isfinite(minimum) else ""
     below = f"{' and' if above else ' of'} at most {maximum:g}" if math.isfinite(maximum) else ""
-    raise ConfigError(
-        f"`{name}` must be a {'whole ' if integer else 'finite '}number{above}{below}, got {shorten(value)}"
-    )
+    kind = "whole" if integer else "finite"
+    raise ConfigError(f"`{name}` must be a {kind} number{above}{below}, got {shorten(value)}")
 
 
 def _is_number(value: object, whole: bool) -> TypeGuard[float]:
@@ -107,7 +106,7 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
 
 
 def shorten(value: object) -> str:
-    """Return the `repr` of a value for a message, shortened to its start if it is long.
+    """Return a value's `repr`; its first 40 characters and its length if it exceeds `MAX_VALUE_LENGTH` characters.
 
     Example:
         >>> shorten(10**400)

@@ -17,7 +17,7 @@ def decode_srgb(color: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 
 def encode_srgb(linear: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Convert linear light to sRGB, both in 0..1 (IEC 61966-2-1)."""
+    """Convert linear light to sRGB, both in 0..1 (IEC 61966-2-1); values outside are not clipped."""
     curve = 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055
     return np.where(linear <= 0.0031308, 12.92 * linear, curve)
 
@@ -41,7 +41,7 @@ def srgb_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
 
 
 def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Float[np.ndarray, "..."]:
-    """Compute the perceived difference CIEDE2000 of CIELAB colours, broadcast over at least one leading axis.
+    """Compute the difference CIEDE2000 of CIELAB colours; leading axes, at least one, are broadcast as in NumPy.
 
     Formula and symbols: Sharma, Wu, Dalal, "The CIEDE2000 Color-Difference Formula", Color Research & Application 30
     (2005), equations 2 to 22, with all three parametric factors equal to 1.

@@ -53,7 +53,7 @@ def _configure_jax() -> None:
 
 @functools.cache
 def _processor() -> str:
-    """Return a hash of the processor model and its flags.
+    """Return a hash (8 hexadecimal digits) of the processor model and its flags.
 
     Code that XLA compiles for one processor may crash on another that shares the folder.
     """

@@ -60,7 +60,7 @@ def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None)
 
     Raises:
         MissingFileError: The file is missing.
-        DatasetError: The file is unreadable, too large or not UTF-8.
+        DatasetError: The file is unreadable, too large, not UTF-8, or has more than `MAX_LINES` lines.
     """
     text = _decode(read_bytes(path, hint, max_bytes), path)
     if text.count("\n") > MAX_LINES:
@@ -72,17 +72,17 @@ def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None)
 def read_json_lines(
     path: Path, content: str, parse: Callable[[Any], Row], max_bytes: int | None = None
 ) -> Iterator[Row]:
-    """Parse a file of JSON lines and yield one row per line.
+    """Parse a file of JSON lines lazily and yield one row per line.
 
     Args:
         path: The file.
         content: Name of the content of a line, for messages.
         parse: Converts the JSON value of a line to a row.
-        max_bytes: Maximum accepted size [bytes]; `MAX_BYTES` by default.
+        max_bytes: Maximum accepted size of the file [bytes]; `MAX_BYTES` by default.
 
     Raises:
         MissingFileError: The file is missing.
-        DatasetError: The file cannot be read, or a line is broken; the error names the line.
+        DatasetError: The file cannot be read, or a line is blank, not JSON or rejected by `parse`; it names the line.
     """
     for number, line in enumerate(_lines(path, max_bytes), 1):
         try:
@@ -97,7 +97,7 @@ def read_json_lines(
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
-    """Yield the lines of a file with only one of them in memory; errors as in `read_text`."""
+    """Yield lines with their newline, only one in memory; errors as in `read_text`, also above `MAX_LINE_BYTES`."""
     with _readable(path):
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:
@@ -112,10 +112,10 @@ def _lines(path: Path, most: int | None) -> Iterator[str]:
 
 
 def write_json_lines(path: Path, rows: Iterable[Any], content: str) -> None:
-    """Write a file for `read_json_lines`, one row per line.
+    """Write a file for `read_json_lines`, one row per line, as `write_durably` does.
 
     Args:
-        path: The file.
+        path: The file, in an existing folder.
         rows: JSON-serializable values.
         content: Name of the rows, for messages.
 
@@ -128,7 +128,7 @@ def write_json_lines(path: Path, rows: Iterable[Any], content: str) -> None:
 
 
 def read_bytes(path: Path, hint: str | None = None, max_bytes: int | None = None) -> bytes:
-    """Read the content of a file; arguments and errors as in `read_text`."""
+    """Return the bytes of a file, which need not be text; arguments and errors of reading or size as in `read_text`."""
     with _readable(path, hint):
         _check(path, max_bytes or MAX_BYTES)
         return path.read_bytes()
@@ -136,7 +136,7 @@ def read_bytes(path: Path, hint: str | None = None, max_bytes: int | None = None
 
 @contextmanager
 def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
-    """Convert failures to read a file in the block: `MissingFileError` if it is missing, else `DatasetError`."""
+    """Convert the block's `OSError` or `ValueError`: `MissingFileError` if the file is missing, else `DatasetError`."""
     try:
         yield
     except DatasetError:  # from `_check`; a `DatasetError` is also a `ValueError`
@@ -150,7 +150,7 @@ def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
 
 
 def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> list[np.ndarray]:
-    """Read arrays of an `.npz` file by name; pickled objects are rejected, so no code in the file runs.
+    """Read arrays of an `.npz` file, in the order of `names`; pickled objects are rejected, so no code in it runs.
 
     Args:
         path: The file.
@@ -160,7 +160,7 @@ def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> li
 
     Raises:
         MissingFileError: The file is missing.
-        DatasetError: The file is broken, or an array is missing.
+        DatasetError: The file is broken, an array is missing, or the arrays exceed `MAX_UNPACKED_BYTES`.
     """
     try:
         with open_regular(path) as opened, np.load(opened, allow_pickle=False) as file:
@@ -171,9 +171,8 @@ def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> li
     except FileNotFoundError:
         raise MissingFileError(f"there is no {content}", file=path, hint=hint) from None
     except KeyError as error:
-        raise DatasetError(
-            f"file lacks {error.args[0]}", file=path, hint=f"It is of another kind or version. {hint}"
-        ) from None
+        hint = f"It is of another kind or version. {hint}"
+        raise DatasetError(f"file lacks {error.args[0]}", file=path, hint=hint) from None
     except Exception as error:  # a crafted file can make NumPy and zipfile raise nearly anything, including MemoryError
         kind = _describe_content(path)
         what = f": {error!s:.300}" if kind is None else f", but {kind}"
@@ -181,7 +180,7 @@ def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> li
 
 
 def _describe_content(path: Path) -> str | None:
-    """Return in words what a file holds, from its first bytes; None if it is unreadable, or an archive (`.npz`)."""
+    """Return a file's kind in words, such as "a PNG picture" or "empty"; None if unreadable or a zip (`.npz`) file."""
     try:
         with open_regular(path) as file:
             head = file.read(NUM_HEAD_BYTES)
@@ -196,7 +195,7 @@ def _describe_content(path: Path) -> str | None:
 
 
 def _describe_text(head: bytes) -> str:
-    """Return what a file holds that begins with these bytes and has no known signature."""
+    """Return in words the kind, JSON, text or binary, of a file by its first bytes, which have no known signature."""
     try:
         text = codecs.getincrementaldecoder("utf-8")().decode(head).lstrip()
     except UnicodeDecodeError:
@@ -210,7 +209,7 @@ def _describe_text(head: bytes) -> str:
 
 
 def _is_array(found: Any, name: str) -> np.ndarray:
-    """Return a loaded array after validation; NumPy returns raw bytes for entries without an array header."""
+    """Return `found`; raise `ValueError` if it is broken or not an array: NumPy returns bytes without a header."""
     if not isinstance(found, np.ndarray):
         raise ValueError(f"`{name}` is not an array")
     if found.dtype.kind == "U":  # NumPy accepts any code points, on which Python later fails anywhere
@@ -234,7 +233,7 @@ def open_regular(path: Path) -> io.BufferedReader:
 
 
 def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) -> None:
-    """Raise `DatasetError` if the named arrays have more than `MAX_UNPACKED_BYTES` bytes after unpacking."""
+    """Raise `DatasetError` if the named arrays, of those that exist, unpack to more than `MAX_UNPACKED_BYTES` bytes."""
     sizes = {info.filename.removesuffix(".npy"): info.file_size for info in archive.infolist()}
     total = sum(sizes.get(name, 0) for name in names)
     if total > MAX_UNPACKED_BYTES:
@@ -243,7 +242,7 @@ def _check_unpacked(archive: zipfile.ZipFile, names: Sequence[str], path: Path) 
 
 
 def is_file(path: Path) -> bool:
-    """Return whether a file exists; never raise, even for long or invalid names."""
+    """Return whether a regular file, or a link to one, exists; never raise, even for long or invalid names."""
     return os.path.isfile(path)
 
 
@@ -272,9 +271,9 @@ def _decode(data: bytes, path: Path, first: int = 1) -> str:
 
 
 def resolve_below(root: Path, folder: Path, relative: str) -> Path | None:
-    """Return the path `relative` to `folder`; None if it leads out of `root`.
+    """Return the normalized path `relative` to `folder`, which need not exist; None if it leads out of `root`.
 
-    Only the text of the path is checked, so folders of a dataset may be symbolic links to another disk.
+    Backslashes separate as well. Only the text is checked, so folders of a dataset may be symbolic links.
 
     Example:
         >>> resolve_below(Path("/data"), Path("/data/object/122"), "../../texture//wood_8.jpg").as_posix()
@@ -353,7 +352,7 @@ def write_durably(path: Path, content: str, hint: str | None = None) -> Iterator
 
 @contextmanager
 def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
-    """Yield an open file that replaces `path` when the block ends; delete it if the block raises."""
+    """Yield `file`, which is open at `beside`; move it to `path` when the block ends, delete it if the block raises."""
     try:
         with file:
             yield file
@@ -398,7 +397,9 @@ def _sync_folder(folder: Path) -> None:
 
 @contextmanager
 def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
-    """Create a temporary folder whose files all move to `folder` when the block ends, or none if it raises.
+    """Yield a temporary folder whose files all move to `folder` when the block ends, or none if it raises.
+
+    Files of the same names are replaced, others of `folder` are kept.
 
     Args:
         folder: Destination; created if missing.
@@ -454,7 +455,7 @@ def as_path(path: object, content: str) -> Path:
 
 
 def write_error(content: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:
-    """Return the `ConfigError` for a failed write.
+    """Return, without raising it, the `ConfigError` for a failed write of `content` to `path`.
 
     Example:
         >>> print(write_error("film", Path("out.mp4"), OSError(28, "No space left on device")))
@@ -465,10 +466,10 @@ def write_error(content: str, path: Path, error: OSError, hint: str | None = Non
 
 
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
-    """Replace a folder atomically: write and sync a new one beside it, then rename it into place.
+    """Replace a folder and all its old files: write and sync a new one beside it, then rename it into place.
 
     Args:
-        target: The folder.
+        target: The folder; created if missing. Between two renames it is absent for an instant.
         files: Contents by relative path.
 
     Raises:

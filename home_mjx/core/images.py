@@ -63,10 +63,10 @@ def open_texture(path: Path) -> "Image":
 
 
 def has_cut_outs(path: Path) -> bool:
-    """Return whether any pixel has an alpha below `MIN_OPAQUE_ALPHA`; opaque formats are not decoded.
+    """Return whether any pixel has an alpha below `MIN_OPAQUE_ALPHA`; False undecoded if the file has no alpha.
 
     Raises:
-        DatasetError: As of `open_texture`.
+        MissingFileError, DatasetError: As of `open_texture`.
     """
     data = read_bytes(path)
     try:
@@ -114,7 +114,7 @@ def _resize_weighted(pixels: UInt8[np.ndarray, "h w 4"], size: int, kernel: Any)
 
 
 def _fill_cut_outs(pixels: UInt8[np.ndarray, "h w 4"]) -> UInt8[np.ndarray, "h w 4"]:
-    """Replace the colour of each cut-out texel by that of the nearest opaque texel, if there is one."""
+    """Give texels with alpha below `MIN_OPAQUE_ALPHA` the colour of the nearest other one, if any; alpha is kept."""
     opaque = pixels[..., 3] >= MIN_OPAQUE_ALPHA
     if opaque.all() or not opaque.any():
         return pixels
@@ -125,20 +125,20 @@ def _fill_cut_outs(pixels: UInt8[np.ndarray, "h w 4"]) -> UInt8[np.ndarray, "h w
 
 
 def _identify(data: bytes) -> "Image":
-    """Read the header of a PNG or JPEG file."""
+    """Return a lazily decoded image from a PNG or JPEG file's bytes; raise `UnidentifiedImageError` for others."""
     from PIL import Image
 
     return Image.open(io.BytesIO(data), formats=("PNG", "JPEG"))
 
 
 def _other_format(data: bytes) -> str:
-    """Return a remark that names the format of other images; empty if it is unknown."""
+    """Return a remark on the format by a file's first bytes, such as ", but as GIF"; empty if it is unknown."""
     found = [name for start, name in OTHER_FORMATS.items() if data.startswith(start)]
     return f", but as {found[0]}" if found else ""
 
 
 def _decode_rgba(image: "Image", data: bytes) -> "Image":
-    """Decode an image to RGBA in sRGB, upright."""
+    """Decode an image to RGBA in sRGB and apply its EXIF orientation; `data` is the whole file."""
     from PIL import Image
 
     image.load()
@@ -167,7 +167,7 @@ def _orientation(image: "Image") -> int:
 
 
 def _reduce_to_bytes(image: "Image") -> "Image":
-    """Return the colours with 8 bits per channel, as L, RGB or CMYK."""
+    """Return the colours without alpha at 8 bits per channel, as an image of mode L, RGB or CMYK."""
     from PIL import Image
 
     if image.mode in ("I;16", "I"):  # 16-bit grey; Pillow's own conversion clips at 255
@@ -182,14 +182,14 @@ def _reduce_to_bytes(image: "Image") -> "Image":
 
 
 def _check_palette(image: "Image") -> None:
-    """Raise an error if pixels refer to palette entries that do not exist, which Pillow shows as black."""
+    """Raise `_UnsupportedImageError` if pixels refer to missing palette entries, which Pillow shows as black."""
     count, largest = len(image.palette.palette) // len(image.palette.mode), int(np.asarray(image).max())  # type: ignore
     if largest >= count:
         raise _UnsupportedImageError(f"a pixel has the palette entry {largest} of {count}")
 
 
 def _decode_alpha(image: "Image", depth: int) -> "Image":
-    """Return the alpha channel, of an image's own or from its transparent colour.
+    """Return alpha as an image of mode L: the image's own, else 0 at its transparent colour, else 255 everywhere.
 
     PNG stores a transparent colour in the bits of the file; Pillow compares it with 8-bit values.
 
@@ -215,7 +215,7 @@ def _decode_alpha(image: "Image", depth: int) -> "Image":
 
 
 def _convert_to_srgb(image: "Image", info: dict) -> "Image":
-    """Convert colours (L, RGB or CMYK) to sRGB by an image's ICC profile or PNG gamma."""
+    """Convert colours (L, RGB or CMYK) to 8-bit sRGB by ICC profile, else PNG gamma, else as if they were sRGB."""
     if info.get("icc_profile"):
         return _apply_profile(image, info["icc_profile"])
     image, gamma = image.convert("RGB"), info.get("gamma", 0)
@@ -226,7 +226,7 @@ def _convert_to_srgb(image: "Image", info: dict) -> "Image":
 
 
 def _apply_profile(image: "Image", data: bytes) -> "Image":
-    """Convert colours (L, RGB or CMYK) to sRGB by an ICC profile."""
+    """Convert colours (L, RGB or CMYK) to sRGB by ICC profile; `_UnsupportedImageError` if it is broken or unfit."""
     from PIL import ImageCms
 
     try:
@@ -253,7 +253,7 @@ def encode_png(image: UInt8[np.ndarray, "h w 3"]) -> bytes:
 
 
 def decode_image(data: bytes) -> np.ndarray:
-    """Return the pixels of an image file.
+    """Return the pixels of an image file's bytes in its own mode: (h, w) or (h, w, channels), first row on top.
 
     Raises:
         OSError, ValueError, SyntaxError: Pillow cannot decode it.

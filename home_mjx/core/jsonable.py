@@ -27,7 +27,7 @@ class TrustChecked(Protocol):
 
 
 def to_json(value: Any) -> str:
-    """Serialize a value as JSON text that preserves dataclasses and tuples.
+    """Serialize a value as JSON text that preserves dataclasses and tuples; keys of mappings become text.
 
     Raises:
         ConfigError: A part is not a number, text, container or dataclass, or the text is too long for `from_json`.
@@ -121,10 +121,10 @@ def _dataclass(name: str) -> type:
 
 
 def parse_assignments(texts: list[str]) -> dict[str, Any]:
-    """Parse `NAME=VALUE` arguments; values are JSON, else text.
+    """Parse `NAME=VALUE` arguments; values are JSON, else text. The last value of a repeated name counts.
 
     Raises:
-        ConfigError: An argument has no `=`, or too deeply nested brackets.
+        ConfigError: An argument has no name or no `=`, or too deeply nested brackets.
 
     Example:
         >>> parse_assignments(["width=32", "actions=discrete"])

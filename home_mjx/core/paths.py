@@ -19,6 +19,6 @@ def cache_folder() -> Path:
 
 
 def dataset_root() -> Path | None:
-    """Return the dataset folder named by `$SUNCG_DATA_DIR`; None if it is not set."""
+    """Return the dataset folder named by `$SUNCG_DATA_DIR`, which need not exist; None if it is not set or empty."""
     named = os.environ.get(ROOT_VARIABLE)
     return Path(named) if named else None

@@ -26,7 +26,7 @@ def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., An
 
 
 def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1.0) -> float:
-    """Measure the rate of a compiled function, after one warm-up call."""
+    """Measure the rate [1/s] of a compiled function over `seconds`, after one warm-up call."""
     jax.block_until_ready(program(*args))
     return _rate(lambda: program(*args), seconds)
 
@@ -67,13 +67,13 @@ def _rate(call: Callable[[], Any], seconds: float, most: float = math.inf) -> fl
 
 
 def drawn_actions(shape: tuple[int, ...]) -> list[jax.Array]:
-    """Return random actions in [-1, 1] for some steps."""
+    """Return `NUM_ACTIONS` arrays of `shape`, uniform in [-1, 1), one per step; equal in all calls."""
     keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
     return [jax.random.uniform(key, shape, minval=-1.0) for key in keys]
 
 
 def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
-    """Return random discrete actions for some steps, except the first one, `stop`."""
+    """Return `NUM_ACTIONS` integer arrays of `shape`, one per step, uniform in 1..`num - 1`, so without 0 (`stop`)."""
     keys = jax.random.split(jax.random.key(0), NUM_ACTIONS)
     return [jax.random.randint(key, shape, 1, num) for key in keys]
 
@@ -89,7 +89,7 @@ def peak_memory_bytes() -> dict[str, int]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of Python and the relevant packages."""
+    """Return the versions of Python and the relevant packages by name; `PackageNotFoundError` if one is missing."""
     import importlib.metadata as metadata
     import platform
 
@@ -99,7 +99,7 @@ def versions() -> dict[str, str]:
 
 
 def device_name() -> str:
-    """Return the kind of the device; for a CPU with its number of usable cores."""
+    """Return the kind of JAX's first device; for a CPU "cpu (8 cores)", with its number of usable cores."""
     device = jax.devices()[0]
     if device.platform == "cpu":
         return f"cpu ({usable_cores()} cores)"

@@ -80,7 +80,7 @@ def say(text: str, progress: bool | None = None) -> bool:
 
 @contextmanager
 def silence() -> Iterator[None]:
-    """Let `say` write nothing within the block, such as while a program is traced for its shapes alone."""
+    """Let `say` and new `ProgressCount`s show nothing within the block, even with `progress=True`."""
     token = _is_silent.set(True)
     try:
         yield
@@ -118,7 +118,7 @@ class ProgressCount:
             self._bar.close()
 
     def describe(self, text: str) -> None:
-        """Replace the text, and show it at once if it is another one."""
+        """Replace the text and show it at once; do nothing if it is unchanged."""
         if text == self.text:
             return
         self.text = text
@@ -142,7 +142,7 @@ class ProgressCount:
 
 
 def plural(count: int, noun: str) -> str:
-    """Return a number and its noun.
+    """Return a number and its noun, with an "s" unless the number is 1.
 
     Example:
         >>> plural(1, "house"), plural(8, "house")
@@ -154,7 +154,7 @@ def plural(count: int, noun: str) -> str:
 def track(
     items: Iterable[T], text: str, unit: str, progress: bool | None = None, total: int | None = None
 ) -> Iterator[T]:
-    """Yield items and count those that the caller has finished.
+    """Yield items and show the number of those finished; an item is finished when the caller asks for the next.
 
     Args:
         items: The items.

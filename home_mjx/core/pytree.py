@@ -14,7 +14,7 @@ def static(**kwargs: Any) -> Any:
 
 
 def array(doc: str, **notes: Any) -> Any:
-    """Declare an array field with its meaning and notes for the code that fills it; see `declared_arrays`."""
+    """Declare a leaf without default, with its meaning and notes for the code that fills it; see `declared_arrays`."""
     return dataclasses.field(metadata={"doc": doc, "notes": notes})
 
 
@@ -56,7 +56,7 @@ class Pytree:
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:
-        """Return a copy with some fields replaced; raise `TypeError` for unknown names."""
+        """Return a copy with some fields replaced, without type checks; raise `TypeError` for unknown names."""
         names = _names(type(self), True) + _names(type(self), False)
         unknown = set(changes) - set(names)
         if unknown:

@@ -22,7 +22,7 @@ def length3(vector: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
 
 
 def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Wrap an angle to -pi..pi [rad]."""
+    """Wrap an angle to -pi..pi [rad], pi itself to -pi."""
     return (angle + jnp.pi) % (2 * jnp.pi) - jnp.pi
 
 
@@ -67,7 +67,7 @@ def is_unit_quat(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
 
 
 def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
-    """Return the rotation matrix of a unit quaternion wxyz.
+    """Return the rotation matrix, for column vectors, of a unit quaternion wxyz; it is not normalized here.
 
     Example:
         >>> quat_matrix(jnp.array([1.0, 0.0, 0.0, 0.0])).tolist()
@@ -104,7 +104,7 @@ def invert(pose: Float[Array, "3 4"]) -> Float[Array, "3 4"]:
 
 
 def transform_bounds(pose: Float[Array, "3 4"], box: Float[Array, "2 3"]) -> Float[Array, "2 3"]:
-    """Return world bounds (min, max) of an axis-aligned box in the local frame of `pose`.
+    """Return world bounds (rows min, max) of `box`, axis-aligned bounds (min, max) in the local frame of `pose`.
 
     Source: J. Arvo, "Transforming axis-aligned bounding boxes", Graphics Gems, 1990.
     """

@@ -39,7 +39,7 @@ def check_variants(record: Any) -> None:
     """Validate the type of each field that has variants.
 
     Raises:
-        ConfigError: A value is not one of the records, such as a word.
+        ConfigError: A value is not an instance of one of the record types; a word is not, either.
     """
     for field in dataclasses.fields(record):
         kinds, value = field.metadata.get(KEY, {}), getattr(record, field.name)
@@ -49,7 +49,7 @@ def check_variants(record: Any) -> None:
 
 
 def nested_names(record: Any, name: str) -> tuple[str, ...]:
-    """Return the option names below a field: those of its record, or of all its variants."""
+    """Return the field names of a field's record, or of all its variants, without repeats; () if it holds no record."""
     value, kinds = getattr(record, name), variants_of(record, name)
     found: tuple[Any, ...] = _types(kinds) or ((type(value),) if dataclasses.is_dataclass(value) else ())
     return tuple(dict.fromkeys(field.name for kind in found for field in dataclasses.fields(kind)))
@@ -132,7 +132,7 @@ def override_fields(record: Any, changes: Mapping[str, Any]) -> Any:
 
 
 def _owners(record: Any) -> dict[str, str]:
-    """Return the field that an option name belongs to; names of several fields are left out."""
+    """Map own fields to themselves and nested records' fields to the field they are in, without ambiguous ones."""
     own = [field.name for field in dataclasses.fields(record)]
     nested = [(option, name) for name in own for option in nested_names(record, name) if option not in own]
     options = [option for option, _ in nested]

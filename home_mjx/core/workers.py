@@ -44,7 +44,7 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _leave_with_parent() -> None:
-    """Exit this worker when its parent has ended; the pool's own workers would block forever."""
+    """Start a thread that exits this worker process when its parent has ended; the pool's own would block forever."""
     parent = multiprocessing.parent_process()
 
     def wait() -> None:

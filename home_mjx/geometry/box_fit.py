@@ -13,9 +13,7 @@ from home_mjx.geometry.rotations import yaw_matrix
 
 MAX_CELLS = 16  # maximum number of cells along the longest side of an object
 MIN_CELL_SIZE = 0.03  # [m], minimum cell size
-SAMPLE_SPACING = (
-    0.7  # distance of surface samples, as a fraction of a cell; a face cannot cross a cell without a sample
-)
+SAMPLE_SPACING = 0.7  # distance of surface samples in cells; a face cannot cross a cell without a sample
 MAX_OPTIONAL_WASTE = 0.02  # maximum empty volume that an optional merge may add, as a fraction of the bounding box
 WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
 
@@ -27,8 +25,8 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
     are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume.
 
     Args:
-        triangles: Corners of the mesh [m].
-        yaw: Yaw of the boxes [rad].
+        triangles: Corners of the mesh, Z up [m].
+        yaw: Yaw of the boxes about +z [rad].
         max_boxes: Maximum number of boxes.
     """
     turn = yaw_matrix(yaw)
@@ -47,7 +45,7 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
 def _voxels(
     points: Float[np.ndarray, "p 3"], low: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"], counts: np.ndarray
 ) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
-    """Return the occupied cells, and the bounds of the points in each (min = inf, max = -inf in empty cells)."""
+    """Return a mask of cells with points, and the points' min and max in each cell (inf and -inf in empty cells)."""
     index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
     flat = np.asarray(np.ravel_multi_index(tuple(index.T), tuple(counts)))
     order = np.argsort(flat)
@@ -72,7 +70,7 @@ def _tighten(
     surface: Float[np.ndarray, "x y z 2 3"],
     occupied: Bool[np.ndarray, "x y z"],
 ) -> Float[np.ndarray, "2 3"]:
-    """Return the corners of a box of cells [m], its sides moved inwards to the surface in its outermost cells.
+    """Return the corners `edge` [m] of a box of cells (first, one past the last), moved inwards to the surface in it.
 
     A side is not moved if that would be by more than a cell, or if the next cell beyond it contains surface.
     """
@@ -87,7 +85,7 @@ def _tighten(
 
 
 def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
-    """Return whether a cell beyond a side of a box contains surface."""
+    """Return whether the layer of cells next to a box's side (0 low, 1 high) has surface; False beyond the grid."""
     start, stop = box.copy()
     start[axis] = box[1, axis] if side else box[0, axis] - 1
     stop[axis] = start[axis] + 1
@@ -95,7 +93,7 @@ def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupi
 
 
 def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
-    """Sample points on triangles, including corners, with a maximum distance of about `spacing` [m]."""
+    """Return points on triangles, including corners; neighbours on a triangle are at most `spacing` [m] apart."""
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
     steps = np.maximum(np.ceil(edge / spacing), 1).astype(int)
     samples = []
@@ -139,9 +137,9 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
     """Merge pairs of boxes, and any inside their hull, least added volume first, to `max_boxes` and further if cheap.
 
     Args:
-        boxes: Minimum and maximum corners.
+        boxes: First cell and one past the last, see `cover_cells`; not modified.
         max_boxes: Maximum number of boxes in the result.
-        max_waste: Maximum volume added by each merge after `max_boxes` is reached.
+        max_waste: Maximum volume [cells] added by each merge after `max_boxes` is reached.
     """
     boxes = boxes.copy()
     while len(boxes) > 1:
@@ -171,7 +169,7 @@ def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray
 
 
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
-    """Return the upright box of least footprint around points, along a side of their hull; yaw 0 if collinear."""
+    """Return the upright box of least plan area around points, along a side of their hull; yaw 0 if all on a line."""
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]
     except (QhullError, ValueError):  # all points on one line

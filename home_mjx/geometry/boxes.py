@@ -48,7 +48,7 @@ class BoxSet:
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:
-        """Convert the boxes to colliders of the physics, with the object id of each; none is without thickness."""
+        """Convert the boxes to colliders with the object id of each; half extents become at least `MIN_HALF_EXTENT`."""
         size = np.maximum(self.half, MIN_HALF_EXTENT)
         return Colliders(pos=self.center, quat=yaw_quat(self.yaw), size=size, object_id=object_id)
 
@@ -61,7 +61,7 @@ def make_boxes(center: object, half: object, yaw: object = 0.0) -> BoxSet:
 
 
 def empty_boxes() -> BoxSet:
-    """Return an empty set."""
+    """Return a set of no boxes."""
     return BoxSet(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
 
 
@@ -72,7 +72,7 @@ def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
 
 
 def unique_boxes(boxes: BoxSet) -> BoxSet:
-    """Return the boxes without duplicates, in their order."""
+    """Return the boxes without later exact duplicates (centre, half extents and yaw), in their order."""
     first: dict[tuple[float, ...], int] = {}
     for row, values in enumerate(np.c_[boxes.center, boxes.half, boxes.yaw].tolist()):
         first.setdefault(tuple(values), row)
@@ -80,7 +80,7 @@ def unique_boxes(boxes: BoxSet) -> BoxSet:
 
 
 def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
-    """Return the smallest box around points [m] with this yaw [rad]."""
+    """Return a set of one box, the smallest around at least one point [m] with this yaw about +z [rad]."""
     turn = yaw_matrix(yaw)
     local = points @ turn
     columns = np.ascontiguousarray(local.T)
@@ -99,14 +99,14 @@ def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> 
     Args:
         boxes: Boxes at angle 0.
         angle: Rotation about +z [rad].
-        pivot: Intersection of the line with the plan [m].
+        pivot: x and y of the line [m].
     """
     arm = boxes.center - [*pivot, 0.0]
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
 
 def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]:
-    """Return the penetration depth in the plan of each box and each of the others [m]; negative if they are apart.
+    """Return the depth in plan of each box (rows) in each of the others [m], whatever their heights; negative if apart.
 
     By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.
     """
@@ -129,7 +129,7 @@ def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> F
 
     Args:
         boxes: Boxes.
-        points: Points of each box, or one set for all boxes [m].
+        points: x and y of points [m]; the first axis has the points of each box, or length 1 for all boxes.
     """
     shape = (-1, *(1,) * (points.ndim - 2))
     (x, y), (a, b) = (values[:, :2].T.reshape(2, *shape) for values in (boxes.center, boxes.half))
@@ -139,6 +139,6 @@ def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> F
 
 
 def footprint(boxes: BoxSet, index: int) -> Float[np.ndarray, "4 2"]:
-    """Return the corners of a box in the plan, counter-clockwise."""
+    """Return x and y of the corners of box `index` [m], counter-clockwise from its own minimum corner."""
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * boxes.half[index, :2]
     return corners @ yaw_matrix(boxes.yaw[index])[:2, :2].T + boxes.center[index, :2]

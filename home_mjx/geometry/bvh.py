@@ -29,7 +29,7 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[B
     """Build a binary tree over boxes by the surface-area heuristic; its boxes are enlarged by `RELATIVE_BOX_MARGIN`.
 
     Args:
-        boxes: Minimum and maximum corners [m].
+        boxes: Minimum and maximum corners [m]; without any, the tree is a root with two empty leaves.
         leaf_size: Maximum number of primitives in a leaf, 1 to 15.
 
     Returns:
@@ -52,7 +52,7 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[B
 
 
 def build_triangle_tree(triangles: Float[np.ndarray, "t 3 3"], leaf_size: int = 4) -> tuple[BVH, Int[np.ndarray, " t"]]:
-    """Build a tree over triangles; see `build_tree`."""
+    """Build a tree over the bounding boxes of triangles; returns and errors as of `build_tree`."""
     boxes = np.stack([triangles.min(axis=1), triangles.max(axis=1)], axis=1)
     return build_tree(boxes, leaf_size)
 
@@ -127,7 +127,7 @@ def _bound(bounds, rows, out):
 @njit(cache=True)
 @no_type_check
 def _split(bounds, order, cost, is_left, leaf_size, depth):
-    """Partition a range in place in all three orders; return the size of the first part, or -1 if it becomes a leaf."""
+    """Partition a range in place in all three orders; return the first part's size; -1, unchanged, if it is a leaf."""
     n = order.shape[1]
     leaves = (n + leaf_size - 1) // leaf_size
     balanced_depth = int(np.ceil(np.log2(max(leaves, 1))))
@@ -175,7 +175,7 @@ def _center(bounds, row, axis):
 @njit(cache=True)
 @no_type_check
 def _sweep(bounds, rows, cost, add):
-    """Return the half area of all rows; set `cost`, or `add` to it, count times half area of its prefixes of rows."""
+    """Return half the area of the rows' box; set, or `add` to, `cost[k]` k + 1 times that of the first k + 1 rows."""
     x0, y0, z0, x1, y1, z1 = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
     area = 0.0
     for k in range(len(rows)):
@@ -192,7 +192,7 @@ def _sweep(bounds, rows, cost, add):
 @njit(cache=True)
 @no_type_check
 def _part(order, axis, count, is_left):
-    """Move the first primitives along one axis to the front of the other orders, without reordering either part."""
+    """Move the first `count` primitives of `order[axis]` to the front of the other orders, in place and stably."""
     for k in range(order.shape[1]):
         is_left[order[axis, k]] = k < count
     for other in range(3):

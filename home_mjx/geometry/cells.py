@@ -9,7 +9,7 @@ MAX_KEY = 1 << 62
 
 
 def unique_cells(cells: Int[np.ndarray, "n k"]) -> tuple[Int[np.ndarray, " u"], Int[np.ndarray, " n"]]:
-    """Return the first row of each distinct cell, in lexicographic order of the cells, and the cell of each row.
+    """Return the index of each distinct cell's first row, in lexicographic order of cells, and each row's cell number.
 
     The results are those of `np.unique` over rows, which compares rows as records and takes twenty times as long.
 

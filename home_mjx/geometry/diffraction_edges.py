@@ -11,7 +11,7 @@ MAX_PAIRS = 1 << 18  # maximum number of pairs of boxes that are compared at onc
 
 
 def edge_rows() -> np.ndarray:
-    """Return for each edge its axis and its side (-1 or 1) on the other two axes in ascending order: shape (12, 3).
+    """Return for each edge the axis it is parallel to, and its side (-1, 1) on the other two axes, ascending: (12, 3).
 
     Example:
         >>> edge_rows()[[0, 11]].tolist()
@@ -21,7 +21,7 @@ def edge_rows() -> np.ndarray:
 
 
 def edge_number(u: int, side_u: int, v: int, side_v: int) -> int:
-    """Return the number of the edge between the faces on the given sides of axes `u` and `v`.
+    """Return the row in `edge_rows` of the edge between the faces on the sides (-1 or 1) of two axes `u` and `v`.
 
     Example:
         >>> edge_number(1, 1, 0, 1) == edge_number(0, 1, 1, 1) == 11
@@ -37,7 +37,7 @@ def find_exposed_edges(
     half: Float[np.ndarray, "n 3"],
     heights: Float[np.ndarray, "r 2"],
 ) -> Bool[np.ndarray, "n edges"]:
-    """Return the mask of edges that diffract sound: exposed ones, not where boxes are coplanar, meet or overlap.
+    """Return which edges, in the order of `edge_rows`, diffract sound: not where boxes are coplanar, meet or overlap.
 
     Args:
         center: Box centres [m].
@@ -72,7 +72,7 @@ def _close_pairs(
     half: Float[np.ndarray, "n 3"],
     rows: Int[np.ndarray, " m"],
 ) -> Int[np.ndarray, "2 p"]:
-    """Return some of the boxes, ascending, each with the others that may contain one of its probe points."""
+    """Return pairs of one of the boxes `rows`, ascending, and another box that may contain one of its probe points."""
     reach = half[rows] + 2 * PROBE_DISTANCE
     radius = np.linalg.norm(half, axis=1)
     apart = np.linalg.norm(center[rows, None] - center, axis=-1)
@@ -86,7 +86,7 @@ def _close_pairs(
 
 
 def _probes(half: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n edges along 3 3"]:
-    """Return points next to both faces and in front of each edge, in the boxes' frames."""
+    """Return points [m] next to both faces and in front of each edge (the last but one axis), in the boxes' frames."""
     found = np.zeros((len(half), NUM_EDGES, len(PROBE_POSITIONS), 3, 3))
     for number, (along, *sides) in enumerate(edge_rows()):
         others = [axis for axis in range(3) if axis != along]

@@ -36,7 +36,7 @@ def extrapolate_fields(
         extensions: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
             in earlier ones, so distances next to a movable object ignore the shortcut through its position.
         standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
-        room: Room of each cell.
+        room: Room of each cell; -1 outside.
         height: Floor height of each cell [m].
         field: Distances of the home cells to the goals [m].
         cell: Cell size [m].
@@ -70,9 +70,9 @@ def _graph(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> csr_matrix:
-    """Return the lengths between neighbouring cells of one room, or of two rooms if both cells are standable [m].
+    """Return distances [m] of neighbouring cells in one room, or both standable, as a symmetric sparse matrix.
 
-    Cells whose heights differ by `MAX_RISE` are no neighbours.
+    Cells whose heights differ by `MAX_RISE` or more are not neighbours.
     """
     sources, targets, lengths = grid_edges(cells, height, cell)
     kept = (room[sources] == room[targets]) | (standable[sources] & standable[targets])
@@ -87,7 +87,7 @@ def _harmonic(
 ) -> Float[np.ndarray, "e g"]:
     """Solve for the values of the inner nodes, each the mean of its neighbours weighted by 1 / length.
 
-    The values at the border are fixed to `known`.
+    The values at the border are fixed to `known`; other nodes must not be neighbours of inner ones.
     """
     weight = graph.copy()
     weight.data = 1 / weight.data
@@ -98,7 +98,7 @@ def _harmonic(
 def nearest_cell_numbers(
     number: Int[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"]
 ) -> Int[np.ndarray, "l ny nx"]:
-    """Return the number of each cell or, if it has none, of the nearest cell.
+    """Return the number of each cell or, if it has none, of the nearest cell with a number; at least one must exist.
 
     The nearest cell is of the same room, else of the same level, else above or below the nearest one on another level.
 
@@ -119,6 +119,6 @@ def nearest_cell_numbers(
 
 
 def _nearest(number: Int[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
-    """Return the number of the nearest numbered cell, by straight line."""
+    """Return for each cell the number of the nearest one that is not negative, by straight line; there must be one."""
     y, x = np.asarray(ndimage.distance_transform_edt(number < 0, return_distances=False, return_indices=True))
     return number[y, x]

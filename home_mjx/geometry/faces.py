@@ -71,7 +71,7 @@ def triangulate_faces(
 
 
 def _fan_starts(polygons: Float[np.ndarray, "m n 3"]) -> Int[np.ndarray, " m"]:
-    """Return the first corner whose fan has no triangle against the polygon's vector area; -1 if none is found."""
+    """Return the first of `MAX_FAN_STARTS` corners whose fan covers the polygon, see `_is_fan`; -1 if none does."""
     count = polygons.shape[1]
     found = np.full(len(polygons), -1)
     for corner in range(min(count, MAX_FAN_STARTS)):
@@ -98,7 +98,7 @@ def _is_fan(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
 def _fans(
     sides: Int[np.ndarray, " f"], start: Int[np.ndarray, " f"]
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    """Return the fans of all polygons whose `start` is a corner."""
+    """Return the fans (indices of points, polygon) of all polygons, from corner `start`; none if `start` is -1."""
     count = np.where(start < 0, 0, sides - 2)
     face = np.repeat(np.arange(len(sides)), count)
     step = np.arange(len(face)) - (np.cumsum(count) - count)[face]
@@ -113,7 +113,7 @@ def _ears(
     rows: np.ndarray,
     tolerant: bool,
 ) -> Iterator[tuple[int, Int[np.ndarray, "t 3"] | None]]:
-    """Yield polygons with their triangles; None for those that become fans."""
+    """Yield each polygon of `rows` with its triangles of its own corners; None if it becomes its first corner's fan."""
     is_small = bool(sides[rows].sum() <= MAX_EAR_CORNERS)
     for row in rows.tolist():
         polygon = points[first[row] : first[row] + sides[row]]
@@ -124,7 +124,7 @@ def _ears(
 
 
 def _check_twisted(row: int, polygon: Points, is_small: bool) -> None:
-    """Raise `FaceError` for a polygon without triangles, unless it is twisted."""
+    """Raise `FaceError` for an uncut polygon that is too large (with all others, unless `is_small`) or not twisted."""
     if not is_small:
         raise FaceError(row, f"concave polygons have more than {MAX_EAR_CORNERS} corners in all")
     if len(polygon) > MAX_POLYGON_CORNERS:
@@ -138,7 +138,7 @@ def _check_twisted(row: int, polygon: Points, is_small: bool) -> None:
 def _in_order(
     fans: tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]], ears: tuple[np.ndarray, np.ndarray]
 ) -> tuple[Int[np.ndarray, "n 3"], Int[np.ndarray, " n"]]:
-    """Return all triangles in the order of their polygons."""
+    """Return the triangles of both, and their polygons, sorted by polygon."""
     if not len(ears[1]):
         return fans
     face = np.concatenate([fans[1], ears[1]])
@@ -147,7 +147,7 @@ def _in_order(
 
 
 def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
-    """Return the triangles of one polygon; None if their areas are not the polygon's, so that it crosses itself."""
+    """Return triangles of a polygon's corners, in its winding; None without area, or if theirs do not sum to it."""
     rows = np.flatnonzero((polygon != np.roll(polygon, 1, axis=0)).any(axis=1))  # without corners repeated at once
     flat = _project(polygon[rows])
     if flat is None:
@@ -166,7 +166,7 @@ def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
 
 
 def _project(polygon: Points) -> Float[np.ndarray, "n 2"] | None:
-    """Return the polygon as seen against its vector area, counter-clockwise; None if it has none."""
+    """Return the polygon projected along its vector area, counter-clockwise [m]; None if it has no area."""
     if len(polygon) < 3:
         return None
     away = polygon - polygon[0]

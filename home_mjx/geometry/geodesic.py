@@ -51,10 +51,10 @@ def distance_fields(
 def grid_edges(
     free: Bool[np.ndarray, "l ny nx"], height: Float[np.ndarray, "l ny nx"], cell: float
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return each pair of adjacent free cells once, and the length of the step [m]; corners are not cut.
+    """Return each pair of 8-adjacent free cells once, by number, and its distance [m]; corners are not cut.
 
     Args:
-        free: Cells that may be crossed; they are numbered in the order of the grids.
+        free: Cells that may be crossed; they are numbered from 0 in the order of the grids, rows and columns.
         height: Height of the cells [m].
         cell: Cell size [m].
     """
@@ -71,7 +71,7 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return pairs of free cells that are one `step` (rows, columns) apart, and the length of each step [m]."""
+    """Return pairs of free cells one `step` (rows, columns) apart, with free corners, and the length of each [m]."""
     here, there = _shifted(*step)
     way = free[here] & free[there]
     if all(step):
@@ -92,6 +92,6 @@ def _corner(step: tuple[int, int], corner: tuple[int, int]) -> tuple:
 
 
 def _span(at: int, step: int) -> slice:
-    """Return the positions, shifted by `at`, that have a neighbour at offset `step`."""
+    """Return the slice, shifted by `at`, of the positions on an axis that have a neighbour at offset `step`."""
     low, high = max(0, -step), min(0, -step)
     return slice(low + at, high + at or None)

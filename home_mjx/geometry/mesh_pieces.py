@@ -26,7 +26,7 @@ class MeshPiece:
 
 
 def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
-    """Build the inner and the outer layer of a wall, with slots for inside, cut faces and outside.
+    """Build the inner and the outer layer of a wall, with slots 0 (inside), 1 (cut faces) and 2 (outside).
 
     Args:
         wall: The wall.
@@ -44,8 +44,8 @@ def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Mat
     """Join pieces into one mesh; their slots must already index `materials`.
 
     Args:
-        path: Path of the mesh's file.
-        pieces: Parts of the mesh.
+        path: `Mesh.path`; nothing is written.
+        pieces: Pieces, at least one. Their groups and parts are numbered by first appearance.
         materials: One per slot; they are renamed `material_0`, `material_1`, ...
         scale: Metres per unit of the vertices and the texture coordinates.
     """

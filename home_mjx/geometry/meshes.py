@@ -28,17 +28,17 @@ def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " 
 
 
 def to_z_up(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Rotate points from the dataset's axes (Y up) to the world's (Z up), without the house's offset."""
+    """Rotate points from the file's axes (Y up) to the world's (Z up): (x, y, z) to (x, -z, y), without any offset."""
     return points @ Z_UP.T
 
 
 def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
-    """Return the triangles of a mesh, Z up [m]."""
+    """Return the corners of a Y-up mesh's faces in float64, rotated Z up by `to_z_up` [m]."""
     return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces]
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
-    """Return the surface of an axis-aligned box, two triangles per face in the order of `FACE_NORMALS`.
+    """Return an axis-aligned box's surface, wound outwards, two triangles per face in the order of `FACE_NORMALS`.
 
     Args:
         center: Centre [m].
@@ -49,7 +49,7 @@ def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) 
 
 
 def bounds(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "2 3"]:
-    """Return the minimum and maximum corner of points."""
+    """Return the minimum and maximum corner of at least one point."""
     columns = np.ascontiguousarray(points.reshape(-1, 3).T)  # NumPy reduces long rows ten times as fast
     return np.stack([columns.min(axis=1), columns.max(axis=1)])
 
@@ -80,7 +80,7 @@ def compose(outer: Float[np.ndarray, "3 4"], inner: Float[np.ndarray, "3 4"]) ->
 
 
 def invert(pose: Float[np.ndarray, "*b 3 4"]) -> Float[np.ndarray, "*b 3 4"]:
-    """Return the inverses of affine maps."""
+    """Return the inverses of affine maps; raise `LinAlgError` if a linear part is singular."""
     linear = np.linalg.inv(pose[..., :3])
     return np.concatenate([linear, -linear @ pose[..., 3:]], axis=-1)
 
@@ -103,7 +103,7 @@ def make_model(
         slot: Material slot of each triangle; 0 if None.
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
-        find: Returns the model with a key if it was created before; otherwise None.
+        find: Returns the model with a key, which is then returned as it is; None if there is none yet.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
@@ -187,7 +187,7 @@ def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, 
 
 
 def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
-    """Return the horizontal axis, of either sign, that most of a wall's area faces.
+    """Return the horizontal unit vector (x, y), of either sign, that most of a wall's area faces.
 
     It is the first principal axis of the normals, weighted by area.
 
@@ -220,6 +220,6 @@ def build_instance_tree(
 
 
 def instance_box(pose: Float[np.ndarray, "3 4"], box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
-    """Return the world bounds of a model's box [m]."""
+    """Return the axis-aligned world bounds (min, max) [m] of a model's box, which has the affine pose `pose`."""
     corners = np.stack(np.meshgrid(*box.astype(np.float64).T), axis=-1).reshape(-1, 3)
     return bounds(transform(pose, corners))

@@ -47,13 +47,13 @@ def are_inside_polygons(
 
 
 def _crosses(x: np.ndarray, y: np.ndarray, edges: Float[np.ndarray, "4 ..."]) -> Bool[np.ndarray, "..."]:
-    """Return whether rays from points along +x cross edges, given by both ends."""
+    """Return whether rays from points along +x cross edges (x0, y0, x1, y1), none of which is parallel to x."""
     x0, y0, x1, y1 = edges
     return ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
 
 
 def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, "2"]) -> float:
-    """Return the distance from a point to a simple polygon [m]; 0 inside, infinite if the polygon has no corners."""
+    """Return the distance from a point to a simple polygon [m]; 0 inside, inf if the polygon has no corners."""
     if is_inside_polygon(polygon, point):
         return 0.0
     way = np.roll(polygon, -1, axis=0) - polygon
@@ -65,7 +65,7 @@ def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray,
 def find_smallest_room(
     rooms: RoomTable, candidates: Int[np.ndarray, " r"], points: Float[np.ndarray, "*p 2"]
 ) -> Int[np.ndarray, "*p"]:
-    """Return the index of the smallest room that contains each point, since rooms may nest; -1 if none."""
+    """Return the index of the room in `candidates` of least area that contains each point (x, y); -1 if none does."""
     found = np.full(points.shape[:-1], -1, np.int32)
     order = sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r]))
     for room, inside in zip(order, are_inside_polygons([rooms.polygon[r] for r in order], points), strict=True):
@@ -74,7 +74,7 @@ def find_smallest_room(
 
 
 def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
-    """Return the axis-aligned rectangle around triangles in plan, counter-clockwise.
+    """Return the corners (x, y) of the axis-aligned rectangle around triangles, counter-clockwise from the minimum.
 
     Args:
         triangles: Corners, Z up [m].
@@ -84,7 +84,7 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
 
 
 def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
-    """Return the outer edge of a slab's upper side, counter-clockwise.
+    """Return the outer edge (x, y) of a slab's upper side, counter-clockwise: its largest closed boundary loop.
 
     If no closed loop encloses more than 90 % of the upper side's area, return its `bounding_outline`.
 
@@ -106,7 +106,7 @@ def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
 
 
 def _boundary_loops(triangles: Int[np.ndarray, "t 3"]) -> list[list[int]]:
-    """Return the corner indices of closed loops of edges that belong to only one triangle."""
+    """Return the corner indices, in edge direction, of closed loops of edges without an opposite edge."""
     edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
     following: dict[int, list[int]] = {}
     for a, b in edges:
@@ -135,7 +135,7 @@ def _walk(following: dict[int, list[int]]) -> list[int]:
 
 
 def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = MAX_BEND) -> Float[np.ndarray, "_ 2"]:
-    """Remove corners, all within `bend` [m] of the remaining polygon, unless fewer than 3 would remain.
+    """Return a polygon without corners within `bend` [m] of the rest; unchanged if fewer than 3 would remain.
 
     Each corner is compared with the sides that remain (Douglas and Peucker 1973), so that an arc keeps its shape
     however finely it is divided. The first two of them are the farthest from the middle and the farthest from it.
@@ -161,7 +161,7 @@ def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = MAX_BEND) -> Fl
 def _segment_distance(
     points: Float[np.ndarray, "n 2"], start: Float[np.ndarray, "2"], stop: Float[np.ndarray, "2"]
 ) -> Float[np.ndarray, " n"]:
-    """Return the distances from points to a segment [m]."""
+    """Return the distances from points to a segment, ends included [m]."""
     way = stop - start
     along = np.clip((points - start) @ way / max(float(way @ way), MERGE_DISTANCE**2), 0, 1)
     return np.linalg.norm(start + along[:, None] * way - points, axis=1)

@@ -23,7 +23,7 @@ def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Flo
 
 
 def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Float[np.ndarray, "_ _ 2"]:
-    """Return the centres of the cells between grid lines; row = v, column = u."""
+    """Return the centres (u, v) of the cells between ascending grid lines; row = v, column = u."""
     return np.stack(np.meshgrid((u[1:] + u[:-1]) / 2, (v[1:] + v[:-1]) / 2), axis=-1)
 
 
@@ -40,7 +40,7 @@ def is_in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndar
 
 
 def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """Return twice the signed area of a triangle."""
+    """Return twice the signed area of the triangle a, b, p, positive if counter-clockwise; leading axes broadcast."""
     return (b[..., 0] - a[..., 0]) * (p[..., 1] - a[..., 1]) - (b[..., 1] - a[..., 1]) * (p[..., 0] - a[..., 0])
 
 
@@ -55,7 +55,7 @@ def cover_with_rectangles(
         solid: Mask of cells; row = v, column = u.
 
     Returns:
-        Rows u0, v0, u1, v1.
+        One row u0, v0, u1, v1 per rectangle, in the unit of the grid lines; no rows if no cell is solid.
     """
     left = solid.copy()
     found = []
@@ -89,7 +89,7 @@ def _is_taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
 
 
 def split_rectangles(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
-    """Cut each rectangle (u0, v0, u1, v1) along u into equal pieces of at most `length`."""
+    """Cut each rectangle (u0, v0, u1, v1) across u into equal pieces of at most `length` along u, in order."""
     pieces = []
     for u0, v0, u1, v1 in rectangles:
         edges = np.linspace(u0, u1, max(int(np.ceil((u1 - u0) / length - 1e-9)), 1) + 1)

@@ -5,13 +5,13 @@ from jaxtyping import Float
 
 
 def yaw_quat(yaw: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
-    """Return quaternions wxyz of rotations about +z."""
+    """Return quaternions wxyz of rotations by `yaw` [rad] about +z."""
     zero = np.zeros_like(yaw)
     return np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=-1)
 
 
 def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
-    """Return the rotation about +z, from rotated to world axes.
+    """Return the rotation of column vectors by `yaw` [rad] about +z, from rotated to world axes.
 
     Example:
         >>> yaw_matrix(np.pi / 2).round().tolist()
@@ -22,7 +22,7 @@ def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
 
 
 def quat_matrix(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
-    """Return the rotation matrices of quaternions wxyz, which are normalised first.
+    """Return the rotation matrices, for column vectors, of quaternions wxyz, which are normalised first.
 
     Example:
         >>> quat_matrix(np.array([[0.0, 0.0, 0.0, 2.0]]))[0].tolist()
@@ -38,6 +38,6 @@ def quat_matrix(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
 
 
 def plane_matrix(angle: float) -> Float[np.ndarray, "2 2"]:
-    """Return the counter-clockwise rotation of the plane."""
+    """Return the counter-clockwise rotation of column vectors in the plane by `angle` [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])

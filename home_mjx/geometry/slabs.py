@@ -6,9 +6,8 @@ import mapbox_earcut
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-MIN_CORNER_DISTANCE = (
-    1e-6  # [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
-)
+# [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
+MIN_CORNER_DISTANCE = 1e-6
 MAX_MITRE = 4.0  # maximum growth of an acute corner, in outsets
 MAX_SIMPLIFY_PASSES = 100  # maximum passes that drop corners; each may make others collinear
 
@@ -54,7 +53,7 @@ def _piece(
 
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
-    """Return a counter-clockwise polygon with its outset and its triangles; without the outset if notches would close.
+    """Return a counter-clockwise polygon, grown by `outset` [m] unless notches close, and its triangles facing +y.
 
     Raises:
         ValueError: The polygon crosses itself even without the outset.
@@ -67,16 +66,13 @@ def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, 
 
 
 def signed_area(polygon: Polygon) -> float:
-    """Compute the signed area [m^2], positive if the polygon is counter-clockwise seen along +y, x right and z up.
-
-    It uses the shoelace formula.
-    """
+    """Return the signed area [m^2] (shoelace), positive if counter-clockwise in a plot with x right and z up."""
     x, z = polygon.T
     return float((x * np.roll(z, -1) - np.roll(x, -1) * z).sum() / 2)
 
 
 def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
-    """Return the polygon counter-clockwise, without repeated and collinear corners.
+    """Return the polygon counter-clockwise (see `signed_area`), without repeated and collinear corners.
 
     Raises:
         ValueError: The remaining polygon has no area.
@@ -98,14 +94,14 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
 
 
 def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-    """Return every second entry of each run of True, so that no corner is dropped together with its neighbour."""
+    """Return a mask of the first, third, ... True of each run in a ring, so that no two neighbours are True."""
     count = np.arange(len(mask))
     place = count - np.maximum.accumulate(np.where(mask, -1, count))  # place in its run, from 1
     return mask & (place % 2 == 1) & ~(np.roll(mask, -1) & (count == len(mask) - 1))
 
 
 def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
-    """Offset the sides of a counter-clockwise polygon outwards [m]; corners are mitred, up to `MAX_MITRE`."""
+    """Move the sides of a counter-clockwise polygon outwards by `outset` [m]; corners are mitred, up to `MAX_MITRE`."""
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     normal = np.stack([way[:, 1], -way[:, 0]], 1)
@@ -116,10 +112,10 @@ def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
 
 
 def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
-    """Triangulate a simple polygon (earcut, as in three.js, which wrote SUNCG), facing +y.
+    """Triangulate a counter-clockwise polygon (see `signed_area`) by earcut, as three.js does; triangles face +y.
 
     Raises:
-        ValueError: The polygon crosses itself.
+        ValueError: The polygon crosses itself, or is clockwise.
     """
     found = mapbox_earcut.triangulate_float64(polygon, np.array([len(polygon)], np.uint32))
     triangles = found.reshape(-1, 3).astype(np.int64)

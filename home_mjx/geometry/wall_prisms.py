@@ -75,7 +75,7 @@ def _prism(wall: WallSegment, panel: Panel, beyond: float, low: float, thickness
 
 
 def _panel(wall: WallSegment, beyond: float) -> Panel:
-    """Return lines of a grid over the wall's rectangle, and the mask of its solid cells."""
+    """Return grid lines along the prism from its start and upwards [m], and the mask (along, up) of solid cells."""
     width, top = wall.length + 2 * beyond, wall.height + wall.extra_height
     holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)
     us = np.unique(np.clip([0.0, width, *holes[:, 0], *holes[:, 1]], 0, width))
@@ -88,7 +88,7 @@ def _panel(wall: WallSegment, beyond: float) -> Panel:
 
 
 def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
-    """Merge holes that touch into their bounding rectangle, until none touch.
+    """Merge holes that touch or overlap into their bounding rectangle, until none touch; the input is not modified.
 
     Example:
         >>> merge_holes([(0, 1, 0, 1), (3, 4, 0, 1), (0.5, 2, 0.5, 2)])
@@ -112,10 +112,10 @@ def _open(hole: Hole, wall: WallSegment, beyond: float, width: float, top: float
     """Convert a hole to the prism's frame; holes that reach an end or the top of the wall reach that of the prism.
 
     Args:
-        hole: Hole in the frame of the wall.
+        hole: Hole in the frame of the wall; a part below its base is cut off.
         wall: The wall.
         beyond: Length of the prism before the start of the wall [m].
-        width: Length of the prism [m].
+        width: Whole length of the prism along the wall [m].
         top: Height of the prism [m].
     """
     left, right, low, high = hole
@@ -140,7 +140,7 @@ def extrude_grid(
     Args:
         us: Grid lines along u, ascending.
         vs: Grid lines along v, ascending.
-        keep: Mask of solid cells.
+        keep: Mask of solid cells; row = u, column = v.
         depth: Extent along w, where (u, v, w) is right-handed.
 
     Returns:
@@ -156,7 +156,7 @@ def extrude_grid(
 def _topology(
     shape: tuple[int, int], kept: bytes
 ) -> tuple[Int[np.ndarray, " p"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
-    """Return the used grid nodes of both ends, their triangles, and the mask of triangles on large faces."""
+    """Return the used nodes (low end, then high end), triangles indexing them, and the mask of those on large faces."""
     keep = np.frombuffer(kept, bool).reshape(shape)
     node = np.arange((shape[0] + 1) * (shape[1] + 1)).reshape(shape[0] + 1, shape[1] + 1)
     corner = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], -1)  # counter-clockwise from +w

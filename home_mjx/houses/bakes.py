@@ -71,7 +71,7 @@ class Bake(Protocol):
         ...
 
     def bake_house(self, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
-        """Compute the record of one house.
+        """Return the record of one house, an instance of `record`.
 
         Args:
             bank: Bank that holds the house.
@@ -81,7 +81,7 @@ class Bake(Protocol):
         ...
 
     def stack(self, records: Sequence[Any], houses: Sequence[CompiledHouse], bank: HouseBank) -> Any:
-        """Return the records of all houses as one pytree on the device, with a leading house axis."""
+        """Return the records, one per house in bank order, as one pytree on the device with a leading house axis."""
         ...
 
 
@@ -96,7 +96,7 @@ def register_bake(name: str, make_bake: Callable[[], Bake]) -> None:
         make_bake: Function without arguments that returns the bake with default options.
 
     Raises:
-        ConfigError: The name is empty, or `make_bake` cannot be called.
+        ConfigError: The name is empty, or `make_bake` is not callable.
     """
     if not name or not callable(make_bake):
         raise ConfigError(f"a bake needs a name and a function that makes it, got {name!r} and {make_bake!r}")
@@ -128,7 +128,7 @@ def add_bakes(
     bakes: "Bake | str | Sequence[Bake | str]",
     progress: bool | None = None,
 ) -> HouseBank:
-    """Return the bank with baked records of its houses; records that are not in the store are computed and stored.
+    """Return a bank with baked records of all its houses in `bakes`; those not in the store are computed and stored.
 
     Args:
         bank: The bank.
@@ -162,7 +162,7 @@ def add_bakes(
 
 
 def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count: ProgressCount) -> Any:
-    """Return the record of one house from the store; compute and store it if it is missing or corrupted."""
+    """Return one house's record from the store; if missing or corrupted, compute and store it and describe `count`."""
     entry = bake_entry(bake, house)
     try:
         return rebuild(bake.record, *read_entry(entry))

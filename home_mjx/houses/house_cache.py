@@ -91,7 +91,7 @@ class HouseCache:
         return self._compile(house_id, entry, broken)
 
     def notes(self, house_id: str) -> JsonFields:
-        """Return the non-array fields of a compiled house, such as `instances.model`; compile it if necessary."""
+        """Return a compiled house's values that are not arrays, by dotted name; `load` it if it is not cached."""
         try:
             return read_notes(self.entry_path(house_id))
         except READ_ERRORS:
@@ -112,15 +112,15 @@ class HouseCache:
             return summarize_contents(house.report, house.rooms, house.semantics)
 
     def texture_paths(self, notes: JsonFields) -> list[str]:
-        """Return the absolute paths of a house's texture images, from its notes."""
+        """Return the absolute path of the texture of each of a house's materials, from its notes; "" for none."""
         return [self._absolute(path) for path in notes["materials.texture"]]
 
     def model(self, key: str) -> Model:
-        """Return the library model with a key, read once; raises the errors of `array_store.read_entry`."""
+        """Return the model with a key, read once into `library`; one of `READ_ERRORS` if missing or corrupted."""
         return self._models((key,))[key]
 
     def _find_model(self, key: str) -> Model | None:
-        """Return the library model with a key; None if it is not cached. A corrupted entry is removed."""
+        """Return the model with a key; None if it is not cached, or if its entry is corrupted, and thus removed."""
         try:
             return self.model(key)
         except FileNotFoundError:
@@ -152,7 +152,7 @@ class HouseCache:
         return self._folder / "houses" / f"{key}{ENTRY_SUFFIX}"
 
     def _read(self, house_id: str, entry: Path) -> CompiledHouse:
-        """Read a house and its models from its entry, validate them, record the fallbacks and warn of them.
+        """Return a house with its models from its entry; validate them, record the fallbacks and warn of them.
 
         Raises:
             Exception: The entry is corrupted or invalid; one of `READ_ERRORS`.
@@ -193,7 +193,7 @@ class HouseCache:
         return replace(compiled, models=models)
 
     def _write(self, house: CompiledHouse, fallbacks: Sequence[Fallback], entry: Path, broken: bool) -> None:
-        """Write the house's missing models, or all of them if the entry was corrupted, and then the house."""
+        """Write the missing ones of the house's models, or all if its entry was `broken`, and then the house."""
         create_version_folder(self._folder)
         for key, model in house.models.items():
             path = self._model_path(key)
@@ -229,7 +229,7 @@ def load_compiled(
     options: CompileOptions = DEFAULT_OPTIONS,
     library: dict[str, Model] | None = None,
 ) -> CompiledHouse:
-    """Return one compiled house; for several, `HouseCache` checks shared inputs only once.
+    """Return one compiled house from the cache, or compile it; for several, `HouseCache` checks shared inputs once.
 
     Args:
         dataset: An open dataset.

@@ -70,8 +70,8 @@ class HouseSet:
         """Return a `HouseSet` unchanged, or make one from a dataset and the other arguments of a function.
 
         Args:
-            houses: A `HouseSet`, or a dataset.
-            **choice: Other fields. Next to a `HouseSet`, only None and default values are allowed.
+            houses: A `HouseSet`, or a value of its field `dataset`.
+            **choice: Other fields. Next to a `HouseSet`, only None and the default options are allowed.
 
         Raises:
             ConfigError: A `HouseSet` is given together with another choice.

@@ -30,7 +30,7 @@ def check_models(models: Mapping[str, Model]) -> None:
 
 
 def check_house(house: CompiledHouse, house_id: str) -> None:
-    """Validate a house: its id, its tree, finite poses and indices in range.
+    """Validate a house: its id, its top tree, finite poses and indices in range; not its models, see `check_models`.
 
     Args:
         house: Compiled house with its models.
@@ -94,9 +94,9 @@ def _check_levels(node: Int[np.ndarray, " n"], below: Int[np.ndarray, " n"], cou
     """Raise `ValueError` if a node has two parents, or is not below a root within `MAX_DEPTH` levels.
 
     Args:
-        node: Node with each link.
-        below: Node that the link refers to.
-        count: Number of nodes.
+        node: Parent of each link, counted over all trees.
+        below: Child of each link.
+        count: Number of nodes of all trees.
     """
     if np.bincount(below).max(initial=0) > 1:
         raise ValueError("a tree refers to a node twice")

@@ -125,7 +125,7 @@ def _prepare() -> None:
 
 
 def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: str) -> CompileOutcome:
-    """Compile a house unless it is in the cache; return the outcome, which contains any error.
+    """Compile a house unless it is in the cache; never raise, but return the outcome with any error.
 
     Args:
         dataset: The dataset.
@@ -145,9 +145,8 @@ def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: s
             _houses.cache_clear()
         path = houses.entry_path(house_id)
         if not path.is_file():
-            raise write_error(
-                "compiled house", path, houses.write_error or OSError("file has been removed"), DISK_FULL_HINT
-            )
+            cause = houses.write_error or OSError("file has been removed")
+            raise write_error("compiled house", path, cause, DISK_FULL_HINT)
         entry = str(path.relative_to(cache_folder()))
     except Exception as problem:  # one broken house of 45,000 must not stop the run
         status, error = FAILED, error_record(problem)

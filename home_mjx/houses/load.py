@@ -41,7 +41,7 @@ def load_bank(
         num_houses: Maximum number of houses; None: all, or 8 generated ones.
         split: Only houses of `train`, `val` or `test`.
         filter: Only houses that pass this filter.
-        options: How to compile; ignored for a `HouseSet` with options of its own.
+        options: Compile options; ignored for a `HouseSet` with options other than the default.
         progress: Show what happens, on stderr; None: by the rule of `home_mjx.core.progress`.
         bakes: Baked records that the bank gets, or their names; see `add_bakes`.
 

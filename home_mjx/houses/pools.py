@@ -22,7 +22,7 @@ def run_jobs(
     """Yield an iterator over the outcomes of houses, in order of completion.
 
     Args:
-        task: Compiles a house; it never raises.
+        task: Compiles the house with an id; it never raises.
         ids: The houses.
         workers: Number of processes on this machine; with 1, or a single house, the task runs in this process.
         scheduler_address: Address of a Dask scheduler whose workers are used instead.

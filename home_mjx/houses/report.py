@@ -59,13 +59,13 @@ class CompileSummary:
 
 
 def report_path(root: Path, options: CompileOptions) -> Path:
-    """Return the default path of the report for a dataset and options."""
+    """Return the default path of the report for a dataset's root and options; the file need not exist."""
     name = hashlib.sha256(repr((str(root), options)).encode()).hexdigest()[:16]
     return version_folder() / "reports" / f"{name}.jsonl"
 
 
 def error_record(problem: Exception) -> dict[str, str | None]:
-    """Convert an error to its form in the report: type, message, file, element and hint."""
+    """Convert an error to a dictionary of type, message, file, element and hint; the last three may be None."""
     if isinstance(problem, HomeMjxError):
         where = {"file": problem.file, "element": problem.element, "hint": problem.hint}
         return {"type": type(problem).__name__, "message": problem.message, **where}
@@ -73,13 +73,13 @@ def error_record(problem: Exception) -> dict[str, str | None]:
 
 
 def find_done_houses(lines: list[dict[str, Any]]) -> set[str]:
-    """Return the ids of the houses that are done according to the report and whose entries exist."""
+    """Return the ids with a line that is not `failed`, and whose entry, of the last such line, exists."""
     entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
     return {house_id for house_id, entry in entries.items() if entry and _is_there(entry)}
 
 
 def _is_there(entry: str) -> bool:
-    """Return whether an entry exists with an intact end of its archive; a truncated one lacks it."""
+    """Return whether an entry, a path below the cache folder, is a zip archive with an intact end (not truncated)."""
     try:
         return is_zipfile(cache_folder() / entry)
     except ValueError:  # not a valid file name

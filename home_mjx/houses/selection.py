@@ -45,11 +45,11 @@ class HouseFilter:
                 raise ConfigError(f"`{name}` must be (minimum, maximum), got {limits}")
 
     def accepts(self, house: CompiledHouse) -> bool:
-        """Return whether a compiled house has all required properties."""
+        """Return whether a compiled house has all required properties; True for a filter without any."""
         return self.matches(summarize_contents(house.report, house.rooms, house.semantics))
 
     def matches(self, contents: "HouseContents") -> bool:
-        """Return whether contents meet all requirements."""
+        """Return whether contents meet all requirements, limits included; see `accepts`."""
         sizes = ((contents.levels, self.levels), (contents.rooms, self.rooms), (contents.area, self.area))
         met = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
         return met and set(self.categories) <= contents.categories
@@ -78,7 +78,7 @@ def summarize_contents(
     """Return the filter properties of a compiled house; its models are not needed.
 
     Args:
-        report: Counts of the house.
+        report: Counts of the house; only "levels" is used.
         rooms: Rooms of the house.
         semantics: Semantic rows of the house.
     """

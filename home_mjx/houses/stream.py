@@ -114,9 +114,8 @@ class HouseStream:
         self._library = Library(models, textures, first[0].agent_materials)
         self._capacity, self._stride = capacity_of(first, capacity_factor), slot_stride(first, capacity_factor)
         self.bank: HouseBank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
-        self.bank = _write(
-            self.bank, *self._prepare(first[0], 0)[1:]
-        )  # compiled now, so that the first swap does not have to wait
+        # Compiled now, so that the first swap does not have to wait.
+        self.bank = _write(self.bank, *self._prepare(first[0], 0)[1:])
         self._calls, self._used, self._closed = 0, None, False
         self._num_envs = 0  # number of environments; 0: not known yet
         self._worker = ThreadPoolExecutor(1, "house-stream")
@@ -129,14 +128,14 @@ class HouseStream:
         """Replace retired houses that no environment uses and whose successor is ready; call it before every step.
 
         Args:
-            houses: House indices of all environments, as in `first.world.house`; empty if no house is in use.
+            houses: House indices of all environments, as in `states.world.house`; empty if no house is in use.
 
         Returns:
             The bank for the next steps; do not use an earlier one.
 
         Raises:
-            ConfigError: The stream is closed; or the number of indices differs from earlier calls, so that a house in
-                use could be overwritten.
+            ConfigError: The stream is closed; or the number of indices, unless 0, differs from earlier calls, so that
+                a house in use could be overwritten.
         """
         if self._closed:
             raise ConfigError("the stream is closed: it exchanges no more houses", hint="Step inside its `with` block.")
@@ -163,7 +162,7 @@ class HouseStream:
             raise ConfigError(message, hint="Pass states.world.house of all; open another stream for another batch.")
 
     def close(self) -> None:
-        """Stop the background thread."""
+        """Wait for the background thread to stop; `advance` then raises, while `bank` stays valid."""
         self._closed = True
         self._worker.shutdown(cancel_futures=True)
 
@@ -212,7 +211,7 @@ class HouseStream:
         )
 
     def _retire(self) -> None:
-        """Exclude the slot that was filled first from resets, and prepare its next house in the background thread."""
+        """Exclude the longest active slot from resets, and prepare its next house in the background thread."""
         house_slot = self._active.pop(0)
         self.bank = self.bank.replace(
             reset_houses=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32)
@@ -231,7 +230,7 @@ class HouseStream:
         self._retire()
 
     def _next(self, house_slot: int) -> Prepared | None:
-        """Prepare the next house that fits a slot, in the background thread; None if all are in `skipped`.
+        """Return the next house that fits, packed for a slot, in the background thread; None if all are in `skipped`.
 
         Houses that fail or do not fit are added to `skipped`.
         """
@@ -244,7 +243,7 @@ class HouseStream:
         return None
 
     def _prepare(self, house: CompiledHouse, house_slot: int) -> Prepared:
-        """Pack a house for a slot, transfer it to the device, and drop its architecture from the host's library.
+        """Return a house packed for a slot, on the device; drop its architecture from the host's library of models.
 
         Raises:
             CapacityError: The house does not fit.
@@ -257,7 +256,7 @@ class HouseStream:
 
 @functools.partial(jax.jit, donate_argnums=0)
 def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Array]) -> HouseBank:
-    """Return the bank with rows overwritten from `starts` on, in its own memory: the argument is donated."""
+    """Return the bank with `rows` written from `starts` on, in the memory of the argument, which becomes invalid."""
     write = functools.partial(jax.lax.dynamic_update_slice_in_dim, axis=0)
     bank = replace_arrays(bank, {key: write(get_array(bank, key), values, starts[key]) for key, values in rows.items()})
     if bank.geometry.gpu is not None:

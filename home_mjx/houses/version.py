@@ -56,7 +56,7 @@ log = logging.getLogger(__name__)
 
 
 def version_folder() -> Path:
-    """Return the folder of cache entries of the installed compiler, whether or not it exists."""
+    """Return the folder, in the cache folder, of the installed compiler's entries, whether or not it exists."""
     return cache_folder() / version()
 
 
@@ -79,7 +79,7 @@ def version_of(package: Path) -> str:
 
 
 def compiler_files(root: Path = PACKAGE_ROOT) -> list[Path]:
-    """Return the files of `COMPILER_PATHS`, code and tables, sorted."""
+    """Return the paths of all code and tables (.py, .csv, .json, .npz) in `COMPILER_PATHS` below `root`, sorted."""
     named = [root / name for name in COMPILER_PATHS]
     found = [path for place in named for path in (place.rglob("*") if place.is_dir() else (place,))]
     files = (path for path in found if path.suffix in (".py", ".csv", ".json", ".npz"))
@@ -117,7 +117,7 @@ def remove_folder(folder: Path) -> None:
 
 
 def prepare_folder() -> None:
-    """Create the folder of this version, and remove files left by killed writers.
+    """Create the version folder of this compiler, and remove old temporary files of killed writers from it.
 
     Raises:
         OSError: The folder is not writable.

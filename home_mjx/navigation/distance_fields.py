@@ -53,7 +53,7 @@ def distance_field(
 def _sweep(
     free: Bool[Array, "ny nx"], distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]
 ) -> Float[Array, "ny nx"]:
-    """Update distances row by row, from the row above and then along the row."""
+    """Return distances lowered row by row from the first: from the row before and then along the row itself."""
 
     def row(
         above: tuple[Bool[Array, " nx"], Float[Array, " nx"]], here: tuple[Array, Array, Array]
@@ -73,7 +73,7 @@ def _sweep(
 
 
 def _shift(values: Array, step: int, fill: float | bool) -> Array:
-    """Return the values `step` columns to the left, with `fill` at the border."""
+    """Return at each column the value `step` (1 or -1) columns before it; `fill` where there is none."""
     moved = jnp.roll(values, step)
     return moved.at[0 if step > 0 else -1].set(fill)
 
@@ -81,7 +81,7 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
 def _along(
     open_: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
 ) -> Float[Array, " nx"]:
-    """Propagate minimum distances along a row in both directions, without crossing blocked cells."""
+    """Lower distances along a row in both directions by steps into open cells; blocked cells keep theirs."""
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
         # (length of the segment, inf if it is blocked; minimum distance at its end)
@@ -100,12 +100,12 @@ def goal_fields(
 
     Args:
         bank: The houses.
-        house: Index of the house.
+        house: Index of the house, not clipped.
         level: Index of the level's grid.
-        goals: Points on that level [m]; the free cells within one cell of a point are its sources.
+        goals: Points on that level [m]; free cells whose centre is within one cell of it in x and y are its sources.
 
     Returns:
-        Distances to each goal's cells [m]; inf if there is no path.
+        Distances over cells of any region to each goal's sources [m]; inf if there is no path, or no source.
     """
     free = bank.navigation.region[house, level] >= 0
     rows, columns = free.shape

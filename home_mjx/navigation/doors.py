@@ -17,7 +17,7 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
         bank: The houses.
         house: Index of the house.
         state: "open" (wide open), "closed", "initial" (pose of the dataset, clipped to the range), or "random" (each
-            leaf open or closed).
+            leaf wide open or closed, with equal odds); `KeyError` for others.
         key: Random key; used by "random" only.
     """
     physics, house = bank.physics, bank.clip_house_index(house)
@@ -56,7 +56,7 @@ def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[A
 
 
 def connected_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
-    """Return which pairs of rooms are connected for an agent that does not move doors.
+    """Return which pairs of rooms are connected, also over other rooms, for an agent that does not move doors.
 
     Args:
         bank: The houses.

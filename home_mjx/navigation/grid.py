@@ -19,7 +19,7 @@ MAX_SHARED_GAP = 0.05  # [m], maximum height difference of cells of two levels t
 
 
 def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Int[Array, "3"]:
-    """Return level, row and column of the cell on which an agent stands, clipped to the grid.
+    """Return grid (level from the lowest), row (y) and column (x) of an agent's cell, clipped to the grid.
 
     Of the cells above one another, one per level, it is that whose floor or ramp is nearest to the feet. Cells outside
     the home region count as `MAX_DEPTH_BELOW_FLOOR` farther: their height may be a neighbour's. The grids of two levels
@@ -70,7 +70,7 @@ def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"])
 
 
 def _plan_cell(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return row and column of a point, clipped to the grid."""
+    """Return row (y) and column (x) of a point [m] in a house, whose index is valid, clipped to the grid."""
     rows, columns = bank.navigation.room.shape[2:]
     index = jnp.floor((pos[:2] - bank.navigation.origin[house]) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
     return jnp.clip(index[1], 0, rows - 1), jnp.clip(index[0], 0, columns - 1)
@@ -79,12 +79,12 @@ def _plan_cell(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -
 def _heights(
     bank: HouseBank, house: Int[Array, ""], row: Int[Array, ""], column: Int[Array, ""]
 ) -> Float[Array, " levels"]:
-    """Return the height of the floor or ramp of each level at a cell [m]; in padding that of the highest level."""
+    """Return each level's floor or ramp height at a cell, else at its nearest one [m]; padding: highest level's."""
     return bank.navigation.height[row_of_cell(bank.navigation.cell[house, :, row, column])]
 
 
 def room_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Int[Array, ""]:
-    """Return the index of the room in which an agent stands; -1 outside. See `cell_at_feet`."""
+    """Return the index of the room in which an agent with its lowest point at `feet` stands; -1 outside."""
     return _room(bank, house, cell_at_feet(bank, house, feet))
 
 
@@ -124,7 +124,7 @@ def geodesic_distance(
     level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
     cell = navigation.cell[house, level, y, x]
     rank = _rank(bank, house, cell)
-    # Cells inside an obstacle have other distances than free cells beside it, so cells of a higher rank are excluded.
+    # Cells inside an obstacle have other distances than free cells beside it, so higher ranks are excluded.
     usable = (rank <= rank[_MIDDLE]) & (rank < UNREACHABLE_RANK)
     usable = usable & usable[_BESIDE[0]] & usable[_BESIDE[1]]  # paths cut no corners
     usable = usable.at[_MIDDLE].set(True)
@@ -152,7 +152,7 @@ def is_near_home_region(bank: HouseBank, house: Int[Array, ""], feet: Float[Arra
 
 
 def _neighbourhood(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Int[Array, "9 3"]:
-    """Return the 3 × 3 cells around a cell, clipped to the grid, each on the level where its floor or ramp goes on."""
+    """Return the 3 × 3 cells around a cell, in the order of `_OFFSETS`, clipped to the grid; see `continue_levels`."""
     offsets = jnp.array([(0, dy, dx) for dy, dx in _OFFSETS], jnp.int32)
     around = jnp.clip(place[None] + offsets, 0, jnp.array(bank.navigation.room.shape[1:], jnp.int32)[None] - 1)
     return continue_levels(bank, house, place, around)
@@ -169,7 +169,7 @@ def continue_levels(
     Args:
         bank: The houses.
         house: Index of the house, not clipped.
-        place: Level, row and column.
+        place: Level (grid), row and column.
         around: Levels, rows and columns within the grid; all on the level of `place`.
     """
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
@@ -187,7 +187,7 @@ def continue_levels(
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return ranks of cells: `HOME_RANK`, 1 free near obstacles, 2 in a movable object, `UNREACHABLE_RANK`."""
+    """Return ranks of entries of `cell`: `HOME_RANK`, 1 free near obstacles, 2 in a movable, `UNREACHABLE_RANK`."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
@@ -196,7 +196,7 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
 
 
 def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Return whether entries of `NavigationArrays.cell` are in the home region, where agents can walk."""
+    """Return whether entries of the house's `NavigationArrays.cell` are in its home region; False if negative."""
     return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
@@ -211,7 +211,10 @@ def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Return distances of `NavigationArrays.cell` entries to one, several or all (None) goals [m]; inf if no path."""
+    """Return distances from cells (entries of `NavigationArrays.cell`) to one, several or all (None) goals [m].
+
+    Unreachable cells have the distance of the nearest reachable one; it is inf if there is no path.
+    """
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
     metres = stored.astype(jnp.float32) * jnp.float32(FIELD_UNIT)
@@ -219,7 +222,7 @@ def stored_distance(
 
 
 def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
-    """Return the geodesic distance of every cell of a house's ground floor to each goal [m], on the host.
+    """Return the geodesic distance of every cell of a house's lowest grid to each goal [m], on the host.
 
     It is inf outside the home region, where agents cannot be unless an object is moved.
     """
@@ -244,13 +247,12 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
     which, shift = jax.random.split(key)
     navigation, house = bank.navigation, bank.clip_house_index(house)
     cell = navigation.first_cell[house] + jax.random.randint(which, (), 0, navigation.num_cells[house])
-    return cell_position(bank, house, cell) + jnp.concatenate(
-        [jax.random.uniform(shift, (2,), jnp.float32, -margin / 2, margin / 2), jnp.zeros(1, jnp.float32)]
-    )
+    offset = jax.random.uniform(shift, (2,), jnp.float32, -margin / 2, margin / 2)
+    return cell_position(bank, house, cell) + jnp.concatenate([offset, jnp.zeros(1, jnp.float32)])
 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
-    """Return the centre of the cell with a given row number, on its floor or ramp [m]."""
+    """Return the centre, on its floor or ramp [m], of the cell in row `cell` of `cell_coords`, a cell of the house."""
     return grid_position(bank, house, bank.navigation.cell_coords[cell].astype(jnp.int32))
 
 

@@ -33,7 +33,7 @@ class PathFollower:
     visited: int = field(default=0)
 
     def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
-        """Return the next action (forward, left, turn, look), see `steer`; a goal within 0.4 m counts as visited."""
+        """Return the next action, see `steer`; count a target within 0.4 m as visited and head for the next."""
         cell = self._free_cell(self._cell(pos))
         if self._field[cell] < 0.4:
             self.visited += 1
@@ -57,7 +57,7 @@ class PathFollower:
         return int(nearest[0]), int(nearest[1])
 
     def _downhill(self, cell: tuple[int, int]) -> tuple[int, int]:
-        """Return the cell `LOOK_AHEAD_CELLS` steps down the field."""
+        """Return the cell (row, column) after `LOOK_AHEAD_CELLS` steps to the neighbour nearest to the target."""
         for _ in range(LOOK_AHEAD_CELLS):
             y, x = cell
             y0, x0 = max(y - 1, 0), max(x - 1, 0)
@@ -70,9 +70,9 @@ class PathFollower:
 def steer(
     pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " 2"], turn_per_step: float
 ) -> Float[np.ndarray, " 4"]:
-    """Compute the action (forward, left, turn, look) towards a point.
+    """Return the action (forward, left, turn, look) towards a point, each in [-1, 1]; turn is positive to the left.
 
-    The agent turns, and walks once the point is less than 0.8 rad off its heading, at a rate of the cosine.
+    It turns, and while the point is less than 0.8 rad off its heading also walks, at the cosine of that angle.
 
     Args:
         pos: Position of the agent [m].
@@ -90,15 +90,15 @@ def steer(
 
 
 def turn_towards(pos: Float[np.ndarray, " 3"], yaw: float, aim: Float[np.ndarray, " *p"]) -> float:
-    """Return the left turn that makes an agent face a point [rad], in [-π, π)."""
+    """Return the left turn (negative: right) that makes an agent face a point in plan [rad], in [-π, π)."""
     offset = aim[:2] - pos[:2]
     return float((np.arctan2(offset[1], offset[0]) - yaw + np.pi) % (2 * np.pi) - np.pi)
 
 
 def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"], turn_per_step: float) -> PathFollower:
-    """Make a path follower that visits a goal in every other room, nearest to `pos` first, before any room twice.
+    """Make a path follower that visits one goal in every other room before any room twice, each time nearest first.
 
-    Goals that are unreachable or upstairs are omitted: the grids are those of the ground floor.
+    Nearest is by path from `pos`. Goals that are unreachable or upstairs (not on the lowest grid) are omitted.
 
     Args:
         bank: The houses.

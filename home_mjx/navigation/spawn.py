@@ -13,7 +13,7 @@ MIN_SPAWN_CLEARANCE = 0.005  # [m], minimum clearance between a spawned agent an
 def sample_starts(
     bank: HouseBank, house: Int[Array, ""], num: int, min_distance: float, key: Array
 ) -> tuple[Int[Array, " a"], Float[Array, "a 3"]]:
-    """Sample start points of a house, each at least `min_distance` [m] from earlier ones if possible.
+    """Sample `num` start points of a house, each at least `min_distance` [m] from earlier ones if possible.
 
     Returns:
         Indices into the house's start points, and the points [m].
@@ -24,9 +24,8 @@ def sample_starts(
     chosen = []
     for a in range(num):
         # Points too close to an earlier agent rank below all others, but are still chosen if no others are left.
-        index = jnp.argmax(jnp.where(clearance < jnp.float32(min_distance), gumbel[a] - 1e6, gumbel[a])).astype(
-            jnp.int32
-        )
+        ranked = jnp.where(clearance < jnp.float32(min_distance), gumbel[a] - 1e6, gumbel[a])
+        index = jnp.argmax(ranked).astype(jnp.int32)
         chosen.append(index)
         clearance = jnp.minimum(clearance, jnp.linalg.norm(points - points[index][None], axis=-1))
     indices = jnp.stack(chosen)
@@ -34,7 +33,7 @@ def sample_starts(
 
 
 def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Array) -> Float[Array, "3"]:
-    """Sample one of a house's start points, raised by `height` [m]."""
+    """Sample uniformly one of a house's start points, which are on the floor, raised by `height` [m]."""
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))
@@ -62,9 +61,8 @@ def random_arrangement(
     over_points = jax.vmap(over_bodies, (None, 0, None, None))
     size, height = bank.physics.body_size[house], jnp.float32(bank.spec.agent_height)
     away = jax.vmap(over_points, (None, None, 0, None))(height, points, poses, size)
-    near = (away < jnp.float32(bank.spec.agent_radius + MIN_SPAWN_CLEARANCE)) & bank.physics.body_valid[house][
-        None, None
-    ]
+    near = away < jnp.float32(bank.spec.agent_radius + MIN_SPAWN_CLEARANCE)
+    near &= bank.physics.body_valid[house][None, None]
     free = ~jnp.any(near, axis=(1, 2))
     drawn = jnp.argmax(jnp.where(free, jax.random.uniform(key, free.shape), jnp.float32(-1.0)))
     return jnp.where(jnp.any(free), drawn, -1).astype(jnp.int32)
@@ -73,12 +71,12 @@ def random_arrangement(
 def _distance_to_box(
     height: Float[Array, ""], point: Float[Array, "3"], pose: Float[Array, "7"], half: Float[Array, "3"]
 ) -> Float[Array, ""]:
-    """Compute the distance from a vertical segment of `height` above a point to an upright box [m]."""
+    """Return the distance [m] from the segment of `height` above a point to an upright box at `pose` (xyz, wxyz)."""
     nearest = point.at[2].set(jnp.clip(pose[2], point[2], point[2] + height))
     local = jnp.matmul(nearest - pose[:3], quat_matrix(pose[3:]), precision="highest")
     return jnp.linalg.norm(jnp.maximum(jnp.abs(local) - half, 0.0))
 
 
 def random_yaw(key: Array, shape: tuple[int, ...] = ()) -> Float[Array, "*n"]:
-    """Sample uniformly distributed headings [rad]."""
+    """Sample headings uniformly in [-pi, pi) [rad], in an array of `shape`."""
     return jax.random.uniform(key, shape, jnp.float32, -jnp.pi, jnp.pi)

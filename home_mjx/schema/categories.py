@@ -63,7 +63,7 @@ def room_labels(names: Iterable[str]) -> int:
 
 
 def room_types_in(labels: int) -> tuple[int, ...]:
-    """Return the indices into `ROOM_TYPES` of a bit mask of `room_labels`, ascending; () for 0 and for -1, none.
+    """Return the indices into `ROOM_TYPES` of a bit mask of `room_labels`, ascending; () for 0, and for -1 (no room).
 
     Example:
         >>> room_types_in(18)
@@ -75,7 +75,7 @@ def room_types_in(labels: int) -> tuple[int, ...]:
 def texture_family(texture: str) -> str:
     """Return the family of a SUNCG texture name.
 
-    Digits and trailing underscores are removed. Names that contain `textile` or `wood` map to it (HoME's rule).
+    All digits, then trailing underscores are removed. Names that contain `textile` or `wood` map to it (HoME's rule).
 
     Args:
         texture: Name without folder and extension.

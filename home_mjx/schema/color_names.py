@@ -50,7 +50,7 @@ def _palette(rows: list[dict[str, str]]) -> Palette:
 
 
 def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
-    """Return the names of the most similar colours of a palette.
+    """Return for each colour the palette name with the smallest CIEDE2000 difference, after rounding to 0.1.
 
     Args:
         lab: CIELAB colours.
@@ -66,7 +66,7 @@ def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
 
 @lru_cache(maxsize=1 << 14)
 def _names_by_look(lab: tuple[float, float, float]) -> tuple[str, ...]:
-    """Return the name nearest to a CIELAB colour at each level; cached, since some colours occur in all houses."""
+    """Return the names nearest to a CIELAB colour, one per level of `COLOR_LEVELS`; cached, since many recur."""
     found = [palettes()[level] for level in COLOR_LEVELS]
     ends = np.cumsum([len(palette.names) for palette in found])[:-1]
     away = np.split(ciede2000(np.array(lab), np.concatenate([palette.lab for palette in found])), ends)

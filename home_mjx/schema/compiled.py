@@ -133,13 +133,13 @@ class Doors:
         return (self.slide != 0).any(axis=1)
 
     def bank_rows(self, num_doors: int, num_slides: int) -> Int[np.ndarray, " h"]:
-        """Return the row of each leaf in a table of `num_doors` rows; sliding leaves use the last `num_slides` rows."""
+        """Return leaves' rows in a table of `num_doors`: hinged ones from 0, sliding ones in the last `num_slides`."""
         hinged, sliding = np.cumsum(~self.is_sliding) - 1, num_doors - num_slides + np.cumsum(self.is_sliding) - 1
         return np.where(self.is_sliding, sliding, hinged).astype(np.int32)
 
     @staticmethod
     def empty() -> "Doors":
-        """Return an empty table of doors."""
+        """Return a table of doors without rows."""
         flat = np.zeros(0)
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         angles = dict.fromkeys(("closed", "fully_open", "low", "high"), flat)
@@ -160,7 +160,7 @@ class Ramps:
 
     @staticmethod
     def empty() -> "Ramps":
-        """Return an empty table of ramps."""
+        """Return a table of ramps without rows."""
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         rows = np.zeros(0, np.int32)
         return Ramps(rows, **box, slope=np.zeros(0), up=np.zeros((0, 2)), collider=rows)
@@ -256,20 +256,19 @@ class HouseNavigation:
 
     @property
     def home_mask(self) -> Bool[np.ndarray, "l ny nx"]:
-        """Mask of the home region."""
+        """Mask of the home region, by grid, row and column."""
         return self.region == 0
 
     @property
     def cell_coords(self) -> Int[np.ndarray, "c 3"]:
-        """Grid, row and column of each home cell."""
+        """Grid, row and column of each home cell, in the order of its number: grid by grid, row by row."""
         return np.argwhere(self.home_mask)
 
     def distance(self, goal: int) -> Float[np.ndarray, "l ny nx"]:
-        """Return the geodesic distance of home cells to goal number `goal` [m]; inf elsewhere and if unreachable."""
+        """Return home cells' distances to row `goal` of `self.goal` [m]; inf if unreachable, and in all other cells."""
         field = np.full(self.region.shape, np.inf)
-        field[self.home_mask] = np.where(
-            self.field[:, goal] == FIELD_UNREACHABLE, np.inf, self.field[:, goal] * FIELD_UNIT
-        )
+        stored = self.field[:, goal]
+        field[self.home_mask] = np.where(stored == FIELD_UNREACHABLE, np.inf, stored * FIELD_UNIT)
         return field
 
 

@@ -51,9 +51,9 @@ def contact_properties(kind: str, coarse: str, mass: float) -> ContactProperties
     """Return the friction and restitution of an object.
 
     Args:
-        kind: Kind of material with the largest surface, one of `MATERIAL_KINDS`, or "".
+        kind: Kind of material with the largest surface, one of `MATERIAL_KINDS`; other names have `DEFAULT_CONTACT`.
         coarse: Coarse category.
-        mass: Mass [kg].
+        mass: Mass [kg]; above `MAX_BOUNCING_MASS` the restitution is 0.
 
     Example:
         >>> contact_properties("glass", "vase", 1.0), contact_properties("textile", "sofa", 40.0)
@@ -68,7 +68,7 @@ def damping_ratio(restitution: float) -> float:
     """Return the damping ratio z of a contact with restitution e = exp(-pi z / sqrt(1 - z^2)).
 
     Args:
-        restitution: Restitution e, in [0, 1).
+        restitution: Restitution e, in [0, 1); 0 and below result in 1 (critical damping).
 
     Example:
         >>> damping_ratio(0.0), round(damping_ratio(0.5), 3)

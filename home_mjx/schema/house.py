@@ -30,13 +30,9 @@ class Material:
     @property
     def texture_name(self) -> str:
         """Name of its texture, even if the image is missing; "" without a texture."""
-        return (
-            self.texture.stem
-            if self.texture is not None
-            else ""
-            if self.missing_file.endswith(".mtl")
-            else self.missing_file
-        )
+        if self.texture is not None:
+            return self.texture.stem
+        return "" if self.missing_file.endswith(".mtl") else self.missing_file
 
 
 @dataclass(frozen=True)
@@ -55,7 +51,7 @@ class Mesh:
     part: Int[np.ndarray, " f"] | None = None  # of a mesh of walls: wall of each face; None: all faces are one wall
 
     def faces_by_part(self) -> list[Int[np.ndarray, " _"]]:
-        """Return the indices of the faces of each part, in ascending order of parts."""
+        """Return the face indices of each part with faces, in ascending order; all faces as one if `part` is None."""
         part = np.zeros(len(self.faces), int) if self.part is None else self.part
         return [np.flatnonzero(part == number) for number in np.unique(part)]
 
@@ -96,7 +92,7 @@ class Joint:
         return np.concatenate([np.arange(first, last + 1) for first, last in self.face_ranges])
 
     def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
-        """Return the rigid motion from the pose of the mesh to a joint value.
+        """Return the rigid motion of column vectors in the model's frame, from the mesh as it is to a joint value.
 
         Args:
             value: Angle [rad] or displacement [m].
@@ -116,10 +112,10 @@ class Joint:
         return motion
 
     def move(self, mesh: Mesh, value: float) -> Mesh:
-        """Return the model with this part moved; call it once per part to move several parts.
+        """Return a copy of a mesh with this part moved; call it once per part to move several parts.
 
         Args:
-            mesh: The mesh that the joint belongs to, with faces in their original order.
+            mesh: The mesh that the joint belongs to, this part at joint value 0, with faces in their original order.
             value: Angle [rad] or displacement [m].
 
         Raises:
@@ -134,7 +130,7 @@ class Joint:
 
 
 def _turn(axis: Float[np.ndarray, " 3"], angle: float) -> Float[np.ndarray, "3 3"]:
-    """Return the rotation about a unit vector by Rodrigues' formula."""
+    """Return the right-handed rotation by `angle` [rad] about a unit vector, by Rodrigues' formula."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     return np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
@@ -307,5 +303,5 @@ class Metadata:
     models: Mapping[str, ModelInfo]  # by `ObjectNode.model_id`
 
     def info(self, model_id: str) -> ModelInfo:
-        """Return the row of a model; its category is `unknown` if it has none."""
+        """Return the row of a model; if it has none, one with the defaults of `ModelInfo` (category `unknown`)."""
         return self.models.get(model_id) or ModelInfo(model_id)

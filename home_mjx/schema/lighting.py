@@ -35,7 +35,7 @@ class LightTable:
 
     @staticmethod
     def empty() -> "LightTable":
-        """Return a table without lights and ambient light."""
+        """Return a table without lights, and with zero ambient light in its only row, which is that of no room."""
         vectors = dict.fromkeys(("pos", "axis_u", "axis_v", "direction", "intensity"), np.zeros((0, 3)))
         numbers = dict.fromkeys(("exponent", "cutoff", "area"), np.zeros(0))
         rows = dict.fromkeys(("instance", "room"), np.zeros(0, np.int32))

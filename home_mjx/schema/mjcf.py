@@ -72,7 +72,7 @@ def add_agent(world: ET.Element, shape: AgentBody, name: str, **capsule: str) ->
 
 
 def add_motors(actuator: ET.Element, name: str) -> None:
-    """Add an agent's motors: force along world x and y [N], torque about z [N m]."""
+    """Add motors for the x, y and yaw joints of agent `name`: force along world x and y [N], torque about z [N m]."""
     for joint in ("x", "y", "yaw"):
         ET.SubElement(actuator, "motor", name=f"{name}_{joint}", joint=f"{name}_{joint}")
 
@@ -101,7 +101,7 @@ def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, 
 
 
 def numbers(values: Float[np.ndarray, "..."]) -> str:
-    """Return numbers as the value of an MJCF attribute."""
+    """Return numbers as an MJCF attribute: row by row, nine significant digits, separated by spaces."""
     return " ".join(f"{x:.9g}" for x in np.ravel(values))
 
 
@@ -120,13 +120,13 @@ def body_contact_attributes(friction: float, ratio: float, timestep: float) -> d
 
 
 def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
-    """Add a collision box of half extents `size` [m]."""
+    """Add a box geom of half extents `size` [m] in the group of colliders; `more` adds or replaces attributes."""
     look = {"group": COLLIDER_GROUP, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="box", size=numbers(size))
 
 
 def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
-    """Add a convex piece as a collision geom."""
+    """Add the mesh asset named `mesh`, a convex piece, as a massless geom in the group of colliders, as `add_box`."""
     look = {"group": COLLIDER_GROUP, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
 
@@ -141,10 +141,10 @@ def add_leaf(
         doors: All leaves.
         row: Row of the leaf.
         name: Name of body, joint and geom.
-        inertia: Principal moments of inertia of the leaf [kg m^2], see `geometry.boxes.box_inertia`.
+        inertia: Principal moments of inertia of the leaf about its centre [kg m^2], see `geometry.boxes.box_inertia`.
 
     Returns:
-        The body and its origin [m].
+        The body, and its origin in the world [m]: the `pivot`, at the height of the leaf's centre.
     """
     origin = np.array([*doors.pivot[row], doors.pos[row, 2]])
     element = ET.SubElement(world, "body", name=name, pos=numbers(origin))

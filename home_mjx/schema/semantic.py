@@ -50,7 +50,7 @@ def semantic_row(
     partition: int = -1,
     movable: int = -1,
 ) -> Int[np.ndarray, " c"]:
-    """Build a row of the semantic table; columns filled by the semantic engine are -1.
+    """Build a row of the semantic table; columns without an argument, filled by the semantic engine later, are -1.
 
     Args:
         fine: Fine category, a name in `FINE`; other names map to `unknown`.

@@ -18,7 +18,7 @@ FIRST_COLOR = {"basic": Semantic.COLOR, "css": Semantic.CSS, "xkcd": Semantic.XK
 
 @cache
 def vocabularies() -> Mapping[Semantic, tuple[str, ...]]:
-    """Return the names by number, for each column that has names.
+    """Return for each column that has names a tuple of them; a name's position is the number in the table.
 
     Example:
         >>> vocabularies()[Semantic.SIZE]
@@ -44,7 +44,7 @@ def _numbers(column: Semantic) -> Mapping[str, int]:
 
 
 def encode_name(column: Semantic, name: str) -> int:
-    """Return the number of a name in a column; -1 for "" and "unknown".
+    """Return the number of a name in a column; -1 for "", and for "unknown" unless it is a name of the column.
 
     Args:
         column: A column that has names.
@@ -78,9 +78,9 @@ def _color_hint(column: Semantic, name: str) -> str | None:
 
 
 def decode_row(row: Int[np.ndarray, " c"]) -> dict[str, str | int | tuple[str, ...]]:
-    """Convert a row of the semantic table to a dictionary by column name, with names for numbers; omit entries of -1.
+    """Convert a row of the semantic table to a dictionary by lower-case column name; omit entries of -1.
 
-    `room_labels` is a tuple of names.
+    Numbers of columns with `vocabularies` become names, `room_labels` a tuple of names; others stay numbers.
 
     Args:
         row: One entry per `Semantic`.

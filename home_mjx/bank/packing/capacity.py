@@ -66,12 +66,12 @@ AXES: Mapping[str, CapacityAxis] = {
 
 
 def required_lengths(house: CompiledHouse) -> dict[str, int]:
-    """Return the length that a house needs on each axis."""
+    """Return the length that a house needs on each axis of `AXES`, before rounding up."""
     return {name: axis.required(house) for name, axis in AXES.items()}
 
 
 def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -> dict[str, int]:
-    """Return axis lengths, rounded up to size classes, for houses up to `capacity_factor` times the largest.
+    """Return lengths of `AXES`, rounded up by `round_up`, for houses up to `capacity_factor` times the largest.
 
     The factor does not apply to axes whose length a compiler option determines.
     """
@@ -82,13 +82,13 @@ def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
-    """Add the fixed and the derived lengths to those of `AXES`; the axes of rows and houses are not included."""
+    """Return `capacity`, the lengths of `AXES`, and the fixed and derived ones; not those of rows and houses."""
     doors = capacity["hinged_leaves"] + capacity["slides"]
     return {**FIXED_LENGTHS, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 
 
 def house_rows(house: CompiledHouse) -> dict[str, int]:
-    """Count the rows of a house in each kind of concatenated table, without models shared with other houses."""
+    """Count a house's rows in each of `ROW_KINDS`; of models, only its architecture, which no other house shares."""
     own = house.models[house.instances.model[ARCHITECTURE]]
     return model_rows([own]) | {
         "node": len(own.tree.child) + len(house.top_bvh.child),
@@ -99,24 +99,22 @@ def house_rows(house: CompiledHouse) -> dict[str, int]:
 
 
 def model_rows(models: Iterable[Model]) -> dict[str, int]:
-    """Count the rows of models in each kind of table."""
+    """Count the rows of models in the tables `model`, `triangle` and `node`."""
     models = list(models)
     nodes, triangles = sum(len(m.tree.child) for m in models), sum(len(m.triangle) for m in models)
     return {"model": len(models), "triangle": triangles, "node": nodes}
 
 
 def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np.ndarray) -> dict[str, int]:
-    """Count the rows before those of all houses: library models, and the agent's materials and semantics."""
+    """Count the rows, by `ROW_KINDS`, that precede those of all houses: library models, and the agent's other rows."""
     return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics), "cell": 0}
 
 
 def slot_stride(houses: Sequence[CompiledHouse], capacity_factor: float) -> dict[str, int]:
-    """Return rows per table kind that hold each of the houses, and others up to `capacity_factor` times as large."""
+    """Return rows by `ROW_KINDS` that hold any one house, up to `capacity_factor` times the largest of these."""
     found = [house_rows(house) for house in houses]
     largest = {kind: max(rows[kind] for rows in found) for kind in found[0]}
-    return {
-        kind: 1 if kind == "model" else ragged_class(int(count * capacity_factor)) for kind, count in largest.items()
-    }
+    return {k: 1 if k == "model" else ragged_class(int(n * capacity_factor)) for k, n in largest.items()}
 
 
 def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
@@ -130,7 +128,7 @@ def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
 
 
 def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, int]]:
-    """Return the first row of each house in each table if the houses follow one another from `first` on."""
+    """Return each house's first row by table, with houses one after another from `first` on; `rows` counts theirs."""
     starts, at = [], dict(first)
     for counts in rows:
         starts.append(dict(at))
@@ -139,7 +137,7 @@ def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, i
 
 
 def size_class(count: int, smallest: int) -> int:
-    """Return the smallest `smallest * 2**n` of at least `count`.
+    """Return the smallest `smallest * 2**n`, n >= 0, of at least `count`.
 
     Example:
         >>> size_class(44, 32), size_class(3, 8)

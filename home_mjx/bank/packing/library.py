@@ -48,7 +48,7 @@ class Library:
 
     @cached_property
     def model_index(self) -> dict[str, int]:
-        """Index of each model, by key."""
+        """Row of each model among the bank's models, by key; the agent's is 0."""
         return {key: i for i, key in enumerate(self.models)}
 
     @cached_property
@@ -67,7 +67,7 @@ class Library:
         return shared_rows(self.models.values(), self.agent_materials, agent_semantics())
 
     def owners(self, sizes: Sizes) -> Owners:
-        """Return the owners of the library's rows by kind: its models, and the agent's materials and semantics."""
+        """Return the owners, by kind, of the rows from 0 on: models, and the agent's materials and semantics."""
         models = list(self.models.values())
         sizes_of = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
         starts = cumulative_starts({"node": 0, "triangle": 0}, sizes_of)
@@ -83,7 +83,7 @@ class Library:
         return found | {"material": [row], "semantic": [row]}
 
     def shared_owners(self, texture_size: int) -> Owners:
-        """Return the owner of shared arrays without rows; this reads the textures."""
+        """Read all textures at edge `texture_size` [px]; return their owner, which has no rows, by kind (`SHARED`)."""
         layers = load_textures(self.textures, texture_size)
         return {SHARED: [SharedOwner(SharedArrays(layers.view("<u4")[..., 0], cutout_bits(layers, texture_size)))]}
 
@@ -92,7 +92,7 @@ class Library:
 
         Args:
             house: The house.
-            start: First row of each kind.
+            start: First row of the house in each kind of table.
             sizes: Axis lengths of the bank.
         """
         own = house.models[house.instances.model[ARCHITECTURE]]
@@ -103,13 +103,13 @@ class Library:
 
 
 def model_owners(model: Model, start: Counts) -> Owners:
-    """Return the owners of the rows of one model."""
+    """Return the owners of one model's rows, by kind; `start` has its first rows of `node` and `triangle`."""
     at = ModelOwner(model, start["node"])
     return {"model": [at], "triangle": [at], "node": [TreeOwner(model.tree, start["node"], start["triangle"])]}
 
 
 def agent_model() -> Model:
-    """Build the agent's library model: origin mid-capsule, Z up, facing +x; material slots body and visor."""
+    """Build the agent's library model: origin mid-capsule, Z up, facing +x; material slots 0 (body) and 1 (visor)."""
     body = _capsule()
     visor = box_triangles(np.array(VISOR_CENTER), np.array(VISOR_SIZE) / 2)
     slot = np.repeat([0, 1], [len(body), len(visor)])

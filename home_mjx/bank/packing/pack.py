@@ -105,7 +105,7 @@ def pack_house_slots(
     Args:
         houses: One house per slot.
         library: All models and textures of all houses that may ever be exchanged.
-        capacity: Lengths of the axes per house.
+        capacity: Lengths of the axes of `AXES`, see `capacity_of`.
         stride: Maximum rows of each kind per house.
         texture_size: Edge of the square texture layers [px].
 
@@ -123,10 +123,10 @@ def pack_house_slots(
 def pack_house_slot(
     house: CompiledHouse, library: Library, capacity: Counts, stride: Counts, house_slot: int
 ) -> tuple[Arrays, dict[Key, int]]:
-    """Pack one house for a slot of a `pack_house_slots` bank: return its rows and the first row of each array.
+    """Pack one house for a slot of a `pack_house_slots` bank: return its rows, padded, and where each array's begin.
 
     Raises:
-        CapacityError: The house does not fit.
+        CapacityError: The house does not fit `capacity` or `stride`, see `pack_house_slots`.
     """
     check_house_fits(house, capacity, stride)
     start = slot_start(library, stride, house_slot)
@@ -138,12 +138,12 @@ def pack_house_slot(
 
 
 def slot_start(library: Library, stride: Counts, house_slot: int) -> dict[str, int]:
-    """Return the first row of a house slot in each table."""
+    """Return the first row of house slot number `house_slot` in each table; slots follow the library's rows."""
     return {kind: library.num_rows[kind] + house_slot * count for kind, count in stride.items()}
 
 
 def check_house_fits(house: CompiledHouse, capacity: Counts, stride: Counts) -> None:
-    """Raise `CapacityError` if a house does not fit a house slot."""
+    """Raise `CapacityError` if a house needs longer axes than `capacity` or more rows than `stride`."""
     check_fits(house.id, required_lengths(house), capacity)
     check_fits(house.id, house_rows(house), stride)
 
@@ -158,7 +158,7 @@ def check_triangles(count: int) -> None:
 
 
 def common_options(houses: Sequence[CompiledHouse]) -> dict[str, float]:
-    """Return the compiler options that all houses share.
+    """Return the values of `COMMON_OPTIONS`, which all houses, at least one, must share.
 
     Raises:
         ConfigError: The houses were compiled with different options.
@@ -180,7 +180,7 @@ def _packed(
 
 
 def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, texture_size: int) -> dict[str, int]:
-    """Return the length of every axis of a bank."""
+    """Return the length of every axis of a bank, by name; `rows` has those of `ROW_KINDS`."""
     layers, texels = texture_shape(len(library.textures), texture_size)
     edge, words = cutout_shape(texture_size)
     shared = {"layers": layers, "texels": texels, "edge": edge, "words": words}
@@ -192,12 +192,12 @@ def _declared(shared: bool) -> list[Declaration]:
 
 
 def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Sizes) -> Arrays:
-    """Fill every array with the rows of its owners, then padding."""
+    """Return every declared array, filled with the rows of its owners and elsewhere with padding."""
     return {d.key: d.pack(_placed(d, parts), sizes) for d in declarations}
 
 
 def _placed(declaration: Declaration, parts: Sequence[_Part]) -> list[tuple[int, np.ndarray]]:
-    """Return the first row and the values of each owner of an array, as `Declaration.pack` takes them."""
+    """Return pairs of first row and values, one per owner of an array, as `Declaration.pack` takes them."""
     found, kind = [], declaration.kind
     for part in parts:
         row = part.start.get(kind, 0)

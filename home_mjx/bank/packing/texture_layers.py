@@ -20,7 +20,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     """Load images as sRGB and alpha layers with mip levels; layers beyond the last image are white.
 
     Args:
-        paths: Image files.
+        paths: Image files, which are resized to squares.
         size: Edge of the square layers [px], a power of two.
 
     Raises:
@@ -36,7 +36,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
 
 
 def cutout_bits(layers: TextureArray, size: int) -> UInt32[np.ndarray, "l s w"]:
-    """Return one bit per texel of the largest mip level, 1 if it is cut out; rows are padded to whole words.
+    """Return a bit per texel of the largest mip level, lowest bit first, 1 if cut out; rows are padded to whole words.
 
     Args:
         layers: Layers with mip levels.
@@ -48,12 +48,12 @@ def cutout_bits(layers: TextureArray, size: int) -> UInt32[np.ndarray, "l s w"]:
 
 
 def cutout_shape(size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Return the rows of one layer of `cutout_bits`, and the words per row."""
+    """Return the number of rows of one layer of `cutout_bits`, and of 32-bit words per row."""
     return size, -(-size // WORD_BITS)
 
 
 def mip_sizes(size: int) -> list[int]:
-    """Return the texels of each mip level of a square texture, from full size to one texel.
+    """Return the texel counts of a square texture's mip levels, from `size` x `size` to one.
 
     Example:
         >>> mip_sizes(4)
@@ -63,7 +63,7 @@ def mip_sizes(size: int) -> list[int]:
 
 
 def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
-    """Compute a texture's mip levels, concatenated row by row; each texel is the mean of four, in linear light.
+    """Return a texture's mip levels, largest first, row by row; a texel is the mean of four in linear light.
 
     Texels are weighted by opacity, so that colours of transparent texels do not bleed into visible ones.
     """
@@ -73,9 +73,8 @@ def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
         weight = np.maximum(alpha, 1e-6)
         alpha = _halved(alpha)
         color = _halved(color * weight) / np.maximum(_halved(weight), 1e-6)
-        levels.append(
-            np.round(255 * np.concatenate([encode_srgb(color), alpha], axis=-1)).astype(np.uint8).reshape(-1, 4)
-        )
+        level = np.round(255 * np.concatenate([encode_srgb(color), alpha], axis=-1))
+        levels.append(level.astype(np.uint8).reshape(-1, 4))
     return np.concatenate(levels)
 
 
@@ -85,7 +84,7 @@ def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
 
 
 def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Return the number of layers that hold `count` images, and the texels per layer."""
+    """Return the layers for `count` images, a power of two, and the texels per layer with all mip levels."""
     return size_class(count, 1), sum(mip_sizes(size))
 
 

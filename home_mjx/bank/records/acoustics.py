@@ -12,17 +12,17 @@ from home_mjx.geometry.rotations import quat_matrix
 
 
 def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:
-    """Return True for each plane."""
+    """Return one True per plane of the house; padding is False."""
     return np.ones(len(at.house.planes.material), bool)
 
 
 def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
-    """Return the material row of each plane."""
+    """Return the row of each plane's material in the bank."""
     return at.house.planes.material + at.start["material"]
 
 
 def exposed_edge_bits(at: HouseOwner) -> Int[np.ndarray, " c"]:
-    """Return the exposed edges of static boxes, one bit per edge in the order of `schema.edges`."""
+    """Return per static box a mask of exposed edges: bit i is row i of `geometry.diffraction_edges.edge_rows`."""
     boxes, rooms = at.house.colliders, at.house.rooms
     turn = quat_matrix(boxes.quat)
     heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
@@ -43,7 +43,7 @@ class Acoustics(Pytree):
     )
     plane_material: Int[Array, "h planes"] = array("absolute row", source=plane_material)
     collider_edges: Int[Array, "h colliders"] = array(
-        "bits of the exposed edges of static boxes, see `schema.edges`", source=exposed_edge_bits
+        "bits of the exposed edges of static boxes, see `geometry.diffraction_edges`", source=exposed_edge_bits
     )
 
 

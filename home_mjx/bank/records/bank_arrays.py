@@ -79,7 +79,7 @@ RECORDS: dict[str, type] = {
 
 
 def declarations() -> tuple[Declaration, ...]:
-    """Return the declarations of all arrays of a bank.
+    """Return the declarations of all arrays of a bank, record by record; without `reset_houses` and `bakes`.
 
     Example:
         >>> next(d for d in declarations() if d.name == "physics.body_mass").axes
@@ -98,7 +98,7 @@ def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, .
 
 
 def get_array(bank: BankArrays, key: Key) -> Array:
-    """Return the array of a bank with this key."""
+    """Return the array of a bank with the key (record, field); record "" is the bank itself."""
     record, field = key
     return getattr(getattr(bank, record) if record else bank, field)
 
@@ -112,7 +112,7 @@ def group_by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
 
 
 def replace_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
-    """Return the bank with arrays replaced, by record and field."""
+    """Return a bank with the arrays of these keys (record, field) replaced; the given bank is unchanged."""
     tables = group_by_record(arrays)
     own = tables.pop("")
     records = {name: getattr(bank, name).replace(**fields) for name, fields in tables.items() if fields}

@@ -59,7 +59,7 @@ class Declaration:
     def from_field(
         cls, key: Key, annotation: Any, doc: str, source: Source, fill: Any = 0, dtype: type | None = None
     ) -> "Declaration":
-        """Create a declaration from an annotated field and its notes."""
+        """Create a declaration from a field's annotation and notes; `dtype` overrides that of the annotation."""
         kind = np.dtype(dtype or DTYPES.get(annotation.dtype) or annotation.dtypes[0])
         return cls(*key, doc, tuple(annotation.dim_str.split()), kind, source, fill)
 
@@ -84,15 +84,15 @@ class Declaration:
         return self.axes[0] if self.axes and self.axes[0] in (HOUSE_AXIS, *ROW_KINDS) else SHARED
 
     def shape(self, sizes: Sizes) -> tuple[int, ...]:
-        """Return the shape in a bank of these sizes."""
+        """Return the shape in a bank whose axes have these lengths, by name; numeric axes have their own."""
         return tuple(int(axis) if axis.isdigit() else sizes[axis] for axis in self.axes)
 
     def nbytes(self, sizes: Sizes) -> int:
-        """Return the size in a bank of these sizes [bytes]."""
+        """Return the size [bytes] in a bank whose axes have these lengths, see `shape`."""
         return int(np.prod(self.shape(sizes), dtype=np.int64)) * self.dtype.itemsize
 
     def values(self, owner: Any) -> np.ndarray:
-        """Return the rows of one owner, unpadded; a house has one row."""
+        """Return the rows of one owner, unpadded; for `HOUSE_AXIS` they get a first axis of length 1."""
         path = isinstance(self.source, str)
         found = np.asarray(attrgetter(self.source)(owner.record) if path else self.source(owner))  # type: ignore
         return found[None] if self.kind == HOUSE_AXIS else found
@@ -101,7 +101,7 @@ class Declaration:
         """Build the complete array with padding.
 
         Args:
-            parts: Pairs of first row and values.
+            parts: Pairs of first row and values; padding fills all other rows and the rest of shorter axes.
             sizes: Axis lengths of the bank.
 
         Raises:
@@ -127,5 +127,5 @@ class Declaration:
 
 
 def _cycled(rows: np.ndarray, size: int) -> np.ndarray:
-    """Repeat the rows of each house in turn up to `size` rows."""
+    """Repeat each house's entries on the second axis in turn, up to `size` of them."""
     return rows[:, np.arange(size) % rows.shape[1]]

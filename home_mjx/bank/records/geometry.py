@@ -26,38 +26,38 @@ def offset_codes(at: TreeOwner) -> Int[np.ndarray, "n 2"]:
 
 
 def model_root(at: ModelOwner) -> Any:
-    """Return the root node of a model's tree."""
+    """Return the row of the root node of a model's tree in the bank, as a list of one."""
     return [at.node]
 
 
 def model_box(at: ModelOwner) -> Any:
-    """Return the bounds of a model [m]."""
+    """Return the bounds (min, max) of a model in its frame [m], with a leading axis of one."""
     return at.record.box[None]
 
 
 def top_root(at: HouseOwner) -> int:
-    """Return the root of a house's top tree, which follows the tree of its architecture."""
+    """Return the bank's row of the root of a house's top tree, which follows the tree of its architecture."""
     own = at.house.models[at.house.instances.model[ARCHITECTURE]]
     return at.start["node"] + len(own.tree.child)
 
 
 def instance_models(at: HouseOwner) -> list[int]:
-    """Return the library models of the instances; the architecture's model is private to the house."""
+    """Return the instances' rows in the bank's models; the first, the architecture, has one private to the house."""
     return [at.start["model"], *(at.model_index[key] for key in at.house.instances.model[ARCHITECTURE + 1 :])]
 
 
 def inverse_pose(at: HouseOwner) -> Float[np.ndarray, "i 3 4"]:
-    """Invert the poses after rounding them to float32."""
+    """Return model-from-world maps of the instances, in float64: inverses of the poses rounded to float32."""
     return invert(at.house.instances.pose.astype(np.float32).astype(np.float64))
 
 
 def first_material(at: HouseOwner) -> Int[np.ndarray, " i"]:
-    """Return the first material row of each instance."""
+    """Return the row in the bank's materials of each instance's slot 0."""
     return at.house.instances.material + at.start["material"]
 
 
 def first_semantic(at: HouseOwner) -> Int[np.ndarray, " i"]:
-    """Return the first semantic row of each instance."""
+    """Return the row in the bank's semantic table of each instance's part 0."""
     return at.house.instances.semantic + at.start["semantic"]
 
 
@@ -69,7 +69,7 @@ def ray_mask(at: HouseOwner) -> Int[np.ndarray, " r"]:
 
 
 def semantic_by_object(at: HouseOwner) -> Int[np.ndarray, " o"]:
-    """Return the semantic row of each object id; -1 for unused ids."""
+    """Return the row in the bank's semantic table of each object id, up to the largest; -1 for unused ids."""
     ids = at.house.instances.object_id[ARCHITECTURE + 1 :]
     rows = np.full(1 + ids.max(initial=-1), -1, np.int32)
     rows[ids] = first_semantic(at)[ARCHITECTURE + 1 :]
@@ -127,5 +127,5 @@ class Geometry(Pytree):
     gpu: GpuGeometry | None = None  # layout for the `cuda` ray backend; None: computed at each cast
 
     def clip_house_index(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
-        """Clip house indices to the bank; JAX's own indexing would count negative ones from the end."""
+        """Clip house indices to the bank, negative ones to 0; JAX's own indexing would count these from the end."""
         return jnp.clip(house, 0, self.house_root.shape[0] - 1)

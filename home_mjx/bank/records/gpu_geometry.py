@@ -50,7 +50,7 @@ def pack_instances(
     object_id: Int[Array, "*i"],
     material: Int[Array, "*i"],
 ) -> Float[Array, "*i 16"]:
-    """Build one row per instance: model from world, then bits of root node, instance, object id and material row."""
+    """Return a row per instance: model from world, then bits of root node, instance, object id and material row."""
     notes = _bits(jnp.stack([root, number, object_id, material], axis=-1))
     return jnp.concatenate([inverse.astype(jnp.float32).reshape(*root.shape, 12), notes], axis=-1)
 

@@ -12,23 +12,23 @@ KIND_INDEX = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
 
 
 def linear_albedo(at: HouseOwner) -> Float[np.ndarray, "r 4"]:
-    """Convert albedo from sRGB to linear light; keep opacity."""
+    """Return the owner's albedo, converted from sRGB to linear light, with the opacity unchanged in the last column."""
     albedo = at.record.materials.albedo
     return np.concatenate([decode_srgb(albedo[:, :3]), albedo[:, 3:]], axis=1)
 
 
 def texture_layer(at: HouseOwner) -> list[int]:
-    """Return the texture layer of each material; -1 if it has none."""
+    """Return the bank's texture layer of each material; -1 if it has none."""
     return [at.texture_layer[path] for path in at.record.materials.texture]
 
 
 def material_kind(at: HouseOwner) -> list[int]:
-    """Return the index of each material's kind; -1 unknown."""
+    """Return the index of each material's kind in `MATERIAL_KINDS`; -1 unknown."""
     return [KIND_INDEX[name] for name in at.record.materials.kind]
 
 
 def specular(at: HouseOwner) -> Float[np.ndarray, "r 3"]:
-    """Return the specular colour of every material in linear light; rows missing in the gloss table are matt."""
+    """Return the specular colour of every material in linear light; 0 for rows missing in the gloss table."""
     return np.pad(at.record.gloss.specular, ((0, _missing(at)), (0, 0)))
 
 
@@ -38,7 +38,7 @@ def shininess(at: HouseOwner) -> Float[np.ndarray, " r"]:
 
 
 def mirror(at: HouseOwner) -> Bool[np.ndarray, " r"]:
-    """Return the mask of flat mirrors."""
+    """Return the mask of materials that are flat mirrors; False for rows missing in the gloss table."""
     return np.pad(at.record.gloss.mirror, (0, _missing(at)))
 
 

@@ -14,7 +14,7 @@ SURFACE_KINDS = ("floor", "wall")  # columns of `NavigationArrays.room_surface`
 
 
 def first_cell(at: HouseOwner) -> int:
-    """Return the row of a house's first cell in the bank."""
+    """Return the row of a house's first cell in the bank's `cell_coords` and `field`."""
     return at.start["cell"]
 
 
@@ -24,7 +24,7 @@ def num_cells(at: HouseOwner) -> int:
 
 
 def num_free_cells(at: HouseOwner) -> int:
-    """Count the cells of a house that are free as authored."""
+    """Count the cells of a house's home region and the extrapolated cells that are free as authored."""
     return num_cells(at) + at.house.navigation.extrapolated.num_free
 
 
@@ -40,19 +40,19 @@ def cell_numbers(at: HouseOwner) -> Int[np.ndarray, "levels grid_rows grid_colum
 
 
 def cell_coords(at: HouseOwner) -> Int[np.ndarray, "c 3"]:
-    """Return level, row and column of a house's cells."""
+    """Return grid, row and column of a house's numbered cells: the home region's, then the extrapolated ones."""
     navigation = at.house.navigation
     return np.concatenate([navigation.cell_coords, navigation.extrapolated.coords])
 
 
 def cell_heights(at: HouseOwner) -> Float[np.ndarray, " c"]:
-    """Return the heights of the floor or ramp under a house's cells [m]."""
+    """Return the heights of the floor or ramp under a house's cells [m], in the order of `cell_coords`."""
     navigation = at.house.navigation
     return np.concatenate([navigation.height, navigation.extrapolated.height])
 
 
 def goal_fields(at: HouseOwner) -> UInt16[np.ndarray, "c g"]:
-    """Return distances to the goals, repeated in turn to the bank's number of goals."""
+    """Return cells' distances to the goals [FIELD_UNIT]; columns repeat in turn up to the bank's number of goals."""
     navigation = at.house.navigation
     field = np.concatenate([navigation.field, navigation.extrapolated.field])
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
@@ -70,13 +70,13 @@ def room_surfaces(at: HouseOwner) -> Int[np.ndarray, "r 2"]:
 def _first(
     among: Bool[np.ndarray, " q"], rows: Int[np.ndarray, "q columns"], rooms: Int[np.ndarray, " r"]
 ) -> Int[np.ndarray, " r"]:
-    """Return the first semantic row of `among` in each room; -1 none."""
+    """Return for each room the index of its first semantic row in the mask `among`; -1 none."""
     fits = among & (rows[:, Semantic.ROOM] == rooms[:, None])
     return np.where(fits.any(axis=1), fits.argmax(axis=1), -1)
 
 
 def portal_leaves(at: HouseOwner) -> Int[np.ndarray, "p 2"]:
-    """Return the rows of the leaves that close each portal; -1 none."""
+    """Return the rows in the bank's doors of the leaves that close each portal; -1 none."""
     row = np.append(at.door_row, -1)
     return row[at.house.navigation.portals.leaf]
 

@@ -17,18 +17,18 @@ PADDING_SIZE = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
 
 
 def is_body(at: HouseOwner) -> Bool[np.ndarray, " k"]:
-    """Return True for each body."""
+    """Return one True per movable body of the house; padding is False."""
     return np.ones(len(at.house.bodies.mass), bool)
 
 
 def box_inertias(at: HouseOwner) -> Float[np.ndarray, "k 3"]:
-    """Compute principal inertias of solid boxes, from mass and size rounded to float32."""
+    """Return the bodies' principal inertias as solid boxes [kg m^2], from mass and size rounded to float32."""
     bodies = at.house.bodies
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
 
 def no_arrangement(at: HouseOwner) -> Float[np.ndarray, "0 k 7"]:
-    """Return no arrangements; `arrangements.with_arrangements` computes them from banks."""
+    """Return an array of no arrangements; `arrangements.with_arrangements` adds some to a complete bank."""
     return np.zeros((0, len(at.house.bodies.mass), 7))
 
 
@@ -38,7 +38,7 @@ def damping_ratios(at: HouseOwner) -> Float[np.ndarray, " k"]:
 
 
 def ramp_rows(at: HouseOwner) -> Float[np.ndarray, "r 8"]:
-    """Return each ramp's footprint and slope, see `Physics.ramp`."""
+    """Return a row per ramp with its upper side's plan, height and slope, in the columns of `Physics.ramp`."""
     ramps = at.house.ramps
     slope = ramps.slope[:, None]
     top = ramps.pos + ramps.size[:, 2:] * np.concatenate([-np.sin(slope) * ramps.up, np.cos(slope)], axis=1)
@@ -47,14 +47,14 @@ def ramp_rows(at: HouseOwner) -> Float[np.ndarray, "r 8"]:
 
 
 def is_door(at: HouseOwner) -> Bool[np.ndarray, " doors"]:
-    """Return True for the rows of door leaves."""
+    """Return the mask of rows of the bank's doors that hold a leaf of the house."""
     valid = np.zeros(at.sizes["doors"], bool)
     valid[at.door_row] = True
     return valid
 
 
 def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
-    """Return slide directions by row: 0 if hinged, (1, 0) in padding, since all houses must slide in the same rows."""
+    """Return slide directions by door row: 0 in hinged rows, (1, 0) in padding of sliding rows, equal in all houses."""
     axes = np.zeros((at.sizes["doors"], 2))
     axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
     axes[at.door_row] = at.house.doors.slide

@@ -37,7 +37,7 @@ compiled = njit(error_model="numpy")
 
 
 def hash_sources(*paths: str) -> int:
-    """Hash the source files of a handler, since Numba's cache watches only the file that defines the handler."""
+    """Return a 56-bit hash of the files' contents; Numba's cache watches only the file that defines a handler."""
     text = b"".join(Path(path).read_bytes() for path in paths)
     return int.from_bytes(hashlib.sha256(text).digest()[:7], "little")
 
@@ -45,7 +45,7 @@ def hash_sources(*paths: str) -> int:
 @compiled
 @no_type_check
 def is_execute_call(frame):
-    """Return whether XLA requests execution; answer queries of the interface version here."""
+    """Return whether XLA requests execution; answer a query of the interface version here, and return False."""
     extension = words(frame)[FRAME_EXTENSION]
     if extension != 0 and halves(extension + WORD * EXTENSION_TYPE)[0] == METADATA:
         words(words(extension)[EXTENSION_METADATA])[METADATA_VERSION] = API_VERSION
@@ -94,9 +94,9 @@ def run_chunks(job, run_chunk):
 @compiled
 @no_type_check
 def _open_job(frame, chunks, work, task):
-    """Allocate a job, schedule its task on up to `chunks - 1` threads of XLA and return the job's address.
+    """Allocate a job, schedule its task `min(threads, chunks) - 1` times on XLA's pool and return the job's address.
 
-    The caller and each scheduled task release the job.
+    The caller and each scheduled task release the job once.
     """
     helpers = min(_num_threads(frame), chunks) - 1
     job = allocate(JOB_WORDS * WORD)
@@ -120,28 +120,28 @@ def _release_job(job):
 @compiled
 @no_type_check
 def attribute(frame, index):
-    """Return an int32 attribute; attributes are sorted by name."""
+    """Return the value of the int32 attribute at `index` in the alphabetical order of the names."""
     return halves(words(words(words(frame)[ATTRIBUTES])[index])[SCALAR_VALUE])[0]
 
 
 @compiled
 @no_type_check
 def data(frame, kind, index):
-    """Return the address of an operand's or a result's data; `kind` is `OPERANDS` or `RESULTS`."""
+    """Return the address of the data of operand or result `index`; `kind` is `OPERANDS` or `RESULTS`."""
     return words(_buffer(frame, kind, index))[BUFFER_DATA]
 
 
 @compiled
 @no_type_check
 def dim(frame, kind, index, axis):
-    """Return the length of an axis of an operand or a result."""
+    """Return the length of an axis of an operand or a result, see `data`."""
     return words(words(_buffer(frame, kind, index))[BUFFER_DIMS])[axis]
 
 
 @compiled
 @no_type_check
 def num_dims(frame, kind, index):
-    """Return the number of axes of an operand or a result."""
+    """Return the number of axes of an operand or a result, see `data`."""
     return words(_buffer(frame, kind, index))[BUFFER_RANK]
 
 
@@ -164,7 +164,7 @@ def _buffer(frame, kind, index):
 @compiled
 @no_type_check
 def _num_threads(frame):
-    """Return the number of threads in XLA's pool; 1 if it has none."""
+    """Return the number of threads in XLA's pool; 1 if it has none or the query fails."""
     answer = argument_words()  # struct_size, extension, context, address of the count, the count
     answer[4] = 1
     address = address_of(answer)
@@ -176,7 +176,7 @@ def _num_threads(frame):
 @compiled
 @no_type_check
 def _schedule(frame, task, job):
-    """Schedule a task on XLA's pool and return whether that succeeded."""
+    """Schedule `task(job)`, both addresses, on XLA's pool and return whether that succeeded."""
     ask = argument_words()  # struct_size, extension, context, task, its argument
     ask[0], ask[1], ask[2], ask[3], ask[4] = 5 * WORD, 0, words(frame)[FRAME_CONTEXT], task, job
     return _call_api(frame, API_SCHEDULE, address_of(ask))
@@ -185,7 +185,7 @@ def _schedule(frame, task, job):
 @compiled
 @no_type_check
 def _call_api(frame, function, arguments):
-    """Call a function of XLA's interface and return whether it succeeded; its error is destroyed."""
+    """Call XLA's API function at word `function` with its arguments' address; return whether it succeeded."""
     api = words(frame)[FRAME_API]
     error = call(words(api)[function], arguments)
     if error == 0:

@@ -15,7 +15,7 @@ _started_in: list[int] = []  # id of the process that first loaded compiled code
 
 
 def record_process() -> None:
-    """Record this process as the one that started JAX's threads; call it when houses or compiled code are loaded."""
+    """Record this process, unless one is, as the starter of JAX's threads; call it before loading houses or code."""
     if not _started_in:
         _started_in.append(os.getpid())
 

@@ -49,7 +49,7 @@ def build_handler(name: str, count: Any, work: Any) -> tuple[Any, Any]:
 
 @functools.cache
 def _build_task(digest: int) -> Any:
-    """Compile the function of a job that XLA's threads call, which is common to all kernels."""
+    """Compile the C function of a job that XLA's threads call, for all kernels; `digest` only keys Numba's cache."""
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check

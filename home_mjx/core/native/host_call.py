@@ -77,7 +77,7 @@ def _wants_work(frame: int) -> bool:
 
 
 def _buffers(frame: int, kind: int) -> list[np.ndarray]:
-    """Return NumPy views of all operands or all results."""
+    """Return NumPy views, without copies, of all operands or results; `kind` is `ffi.OPERANDS` or `ffi.RESULTS`."""
     words = _words(frame)
     return [_view(_words(words[kind])[i]) for i in range(words[kind - COUNT_BEFORE])]
 
@@ -92,7 +92,7 @@ def _view(buffer: int) -> np.ndarray:
 
 
 def _error(frame: int, message: str) -> int:
-    """Create an XLA error with a message, which XLA copies."""
+    """Create an XLA error with a message, which XLA copies, and return the error's address."""
     text = ctypes.create_string_buffer(message.encode())
     ask = (ctypes.c_int64 * 4)(4 * ffi.WORD, 0, ctypes.addressof(text), INTERNAL)
     create = _words(_words(frame)[ffi.FRAME_API])[API_CREATE_ERROR]

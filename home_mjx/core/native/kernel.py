@@ -62,7 +62,7 @@ class Kernel:
         return _find_problem(self, platform)
 
     def is_usable(self, platform: str) -> bool:
-        """Return whether the kernel works on a platform; warn once if it should work there and fails."""
+        """Return whether `find_problem` is None; warn once if the kernel fails on a platform that exists here."""
         return _is_usable(self, platform)
 
     def check_usable(self, platform: str, label: str, hint: str) -> None:
@@ -78,14 +78,14 @@ class Kernel:
             raise BackendError(f"{label} is not available: {problem}", hint=hint)
 
     def select(self, fallback: Callable[..., Any], native: Mapping[str, Callable[..., Any]], *operands: Any) -> Any:
-        """Call at lowering the function of `native` for the target platform; `fallback` where the kernel fails."""
+        """Call at lowering the function of `native` for the target platform; `fallback` if none is usable there."""
         usable = {platform: run for platform, run in native.items() if self.is_usable(platform)}
         return select_at_lowering(fallback, usable, *operands)
 
 
 @functools.cache
 def compile_sources(*sources: Path, **defines: int) -> str:
-    """Compile concatenated CUDA C files to PTX that all GPUs of this process can run; see `nvrtc.compile_ptx`.
+    """Compile concatenated CUDA C files to PTX for all GPUs of this process, at least one; see `nvrtc.compile_ptx`.
 
     Args:
         sources: Files.

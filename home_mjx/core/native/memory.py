@@ -28,7 +28,7 @@ def _lower_pointer(context, builder, signature, args):
 
 @no_type_check
 def stack_of(item: types.Type, count: int) -> Any:
-    """Create an intrinsic that allocates `count` items on the caller's stack."""
+    """Create an intrinsic `f()` that returns a pointer to `count` uninitialized items on the caller's stack."""
 
     @intrinsic
     @no_type_check
@@ -45,7 +45,7 @@ def stack_of(item: types.Type, count: int) -> Any:
 @intrinsic
 @no_type_check
 def address_of(typing_context, pointer) -> Any:
-    """Return the address of a pointer."""
+    """Convert a pointer to the integer address that it points to."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -57,7 +57,7 @@ def address_of(typing_context, pointer) -> Any:
 @intrinsic
 @no_type_check
 def fetch_add(typing_context, address, amount) -> Any:
-    """Add atomically to the word at an address and return its previous value."""
+    """Add `amount` atomically to the 64-bit word at an integer address and return its previous value."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -69,7 +69,7 @@ def fetch_add(typing_context, address, amount) -> Any:
 @intrinsic
 @no_type_check
 def call(typing_context, function, argument) -> Any:
-    """Call the C function at an address with one word and return its word."""
+    """Call the C function at an integer address with one 64-bit integer and return its 64-bit result."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -82,17 +82,15 @@ def call(typing_context, function, argument) -> Any:
 @intrinsic(prefer_literal=True)
 @no_type_check
 def symbol_address(typing_context, name) -> Any:
-    """Return the address of a symbol known to LLVM; its name is a constant string."""
+    """Return the integer address of a symbol that was added to LLVM; its name is a compile-time constant string."""
     if not isinstance(name, types.StringLiteral):
         return None
 
     @no_type_check
     def lower(context, builder, signature, args):
         word = ir.IntType(64)
-        function = cgutils.get_or_insert_function(
-            builder.module, ir.FunctionType(word, [word]), signature.args[0].literal_value
-        )
-        return builder.ptrtoint(function, word)
+        kind, symbol = ir.FunctionType(word, [word]), signature.args[0].literal_value
+        return builder.ptrtoint(cgutils.get_or_insert_function(builder.module, kind, symbol), word)
 
     return types.intp(name), lower
 
@@ -100,7 +98,7 @@ def symbol_address(typing_context, name) -> Any:
 @intrinsic
 @no_type_check
 def unlikely(typing_context, condition) -> Any:
-    """Return a condition that is rarely true, so that LLVM keeps its branch out of the registers of the others."""
+    """Return `condition` unchanged, marked as rarely true, so that LLVM favours the registers of the other branch."""
 
     @no_type_check
     def lower(context, builder, signature, args):
@@ -114,7 +112,7 @@ def unlikely(typing_context, condition) -> Any:
 @intrinsic
 @no_type_check
 def offset_pointer(typing_context, pointer, count) -> Any:
-    """Return the pointer advanced by `count` items."""
+    """Return the pointer advanced by `count` items (not bytes)."""
 
     @no_type_check
     def lower(context, builder, signature, args):

@@ -81,7 +81,7 @@ def delete_unverified(folder: Path, stem: str, sums: Path) -> None:
     Args:
         folder: Folder of the cache.
         stem: Prefix of its file names.
-        sums: JSON file of the recorded digests.
+        sums: JSON file of the recorded digests by file name; if it is missing or broken, all are deleted.
     """
     known = _noted(sums)
     for path in _files(folder, stem):
@@ -113,7 +113,7 @@ def exclusive_lock(lock: Path) -> Iterator[None]:
 
 
 def _locked(fcntl: Any, file: IO[bytes]) -> bool:
-    """Try to lock a file and return whether that succeeded; closing the file releases the lock."""
+    """Try to lock a file without waiting; return False if another process holds the lock. Closing it releases it."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

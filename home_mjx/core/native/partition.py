@@ -69,12 +69,12 @@ def varying_false(*inputs: object) -> Bool[Array, ""]:
 
 
 def varying_as(inputs: object, results: Sequence[Array]) -> tuple[Array, ...]:
-    """Return results of compiled code with types that vary over the mesh axes of the inputs."""
+    """Return results with equal values and types that vary over the mesh axes of the inputs, see `varying_false`."""
     never = varying_false(inputs)
     return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in results)
 
 
 def run_untraced(make: Callable[[], T]) -> T:
-    """Run a function in a thread of its own: arrays made within a trace or `shard_map` would belong to it."""
+    """Return `make()`, run in a thread of its own: arrays made within a trace or `shard_map` would belong to it."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(make).result()

@@ -49,7 +49,7 @@ def _used_platforms() -> frozenset[str]:
 def with_fallback_gradient(
     fallback: Callable[..., Array], kernels: Mapping[str, Callable[..., Array]]
 ) -> Callable[..., Array]:
-    """Wrap `select_at_lowering` as a function with the derivatives of `fallback`."""
+    """Return a function of positional arrays that is `select_at_lowering`, differentiated as `fallback`."""
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
@@ -64,6 +64,6 @@ def with_fallback_gradient(
 
 @functools.cache
 def max_shared_bytes() -> int:
-    """Return the shared memory that a block may use on all GPUs of this process [bytes]."""
+    """Return the shared memory that a block may use on every GPU [bytes]; `MIN_SHARED_BYTES` without one."""
     found = (int(device.compute_capability.replace(".", "")) for device in local_devices("cuda"))
     return min((SHARED_BYTES_BY_CAPABILITY.get(x, MIN_SHARED_BYTES) for x in found), default=MIN_SHARED_BYTES)

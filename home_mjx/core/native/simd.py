@@ -49,7 +49,7 @@ def _spread(builder, value):
 
 @no_type_check
 def _define(operation, emit, kind, result) -> None:
-    """Define an operator for two vectors, and for a vector and a scalar in either order."""
+    """Define an operator from vectors of type `kind`, one of which may be a scalar, to the vector type `result`."""
     cases = [(kind, kind), (kind, kind.item), (kind.item, kind)]
     for case in cases:
 
@@ -107,7 +107,7 @@ infer_global(operator.invert)(_Invert)  # pyright: ignore[reportOptionalCall]
 @intrinsic
 @no_type_check
 def select(typing_context, mask, a, b) -> Any:
-    """Select lanes of `a` where the mask is set, else of `b`; one of them may be a scalar."""
+    """Return per lane `a` where the mask is set, else `b`; one of them may be a scalar."""
     kind = a if isinstance(a, Lanes) else b
 
     @no_type_check
@@ -139,7 +139,7 @@ minimum, maximum = _extreme("<"), _extreme(">")
 @intrinsic
 @no_type_check
 def absolute(typing_context, x) -> Any:
-    """Return absolute values."""
+    """Return the absolute value of each float32 lane."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -152,15 +152,14 @@ def absolute(typing_context, x) -> Any:
 @intrinsic
 @no_type_check
 def multiply_add(typing_context, a, b, c) -> Any:
-    """Compute a * b + c, rounded once where the processor can; `a` and `b` may be scalars."""
+    """Compute a * b + c per float32 lane, rounded once where the processor can; `a` and `b` may be scalars."""
 
     @no_type_check
     def lower(context, builder, sig, args):
         a, b, c = (_spread(builder, x) for x in args)
         kind = ir.FunctionType(c.type, [c.type] * 3)
-        return builder.call(
-            cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{LANES}f32"), [a, b, c]
-        )
+        function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{LANES}f32")
+        return builder.call(function, [a, b, c])
 
     return FLOATS(*(x if isinstance(x, Lanes) else FLOATS.item for x in (a, b)), c), lower
 
@@ -168,7 +167,7 @@ def multiply_add(typing_context, a, b, c) -> Any:
 @intrinsic
 @no_type_check
 def sum_lanes(typing_context, x) -> Any:
-    """Sum all lanes by repeatedly adding the upper half to the lower half."""
+    """Return the scalar sum of all float32 lanes, by repeatedly adding the upper half to the lower half."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -221,7 +220,7 @@ def any_lane(typing_context, mask) -> Any:
 @intrinsic
 @no_type_check
 def load(typing_context, pointer, index) -> Any:
-    """Load the `LANES` items at `index`."""
+    """Load the `LANES` items `pointer[index:index + LANES]` as a vector; `index` counts items."""
     kind = Lanes(pointer.dtype)
 
     @no_type_check
@@ -234,7 +233,7 @@ def load(typing_context, pointer, index) -> Any:
 @intrinsic
 @no_type_check
 def store(typing_context, pointer, index, value) -> Any:
-    """Store the `LANES` items at `index`."""
+    """Store a vector to `pointer[index:index + LANES]`; `index` counts items."""
 
     @no_type_check
     def lower(context, builder, sig, args):

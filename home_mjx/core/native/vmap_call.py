@@ -65,5 +65,5 @@ def forbid_gradient(step: Step, name: str) -> Step:
 
 
 def traced_constant(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
-    """Build a constant array from traced operations; a partitioned function must not capture arrays."""
+    """Build a constant 1-D array from traced operations; a partitioned function must not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
