@@ -15,7 +15,7 @@ TARGET = "home_mjx_cast"
 
 
 def compile_chunks() -> tuple[Any, Any]:
-    """Import and compile the Numba code; see `numba.chunks.compile_chunks`."""
+    """Import and compile the Numba code, and return its functions `count` and `work`; see `numba.chunks`."""
     from home_mjx.raycast_render.backends.numba import chunks
 
     return chunks.compile_chunks()

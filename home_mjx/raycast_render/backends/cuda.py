@@ -41,12 +41,12 @@ def cast_cuda(
 
 
 def compile_kernels() -> str:
-    """Compile PTX that all GPUs of this process can run."""
+    """Return `cast.cu` compiled to PTX that all GPUs of this process can run."""
     return compile_sources(SOURCE)
 
 
 def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
-    """Return the result of an any-hit query, in which only the sign of `instance` is defined."""
+    """Return the result of an any-hit query: only the sign of `instance`, negative without a hit, is defined."""
     zero = jnp.zeros_like(instance, jnp.float32)
     return RawHit(jnp.where(instance < 0, MISS, zero), instance, jnp.minimum(instance, 0), zero, zero, zero > 0)
 
@@ -54,7 +54,7 @@ def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
 def kernel_operands(
     geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery = CLOSEST_HIT
 ) -> tuple[Array, ...]:
-    """Return the operands of the kernels, in their order."""
+    """Return the operands of the kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
     low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
     low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
@@ -84,7 +84,7 @@ def kernel_operands(
 
 
 def tile_width(count: int, width: int) -> int:
-    """Return the image width if warps cast tiles of it; 0 if the rays form no image or one narrower than a tile."""
+    """Return the image width [px] if warps cast tiles of it; 0 if `count` rays form no image or a narrower one."""
     return width if width >= TILE[0] and count % width == 0 else 0
 
 

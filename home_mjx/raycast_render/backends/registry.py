@@ -33,7 +33,7 @@ KERNEL = Kernel(
 def cast_auto(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast with the fastest backend of the platform that the program is lowered for."""
+    """Cast with the fastest backend of the platform that the program is lowered for; `xla` if no native one works."""
     native = {platform: _with_query(cast, query) for platform, cast in NATIVE.items()}
     return KERNEL.select(_with_query(cast_xla, query), native, geometry, house, moving, rays)
 

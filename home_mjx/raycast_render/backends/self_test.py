@@ -98,5 +98,5 @@ def _rays() -> Rays:
 
 
 def _batched(record: T) -> T:
-    """Return a record of one environment as a batch of one."""
+    """Return a record of one environment as a batch of one: every array with a new first axis."""
     return jax.tree.map(lambda x: x[None], record)

@@ -95,7 +95,7 @@ def _cast_chunk(world: _Operands) -> RawHit:
 
 
 def _start(world: _Operands) -> _State:
-    """Initialise rays at their house's top tree; the stack holds every moving instance whose box they hit."""
+    """Return the first state: rays at their house's top tree; stacks hold all moving instances whose box they hit."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
     none, weight = zero - 1, zero.astype(jnp.float32)
@@ -150,14 +150,14 @@ def _leaf_code(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[
 def _push(
     stack: Int[Array, "n s"], size: Int[Array, " n"], code: Int[Array, " n"]
 ) -> tuple[Int[Array, "n s"], Int[Array, " n"]]:
-    """Push every code except `EMPTY_LEAF`."""
+    """Return stacks and sizes after each ray pushed its code; `EMPTY_LEAF` is not pushed."""
     n, depth = stack.shape
     place = jnp.where(code == EMPTY_LEAF, depth, size)
     return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY_LEAF).astype(jnp.int32)
 
 
 def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
-    """Pop the stack of rays within their frame; `EMPTY_LEAF` if nothing is left."""
+    """Give wanted rays the top code of their stack, down to `base`; `EMPTY_LEAF` if nothing is left in their frame."""
     there = wanted & (state.size > state.base)
     size = jnp.where(there, state.size - 1, state.size)
     code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY_LEAF)
@@ -220,7 +220,7 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return codes of a node's children hit before the ray's best hit, nearer first; `EMPTY_LEAF` for others."""
+    """Return the codes of a node's two children, nearer first; `EMPTY_LEAF` if not hit before the ray's best hit."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
@@ -233,7 +233,7 @@ def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[
 def _slab(
     box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
 ) -> Float[Array, " n"]:
-    """Return the distance t at which rays enter boxes, at least t_min; infinity on a miss."""
+    """Return t at which rays enter boxes (minimum, maximum), one box per ray, at least t_min; infinity on a miss."""
     safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
     low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
     near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)
@@ -242,7 +242,7 @@ def _slab(
 
 
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
-    """Update the best hits with the first `TRIANGLES_PER_TEST` triangles of a leaf."""
+    """Return the best hits updated with at most `TRIANGLES_PER_TEST` of the `count` triangles from `first` on."""
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
@@ -296,7 +296,7 @@ def _intersect(
     """Intersect k triangles per ray.
 
     Returns:
-        t (infinity on a miss), barycentric weights of corners 1 and 2, and whether the front side was hit.
+        t (infinity on a miss, maybe negative), barycentric weights of corners 1 and 2, whether the front side was hit.
     """
     axis = jnp.argmax(jnp.abs(direction), axis=1)[:, None, None, None]
     ray = _along_z(direction[:, None, None, :], axis)

@@ -94,7 +94,7 @@ class Lens:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Leading shape of the images."""
+        """Leading shape of the images: (height, width), or (6, height, width) of a cube."""
         return (6, self.height, self.width) if self.model == "cube" else (self.height, self.width)
 
 
@@ -105,7 +105,7 @@ def is_valid_camera(camera: Camera, lens: Lens) -> Bool[Array, ""]:
 
 
 def check_camera(camera: Camera, lens: Lens) -> None:
-    """Refuse an invalid camera outside of traces; while tracing, its numbers are unknown.
+    """Raise on an invalid camera outside of traces; traced cameras, and numbers that are not finite, pass.
 
     Raises:
         ConfigError: The quaternion is not of unit length, or the field of view is invalid, for example in degrees.
@@ -132,7 +132,7 @@ def _is_valid_fovy(fovy: Any, lens: Lens) -> Any:
 
 
 def has_intrinsics(lens: Lens) -> bool:
-    """Return whether the lens has an intrinsic matrix."""
+    """Return whether the lens is a pinhole or a cube, which have an intrinsic matrix."""
     return lens.model in ("pinhole", "cube")
 
 
@@ -200,7 +200,7 @@ def world_from_camera(camera: Camera) -> Float[Array, "4 4"]:
 
 
 def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) -> Float[Array, "*image 3"]:
-    """Return the world points [m] of an unclipped depth image; not finite on a miss.
+    """Return the world points [m] of an unclipped depth image (t of the camera's rays); not finite on a miss.
 
     Example:
         >>> images = render(scene, camera, lens, kinds=("depth",), depth_max=None)  # doctest: +SKIP
@@ -213,7 +213,7 @@ def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) ->
 def _local_directions(
     camera: Camera, lens: Lens, column: Float[Array, "h w"], row: Float[Array, "h w"]
 ) -> Float[Array, "*image 3"]:
-    """Return ray directions in the camera's frame."""
+    """Return ray directions in the camera's frame (x right, y up, z back): of unit depth (pinhole, cube) or length."""
     if lens.model in ("panorama", "lidar"):
         return _sphere_directions(column, row, lens)
     x, y = _plane_coordinates(column, row, lens, _half_height(camera, lens))
@@ -224,14 +224,14 @@ def _local_directions(
 
 
 def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
-    """Return half the image height at unit depth."""
+    """Return half the image height at unit depth: tan(fovy / 2), or 1 for a cube."""
     return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
 
 
 def _plane_coordinates(
     column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens, half: Float[Array, ""]
 ) -> tuple[Float[Array, "h w"], Float[Array, "h w"]]:
-    """Return right and up coordinates on an image of half height `half`."""
+    """Return coordinates to the right and up from the centre of an image of half height `half`, of points in pixels."""
     x, y = column * (2 / lens.width) - 1, 1 - row * (2 / lens.height)
     return x * half * (lens.width / lens.height), y * half
 

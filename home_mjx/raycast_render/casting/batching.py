@@ -56,7 +56,7 @@ def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
 
 
 def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]]) -> tuple[list[Axes], list[Axes]]:
-    """Return the leading axes of arrays: none of geometry, environments, and rays where they are not broadcast."""
+    """Return the leading axes of operands and results: none of geometry, environments, and rays where not broadcast."""
     num_rays = results[0][1]
     rays = [(ENV, RAY) if shape[1] == num_rays else (ENV,) for shape in operands[-NUM_RAY_FIELDS:]]
     shared = [()] * (len(operands) - NUM_ENV_ARRAYS - NUM_RAY_FIELDS)
@@ -64,13 +64,13 @@ def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]
 
 
 def _no_hits(cast: BatchedCast, batched: Any, args: Any) -> RawHit:
-    """Return the hits of an empty batch without calling a backend."""
+    """Return hits with a leading axis of length 0 for an empty batch, without calling a backend."""
     one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
 
 def _cast_sequentially(run: RayBackend, query: RayQuery, size: int, batched: Any, args: Any) -> RawHit:
-    """Cast sequentially in environments with different geometries, which cannot share a cast."""
+    """Return hits (size e r ...) of batch elements with geometries of their own, cast one after another."""
 
     def one(args: tuple[Geometry, Array, DynamicInstances, Rays]) -> RawHit:
         geometry, house, moving, rays = args
@@ -105,7 +105,7 @@ def _broadcast(size: int, values: Any, batched: Any) -> Any:
 
 
 def _merge(x: Array, axis: int = 0) -> Array:
-    """Merge an axis with the next one."""
+    """Return x with an axis and the next one merged into one."""
     return x.reshape(*x.shape[:axis], x.shape[axis] * x.shape[axis + 1], *x.shape[axis + 2 :])
 
 

@@ -26,7 +26,7 @@ def attach_gradient(
 
 
 def _pose(scene: Scene, instance: Int[Array, " n"]) -> Float[Array, "n 3 4"]:
-    """Return the world-from-model matrix of each hit instance."""
+    """Return the world-from-model matrix of each hit instance; on a miss (-1), that of instance 0."""
     poses = scene.geometry.instance_pose[scene.house]
     size = poses.shape[0] + scene.moving.instance.shape[0]
     place = jnp.where(scene.moving.instance < 0, size, scene.moving.instance)
@@ -42,7 +42,7 @@ def _attach(pose: Array, origin: Array, direction: Array, corners: Array, valid:
 
 @_attach.defjvp
 def _attach_jvp(primals: tuple, tangents: tuple) -> tuple[Coordinates, Coordinates]:
-    """Differentiate origin + t direction = corner_0 + u edge_1 + v edge_2, which the hit satisfies."""
+    """Differentiate origin + t direction = corner_0 + u edge_1 + v edge_2, which hits satisfy; 0 for misses."""
     pose, _, direction, corners, valid, _ = primals
     d_pose, d_origin, d_direction, d_corners, _, _ = tangents
     t, u, v = _attach(*primals)

@@ -62,7 +62,7 @@ def sensor_rgb(
 ) -> UInt8[Array, "h w 3"]:
     """Apply the noise of an image sensor: shot noise that grows with the light, and read noise.
 
-    In linear light the variance is `shot` times the signal, plus `read`.
+    In linear light, 0 to 1, the variance is `shot` times the signal, plus `read`; results are clipped.
 
     Source: A. Foi, M. Trimeche, V. Katkovnik and K. Egiazarian, "Practical Poissonian-Gaussian noise modeling and
     fitting for single-image raw-data", IEEE Transactions on Image Processing 17(10), 2008.

@@ -32,7 +32,7 @@ class View:
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
-        """Validity of the camera and of the poses of all moving instances."""
+        """Validity of the camera and finiteness of the poses of all moving instances."""
         return is_valid_camera(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
 
     @cached_property
@@ -41,7 +41,7 @@ class View:
         return self.cast(0)
 
     def cast(self, sample: Int[Array, ""] | int) -> CameraRays:
-        """Cast rays through a sample's point of every pixel; all rays miss if a pose is invalid."""
+        """Return camera rays cast through a sample's point of every pixel; all miss unless `valid`."""
         origin, direction = camera_rays(self.camera, self.lens, sampling.sample_point(sample))
         reach = jnp.where(self.valid, jnp.inf, -1.0)
         found = cast(
@@ -74,7 +74,7 @@ class View:
         return (total * (1 / self.lens.samples)).map(encode_srgb).pack()
 
     def _display(self, rays: CameraRays) -> Vec:
-        """Return linear display light of one sample, in [0, 1]."""
+        """Return the linear display light of one sample of each pixel, by the shader's `radiance` and `display`."""
         light = self._checked("radiance", self.shader.radiance(self.scene, rays), rays)
         return self._checked("display", self.shader.display(self.scene, light), rays)
 

@@ -33,7 +33,7 @@ class AppearanceOverrides(Pytree):
 def scale_lamps(
     look: AppearanceOverrides | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]
 ) -> Vec:
-    """Scale the light of windows, or of lamps by room (-1: no room), by the episode's factors."""
+    """Scale lights by the episode's factors, if any: daylight by one, lamps by that of their room (-1: no room)."""
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))
         light = light * jnp.where(daylight, 1.0, lamps)
@@ -43,17 +43,17 @@ def scale_lamps(
 
 
 def scale_daylight(look: AppearanceOverrides | None, light: Vec) -> Vec:
-    """Scale the light of sun or sky by the episode's factor."""
+    """Scale the light of sun or sky by the episode's factor `daylight`; unchanged if there is none."""
     return light if look is None or look.daylight is None else light * look.daylight
 
 
 def scale_exposure(look: AppearanceOverrides | None, light: Vec) -> Vec:
-    """Scale the light that a camera receives by the episode's exposure factor."""
+    """Scale the light that a camera receives by the episode's factor `exposure`; unchanged if there is none."""
     return light if look is None or look.exposure is None else light * look.exposure
 
 
 def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
-    """Return reflectances of materials, given by row, with the episode's random tint."""
+    """Return colours of materials, given by row, with the episode's random tint, clipped to [0, 1]; else unchanged."""
     if look is None or look.tint is None:
         return color
     tint = look.tint
@@ -81,7 +81,7 @@ def swap_textures(
 
 
 def hash_uniform(seed: UInt32[Array, ""], row: Int[Array, "*n"], what: int) -> Float[Array, "*n"]:
-    """Draw a number in [0, 1) for each row, determined by seed, row and channel.
+    """Return a pseudorandom number in [0, 1) for each row, determined by seed, row and channel `what`.
 
     Example:
         >>> hash_uniform(jnp.uint32(7), jnp.arange(2), RED).shape

@@ -71,7 +71,7 @@ def make_open_scene(bank: HouseBank, house: Int[Array, ""] | int) -> Scene:
 
 
 def agent_sizes(bodies: Sequence[AgentBody]) -> Float[Array, "a 2"] | None:
-    """Return radius and height of agents [m] for `make_scene`; None if all equal those of a default `AgentBody`."""
+    """Return radius and height of one or more agents [m] for `make_scene`; None if all are a default `AgentBody`'s."""
     sizes = [(body.radius, body.height) for body in bodies]
     return None if set(sizes) == {(RADIUS, HEIGHT)} else jnp.array(sizes, jnp.float32)
 
@@ -86,7 +86,7 @@ def _bodies(
 
 
 def _pose_matrices(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float[Array, "n 3 4"]:
-    """Return pose matrices; NaN for quaternions that are not of unit length, which would scale the object."""
+    """Return pose matrices; NaN for quaternions (w, x, y, z) not of unit length, which would scale the object."""
     return jnp.where(is_unit_quat(quat)[:, None, None], jax.vmap(rigid_transform)(pos, quat), jnp.nan)
 
 
@@ -101,7 +101,7 @@ def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) ->
 
 
 def _door_motion(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, "2"]) -> Float[Array, "3 4"]:
-    """Return a rotation about the vertical line through a point of the plan, followed by a horizontal displacement."""
+    """Return a rotation by `angle` [rad] about the vertical through `pivot`, then a shift by `way` (x, y) [m]."""
     (x, y), (along, across) = pivot, way
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     zero, one = jnp.zeros_like(cos), jnp.ones_like(cos)
@@ -113,7 +113,7 @@ def _door_motion(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[A
 def _instances(
     bank: HouseBank, house: Int[Array, ""], instance: Int[Array, " d"], pose: Float[Array, "d 3 4"]
 ) -> DynamicInstances:
-    """Return instances of the house at the given poses; -1: none."""
+    """Return instances of the house at poses, world from model; -1 gives an empty entry that no ray hits."""
     geometry, valid, row = bank.geometry, instance >= 0, jnp.maximum(instance, 0)
     # The matrix of a missing instance is arbitrary and may be singular.
     pose = jnp.where(valid[:, None, None], pose, jnp.eye(3, 4, dtype=jnp.float32)[None])

@@ -88,7 +88,7 @@ class Rays(Pytree):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Environments, rays per environment."""
+        """Environments and rays per environment, of rays as backends get them."""
         return max(field.shape[:2] for field in jax.tree.leaves(self))
 
     def expanded(self) -> "Rays":

@@ -42,7 +42,7 @@ class Vec(Pytree):
         return jnp.stack(jax.lax.optimization_barrier((self.x, self.y, self.z)), axis=-1)
 
     def map(self, function: Callable[..., Any], *others: "Vec") -> "Vec":
-        """Apply a function to each component, together with the same components of other vectors."""
+        """Return the vector of function(component, *the same component of `others`) for x, y and z."""
         return Vec(*(function(*parts) for parts in zip(*(_parts(v) for v in (self, *others)), strict=True)))
 
     def __add__(self, other: "Vec") -> "Vec":
@@ -59,11 +59,11 @@ class Vec(Pytree):
         return self.map(lambda a, b: a * b, factor if isinstance(factor, Vec) else Vec(factor, factor, factor))
 
     def dot(self, other: "Vec") -> Any:
-        """Return scalar products."""
+        """Return scalar products, one number per pixel."""
         return self.x * other.x + self.y * other.y + self.z * other.z
 
     def cross(self, other: "Vec") -> "Vec":
-        """Return vector products."""
+        """Return vector products self x other."""
         return Vec(
             self.y * other.z - self.z * other.y,
             self.z * other.x - self.x * other.z,

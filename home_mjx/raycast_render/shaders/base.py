@@ -127,7 +127,7 @@ def register_shader(shader_class: S) -> S:
 
 
 def shader_names() -> tuple[str, ...]:
-    """Return the names of all shaders, registered or installed, sorted.
+    """Return the sorted names of all shaders, registered here or installed as entry points.
 
     Example:
         >>> {"fast", "lit"} <= set(shader_names())

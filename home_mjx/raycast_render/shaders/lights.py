@@ -17,9 +17,7 @@ from home_mjx.raycast_render.shaders.sun_and_sky import sun_redness
 from home_mjx.schema.compiled import ARCHITECTURE
 
 SHADOW_BIAS = 5e-4  # [m], offset of shadow rays above the surface at their origin
-SHADOW_RAY_END = (
-    0.05  # [m], distance before the light at which shadow rays end, since bulbs may be recessed into ceilings
-)
+SHADOW_RAY_END = 0.05  # [m], distance before the light at which shadow rays end; bulbs may be recessed into ceilings
 OTHER_ROOM_WEIGHT = 0.1  # weight of lights in other rooms in the selection of lights
 MIN_LIGHT_DISTANCE = 0.6  # [m], minimum distance that is assumed between a lamp's own surfaces and its light
 SKY_COLOR = (0.85, 0.93, 1.0)  # colour of the sky's light
@@ -188,7 +186,7 @@ def sun_light(
         spread: Positions on the disc that emit; None: its centre.
         irradiance: Normal irradiance of the sun [W/m^2].
         azimuth: Direction to the sun from +x towards +y [degrees].
-        elevation: Elevation of the sun above the horizon [degrees].
+        elevation: Elevation of the sun above the horizon [degrees]; it sets the colour even if overridden.
     """
     aim, level = _sun(scene.appearance, math.radians(azimuth), math.radians(elevation))
     way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
@@ -206,7 +204,7 @@ def sun_light(
 
 
 def mix_colors(one: Color, other: Color, share: float) -> Vec:
-    """Interpolate linearly between two colours."""
+    """Interpolate linearly between two colours; `share` 0 is `one`, 1 is `other`."""
     return Vec(*(a + (b - a) * share for a, b in zip(one, other, strict=True)))
 
 
@@ -228,7 +226,9 @@ def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tupl
 
 
 def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
-    """Compute the normalised Blinn-Phong BRDF, (n + 8) / (8 pi) * cos^n of the half vector.
+    """Compute the normalised Blinn-Phong BRDF [1/sr], (n + 8) / (8 pi) * cos^n of the half vector.
+
+    `toward` is the unit direction to the light; neither reflectance nor cosine of incidence is included.
 
     Source: T. Akenine-Möller et al., "Real-Time Rendering", on the normalised Blinn-Phong reflectance.
     """
@@ -237,7 +237,7 @@ def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
 
 
 def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint) -> Int[Array, "*rays"]:
-    """Return a sortable key: upper bits of the estimated irradiance of one light, then the light's index.
+    """Return a sortable key: upper bits of a light's estimated irradiance (0 for padding), then its index, `number`.
 
     Powers of cosines use C. Schlick's approximation, which is exact for exponents 0 and 1: "A fast alternative to
     Phong's specular model", Graphics Gems IV, 1994.
@@ -266,7 +266,7 @@ def _is_own_lamp(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Arr
 def _unoccluded_irradiance(
     light: PlacedLights, offset: Vec, at: ShadingPoint, own: Bool[Array, "*rays"]
 ) -> tuple[Float[Array, "*rays"], Vec]:
-    """Compute the unoccluded irradiance per intensity [1/m^2], and the unit direction to the light.
+    """Compute the unoccluded irradiance per intensity [1/m^2], and the unit direction to the light at `offset` [m].
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
     algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, transmit its light.
@@ -279,13 +279,13 @@ def _unoccluded_irradiance(
 
 
 def _surface_cosine(at: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
-    """Return the cosine at the surface; 0 if the light is behind the geometric or the shading normal."""
+    """Return the cosine between shading normal and unit direction to a light; 0 behind that or the geometric normal."""
     return jnp.where(toward.dot(at.normal) > 0, jnp.maximum(toward.dot(at.shading), 0.0), 0.0)
 
 
 def _emission_profile(
     cosine: Float[Array, "*rays"], exponent: Float[Array, "*rays"], cutoff: Float[Array, "*rays"]
 ) -> Float[Array, "*rays"]:
-    """Return the fraction of a light's intensity that is emitted in a direction."""
+    """Return the fraction of a light's intensity at a cosine to its axis: cosine^exponent, 0 below the cutoff."""
     power = jnp.exp(exponent * jnp.log(jnp.maximum(cosine, 1e-6)))
     return jnp.where(cosine >= cutoff, power, 0.0)

@@ -43,11 +43,7 @@ from home_mjx.schema.semantic import Semantic
 WHITE_LUMINANCE = 5.0  # luminance after exposure that is mapped to white
 MEAN_LUMINANCE_TARGET = 0.5  # target of the mean luminance after exposure; `tone_map` maps it to 0.34
 MIN_METERED_LUMINANCE = 1e-4  # [W/m^2/sr], minimum luminance in auto exposure
-ZENITH_COLOR, HORIZON_COLOR, GROUND_COLOR = (
-    (0.45, 0.68, 1.0),
-    (0.9, 0.96, 1.0),
-    (0.2, 0.21, 0.16),
-)  # factors of the sky's radiance
+ZENITH_COLOR, HORIZON_COLOR, GROUND_COLOR = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # times sky radiance
 DUSK_COLOR = (1.35, 0.72, 0.42)  # factor at the horizon at sunset
 
 
@@ -150,12 +146,12 @@ class LitShader(Shader):
         return path.throughput * select(path.hit.instance < 0, above, light)
 
     def display(self, scene: Scene, light: Vec) -> Vec:
-        """Map radiance to display light, by `tone_map`; auto exposure is metered before the episode's exposure."""
+        """Map radiance to display light by `tone_map`, with auto exposure metered before the episode's exposure."""
         exposure = auto_exposure(light) if self.exposure is None else self.exposure
         return tone_map(scale_exposure(scene.appearance, light), exposure)
 
     def _light_sample(self, rays: CameraRays) -> lights.LightSample:
-        """Return emitting positions on lights; None (their centres) without several samples or ambient occlusion."""
+        """Return emitting positions in [-1, 1]; None (centres of lights) with one sample and no ambient occlusion."""
         if rays.lens.samples == 1 and not self.ao_radius:
             return None
         return 2 * sample_points(rays.sample, rays.hit.t.shape, seed=1) - 1
@@ -183,7 +179,7 @@ def auto_exposure(light: Vec) -> Float[Array, ""]:
 
 
 def sky_radiance(direction: Vec, options: LitShader) -> Vec:
-    """Return the sky's radiance: blue above, bright at the horizon, red there at dusk, bare ground below."""
+    """Return the sky's radiance [W/m^2/sr]: blue above, bright at the horizon, red there at dusk, bare ground below."""
     up = direction.z * direction.inverse_norm()
     high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
     horizon = lights.mix_colors(HORIZON_COLOR, DUSK_COLOR, sun_redness(options.sun_elevation))
@@ -233,7 +229,7 @@ def _diffuse_reflectance(
 
 
 def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSample, options: LitShader) -> Vec:
-    """Return the irradiance by interreflection: uniform within a room, reduced by ambient occlusion."""
+    """Return the irradiance [W/m^2] by interreflection: uniform within a room, reduced by ambient occlusion."""
     table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
     lamps, daylight = (take_vec(table.reshape(-1, 2, 3), place, source) for source in range(2))
@@ -253,7 +249,7 @@ def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSampl
 
 
 def _cosine_direction(normal: Vec, spread: Float[Array, "*rays 2"]) -> Vec:
-    """Sample cosine-distributed unit directions about the normal: the normal plus a point of the unit sphere."""
+    """Return cosine-distributed unit directions about the normal, at points `spread` in [-1, 1]^2."""
     z, turn = 0.999 * spread[..., 0], math.pi * spread[..., 1]
     ring = jnp.sqrt(1 - z * z)
     return (normal + Vec(ring * jnp.cos(turn), ring * jnp.sin(turn), z)).unit()

@@ -30,12 +30,12 @@ class PathState(Pytree):
 
     @property
     def end(self) -> Vec:
-        """End of the last segment [m]; its origin on a miss."""
+        """World end of the last segment [m]; its origin on a miss."""
         return self.origin + self.direction * jnp.where(self.hit.instance < 0, 0.0, self.hit.t)
 
 
 def start_path(rays: CameraRays) -> PathState:
-    """Return the path state of camera rays before specular transport."""
+    """Return the path state of camera rays before specular transport: their first hits, throughput 1."""
     width = jnp.full_like(rays.hit.t, pixel_footprint(rays.camera, rays.lens)[0])
     white = Vec(*[jnp.ones_like(width)] * 3)
     return PathState(Vec.unpack(rays.origin), Vec.unpack(rays.direction), rays.hit, width, white)
@@ -102,6 +102,6 @@ def _extend_path(
 
 
 def _transmittance(materials: Materials, row: Int[Array, "*rays"]) -> Vec:
-    """Return the transmittance of glass: 1 for clear glass, mostly its own colour for coloured glass."""
+    """Return the transmittance of glass by row: 1 - opacity * (1 - colour), so 1 if clear, its colour if opaque."""
     opacity = take(materials.albedo, row, 3)
     return take_vec(materials.albedo, row).map(lambda color: 1 - opacity * (1 - color))

@@ -54,5 +54,5 @@ def sky_share(elevation: float) -> float:
 
 
 def sun_redness(elevation: float) -> float:
-    """Return the redness of sunlight, from 0 to 1 as the sun sinks to the horizon."""
+    """Return the redness of sunlight: 0 from `MAX_WARM_ELEVATION` [degrees] up, 1 at or below the horizon."""
     return max(0.0, 1 - max(elevation, 0.0) / MAX_WARM_ELEVATION)

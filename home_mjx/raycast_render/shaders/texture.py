@@ -26,7 +26,7 @@ MISS_COLOR = (0.53, 0.68, 0.86)  # linear light on a miss
 
 
 def albedo(scene: Scene, hit: Hit) -> Vec:
-    """Return the diffuse reflectance in linear light: the material's colour times its texture; sky colour on a miss."""
+    """Return the diffuse reflectance in linear RGB: the material's colour times its texture; sky colour on a miss."""
     materials = scene.bank.materials
     row = jnp.maximum(material_rows(scene, hit), 0)
     layer = swap_textures(scene.appearance, take(materials.texture, row), row, materials.texture)
@@ -37,7 +37,7 @@ def albedo(scene: Scene, hit: Hit) -> Vec:
 
 
 def encode_srgb(linear: Float[Array, "..."]) -> UInt8[Array, "..."]:
-    """Encode linear light as sRGB bytes (IEC 61966-2-1), at a fixed exposure."""
+    """Encode linear light, clipped to [0, 1], as sRGB bytes (IEC 61966-2-1)."""
     exposed = jnp.clip(linear * EXPOSURE, 0, 1)
     curve = 1.055 * jnp.power(jnp.maximum(exposed, 0.0031308), 1 / 2.4) - 0.055
     encoded = jnp.where(exposed <= 0.0031308, 12.92 * exposed, curve)
@@ -45,7 +45,7 @@ def encode_srgb(linear: Float[Array, "..."]) -> UInt8[Array, "..."]:
 
 
 def texture_edge(textures: UInt32[Array, "l p"]) -> int:
-    """Return the edge of the largest mip level [px].
+    """Return the edge of the largest mip level [px] of textures (layers, texels of all levels).
 
     A square texture of edge s has (4 s^2 - 1) / 3 texels in all levels.
     """
@@ -53,12 +53,12 @@ def texture_edge(textures: UInt32[Array, "l p"]) -> int:
 
 
 def texel_channel(texel: UInt32[Array, "*rays"], place: int) -> Int[Array, "*rays"]:
-    """Return a byte of texels: red, green, blue, alpha."""
+    """Return a byte (0..255) of packed texels; `place` 0 is red, 1 green, 2 blue, 3 alpha."""
     return ((texel >> (8 * place)) & 255).astype(jnp.int32)
 
 
 def decode_linear(texel: UInt32[Array, "*rays"]) -> Vec:
-    """Decode texels to linear light."""
+    """Decode packed sRGB texels to linear light in [0, 1]; alpha is ignored."""
     return Vec(*(take(jnp.asarray(SRGB_TO_LINEAR), texel_channel(texel, place)) for place in range(3)))
 
 
@@ -78,7 +78,7 @@ def linear_approx(texel: UInt32[Array, "*rays"]) -> Vec:
 def sample_nearest(
     textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], u: Float[Array, "*rays"], v: Float[Array, "*rays"]
 ) -> UInt32[Array, "*rays"]:
-    """Return the nearest texel of the largest level of a repeating texture; v = 0 is the bottom row.
+    """Return the nearest packed texel of the largest level of a repeating texture; v = 0 is the bottom row.
 
     At 64x64 pixels textures are minified, and bilinear taps would cost four gathers and still alias.
     """

@@ -14,9 +14,7 @@ from home_mjx.geometry.polygons import polygon_area
 from home_mjx.geometry.slabs import offset_outwards, simplify, triangulate
 from home_mjx.schema.compiled import RoomTable
 
-IGNORED_OVERLAP_WIDTH = (
-    0.05  # [m], overlaps up to this width are ignored: floors extend 2 cm beyond the middle of their walls
-)
+IGNORED_OVERLAP_WIDTH = 0.05  # [m], overlaps up to this are ignored: floors extend 2 cm beyond the middle of walls
 MIN_OVERLAP_AREA = 0.01  # [m^2], minimum area of an overlap that is removed
 MIN_PIECE_AREA = 1e-7  # [m^2], pieces smaller than this are dropped
 MIN_NORMAL_Z = 0.7  # minimum vertical component of a floor's or ceiling's unit normal
@@ -40,11 +38,11 @@ class ClippedSurface:
 
 
 def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> list[list[Polygon]]:
-    """Return triangulated outlines of the smaller rooms that own parts of this room's area.
+    """Return the plan triangles [m] of each smaller room whose outline covers a part of this room; empty if none does.
 
     Args:
         room: Index of the room.
-        others: Rooms of the same level that have a surface of the same kind.
+        others: Indices of the rooms with a surface of the same kind; those of other levels are ignored.
         rooms: Outlines.
     """
     here = np.flatnonzero(rooms.level == rooms.level[room]).tolist()
@@ -56,7 +54,7 @@ def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> l
 
 
 def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
-    """Triangulate a polygon after offsetting its sides outwards; empty if it then intersects itself."""
+    """Return the triangles of a polygon whose sides are offset outwards by `outset` [m]; empty if it crosses itself."""
     try:
         corners = simplify(polygon)
         grown = corners if outset == 0 else offset_outwards(corners, outset)
@@ -72,7 +70,7 @@ def _shared(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
 
 
 def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Polygon]:
-    """Subtract triangles from convex polygons by clipping along each triangle's sides."""
+    """Return convex pieces of the convex polygons `pieces` that are outside all triangles `cutters`."""
     left = list(pieces)
     for cutter in cutters:
         (x0, y0), (x1, y1), (x2, y2) = cutter
@@ -82,7 +80,7 @@ def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Poly
 
 
 def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
-    """Return the part of a convex polygon outside a counter-clockwise triangle, as convex polygons."""
+    """Return the part of a convex polygon outside a counter-clockwise triangle as convex polygons, maybe none."""
     if (piece.max(axis=0) <= cutter.min(axis=0)).any() or (piece.min(axis=0) >= cutter.max(axis=0)).any():
         return [piece]
     found, inside = [], piece
@@ -98,7 +96,7 @@ def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
 
 
 def _clip(polygon: Polygon, side: Float[np.ndarray, " n"]) -> Polygon:
-    """Return the part of a convex polygon where a linear function, sampled at its corners, is not negative."""
+    """Return the part of a convex polygon where a linear function, `side` at its corners, is not negative."""
     corners = []
     for i, (here, value) in enumerate(zip(polygon, side, strict=True)):
         before, earlier = polygon[i - 1], side[i - 1]
@@ -115,7 +113,7 @@ def clip_surface(
     side: float,
     owners: Sequence[list[Polygon]],
 ) -> ClippedSurface:
-    """Remove the areas of other rooms from the visible side of a slab; keep a slab that would lose all of it.
+    """Return a slab without other rooms' areas on its visible side; unchanged if that would remove the whole side.
 
     Args:
         triangles: Corners of the slab [m].
@@ -143,7 +141,7 @@ def clip_surface(
 def _fan(
     piece: Polygon, triangle: Float[np.ndarray, "3 3"], uv: Float[np.ndarray, "3 2"]
 ) -> tuple[Float[np.ndarray, "n 3 3"], Float[np.ndarray, "n 3 2"]]:
-    """Triangulate a piece of a triangle, with the plane, winding and texture coordinates of the original."""
+    """Return corners and uv of triangles that fill a convex plan piece of a triangle, in its plane and winding."""
     weight = np.linalg.solve(np.vstack([triangle[:, :2].T, np.ones(3)]), np.vstack([piece.T, np.ones(len(piece))])).T
     order = np.array([[0, k, k + 1] for k in range(1, len(piece) - 1)])
     order = order[[polygon_area(piece[k]) > MIN_PIECE_AREA / 100 for k in order]]

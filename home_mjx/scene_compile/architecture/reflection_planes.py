@@ -29,7 +29,7 @@ class ReflectionRectangle:
 
 
 def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
-    """Build the reflection planes of a house.
+    """Build the reflection planes of a house: walls, floors and ceilings with edges above `MIN_RECTANGLE_EDGE`.
 
     Args:
         shell: Its architecture, whose slots are the first rows of the house's material table.
@@ -65,7 +65,7 @@ def _rows(vectors: Iterable[np.ndarray]) -> Float[np.ndarray, "p 3"]:
 
 
 def _wall(part: WallPart, normal: Float[np.ndarray, "3"], slot: int, rooms: RoomTable) -> ReflectionRectangle:
-    """Return one side of a wall, from the floor to the ceiling of its room."""
+    """Return the side of a wall that faces the world direction `normal`, from the floor to the ceiling of its room."""
     slab = part.slab
     side = slab.high if slab.to_world(np.array([0.0, 1.0, 0.0])) @ normal > 0 else slab.low
     low, high = rooms.floor[part.room], rooms.ceiling[part.room]
@@ -94,13 +94,13 @@ class _Table:
         self.center, self.normal, self.u, self.v = (_rows(vectors) for vectors in columns)
 
     def set_row(self, row: int, rectangle: ReflectionRectangle) -> None:
-        """Replace a rectangle."""
+        """Replace the rectangle of a row in place."""
         self.rectangles[row] = rectangle
         self.center[row], self.normal[row] = rectangle.center, rectangle.normal
         self.u[row], self.v[row] = rectangle.u, rectangle.v
 
     def overlaps(self, a: ReflectionRectangle) -> Bool[np.ndarray, " n"]:
-        """Return whether each rectangle is in the plane of another one and overlaps it."""
+        """Return a mask of the rectangles that are in the plane of the wall `a`, face the same way and overlap it."""
         length = np.linalg.norm(a.u)
         direction, away = a.u / length, self.center - a.center
         near = (self.normal @ a.normal >= 0.999) & (abs(away @ a.normal) <= MAX_PLANE_DISTANCE)
@@ -109,7 +109,7 @@ class _Table:
 
 
 def _hull(a: ReflectionRectangle, b: ReflectionRectangle) -> ReflectionRectangle:
-    """Return the rectangle around two coplanar ones; the longer one sets the material slot."""
+    """Return the upright rectangle around two coplanar ones, with the material slot of the longer one."""
     direction = a.u / np.linalg.norm(a.u)
     along = np.array([[(r.center - a.center) @ direction, abs(r.u @ direction)] for r in (a, b)])
     low, high = (along[:, 0] - along[:, 1]).min(), (along[:, 0] + along[:, 1]).max()
@@ -123,7 +123,7 @@ def _hull(a: ReflectionRectangle, b: ReflectionRectangle) -> ReflectionRectangle
 
 
 def _flat(house: BuildingShell, rooms: RoomTable, kind: str) -> list[ReflectionRectangle]:
-    """Return the rectangles of floors or ceilings; where rooms nest, the smallest room owns the area."""
+    """Return the rectangles of floors or of ceilings (`kind`); where rooms nest, the smallest room owns the area."""
     found = []
     for part, slot in zip(house.parts, house.inner_slot, strict=True):
         if part.kind == kind:
@@ -136,9 +136,9 @@ def _flat(house: BuildingShell, rooms: RoomTable, kind: str) -> list[ReflectionR
 def _plan_rectangles(
     house: BuildingShell, rooms: RoomTable, part: ShellPart
 ) -> list[tuple[Float[np.ndarray, "4"], float]]:
-    """Return the rectangles (u0, v0, u1, v1) and yaw that cover the plan area owned by this room.
+    """Return rectangles (u0, v0, u1, v1) [m] that cover the plan area where the part's room is the smallest one.
 
-    `u` and `v` are plan coordinates along the room's longest wall [m].
+    Each comes with the yaw [rad] of its `u` axis, which is along the room's longest wall; the origin is the world's.
     """
     walls = [p.slab for p in house.parts if isinstance(p, WallPart) and p.room == part.room]
     yaw = max(walls, key=lambda s: s.length).yaw if walls else 0.0

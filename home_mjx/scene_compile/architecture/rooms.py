@@ -14,22 +14,24 @@ from home_mjx.schema.house import House, Mesh, RoomNode
 
 
 def ground_floor_height(rooms: RoomTable) -> float:
-    """Return the floor height of the lowest level that has rooms [m]."""
+    """Return the height of the lowest floor on the lowest level that has rooms [m]."""
     return float(rooms.floor[rooms.level == rooms.level.min()].min())
 
 
 def world_triangles(mesh: Mesh, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "f 3 3"]:
-    """Return the triangles of a room's mesh in the world frame [m]."""
+    """Return the triangles of a mesh, Y up as in the file, in the world frame: Z up, moved by `offset` [m]."""
     return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces] + offset
 
 
 def house_rooms(house: House) -> list[tuple[int, RoomNode]]:
-    """Return (level index, room) pairs in file order."""
+    """Return pairs (level index, room) in file order; a pair's position is the room index."""
     return [(level.index, room) for level in house.levels for room in level.rooms]
 
 
 def ground_offset(house: House) -> Float[np.ndarray, "3"]:
-    """Return the offset of Z-up file coordinates that puts the centre of the ground-floor rooms at x = y = 0.
+    """Return the offset (z = 0) of Z-up file coordinates that moves the centre of the ground-floor rooms to x = y = 0.
+
+    The ground floor is the first level that has a mesh of a room.
 
     Raises:
         DatasetError: The house has no room with a mesh.
@@ -73,7 +75,7 @@ def _first_type(room: RoomNode) -> int:
 
 
 def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
-    """Return the outline and the (floor, ceiling) heights of a room; missing meshes are replaced by the others.
+    """Return a room's outline, top of its floor and underside of its ceiling [m]; other meshes replace missing ones.
 
     Without any mesh, the outline is empty and the heights are 0.
     """

@@ -55,7 +55,7 @@ class BuildingShell:
 
 
 def build_shell(frame: HouseFrame) -> BuildingShell:
-    """Build the walls, floors, ceilings and grounds of a house in the world frame."""
+    """Build the walls, floors, ceilings and grounds of a house in the world frame, as one model with a part each."""
     house, rooms = frame.house, frame.rooms
     parts = tuple(_parts(house, frame.offset))
     partition = find_partitions(parts)
@@ -103,7 +103,7 @@ def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offse
 
 
 def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: RoomTable) -> ClippedSurface:
-    """Return the triangles of a part; floors and ceilings without the areas owned by other rooms."""
+    """Return the triangles of a part; floors and ceilings without the areas owned by smaller rooms."""
     uv = part.mesh.uv[part.faces]
     owners = []
     if part.kind in ("floor", "ceiling"):
@@ -115,7 +115,7 @@ def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: RoomTable) -> Cli
 
 
 def find_partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
-    """Return the index of the physical wall or slab of each part; copies in neighbouring rooms share one."""
+    """Return each part's partition, numbered from 0: copies of a wall or slab in neighbouring rooms share it."""
     leader = list(range(len(parts)))
     for i, a in enumerate(parts):
         for j in range(i):
@@ -147,7 +147,10 @@ def _unite(leader: list[int], i: int, j: int) -> None:
 
 
 def _categories(parts: Sequence[ShellPart], partition: Int[np.ndarray, " q"], rooms: RoomTable) -> list[str]:
-    """Return the acoustic category of each part; copies of one wall share it, so transmission is symmetric."""
+    """Return the acoustic category of each part: its kind, or `outer_wall` for walls without rooms on both sides.
+
+    Copies of one wall share it, so transmission is symmetric.
+    """
     numbered = zip(parts, partition, strict=True)
     inner = {int(p) for part, p in numbered if isinstance(part, WallPart) and _is_inner(part, rooms)}
     walls = ["wall" if p in inner else "outer_wall" for p in partition]
@@ -162,7 +165,7 @@ def _is_inner(part: WallPart, rooms: RoomTable) -> bool:
 
 
 def _indoors(slab: Slab, side: int, polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> Bool[np.ndarray, " p"]:
-    """Return whether points along a wall, `ROOM_PROBE_DISTANCE` beyond a side, are inside any of the polygons."""
+    """Return a mask of 11 points along a wall, beyond its maximum (`side` 1) or minimum (-1) across, in any polygon."""
     edge = slab.high[1] + ROOM_PROBE_DISTANCE if side > 0 else slab.low[1] - ROOM_PROBE_DISTANCE
     along = np.linspace(slab.low[0], slab.high[0], 13)[1:-1]
     points = slab.to_world(np.stack([along, np.full_like(along, edge), np.zeros_like(along)], axis=-1))[:, :2]
@@ -197,7 +200,7 @@ def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
 
 
 def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
-    """Return the unit direction from the part into its room."""
+    """Return the unit world direction from a part into its room; up for floors and grounds, down for ceilings."""
     if not isinstance(part, WallPart):
         return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])
     polygon = [rooms.polygon[part.room]]
@@ -206,7 +209,7 @@ def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
 
 
 def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
-    """Return the slot with the largest visible area on one side of a part."""
+    """Return the slot with the largest visible area on the side of a part that faces the unit direction `toward`."""
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)
     surface = height > height.max() - VISIBLE_DEPTH
@@ -214,7 +217,7 @@ def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[n
 
 
 def has_room_behind(part: WallPart, inward: Float[np.ndarray, "3"], rooms: RoomTable) -> bool:
-    """Return whether any room is beyond at least half of a wall's outer side.
+    """Return whether rooms of its level are beyond at least half of a wall's outer side.
 
     Args:
         part: The wall.

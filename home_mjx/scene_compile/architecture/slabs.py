@@ -17,14 +17,12 @@ from home_mjx.geometry.rectangle_cover import (
 )
 from home_mjx.geometry.rotations import yaw_matrix
 
-EDGE_MERGE_DISTANCE = (
-    0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ by less
-)
+EDGE_MERGE_DISTANCE = 0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ less
 
 
 @dataclass(frozen=True)
 class Slab:
-    """An upright slab; local axes are along, across and up."""
+    """An upright slab; local axes are along, across and up, with the world's origin."""
 
     yaw: float  # [rad], direction of the local x axis
     low: Float[np.ndarray, "3"]  # [m], local minimum corner
@@ -42,12 +40,12 @@ class Slab:
         return float((self.low[1] + self.high[1]) / 2)
 
     def to_world(self, local: Float[np.ndarray, "*p 3"]) -> Float[np.ndarray, "*p 3"]:
-        """Transform points from the local to the world frame."""
+        """Rotate points or directions from the local to the world frame; both have the same origin."""
         return local @ yaw_matrix(self.yaw).T
 
 
 def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
-    """Fit the local frame of a wall; the across axis is the dominant direction of its face normals."""
+    """Return the slab around a wall's triangles [m]; its across axis is the dominant horizontal normal."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
     area = np.linalg.norm(normal, axis=1)
     across = facing_axis(normal[:, :2], area)
@@ -55,7 +53,7 @@ def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
 
 
 def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
-    """Return the slab with this yaw [rad] around triangles; its `faces` are the triangles that face across."""
+    """Return the slab with this yaw [rad] around triangles [m] with normals of any length; its `faces` face across."""
     turn = yaw_matrix(yaw)
     local = triangles @ turn
     facing = abs((normal @ turn)[:, 1]) > 0.7 * np.linalg.norm(normal, axis=1)
@@ -83,7 +81,7 @@ def is_same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> b
 
 
 def wall_boxes(slabs: Sequence[Slab], max_length: float) -> BoxSet:
-    """Fill one physical wall, except for its openings, with boxes.
+    """Return boxes that fill one physical wall except for its openings; empty if no triangle faces across.
 
     Args:
         slabs: Prisms of the wall: copies in neighbouring rooms, inner and outer layers.

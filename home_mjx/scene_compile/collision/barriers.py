@@ -19,9 +19,7 @@ GRID_MARGIN = 1.0  # [m], margin of the grid around the rooms
 # [m], cells with a smaller distance to boxes are closed. The axis of an agent of radius 0.1 m that is pressed 3 cm into
 # boxes keeps 7 cm from them, and half of the diagonal of a cell from its centre.
 MIN_PASSAGE_CLEARANCE = 0.035
-MIN_ROOM_CLEARANCE = (
-    0.1  # [m], minimum clearance; connected parts of rooms without a cell of this clearance are ignored
-)
+MIN_ROOM_CLEARANCE = 0.1  # [m], connected parts of rooms without a cell of this clearance are ignored
 MIN_OBSTACLE_TOP = 0.5  # [m] above the floor; boxes that end lower do not block agents
 MAX_OBSTACLE_BOTTOM = 1.5  # [m] above the floor; boxes that begin higher do not block agents
 INDOOR_GAP_RADIUS = 0.2  # [m], gaps between rooms of less than twice this width count as indoors
@@ -72,24 +70,24 @@ def find_barriers(
 
 
 def _indoors(room: Bool[np.ndarray, "ny nx"], cell: float) -> Bool[np.ndarray, "ny nx"]:
-    """Return the cells of rooms and of the gaps between them."""
+    """Return the cells of rooms and of gaps narrower than twice `INDOOR_GAP_RADIUS`; `cell` is the cell size [m]."""
     grown = _distance(room, cell) <= INDOOR_GAP_RADIUS
     return room | (_distance(~grown, cell) > INDOOR_GAP_RADIUS)
 
 
 def _distance(cells: Bool[np.ndarray, "ny nx"], cell: float) -> Float[np.ndarray, "ny nx"]:
-    """Return the distance of every cell to the nearest of the selected cells [m]."""
+    """Return the distance of every cell to the nearest selected cell [m]; `cell` is the edge of a cell [m]."""
     return np.asarray(ndimage.distance_transform_edt(~cells)) * cell
 
 
 def _parts_with(cells: Bool[np.ndarray, "ny nx"], wanted: Bool[np.ndarray, "ny nx"]) -> Bool[np.ndarray, "ny nx"]:
-    """Return the connected parts of cells that contain a wanted cell."""
+    """Return the cells of those 8-connected parts of `cells` that contain a wanted cell."""
     part = _parts(cells)
     return cells & np.isin(part, part[cells & wanted])
 
 
 def _parts(cells: Bool[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
-    """Return the index of the 8-connected part of each cell, from 1; 0 elsewhere."""
+    """Return the number of the 8-connected part of each selected cell, from 1; 0 at other cells."""
     part = np.zeros(cells.shape, np.int32)
     ndimage.label(cells, np.ones((3, 3)), output=part)
     return part
@@ -139,7 +137,7 @@ def is_within_lot(box: Float[np.ndarray, "2 3"], rooms: RoomTable) -> bool:
 
 
 def build_fence(rooms: RoomTable) -> BoxSet:
-    """Return four boxes around all rooms, which stop anything that leaves the rooms despite the barriers.
+    """Return four thin boxes at `lot_bounds`, up to the highest ceiling, which stop anything that passes the barriers.
 
     Args:
         rooms: Outlines and heights.

@@ -21,10 +21,7 @@ PASSABLE_CATEGORIES = ("curtain", "rug")  # categories without colliders: agents
 MAX_FITTING_SIZE = 0.2  # [m], parts of a door up to this size are handles or hinges and get no box
 MAX_SILL_HEIGHT = 0.04  # [m] above the floor; parts of a door below this are its sill, which agents step over
 MIN_LEAF_HEIGHT = 1.0  # [m], minimum height of a door leaf
-MIN_WALL_PIECE, MAX_BOXES_PER_OBJECT = (
-    0.1,
-    256,
-)  # [m], minimum wall piece; maximum boxes per object; finer ones waste memory
+MIN_WALL_PIECE, MAX_BOXES_PER_OBJECT = 0.1, 256  # [m], minimum of `max_wall_length`; maximum of the boxes per object
 MIN_OPEN_LEAF_ANGLE = np.deg2rad(3.0)  # minimum angle of an open leaf to its wall
 
 
@@ -55,7 +52,7 @@ class ColliderOptions:
 
 
 def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
-    """Return boxes of each physical wall of all levels, solid except for its openings."""
+    """Return the boxes of all walls of all levels in one set; each physical wall is solid except for its openings."""
     walls: dict[int, list] = {}
     for part, partition in zip(shell.parts, shell.partition, strict=True):
         if isinstance(part, WallPart):
@@ -66,7 +63,7 @@ def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
     """Return the boxes of one fixed object, and one box for each of its open leaves without a known hinge.
 
-    Leaves with a known hinge are not included. A window has its own box; passable or high objects have none.
+    Leaves with a known hinge are not included unless shut. A window has one box; passable or high objects have none.
 
     Args:
         item: The object.
@@ -94,7 +91,7 @@ class _Shape:
 
 
 def _shape(item: PlacedObject) -> _Shape:
-    """Return the shape of an object, without the leaves of a door whose hinges are known."""
+    """Return the shape of an object's main part: without the leaves of a door whose hinges are known."""
     # The triangles use the rounded matrix too; otherwise cached boxes would depend on the order of nearly equal shapes.
     linear = np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
     return _Shape(item.main_part.key, linear.tobytes(), item.main_part.triangle.astype(np.float64) @ linear.T)
@@ -102,7 +99,7 @@ def _shape(item: PlacedObject) -> _Shape:
 
 @lru_cache(maxsize=1 << 12)
 def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
-    """Return boxes of a shape and of its open leaves, see `door_boxes`; `sill` is None for objects other than doors."""
+    """Return at most `most` boxes of a shape, and one per open leaf, as `door_boxes`; `sill` None: not a door."""
 
     def fit() -> _FittedBoxes:
         if sill is None:
@@ -134,7 +131,7 @@ def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: in
 
     Args:
         triangles: The door, its wall along x [m].
-        sill: Triangles that end lower are omitted [m].
+        sill: Height in the frame of the triangles; triangles that end lower are omitted [m].
         max_boxes: Maximum number of boxes for the frame.
     """
     part = triangle_components(triangles)
@@ -156,7 +153,7 @@ def _is_open_leaf(box: BoxSet) -> bool:
 
 
 def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
-    """Return the boxes that an agent or object on a floor at this height can touch."""
+    """Return the boxes that reach into the height limits of `options` above a floor at height `floor` [m]."""
     return boxes[(boxes.top > floor + options.min_top_height) & (boxes.bottom < floor + options.max_bottom_height)]
 
 
@@ -185,7 +182,7 @@ def select_passable_leaves(
 
 
 def exposed_mask(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Return a mask of the boxes that are not contained in another box, since contained ones cannot be touched."""
+    """Return a mask of the boxes that no other box contains; the first of equal boxes counts as exposed."""
     kept = np.ones(len(boxes), bool)
     corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
     bottom, top, (low, high) = boxes.bottom, boxes.top, (corners.min(axis=1), corners.max(axis=1))

@@ -15,9 +15,7 @@ BARRIER_HEIGHT = 1.1  # [m], height of a barrier
 BARRIER_THICKNESS = 0.06  # [m], of a barrier
 SAMPLE_SPACING = 0.05  # [m], maximum distance of the points at which an edge is tested
 DROP_PROBE_DISTANCE = 0.05  # [m], distance beyond an edge at which the drop is measured
-MAX_WALL_DISTANCE = (
-    0.08  # [m], maximum distance from an edge to the wall that closes it; outlines run in or beside walls
-)
+MAX_WALL_DISTANCE = 0.08  # [m], maximum distance from an edge to its wall; outlines run in or beside walls
 
 
 @dataclass(frozen=True)
@@ -43,7 +41,7 @@ class FloorEdge:
         return self.start + (np.arange(count) + 0.5)[:, None] / count * (self.end - self.start)
 
     def segment(self, first: int, last: int) -> "FloorEdge":
-        """Return the part of the edge around a range of its points."""
+        """Return the part of the edge around its points `first` (inclusive) to `last` (exclusive)."""
         way = (self.end - self.start) / len(self.points)
         return FloorEdge(self.start + first * way, self.start + last * way, self.outward, self.height)
 
@@ -78,7 +76,7 @@ def build_drop_barriers(
 
 
 def _edges(plan: FloorPlan) -> Iterator[FloorEdge]:
-    """Yield straight runs of cell sides with a floor on one side and a drop on the other."""
+    """Yield straight runs of cell sides with a floor on one side and a drop above `MAX_SAFE_DROP` on the other."""
     padded = np.pad(plan.height, 1, constant_values=-np.inf)
     lines = plan.u, plan.v
     for axis in (0, 1):  # across u, then across v
@@ -95,7 +93,10 @@ def _edges(plan: FloorPlan) -> Iterator[FloorEdge]:
 def _along(
     plan: FloorPlan, at: float, stops: Float[np.ndarray, " n"], height: Float[np.ndarray, " m"], axis: int, side: int
 ) -> Iterator[FloorEdge]:
-    """Yield the edges on one grid line, each along neighbouring cells of equal height."""
+    """Yield the edges on the grid line u = `at` (axis 0) or v = `at` (axis 1), each along cells of equal height.
+
+    `height` [m] is that of each cell between two `stops`, -inf for none; `side` is the sign of the outward direction.
+    """
     breaks = np.flatnonzero(np.concatenate([[True], height[1:] != height[:-1], [True]]))
     for first, last in zip(breaks[:-1].tolist(), breaks[1:].tolist(), strict=True):
         if np.isfinite(height[first]):
@@ -115,13 +116,13 @@ def _over_a_drop(edge: FloorEdge, floors: BoxSet, stairs: Sequence[Staircase], g
 
 
 def _closed(edge: FloorEdge, walls: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Return whether a box as high as a railing closes each point of the edge."""
+    """Return for each point of the edge whether a box within `MAX_WALL_DISTANCE` spans the middle of a barrier."""
     middle = edge.height + BARRIER_HEIGHT / 2
     around = walls[(walls.bottom < middle) & (walls.top > middle)]
     return np.asarray((footprint_distance(around, edge.points[None]) < MAX_WALL_DISTANCE).any(axis=0))
 
 
 def _runs(edge: FloorEdge, wanted: Bool[np.ndarray, " n"]) -> list[FloorEdge]:
-    """Return the parts of an edge whose points are wanted."""
+    """Return the parts of an edge whose points are wanted, one per run of them, in order."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], wanted, [False]]).astype(int)))
     return [edge.segment(int(first), int(last)) for first, last in ends.reshape(-1, 2)]

@@ -41,7 +41,7 @@ class FloorPlan:
     lowest: float
 
     def to_world(self, local: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p 2"]:
-        """Transform points from the plan's axes to the world."""
+        """Rotate points or directions from the plan's axes to the world's; both have the same origin."""
         return local @ plane_matrix(self.yaw).T
 
     def boxes(self, above: float = -np.inf) -> BoxSet:
@@ -63,7 +63,7 @@ class FloorPlan:
 def _smaller_cover(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
-    """Return the smaller of two rectangle covers, grown along either axis first."""
+    """Return rectangles (u0, v0, u1, v1) that cover the solid cells (row = v), the fewer of two covers."""
     upright, lying = cover_with_rectangles(u, v, solid), cover_with_rectangles(v, u, solid.T)[:, [1, 0, 3, 2]]
     return min(upright, lying, key=len)
 
@@ -78,7 +78,7 @@ def plan_floors(
         level: Level index.
         doorways: Footprints of its doors [m].
         stairs: Stairs of the house.
-        grid: Index of the level's grid.
+        grid: Index of the level among those that have rooms; only stairs with this `upper` count.
     """
     here = np.flatnonzero(rooms.level == level)
     holes = [outline for s in stairs if s.upper == grid for outline in s.well]
@@ -106,7 +106,7 @@ def _nearest_floor(rooms: RoomTable, here: Int[np.ndarray, " r"], point: Float[n
 
 
 def _main_direction(outlines: Sequence[Polygon]) -> float:
-    """Return the direction parallel or perpendicular to most of the edges [rad], from -45 to 45 degrees."""
+    """Return the yaw [rad], from -45 to 45 degrees, parallel or perpendicular to edges of the largest total length."""
     edge = np.concatenate([np.roll(p, -1, axis=0) - p for p in outlines])
     length, yaw = np.hypot(*edge.T), np.arctan2(edge[:, 1], edge[:, 0])
     stray = abs(np.sin(2 * (yaw[:, None] - yaw))) / 2  # sine of the deviation from parallel or perpendicular
@@ -115,7 +115,7 @@ def _main_direction(outlines: Sequence[Polygon]) -> float:
 
 
 def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float[np.ndarray, " nv"]]:
-    """Return grid lines through all corners, and through points along slanted edges."""
+    """Return ascending grid lines along both axes, through all corners and through points along slanted edges."""
     points = []
     for outline in outlines:
         for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
@@ -127,7 +127,7 @@ def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float
 
 
 def highest_top_below(boxes: BoxSet, points: Float[np.ndarray, "p 2"], max_height: float) -> Float[np.ndarray, " p"]:
-    """Return the height of the highest box under each point with a top of at most `max_height` [m]; -inf if none."""
+    """Return the highest top [m] at each plan point of the boxes whose top is at most `max_height`; -inf if none."""
     height = np.full(len(points), -np.inf)
     for i in np.flatnonzero(boxes.top <= max_height).tolist():
         local = (points - boxes.center[i, :2]) @ yaw_matrix(boxes.yaw[i])[:2, :2]

@@ -123,7 +123,9 @@ def find_obstacles(
 
 
 def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, invisible: BoxSet) -> Colliders:
-    """Return the static boxes of all levels, without contained ones; invisible boxes are last.
+    """Return the floors, walls, fixed objects, leaves and invisible boxes of all levels, in this order.
+
+    Visible boxes inside another box are omitted.
 
     Args:
         levels: Obstacles of each level.

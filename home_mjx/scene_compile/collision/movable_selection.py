@@ -60,7 +60,7 @@ def _candidate(item: PlacedObject, rooms: RoomTable, options: MovableOptions) ->
 
 
 def _lightest(standing: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]], most: int) -> list[int]:
-    """Return the ids of the `most` lightest objects.
+    """Return the ids of at most `most` objects, lightest first.
 
     An object sorts by the heaviest of itself and its loads, so all of its loads are included as well.
     """

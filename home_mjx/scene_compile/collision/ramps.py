@@ -14,16 +14,14 @@ from home_mjx.schema.compiled import Colliders, Ramps
 
 RAMP_THICKNESS = 0.2  # [m], thickness of a slope
 BACK_WALL_THICKNESS = 0.05  # [m], thickness of the wall below the head of a slope
-BACK_WALL_CLEARANCE = (
-    0.4  # [m], distance from the head down to the top of that wall; clear of agents on slopes up to 60 degrees
-)
+BACK_WALL_CLEARANCE = 0.4  # [m], from the head down to the top of that wall; clear of agents on slopes up to 60 degrees
 HEAD_FLOOR_DEPTH = 0.12  # [m], depth of the floor piece at the head of a slope
 MAX_EDGE_DISTANCE = 0.3  # [m], maximum distance between a landing's edge and the end of an adjoining slope
 MIN_GUARD_GAP = 0.05  # [m], gaps up to this width get no guard
 
 
 def make_ramps(stairs: Sequence[Staircase], first_row: int) -> Ramps:
-    """Return the slopes of stairs as boxes whose upper sides join the floors at both ends.
+    """Return the slopes of stairs as tilted boxes whose upper sides join the floors at both ends; empty without stairs.
 
     Args:
         stairs: Stairs of the house.
@@ -51,7 +49,7 @@ def make_ramps(stairs: Sequence[Staircase], first_row: int) -> Ramps:
 
 
 def append_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
-    """Append the boxes of ramps to the colliders."""
+    """Return the colliders with the boxes of ramps as their last rows."""
     return Colliders(
         *(np.concatenate([getattr(colliders, n), getattr(ramps, n)]) for n in ("pos", "quat", "size", "object_id"))
     )
@@ -64,7 +62,7 @@ def build_guards(stairs: Sequence[Staircase]) -> BoxSet:
 
 
 def build_sills(stairs: Sequence[Staircase]) -> BoxSet:
-    """Return floor pieces at the heads of stairs, which close the gaps left by slanted floor edges."""
+    """Return one floor piece beyond the head of each staircase, which closes the gap left by a slanted floor edge."""
     heads = [one.slopes[-1] for one in stairs]
     return concat_boxes(
         _between(s, (s.run, s.run + HEAD_FLOOR_DEPTH), (-s.width / 2, s.width / 2), s.high - FLOOR_THICKNESS, s.high)
@@ -73,7 +71,7 @@ def build_sills(stairs: Sequence[Staircase]) -> BoxSet:
 
 
 def _guards(stairs: Staircase) -> Iterator[BoxSet]:
-    """Yield guards beside slopes and landings, down to the floor unless agents can walk below."""
+    """Yield guards beside slopes and landings, up to a railing and down to the floor unless agents can walk below."""
     for i, slope in enumerate(stairs.slopes):
         high, half = slope.high + BARRIER_HEIGHT, slope.width / 2
         low = stairs.low if i < stairs.first_open_slope else slope.low - RAMP_THICKNESS
@@ -96,14 +94,14 @@ def _wall_below_head(stairs: Staircase) -> Iterator[BoxSet]:
 
 
 def _wall_below_open_slopes(stairs: Staircase) -> Iterator[BoxSet]:
-    """Yield a wall that keeps agents under slopes that they can walk under from going on under lower ones."""
+    """Yield a wall below the foot of the first slope that agents can walk under, if any, so that they stop there."""
     for slope in stairs.slopes[stairs.first_open_slope :][:1]:
         half = slope.width / 2
         yield _between(slope, (0.0, BACK_WALL_THICKNESS), (-half, half), stairs.low, slope.low - BACK_WALL_CLEARANCE)
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:
-    """Yield boxes around a landing, except across the ways onto it, which are specified by their edges [m]."""
+    """Yield boxes along the sides of a landing, between two heights, except at `ways`: ends of adjoining edges [m]."""
     for a, b in zip(landing.outline, np.roll(landing.outline, -1, axis=0), strict=True):
         length = float(np.linalg.norm(b - a))
         along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length
@@ -118,14 +116,14 @@ def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float
 
 
 def _outside(stops: Sequence[float]) -> list[tuple[float, float]]:
-    """Return the parts of the range (first two stops) outside the ranges that follow."""
+    """Return parts of the range (first two stops) outside the ranges that follow, wider than `MIN_GUARD_GAP` [m]."""
     taken = sorted(zip(stops[2::2], stops[3::2], strict=True))
     edges = [stops[0], *(value for pair in taken for value in pair), stops[1]]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > MIN_GUARD_GAP]
 
 
 def _between(slope: Slope, along: tuple[float, float], across: tuple[float, float], low: float, high: float) -> BoxSet:
-    """Return an upright box between distances from the foot: along the slope, to its left, and in height [m]."""
+    """Return an upright box between distances from the foot, uphill and to the left, and between two heights [m]."""
     left = np.array([-slope.up[1], slope.up[0]])
     middle = slope.foot + np.mean(along) * slope.up + np.mean(across) * left
     half = [np.ptp(along) / 2, np.ptp(across) / 2, (high - low) / 2]

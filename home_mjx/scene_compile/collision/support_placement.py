@@ -18,7 +18,7 @@ MIN_VERTICAL_OVERLAP = 2e-4  # [m], boxes with a smaller vertical overlap only t
 
 
 def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
-    """Return the ids of the objects on or in each object, by its id, from their bounding boxes.
+    """Return the ids of the objects on or in each object, by its id, from bounding boxes; no entry without such loads.
 
     Args:
         objects: All objects of a house.
@@ -84,7 +84,7 @@ def place_on_supports(
 def _has_loads_on_top(
     carrier: MovableCandidate, loads: Mapping[int, Sequence[int]], height: Mapping[int, float], reach: float
 ) -> bool:
-    """Return whether all loads of an object are movable and on its top; a single box has no shelves."""
+    """Return whether all loads of an object, if any, are candidates (keys of `height`, undersides [m]) on its top."""
     top = float(carrier.item.box.top[0])
     return all(abs(height.get(i, np.inf) - top) <= reach for i in loads.get(carrier.item.object_id, ()))
 
@@ -110,7 +110,7 @@ def _stand(
 
 
 def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
-    """Return the box with its underside at a height: moved or, to keep its top in place, stretched."""
+    """Return the box with its underside at height `base` [m]: moved, or stretched so that its top stays in place."""
     top = float(box.top[0]) if stretch else base + 2 * float(box.half[0, 2])
     return make_boxes([*box.center[0, :2], (base + top) / 2], [*box.half[0, :2], (top - base) / 2], box.yaw)
 
@@ -118,7 +118,7 @@ def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
 def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
     """Return the height of the upper sides, within `reach` [m] of a box's bottom, that support its central region.
 
-    None if they do not cover it.
+    Return None if they do not cover it.
     """
     points = box.center[0, :2] + (
         SUPPORT_REGION * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, 0]]) * box.half[0, :2]
@@ -140,7 +140,7 @@ def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "
 
 
 def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
-    """Reduce the box until it is `gap` away from every obstacle; return None if the limits do not allow it."""
+    """Return the part of the box that is `gap` [m] away from every obstacle; None if the limits do not allow it."""
     low, high = -box.half[0].copy(), box.half[0].copy()
     near = _near(box, obstacles)
     # A part of the box is at least as far away as the whole.
@@ -164,7 +164,7 @@ def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float 
 def _shrink_side(
     box: BoxSet, obstacles: BoxSet, index: int, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], gap: float
 ) -> None:
-    """Move the side with the shortest distance to clear an obstacle; updates `low` or `high` in place."""
+    """Clear an obstacle by moving the upright side with the shortest way; updates `low` or `high` in place."""
     corners = (footprint(obstacles, index) - box.center[0, :2]) @ yaw_matrix(box.yaw[0])[:2, :2]
     ways = np.array([high[:2] - corners.min(axis=0), corners.max(axis=0) - low[:2]])
     side, axis = divmod(int(ways.argmin()), 2)
@@ -175,7 +175,7 @@ def _shrink_side(
 
 
 def _cut(box: BoxSet, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> BoxSet:
-    """Return the part of a box between two corners in its own frame."""
+    """Return the part of a box between two corners in its own frame, which has its centre as origin [m]."""
     center = box.center[0] + yaw_matrix(box.yaw[0]) @ ((low + high) / 2)
     return make_boxes(center, (high - low) / 2, box.yaw[0])
 

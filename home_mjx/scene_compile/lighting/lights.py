@@ -97,7 +97,7 @@ _COLUMNS = ("pos", "axis_u", "axis_v", "direction", "intensity", "exponent", "cu
 
 
 def find_lamp_sources(item: PlacedObject) -> Iterator[LightSource]:
-    """Yield the lights of a lamp in its model's frame; close ones are merged, so that a chandelier is one light."""
+    """Yield a lamp's lights in its model's frame, close ones merged, as of a chandelier; none for Box nodes."""
     if isinstance(item.node, BoxNode):
         return
     for group in _groups(item.node.lights):
@@ -123,7 +123,7 @@ def _alike(a: Light, b: Light) -> bool:
 
 
 def _aim(light: Light) -> Float[np.ndarray, "3"]:
-    """Return the unit direction, Z up."""
+    """Return a light's unit direction in its model's frame, Z up; down if the file has none."""
     direction = np.array(light.direction or (0.0, -1.0, 0.0), float)
     return to_z_up(direction / max(np.linalg.norm(direction), 1e-9))
 
@@ -145,7 +145,7 @@ def _cutoff(light: Light) -> float:
 
 
 def _daylight(item: PlacedObject, rooms: RoomTable) -> Iterator[LightSource]:
-    """Yield the daylight source of a window's glass, if the window is between a room and the outdoors."""
+    """Yield the daylight source of a window's glass, in its model's frame, if it is between a room and the outdoors."""
     if {item.info.fine, item.info.coarse}.isdisjoint(DAYLIGHT_CATEGORIES):
         return
     surfaces = item.surfaces
@@ -183,7 +183,7 @@ def _daylight(item: PlacedObject, rooms: RoomTable) -> Iterator[LightSource]:
 def _inward(
     item: PlacedObject, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: RoomTable
 ) -> tuple[int, int] | None:
-    """Return the side of a window with a room (1 or -1) and the room; None unless exactly one side has a room."""
+    """Return 1 if the room is along `normal`, else -1, and the room; None unless exactly one side has a room."""
     center = transform(item.pose, middle)
     out = item.pose[:, :3] @ normal
     out = out / np.linalg.norm(out)
@@ -207,7 +207,7 @@ def _room_source(rooms: RoomTable, room: int, options: LightOptions) -> LightSou
 
 
 def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
-    """Return the grid point inside a polygon farthest from its edges; the centre of its bounds if none is inside."""
+    """Return the point of a `steps` x `steps` grid in a polygon farthest from its edges, else its bounds' centre."""
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -230,14 +230,14 @@ def _edge_distance(
 
 
 def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable) -> Float[np.ndarray, "r 2 3"]:
-    """Compute the uniform irradiance of each room by interreflection.
+    """Compute the uniform irradiance of each room by interreflection: of lamps [W/m^2] and daylight [sr].
 
     With flux F, mean reflectance p and surface A it is F / A * (p + p^2 + ...) = F / A * p / (1 - p). This is the
     ambient term of M. F. Cohen et al., "A progressive refinement approach to fast radiosity image generation",
     SIGGRAPH 1988.
 
-    The first row is for points outside all rooms: the mean of all rooms for lamps (column 0),
-    and half the sky for daylight (column 1).
+    Column 0 is that of lamps, column 1 that of daylight, per radiance of the sky. Row r + 1 is room r. Row 0 is for
+    points outside all rooms: the mean of all rooms for lamps, and half the sky for daylight.
     """
     flux = np.zeros((len(rooms.type), 2, 3))
     for s in sources:
@@ -250,7 +250,7 @@ def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable)
 
 
 def _surface(rooms: RoomTable, room: int) -> float:
-    """Return the area of floor, ceiling and walls [m^2]."""
+    """Return the area of a room's floor, ceiling and walls [m^2]; at least 1, with walls at least 1 m high."""
     polygon = rooms.polygon[room]
     around = np.linalg.norm(polygon - np.roll(polygon, -1, axis=0), axis=1).sum()
     height = max(float(rooms.ceiling[room] - rooms.floor[room]), 1.0)

@@ -141,14 +141,14 @@ def scattering_coefficients(depth: float) -> Float[np.ndarray, " bands"]:
 def detour_transmission(detour: float) -> Float[np.ndarray, " bands"]:
     """Return the energy fraction per octave that bends around an obstacle, by Maekawa's insertion loss 10 lg(3 + 20 N).
 
-    N = 2 detour / wavelength is the Fresnel number.
+    N = 2 detour / wavelength is the Fresnel number, and `detour` the additional length of the bent path [m].
     """
     wavelength = SPEED_OF_SOUND / np.array(BANDS)
     return 1 / (3 + 40 * detour / wavelength)
 
 
 def absorption_name(texture_family: str, category: str, slot_name: str = "") -> str:
-    """Return the name of the absorption row that `acoustic_properties` uses.
+    """Return the name of the `absorption_table` row that `acoustic_properties` uses for the same arguments.
 
     Example:
         >>> absorption_name("wallp", "wall"), absorption_name("textile", "sofa"), absorption_name("wood", "floor")

@@ -30,7 +30,7 @@ class SurfaceMaterial:
 
 
 def apply_override(base: Material, change: Material | None) -> Material:
-    """Apply the overrides of house.json to a slot of an MTL file."""
+    """Return an MTL slot, without gloss, as changed by its override in house.json; `base` itself if that is None."""
     if change is None:
         return base
     return Material(
@@ -97,7 +97,7 @@ class SurfaceRows:
     _first: dict[tuple[SurfaceMaterial, ...], int] = field(default_factory=dict)
 
     def add(self, slots: Sequence[SurfaceMaterial]) -> int:
-        """Add the slots unless they exist, and return their first row."""
+        """Append one row per slot, unless the same slots were added before, and return the first of their rows."""
         key = tuple(slots)
         if key not in self._first:
             self._first[key] = len(self.surfaces)

@@ -8,7 +8,7 @@ MAX_UNKNOWN_SHARE = 0.2  # maximum share of the area
 
 
 def unknown_material_share(house: CompiledHouse) -> float:
-    """Return the share of the total surface area whose material is the category's or the global default.
+    """Return the share (0 to 1) of the surface area whose material is a default, not known; 0 without any area.
 
     Args:
         house: Compiled house; movable objects are in their initial pose.

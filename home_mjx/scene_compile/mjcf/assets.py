@@ -39,7 +39,7 @@ class MjcfAssets:
         return self._element
 
     def material(self, row: int) -> str:
-        """Return the name of the material of a row of the house's table, adding it if necessary."""
+        """Return the MJCF name of the material of a row of the house's table; the first call for a row adds it."""
         if row not in self._materials:
             table = self._house.materials
             name = self._materials[row] = f"material{row}"
@@ -104,7 +104,7 @@ class MjcfAssets:
 
 
 def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2"]) -> bytes:
-    """Return an OBJ file of a triangle soup; equal corners are merged."""
+    """Return the content of an OBJ file of separate triangles; equal corners are merged."""
     vertex, corner = np.unique(triangle.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
     coordinate, corner_uv = np.unique(uv.reshape(-1, 2).astype(np.float32), axis=0, return_inverse=True)
     if len(vertex) < 4:  # MuJoCo requires at least four vertices
@@ -118,7 +118,7 @@ def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2
 
 
 def png_bytes(path: Path) -> bytes:
-    """Convert an image file to PNG.
+    """Return an image file as the content of a PNG file, with alpha unless it is opaque.
 
     Raises:
         DatasetError: As in `open_texture`.
@@ -131,5 +131,5 @@ def png_bytes(path: Path) -> bytes:
 
 
 def safe_name(text: str) -> str:
-    """Replace all characters except letters, digits, hyphens and underscores, so that the text is a valid file name."""
+    """Replace characters other than letters, digits and hyphens by underscores, which makes a valid file name."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", text)

@@ -75,7 +75,7 @@ def _entry(model: Model, options: ConvexOptions) -> Path:
 
 
 def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "_ 3"]]:
-    """Return the corners of the pieces; the whole model is one piece if CoACD fails."""
+    """Return the corners of the pieces; the whole model is one piece if it is flat or CoACD fails."""
     try:
         import coacd
     except ImportError as error:
@@ -104,7 +104,7 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
 
 
 def _squeeze(pieces: list[Float[np.ndarray, "_ 3"]], box: Float[np.ndarray, "2 3"]) -> list[Float[np.ndarray, "_ 3"]]:
-    """Scale the pieces to the model's bounding box, since CoACD adds a skin of half a voxel."""
+    """Return the pieces scaled together to the model's bounding box, since CoACD adds a skin of half a voxel."""
     if not pieces:
         return []
     skin = bounds(np.concatenate(pieces))
@@ -112,7 +112,7 @@ def _squeeze(pieces: list[Float[np.ndarray, "_ 3"]], box: Float[np.ndarray, "2 3
 
 
 def _hull(corners: Float[np.ndarray, "v 3"]) -> Piece | None:
-    """Return the triangles of the convex hull, counter-clockwise outwards; None if it is flat."""
+    """Return the triangles of the convex hull, counter-clockwise from outside; None if it is flat (below 1 mm)."""
     try:
         hull = ConvexHull(corners)
     except (QhullError, ValueError):

@@ -209,7 +209,10 @@ def _add_instance(
     exact: bool,
     touches: Sequence[dict[str, str]],
 ) -> None:
-    """Add one instance: the architecture, a static object, a movable object or a door leaf."""
+    """Add the body of one instance with its visuals; and with colliders, unless it is static and not (`exact`) solid.
+
+    `touches` has the contact attributes of each movable body, by its row.
+    """
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
     name = instance_name(house, instance)
     pose = house.instances.pose[instance]
@@ -241,7 +244,7 @@ def _solid_objects(house: CompiledHouse) -> set[int]:
 
 
 def instance_name(house: CompiledHouse, instance: int) -> str:
-    """Return the name of an instance's body; the leaves of a door follow its frame."""
+    """Return `architecture`, `object<id>` or, after an instance of the same object, `object<id>_leaf<instance>`."""
     owner = house.instances.object_id
     if instance == ARCHITECTURE:
         return "architecture"
@@ -267,7 +270,7 @@ def _add_pieces(
     stretch: Float[np.ndarray, "3 3"],
     **more: str,
 ) -> int:
-    """Add the convex pieces of an instance, and return their number."""
+    """Add the convex pieces of an instance as collision geoms with the attributes `more`, and return their number."""
     meshes = assets.pieces(house.models[house.instances.model[instance]], stretch)
     for i, mesh in enumerate(meshes):
         add_piece(element, f"piece{instance}_{i}", mesh, **more)
@@ -282,7 +285,7 @@ def _add_visuals(
     stretch: Float[np.ndarray, "3 3"],
     **place: str,
 ) -> None:
-    """Add one mesh geom per material slot; roofs are in the group of ceilings."""
+    """Add one mesh geom without contacts per material slot; roofs are in the group of ceilings."""
     model = house.models[house.instances.model[instance]]
     first = int(house.instances.material[instance])
     for slot in np.unique(model.slot).tolist():

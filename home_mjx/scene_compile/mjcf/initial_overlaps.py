@@ -19,10 +19,10 @@ MAX_SHIFT_STEPS = 20  # maximum number of shifts per object
 
 
 def resolve_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
-    """Move every free body of a model onto the floor and out of overlaps, by at most 5 cm.
+    """Move every free body onto the floor (at most 5 cm), then sideways out of overlaps (at most 5 cm).
 
     Args:
-        root: The `mujoco` element; body positions are changed and remaining overlaps are excluded from contact.
+        root: The `mujoco` element, changed in place: body positions, and contact exclusions for remaining overlaps.
         files: The files that it refers to.
 
     Returns:
@@ -49,7 +49,7 @@ def resolve_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[
 
 
 def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[np.ndarray, "3"]:
-    """Move a body vertically so that the lowest point of its colliders is on the floor plane, and return the shift.
+    """Move a body in `data` vertically, its lowest point onto the floor plane, and return the shift [m].
 
     The shift is zero if it would exceed `MAX_SHIFT`.
     """
@@ -117,7 +117,7 @@ def _bodies(model: mujoco.MjModel, contact: Any) -> tuple[int, int]:
 
 
 def _is_overlap(model: mujoco.MjModel, contact: Any) -> bool:
-    """Return whether a contact is deep and not with the floor, onto which bodies were moved."""
+    """Return whether a contact is deeper than `MIN_OVERLAP_DEPTH`, and not with the floor plane."""
     return bool(contact.dist < -MIN_OVERLAP_DEPTH and model.geom("floor").id not in contact.geom)
 
 

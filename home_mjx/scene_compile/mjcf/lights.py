@@ -44,7 +44,7 @@ def _strongest(house: CompiledHouse) -> Int[np.ndarray, " n"]:
 
 
 def _shape(aim: Float[np.ndarray, "3"], exponent: float, cutoff: float) -> dict[str, str]:
-    """Return the attributes of a spot or point light."""
+    """Return the MJCF attributes of a spot; of a point light if `cutoff`, a cosine, is below -1."""
     if cutoff < -1:
         return {"type": "point"}
     angle = np.rad2deg(np.arccos(np.clip(cutoff, -1, 1)))

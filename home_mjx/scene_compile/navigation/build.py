@@ -91,7 +91,7 @@ def _clear_of_leaves(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the cells of the home region without a possible leaf position, or all cells if every cell has one."""
+    """Return the home cells where an agent is clear of all leaf positions; all home cells if there are none."""
     reach, found = options.agent_radius + options.margin, home.copy()
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
         heights = (options.max_step_height, options.agent_height)
@@ -107,7 +107,7 @@ def _cut_off_cells(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the cells of the home region that leaves of open doors cut off from its main part."""
+    """Return the home cells that leaves of open doors cover or cut off from the main part; none if they cover all."""
     free, heights = home.copy(), (options.max_step_height, options.agent_height)
     for cells, space, boxes in zip(free, spaces, leaves, strict=False):
         floor, radius = rooms.floor[space.room], options.agent_radius
@@ -121,7 +121,7 @@ def _fringe(
 ) -> ExtrapolatedCells:
     """Return the reachable cells outside the home region, and the nearest numbered cell of every cell of the grids.
 
-    `field` has the distances from each home cell to each goal [m].
+    Numbers count the home cells, then these. `field` has the distances from each home cell to each goal [m].
     """
     grids = ("standable_without_margin", "standable_without_movables", "standable", "room", "height")
     *around, standable, room, height = (np.stack([getattr(s, name) for s in spaces]) for name in grids)
@@ -136,7 +136,7 @@ def _fringe(
 
 
 def _quantize_distances(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:
-    """Quantize distances [m] to their stored form; values above 163 m are clipped."""
+    """Return distances [m] in steps of `FIELD_UNIT`, clipped at 163 m; `FIELD_UNREACHABLE` for infinite ones."""
     steps = np.minimum(np.round(distance / FIELD_UNIT), FIELD_UNREACHABLE - 1)
     return np.where(np.isfinite(distance), steps, FIELD_UNREACHABLE).astype(np.uint16)
 
@@ -148,7 +148,7 @@ def _place(
     cells: Int[np.ndarray, "n 3"],
     shift: Float[np.ndarray, "n 2"],
 ) -> Float[np.ndarray, "n 3"]:
-    """Convert cells to world points on the floor of their room."""
+    """Return world points on the floor of the rooms of cells (level, row, column), moved by `shift` in x and y [m]."""
     _, row, column = cells.T
     z = rooms.floor[room[tuple(cells.T)]]
     return np.stack([space.x[column] + shift[:, 0], space.y[row] + shift[:, 1], z], axis=-1)
@@ -157,7 +157,7 @@ def _place(
 def _spread_goals(
     free: Bool[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"], count: int, rng: np.random.Generator
 ) -> Int[np.ndarray, "g 3"]:
-    """Sample goal cells from the rooms in turn, each the candidate farthest from earlier goals."""
+    """Sample goal cells (level, row, column) of rooms in turn, each of 32 candidates the farthest from earlier ones."""
     order = rng.permutation(np.unique(room[free]))
     goals = np.empty((count, 3), np.int64)
     for g in range(count):

@@ -45,7 +45,7 @@ def _found(boxes, floor, x, y, least, most):
 @njit(cache=True)
 @no_type_check
 def _clearance(boxes, floor, x, y, least, most):
-    """Return the distances; columns of boxes: centre, half extents, cosine and sine of yaw, reach, bottom, top."""
+    """Return distances; columns of boxes: centre x, y, half extents, cosine and sine of yaw, reach, bottom, top."""
     found = np.full(floor.shape, np.inf)
     for i in range(len(boxes)):
         cx, cy, a, b, c, s, reach, bottom, top = boxes[i]

@@ -75,7 +75,7 @@ class FreeSpace:
 
     @cached_property
     def free(self) -> Bool[np.ndarray, "ny nx"]:
-        """Largest connected region of standable cells."""
+        """Mask of the largest 4-connected region of standable cells."""
         labels = np.zeros(self.standable.shape, np.int32)
         ndimage.label(self.standable, output=labels)
         sizes = np.bincount(labels.ravel())
@@ -165,7 +165,7 @@ def _assign_stair_cells(
 def _grid(
     polygons: Sequence[Float[np.ndarray, "_ 2"]], cell: float
 ) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]]:
-    """Return the corner of the grid and the coordinates of its cell centres."""
+    """Return the minimum corner of a grid around polygons, a multiple of `cell`, and x and y of the cells [m]."""
     points = np.concatenate(list(polygons))
     origin = np.floor(points.min(axis=0) / cell) * cell
     nx, ny = np.ceil((points.max(axis=0) - origin) / cell).astype(int)
@@ -189,7 +189,7 @@ def _label_rooms(
 
 
 def no_free_space_error(between_walls: FreeSpace, options: NavigationOptions) -> DatasetError:
-    """Return an error with the area of the floor and the areas that walls and furniture take.
+    """Return, without raising it, an error with the area of the floor and the areas that walls and furniture take.
 
     An area counts as taken if the axis of an agent would be too close to an obstacle.
 

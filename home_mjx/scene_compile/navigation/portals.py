@@ -57,7 +57,7 @@ def _crossings(
     standable: Bool[np.ndarray, "ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[Row]:
-    """Return one row per place where an agent can step from one room into another."""
+    """Return one opening per place where an agent can step from a cell of one room into a cell of another."""
     x, y = np.meshgrid(*centres)
     inside = np.where(standable, room, -1)
     pairs, points = [], []
@@ -89,13 +89,13 @@ def _inside(door: Doorway, row: Row) -> bool:
 
 
 def _match_door(row: Row, doors: Sequence[Doorway]) -> Row:
-    """Return the row as a door if it is inside a doorway."""
+    """Return the row as a door if its point is inside the footprint of one of `doors`, else unchanged."""
     door = next((door for door in doors if _inside(door, row)), None)
     return row if door is None else (*row[:3], PortalKind.DOOR, door.leaf)
 
 
 def _closed_doors(rooms: RoomTable, doors: Sequence[Doorway]) -> list[Row]:
-    """Return rows of width 0 for doors between different rooms, or to the outside; the caller omits passable doors."""
+    """Return rows of width 0 for those (impassable) doors that are between different rooms or lead outside."""
     rows: list[Row] = []
     for door in doors:
         a, b = door.room
@@ -111,7 +111,7 @@ def _stairs(stairs: Staircase, width: float) -> Row:
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:
-    """Return the minimum number of portals on the way from room to room; -1 if there is no way.
+    """Return the minimum number of portals on the way from room to room; 0 to itself, -1 if there is no way.
 
     Args:
         portals: Portals; only passable ones count.

@@ -53,7 +53,7 @@ def label_regions(
 
 
 def _count(merged: Int[np.ndarray, " p"], patch: Int[np.ndarray, "*s"], number: int) -> Int[np.ndarray, " n"]:
-    """Count the cells of each region."""
+    """Return the cells per region, from each cell's patch (from 1; 0 none) and each patch's region (`merged`)."""
     cells = np.bincount(patch.ravel(), minlength=len(merged) + 1)[1:]
     return np.bincount(merged, weights=cells, minlength=number).astype(np.int64)
 
@@ -64,7 +64,7 @@ def stair_links(
     height: Float[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[list[GridLink]]:
-    """Return links between the levels of each staircase, at its cells that are free and equally high in both grids.
+    """Return the links of each staircase between its levels, at its cells standable and equally high in both grids.
 
     Args:
         stairs: Stairs of the house.

@@ -52,7 +52,7 @@ def _is_step(item: PlacedObject) -> bool:
 
 
 def _adjoin(boxes: Sequence[PlacedObject]) -> Bool[np.ndarray, "n n"]:
-    """Return for each pair of boxes whether they adjoin in the plan and differ by one step in height."""
+    """Return a symmetric matrix: whether two boxes adjoin in the plan and their tops differ by the rise of one step."""
     turn = yaw_matrix(boxes[0].yaw)
     corners = [item.triangles.reshape(-1, 3) @ turn for item in boxes]
     low, high = np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])

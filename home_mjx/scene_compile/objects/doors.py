@@ -55,7 +55,7 @@ def split_door(door: JointedDoor) -> tuple[Model, tuple[LeafPart, ...]]:
 
 
 def _moves_in_plan(joint: Joint) -> bool:
-    """Return whether a joint is a vertical hinge or a horizontal slide."""
+    """Return whether a joint (Y up, as in the file) is a vertical hinge or a horizontal slide."""
     upright = abs(joint.axis[1])
     return upright <= MAX_HINGE_TILT if joint.kind == "slide" else upright >= 1 - MAX_HINGE_TILT
 

@@ -41,10 +41,10 @@ class Doorway:
 
 
 def find_doorways(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Doorway]:
-    """Find the doorways of all levels.
+    """Return the doorways of all levels: one per door, garage door or arch, in the order of `objects`.
 
     Args:
-        objects: All objects of the house; rows of its Doors are the leaves that turn, in this order.
+        objects: All objects of the house; rows of its Doors are their `leaves`, in this order.
         rooms: Outlines.
     """
     rows, found = count(), []

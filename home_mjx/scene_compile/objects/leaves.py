@@ -98,7 +98,7 @@ def find_motion_range(
 
 
 def _clip_to_movables(leaf: PlacedLeaf, end: float, movable: BoxSet) -> float:
-    """Return the end of the range clipped at the first movable object beyond the wide-open pose."""
+    """Return `end` of the range, or an earlier end at the first movable object met beyond the wide-open pose."""
     beyond, opens = (
         abs(end - leaf.closed) - abs(leaf.wide_open - leaf.closed),
         float(np.sign(leaf.wide_open - leaf.closed)),
@@ -112,7 +112,7 @@ def _clip_to_movables(leaf: PlacedLeaf, end: float, movable: BoxSet) -> float:
 
 
 def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Return a mask of the boxes that a leaf can approach in any pose."""
+    """Return a mask of the boxes within `CLEARANCE` of the circle, or sliding range, that a leaf covers in any pose."""
     ends = [leaf.box_at(leaf.closed), leaf.box_at(leaf.wide_open)] if leaf.slides else [leaf.box]
     corners = np.concatenate([footprint(box, 0) for box in ends])
     reach = np.linalg.norm(corners - leaf.pivot, axis=1).max() + CLEARANCE

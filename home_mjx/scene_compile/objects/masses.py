@@ -68,7 +68,7 @@ DEFAULT_MASS_RANGE = (0.5, 100.0)  # [kg], default for other categories
 
 
 def mass_range(fine: str, coarse: str) -> tuple[float, float]:
-    """Return the minimum and maximum mass of a category [kg]."""
+    """Return the minimum and maximum mass [kg] of the fine category, else of the coarse one, else the default."""
     return MASS_RANGES.get(fine) or MASS_RANGES.get(coarse) or DEFAULT_MASS_RANGE
 
 

@@ -81,12 +81,12 @@ class PlacedObject:
 
     @cached_property
     def leaves(self) -> tuple[PlacedLeaf, ...]:
-        """Leaves of a door that turn, in the order of its parts."""
+        """Leaves of a door that turn or slide, in the order of its parts; empty if they are shut."""
         return () if self.is_shut else self._leaves
 
     @cached_property
     def shut_leaves(self) -> BoxSet:
-        """Boxes of its leaves if they are shut."""
+        """Boxes of its leaves in their closed pose if they are shut; empty otherwise."""
         return concat_boxes(leaf.box_at(leaf.closed) for leaf in self._leaves if self.is_shut)
 
     @cached_property
@@ -100,7 +100,7 @@ class PlacedObject:
 
     @property
     def poses(self) -> tuple[Float[np.ndarray, "3 4"], ...]:
-        """Pose of each part, world from model [m]."""
+        """Pose of each of `parts`, world from model [m]; shut leaves are closed."""
         angles = [leaf.closed if self.is_shut else 0.0 for leaf in self._leaves]
         return (self.pose, *(leaf.pose_at(a, self.pose) for leaf, a in zip(self._leaves, angles, strict=True)))
 
@@ -156,20 +156,20 @@ def _parts(
     pose: Float[np.ndarray, "3 4"],
     meshes: Mapping[str, Mesh],
 ) -> tuple[Model, tuple[LeafPart, ...]]:
-    """Return the rigid parts of an object; only doors have leaves, joints of furniture are not used."""
+    """Return an object's main part and its leaves; only doors have leaves, joints of furniture are not used."""
     if isinstance(node, BoxNode) or info.coarse != "door" or not node.joints or not is_hinge_preserving(pose):
         return model, ()
     return split_door(JointedDoor(model.key, node.joints, model, meshes[node.model_key]))
 
 
 def _num_nodes(level: Level) -> int:
-    """Return the length of the level's node list in the file, from the nodes that could be read."""
+    """Return the length of a level's node list in the file: the highest index of a node that was read, plus 1."""
     nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds, *level.unknown)
     return max((node.index + 1 for node in nodes), default=0)
 
 
 def library_model(key: str, mesh: Mesh) -> Model:
-    """Convert a mesh to a library model, Z up."""
+    """Convert a mesh, Y up, to a library model, Z up, named `key`."""
     normal = None if mesh.normal is None else to_z_up(mesh.normal)
     return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal, find=find_model)
 

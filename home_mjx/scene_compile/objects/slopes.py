@@ -50,25 +50,25 @@ class Slope:
         return self.part(0.0, self.run)
 
     def part(self, start: float, end: float) -> Float[np.ndarray, "4 2"]:
-        """Return the corners of the part between two distances from the foot, in the plan [m]."""
+        """Return the plan corners of the part between two distances from the foot [m], in the order of `outline`."""
         half = self.width / 2
         corners = np.array([[start, -half], [end, -half], [end, half], [start, half]])
         return self.foot + corners @ yaw_matrix(self.yaw)[:2, :2].T
 
     def along(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-        """Return the distance of points from the foot, along the uphill direction [m]."""
+        """Return the signed distance of points uphill from the foot [m]; negative before it."""
         return (points - self.foot) @ self.up
 
     def contains(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-        """Return whether points are over the slope."""
+        """Return whether plan points are in the slope's rectangle, edges included."""
         along, across = self.along(points), (points - self.foot) @ [-self.up[1], self.up[0]]
         return (along >= 0) & (along <= self.run) & (abs(across) <= self.width / 2)
 
     def surface(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-        """Return the height under points [m]; constant beyond its ends."""
+        """Return the height of the slope's plane at plan points, also beside it [m]; constant beyond its ends."""
         return self.low + (self.high - self.low) * np.clip(self.along(points) / self.run, 0, 1)
 
     def rotated(self, yaw: float) -> "Slope":
-        """Return the slope rotated about the vertical axis through the origin [rad]."""
+        """Return a copy rotated by `yaw` [rad] about the vertical axis through the world's origin."""
         foot = yaw_matrix(yaw)[:2, :2] @ self.foot
         return Slope(foot, self.yaw + yaw, self.run, self.width, self.low, self.high)

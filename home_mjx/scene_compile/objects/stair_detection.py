@@ -17,24 +17,13 @@ from home_mjx.scene_compile.objects.slopes import Slope
 
 MIN_TREAD_NORMAL_Z = 0.95  # minimum vertical component of a tread's unit normal
 MIN_CORRELATION = 0.95  # minimum correlation between height and position of the treads of a straight flight
-MAX_LATERAL_SPREAD = (
-    0.35  # maximum lateral spread of the tread centres of a straight flight, as a fraction of their width
-)
+MAX_LATERAL_SPREAD = 0.35  # maximum lateral spread of a straight flight's tread centres, as a fraction of their width
 MAX_INCLINATION = 60.0  # [degrees], maximum inclination; steeper objects are ladders
-MAX_START_OFFSET, MAX_END_OFFSET = (
-    0.3,
-    0.4,
-)  # [m], maximum offset of a slope's start from the first tread; of its end from the last
+MAX_START_OFFSET, MAX_END_OFFSET = 0.3, 0.4  # [m], from the first tread to a slope's start; from the last to its end
 MIN_TOP_LENGTH = 0.01  # [m], minimum length of a top tread beyond a slope
-SAMPLE_SPACING, SAMPLE_CELL = (
-    0.04,
-    0.05,
-)  # [m], distance of sample points on treads, and cells in which only the highest are used
+SAMPLE_SPACING, SAMPLE_CELL = 0.04, 0.05  # [m], of points on treads; of cells in which only the highest are used
 TREAD_HEIGHT_TOLERANCE = 0.03  # [m], heights that differ by less belong to one tread
-MIN_TREAD_AREA_RATIO, MIN_LANDING_AREA_RATIO = (
-    0.3,
-    1.8,
-)  # minimum area of a tread and of a landing, relative to the median
+MIN_TREAD_AREA_RATIO, MIN_LANDING_AREA_RATIO = 0.3, 1.8  # area of a tread and of a landing relative to the median
 MAX_STEP_RISE = 0.4  # [m], maximum rise of a step
 MAX_LANDING_GAP = 0.25  # [m], maximum gap between a landing and the adjacent treads
 MIN_CURVE_TREADS = 4  # minimum number of treads of a curve
@@ -43,10 +32,7 @@ MAX_RADIUS_DEVIATION = 0.15  # maximum relative deviation of a curve's treads fr
 MAX_CURVE_ANGLE = np.deg2rad(330)  # maximum angle of a curve; beyond it, one end would be above the other
 MIN_INNER_RADIUS_RATIO = 0.4  # minimum inner radius relative to the outer one; curves are too steep near the centre
 MAX_SECTOR_ANGLE = np.deg2rad(20.0)  # maximum angle of a curve per slope
-MAX_SLOPE_STEP, AGENT_AXIS_DISTANCE = (
-    0.03,
-    0.1,
-)  # [m], maximum step between two slopes of a curve, at this distance from its edges
+MAX_SLOPE_STEP, AGENT_AXIS_DISTANCE = 0.03, 0.1  # [m], step between slopes of a curve, this far from its edges
 
 Polygon = Float[np.ndarray, "_ 2"]
 SlopesTopWell = tuple[
@@ -68,7 +54,7 @@ class StraightRun:
 
     @classmethod
     def fit(cls, line: tuple[int, float, float], points: Float[np.ndarray, "n 2"]) -> "StraightRun":
-        """Create a run from the line through its treads and all of their points."""
+        """Create a run from `_line`'s result for its treads, and their plan points [m]; `yaw` is uphill."""
         axis, rise, offset = line
         yaw = axis * np.pi / 2 + (np.pi if rise < 0 else 0.0)
         local = points @ plane_matrix(yaw)
@@ -76,17 +62,17 @@ class StraightRun:
         return cls(float(yaw), abs(rise), offset, first, last, right, left)
 
     def point_at(self, along: float) -> Float[np.ndarray, "2"]:
-        """Return the point of the middle line at a local x [m]; 0 is not the start of the run, see `first`."""
+        """Return the plan point of the middle line at a local x [m]; 0 is not the start of the run, see `first`."""
         return plane_matrix(self.yaw) @ [along, (self.left + self.right) / 2]
 
     def start(self, low: float) -> float:
-        """Return the local x where its slope leaves the floor at height `low` [m]."""
+        """Return the local x [m] where the slope leaves a floor at `low` [m], within `MAX_START_OFFSET` of `first`."""
         return float(
             np.clip((low - self.offset) / self.grade, self.first - MAX_START_OFFSET, self.first + MAX_START_OFFSET)
         )
 
     def end(self, high: float) -> float:
-        """Return the local x where its slope reaches the floor at height `high` [m]."""
+        """Return the local x [m] where the slope meets a floor at `high` [m], up to `MAX_END_OFFSET` before `last`."""
         return float(np.clip((high - self.offset) / self.grade, self.last - MAX_END_OFFSET, self.last))
 
     def slope(self, start: float, end: float, low: float, high: float) -> Slope:
@@ -102,7 +88,7 @@ class StraightFlights:
     landings: Sequence[tuple[float, Float[np.ndarray, "4 2"]]]
 
     def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-        """Return the points at a distance before the first tread and beyond the last [m]."""
+        """Return plan points of the middle line, `beside` [m] before the first tread and beyond the last."""
         return self.runs[0].point_at(self.runs[0].first - beside), self.runs[-1].point_at(self.runs[-1].last + beside)
 
     def slopes(self, low: float, high: float) -> SlopesTopWell:
@@ -145,7 +131,7 @@ def _extent(corners: Float[np.ndarray, "4 2"], yaw: float) -> tuple[list[float],
 
 @dataclass(frozen=True)
 class CurvedFlight:
-    """Treads around a vertical axis: height = `offset` + `rise` * angle; `sense` is the direction uphill."""
+    """Treads around a vertical axis: height = `offset` + `rise` * angle, where angles [rad] grow uphill, by `sense`."""
 
     center: Float[np.ndarray, "2"]  # [m]
     inner: float  # [m], inner radius
@@ -162,15 +148,15 @@ class CurvedFlight:
         return (self.inner + self.outer) / 2
 
     def point(self, angle: float, radius: float) -> Float[np.ndarray, "2"]:
-        """Return the point at an angle and radius in the plan [m]."""
+        """Return the plan point at a radius [m] and an angle [rad] that grows uphill: `sense` times that about +z."""
         return self.center + radius * np.array([np.cos(self.sense * angle), np.sin(self.sense * angle)])
 
     def yaw(self, angle: float) -> float:
-        """Return the direction uphill [rad]."""
+        """Return the uphill direction at an angle, about +z from +x [rad]."""
         return self.sense * (angle + np.pi / 2)
 
     def ends(self, beside: float) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, "2"]]:
-        """Return the points at a distance before the first tread and beyond the last [m]."""
+        """Return plan points of the middle line, `beside` [m] before the first tread and beyond the last."""
         found = []
         for angle, way in ((self.first, -beside), (self.last, beside)):
             up = np.array([np.cos(self.yaw(angle)), np.sin(self.yaw(angle))])
@@ -223,7 +209,7 @@ class CurvedFlight:
 
 
 def tread_triangles(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 3 3"]:
-    """Return the triangles on which an agent can stand."""
+    """Return the triangles that face up and are nearly level, on which an agent can stand."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return triangles[normal[:, 2] > MIN_TREAD_NORMAL_Z * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)]
 
@@ -255,7 +241,7 @@ def find_stair_path(
 
 
 def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]:
-    """Return the sample points of each tread, sorted by height, without points below other ones."""
+    """Return sample points [m] on each tread, treads sorted by height, without points below other ones."""
     points = sample_surface(treads, SAMPLE_SPACING)
     cell = _plan_cells(points)[1]
     highest = np.full(cell.max() + 1, -np.inf)
@@ -266,7 +252,7 @@ def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]
 
 
 def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
-    """Return the area of each tread, in cells."""
+    """Return the area of each tread: the number of `SAMPLE_CELL` cells with a sample point."""
     return np.array([len(_plan_cells(step)[0]) for step in steps])
 
 
@@ -315,10 +301,10 @@ def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, 
 
 
 def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> tuple[int, float, float] | None:
-    """Fit the line height = rise * position + offset to treads; None if they turn or are too steep.
+    """Fit the line height = rise * position + offset to tread centres [m]; None if they turn or are too steep.
 
     Returns:
-        Axis of the position, rise and offset.
+        Axis of the position (0 or 1), rise and offset.
     """
     away = middle - np.average(middle, axis=0, weights=weight)
     spread = np.einsum("n,na,nb->ab", weight, away, away)

@@ -92,16 +92,16 @@ class Staircase:
         return tuple(slope.outline for slope in self.slopes)
 
     def contains(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-        """Return whether points are over the stairs."""
+        """Return whether plan points are over any slope of the stairs, edges included."""
         return np.any([slope.contains(points) for slope in self.slopes], axis=0)
 
     def blocks_floor(self, points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-        """Return whether points are over the stairs, and not over slopes that agents can walk under."""
+        """Return whether plan points are over the stairs, and not over slopes that agents can walk under."""
         open_slopes = [slope.contains(points) for slope in self.slopes[self.first_open_slope :]]
         return self.contains(points) & ~np.any(open_slopes, axis=0) if open_slopes else self.contains(points)
 
     def surface(self, points: Float[np.ndarray, "*p 2"]) -> Float[np.ndarray, "*p"]:
-        """Return the height of the highest slope under each point [m]; -inf beside the stairs."""
+        """Return the height of the highest slope at each plan point [m]; -inf beside the stairs."""
         heights = [np.where(slope.contains(points), slope.surface(points), -np.inf) for slope in self.slopes]
         return np.max(heights, axis=0)
 

@@ -107,7 +107,7 @@ def assemble(
 def _instances(
     shell: BuildingShell, objects: Sequence[PlacedObject], first_row: Sequence[int], bodies: Bodies
 ) -> Instances:
-    """Return one instance per part of an object; its parts share material and semantic rows."""
+    """Return the architecture's instance, then one per part of each object; these share material and semantic rows."""
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     parts = [(i, o, part) for i, o in enumerate(objects) for part in o.parts]
     poses = [pose for o in objects for pose in o.poses]
@@ -129,7 +129,7 @@ def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarr
 def _report(
     frame: HouseFrame, shell: BuildingShell, objects: Sequence[PlacedObject], levels: LevelGeometry
 ) -> dict[str, int]:
-    """Return counts of the input and of the compiled house."""
+    """Return counts by name of the input and of the compiled house, such as `rooms` and `colliders`."""
     house = frame.house
     return {
         "levels": len(house.levels),

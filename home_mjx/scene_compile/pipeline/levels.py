@@ -245,7 +245,10 @@ def _spaces(
     colliders: ColliderOptions,
     options: NavigationOptions,
 ) -> list[FreeSpace]:
-    """Compute the free space of each level; obstacles of all levels count, since stairs lead past the next level."""
+    """Compute the free space of each level; obstacles of all levels count, since stairs lead past the next level.
+
+    Raise `DatasetError` if no floor, or no cell of the lowest level, is standable.
+    """
     around, fixed = (
         unique_boxes(concat_boxes([*boxes, rails]))
         for boxes in zip(*((o.all, o.static) for o in obstacles), strict=True)
@@ -261,7 +264,7 @@ def _spaces(
 
 
 def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int, all_angles: bool = True) -> BoxSet:
-    """Return boxes of a level's leaves that turn: initial, closed and wide open, or only wide open."""
+    """Return three boxes of each leaf of a level: initial, closed and wide open; only wide open if not `all_angles`."""
     leaves = [(o.level, leaf) for o in objects for leaf in o.leaves]
     angles = zip(leaves, np.clip(0, doors.low, doors.high), doors.closed, doors.fully_open, strict=True)
     used = slice(0 if all_angles else 2, None)

@@ -92,7 +92,7 @@ def _check_walls(house: House, shell: BuildingShell) -> None:
 
 @contextmanager
 def add_house_file(house: House) -> Iterator[None]:
-    """Add the house's file to errors without one."""
+    """Raise a `DatasetError` of the `with` block that names no file again, with the house's file."""
     try:
         yield
     except DatasetError as error:

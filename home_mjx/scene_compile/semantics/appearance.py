@@ -101,7 +101,7 @@ def surface_colors(skin: TexturedTriangles) -> tuple[Float[np.ndarray, "n 3"], F
 
 
 def _slot_colors(skin: TexturedTriangles, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Return colours in linear light and opacities: one for a plain slot, `NUM_SAMPLES` by area for a textured one."""
+    """Return linear RGB colours and opacities of a slot: one if plain, `NUM_SAMPLES` spread by area if textured."""
     surface = skin.surfaces[slot]
     diffuse = decode_srgb(np.array([surface.color], float))
     if not surface.texture:
@@ -112,7 +112,7 @@ def _slot_colors(skin: TexturedTriangles, slot: int) -> tuple[Float[np.ndarray, 
 
 
 def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Float[np.ndarray, "n 2"]:
-    """Return texture coordinates at points that cover triangles evenly.
+    """Return texture coordinates at `NUM_SAMPLES` points that cover triangles evenly by area.
 
     Triangles are selected by systematic sampling, points in them by the R2 sequence (Roberts 2018), folded into the
     triangle.
@@ -127,7 +127,7 @@ def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Fl
 
 
 def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]:
-    """Return colours in sRGB and alpha, 0..1, of a repeated image; v = 0 is its bottom."""
+    """Return nearest sRGB colours and alpha, 0..1, of a repeated, downsampled image; v = 0 is its bottom."""
     changed = Path(path).stat().st_mtime_ns if Path(path).is_file() else 0
     column, row = ((uv % 1) * IMAGE_SIDE).astype(int).clip(0, IMAGE_SIDE - 1).T
     return _image(path, changed)[IMAGE_SIDE - 1 - row, column] / 255
@@ -145,7 +145,7 @@ def _file_digest(path: str, changed: int) -> bytes:
 
 @lru_cache(maxsize=1 << 12)
 def _image(path: str, changed: int) -> np.ndarray:
-    """Return a downsampled image; `changed` is part of the cache key, so that a changed file is read again."""
+    """Return an image as (`IMAGE_SIDE`, `IMAGE_SIDE`, 4) bytes; `changed` is only a part of the cache key."""
     return read_texture(Path(path), IMAGE_SIDE, "box")
 
 
@@ -179,15 +179,15 @@ def dominant_colors(
 def _names(
     colors: Float[np.ndarray, "c 3"], weights: Float[np.ndarray, " c"], level: str, least: float
 ) -> tuple[str, ...]:
-    """Return the names of colours with a sufficient share, else of the main one; shares of equal names add up."""
+    """Return names with a share of at least `least`, largest first, else the main one; shares of equal names add up."""
     share = area_shares(nearest_names(colors, level), weights)
     return select_by_share(share, least) or select_by_share(share, 0)[:1]
 
 
 def surface_materials(skin: TexturedTriangles, options: SemanticOptions) -> tuple[tuple[str, ...], bool]:
-    """Return the kinds of material by area, and a flag that is True if textures determine them.
+    """Return kinds of material, largest area first, and a flag that is True if textures determine them.
 
-    Kinds determined by textures have priority over the defaults of the category.
+    By the rule `largest`, one kind: that of a texture, else the category's default. By `share`, only textures count.
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     shown = area_shares([s.texture for s in skin.surfaces], area)
@@ -202,12 +202,12 @@ def surface_materials(skin: TexturedTriangles, options: SemanticOptions) -> tupl
 
 
 def texture_kind(texture: str) -> str:
-    """Return the kind of a texture by its name, one of `MATERIAL_KINDS`; "" if none."""
+    """Return the kind of a texture by the file name in its path, one of `MATERIAL_KINDS`; "" if none."""
     return TEXTURE_KINDS.get(texture_family(Path(texture).stem), "")
 
 
 def area_shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
-    """Return the share of the area by name; surfaces without a name count only in the total."""
+    """Return each name's share of the total area, equal names added up; surfaces named "" count only in the total."""
     covered: dict[str, float] = {}
     for name, part in zip(names, (area / area.sum()).tolist(), strict=True):
         if name and part > 0:

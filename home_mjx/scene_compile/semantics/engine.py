@@ -98,13 +98,13 @@ class _AppearanceCache:
     found: dict[Hashable, Appearance] = field(default_factory=dict)
 
     def get(self, key: Hashable, skin: Callable[[], TexturedTriangles]) -> Appearance:
-        """Return the appearance of a skin; equal keys must have equal skins."""
+        """Return the cached appearance of a key, else compute it of `skin()`; equal keys must have equal skins."""
         if key not in self.found:
             self.found[key] = compute_appearance(skin(), self.options)
         return self.found[key]
 
     def of_object(self, item: PlacedObject) -> Appearance:
-        """Return the appearance of an object, kept by its model, its surfaces and its scale."""
+        """Return the appearance of an object, cached in memory and on disk by its model, its surfaces and its scale."""
         surfaces, stretch = item.surfaces, (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas
 
         def skin() -> TexturedTriangles:
@@ -191,7 +191,7 @@ def _object(
 
 
 def _volume(item: PlacedObject) -> float:
-    """Return the volume of the model's scaled bounding box [m^3]; a flat one counts as 1 mm thick."""
+    """Return the volume of the model's scaled bounding box [m^3]; every edge counts as at least 1 mm."""
     edges = np.ptp(item.model.box.astype(np.float64), axis=0) * np.linalg.norm(item.pose[:, :3], axis=0)
     return float(np.maximum(edges, 1e-3).prod())
 

@@ -10,7 +10,7 @@ Record = dict[str, Any]
 
 
 def house_record(house: HouseSemantics) -> Record:
-    """Return rooms, parts, objects and the relations that are independent of a viewpoint.
+    """Return a JSON-compatible dictionary of rooms, parts, objects and relations that are independent of a viewpoint.
 
     Args:
         house: Semantics of the house.

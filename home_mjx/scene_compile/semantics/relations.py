@@ -82,7 +82,7 @@ def static_relations(
 
 
 def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> list[int]:
-    """Return later objects of the same room that are next to an object."""
+    """Return the indices above `index` of objects that are next to it, in the same room."""
     reach = np.hypot(boxes.half[:, 0], boxes.half[:, 1])
     apart = np.hypot(*(boxes.center[:, :2] - boxes.center[index, :2]).T)
     near = (
@@ -112,7 +112,7 @@ def observer_relations(
         ids: Object ids.
         boxes: Their upright boxes.
         places: Level and room of each object.
-        observer: The observer.
+        observer: Position of the observer; its heading is not used.
 
     Example:
         >>> boxes = box_set([[2.0, 1.0, 0.0], [2.0, -1.0, 0.0]], [0.2, 0.2, 0.2])  # doctest: +SKIP
@@ -131,13 +131,13 @@ def observer_relations(
 
 
 def _pairs(places: Int[np.ndarray, "o 2"]) -> list[tuple[int, int]]:
-    """Return pairs of objects of one room."""
+    """Return index pairs (lower, higher) of objects in the same room; objects outside all rooms have none."""
     together = (places[:, None] == places).all(axis=-1) & (places[:, 1] >= 0)
     return [(int(a), int(b)) for a, b in np.argwhere(np.triu(together, 1))]
 
 
 def _order(a: int, b: int, leftward: float, nearer: float) -> list[Relation]:
-    """Return both relations of a pair; empty if their centres coincide."""
+    """Return both relations, with `a` `leftward` of `b` and `nearer` by distances [m]; empty below `MIN_SEPARATION`."""
     across = abs(leftward) >= abs(nearer)
     way, predicate = (leftward, "left of") if across else (nearer, "in front of")
     if abs(way) < MIN_SEPARATION:

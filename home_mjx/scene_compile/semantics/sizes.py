@@ -41,7 +41,7 @@ class SizeTable:
 
 
 def size_table(metadata: Metadata) -> SizeTable:
-    """Collect the volumes of all models.
+    """Collect the box volumes of all models of a dataset by fine and by coarse category.
 
     Args:
         metadata: The dataset's tables; models without a box, or with a flat one, are ignored.

@@ -16,9 +16,7 @@ SOLE_HEIGHT = 0.02  # [m], points up to this above the lowest one touch the supp
 MIN_SUPPORT_SHARE = 0.5  # minimum share of these points that the supporting object carries
 MAX_SOLE_POINTS = 64  # maximum number of these points
 MAX_SUPPORTERS = 32  # maximum number of tested supporters, by decreasing overlap in the plan
-MAX_WALL_DISTANCE = (
-    0.12  # [m], maximum distance from an object at a wall to the room's outline, which is inside the wall
-)
+MAX_WALL_DISTANCE = 0.12  # [m], from an object at a wall to the room's outline, which is inside the wall
 MAX_HUNG_DISTANCE = 0.15  # [m], the same without another support: pictures and lamps hang up to 5.5 cm off the wall
 MAX_CEILING_DISTANCE = 0.1  # [m], maximum distance from an object's top to the ceiling that it hangs from
 OUTLINE_STEP = 0.1  # [m], distance between sample points of a room's outline
@@ -100,7 +98,7 @@ def _heights(item: PlacedObject, rooms: RoomTable) -> tuple[float, float]:
 
 
 def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
-    """Return points along the walls of a level."""
+    """Return plan points along the room outlines of a level, at most `OUTLINE_STEP` apart on short edges [m]."""
     points = [np.zeros((0, 2))]
     for start in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
         for a, b in zip(start, np.roll(start, -1, axis=0), strict=True):
@@ -110,7 +108,7 @@ def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the index of the object that carries most of another's lowest points; -1 below `MIN_SUPPORT_SHARE`."""
+    """Return the index of the object that carries most of an object's lowest points; -1 below `MIN_SUPPORT_SHARE`."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + MAX_CONTACT_GAP) & (limits[:, 1, 2] > low[2] - MAX_CONTACT_GAP)
@@ -127,14 +125,14 @@ def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.nda
 
 
 def _soles(item: PlacedObject) -> Float[np.ndarray, "p 3"]:
-    """Return a sample of the lowest points of an object."""
+    """Return up to `MAX_SOLE_POINTS` world corners of an object within `SOLE_HEIGHT` of its lowest one [m]."""
     points = item.triangles.reshape(-1, 3)
     points = np.unique(points[points[:, 2] < points[:, 2].min() + SOLE_HEIGHT].round(4), axis=0)
     return points[np.linspace(0, len(points) - 1, min(len(points), MAX_SOLE_POINTS)).astype(int)]
 
 
 def _is_carried(points: Float[np.ndarray, "p 3"], below: PlacedObject, top: float) -> Bool[np.ndarray, " p"]:
-    """Return whether an object's upper side is within `MAX_CONTACT_GAP` of each point, vertically, below `top`."""
+    """Return for each point whether `below` has an upper side within `MAX_CONTACT_GAP` of its z, under `top` [m]."""
     triangles = below.upper_triangles
     level = points[:, 2].min()
     near = (triangles[:, :, 2].min(axis=1) < level + SOLE_HEIGHT + MAX_CONTACT_GAP) & (
@@ -153,7 +151,7 @@ def _barycentric(
     b: Float[np.ndarray, "t 2"],
     c: Float[np.ndarray, "t 2"],
 ) -> Float[np.ndarray, "p t 3"]:
-    """Return the barycentric weights of points in triangles, in the plan."""
+    """Return the barycentric weights (of a, b, c) of plan points in triangles; some are negative outside."""
     u, v, w = b - a, c - a, point - a
     whole = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
     second = (w[..., 0] * v[:, 1] - w[..., 1] * v[:, 0]) / whole
@@ -174,7 +172,7 @@ def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limit
 
 
 def _inside_share(boxes: BoxSet, inner: int, outer: int) -> float:
-    """Return the share of a box that is inside another, by extents along the sides of the other."""
+    """Return the volume share of box `inner` that is inside box `outer`, by its extents along the sides of `outer`."""
     turn = yaw_matrix(boxes.yaw[outer] - boxes.yaw[inner])
     half = abs(turn) @ boxes.half[inner]
     middle = yaw_matrix(boxes.yaw[outer]).T @ (boxes.center[inner] - boxes.center[outer])

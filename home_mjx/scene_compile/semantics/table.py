@@ -31,7 +31,7 @@ def build_semantic_rows(
 
 
 def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
-    """Return the columns of an object that follow from the dataset."""
+    """Return the row of an object with the columns that follow from the dataset; `body` is -1 if it is fixed."""
     info = item.info
     return semantic_row(
         info.fine,
@@ -45,7 +45,7 @@ def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
 
 
 def fill_semantics(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:
-    """Return the rows of a house with the columns of the semantic engine filled in.
+    """Return a copy of the rows of a house with the columns of the semantic engine filled in.
 
     Args:
         rows: One per part of the architecture, then one per object.
@@ -63,7 +63,7 @@ def fill_semantics(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[n
 
 
 def _fill_look(row: Int[np.ndarray, " c"], item: ObjectSemantics | PartSemantics) -> None:
-    """Write room labels, first material and first colours of each level into a row."""
+    """Write room labels, first material and first colours of each level into a row, in place."""
     row[Semantic.ROOM_TYPE] = encode_name(Semantic.ROOM_TYPE, item.room_type)
     row[Semantic.ROOM_LABELS] = room_labels(item.room_types) or -1
     row[Semantic.MATERIAL] = encode_name(Semantic.MATERIAL, next(iter(item.appearance.materials), ""))

@@ -21,13 +21,13 @@ weights, flags = stack_of(types.float32, 2 * LANES), stack_of(types.int32, 2 * L
 @njit(error_model="numpy")  # rarely called, too large to inline
 @no_type_check
 def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
-    """Return the lanes of `wins` without those that pass through a cut-out texel.
+    """Return the lanes of `wins` without those that pass through a cut-out texel; sound rays never pass.
 
     Args:
         world: Arrays of the scene.
         triangle: The triangle that the rays hit.
-        stops: Its entry of `Geometry.material_mask`.
-        mask: Masks of the rays.
+        stops: Its entry of `Geometry.material_mask`: `RayKind` bits, and the layer of cut-outs above them.
+        mask: `RayKind` bits of the rays.
         u: Barycentric weights of corner 1.
         v: Barycentric weights of corner 2.
         wins: Lanes whose rays hit the triangle.
@@ -61,7 +61,7 @@ def _is_cut_out(world, triangle, layer, u, v):
 @njit(error_model="numpy")
 @no_type_check
 def _texel(uv, at, u, v, edge):
-    """Return the texel of a texture coordinate that repeats; 0 for NaN."""
+    """Return the texel index of a repeating coordinate at weights u and v; `uv[at]` is that of corner 0. NaN: 0."""
     x = (ONE - u - v) * uv[at] + u * uv[at + 2] + v * uv[at + 4]
     place = (x - np.floor(x)) * np.float32(edge)
     return min(np.int64(place), edge - 1) if place >= ZERO else np.int64(0)

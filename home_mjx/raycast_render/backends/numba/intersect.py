@@ -58,7 +58,7 @@ class BestHits(NamedTuple):
 @compiled
 @no_type_check
 def intersect_box(box, index, ray):
-    """Return the distance t at which the rays enter a box, at least t_min; infinity on a miss."""
+    """Return t at which rays enter box `index` of a flat array (6 numbers each), at least t_min; infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
@@ -71,7 +71,7 @@ def intersect_box(box, index, ray):
 @compiled
 @no_type_check
 def prepare_packet(rays, alive, any_hit):
-    """Prepare a packet for traversal; lanes that are not alive get t_min = infinity."""
+    """Return a packet's rays with inverse directions, for traversal; lanes that are not alive get t_min = infinity."""
     origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
     return _ray(origin, direction, select(alive, rays.t_min, INF), rays.mask, any_hit)
 
@@ -92,7 +92,7 @@ def _inverse(x):
 @compiled
 @no_type_check
 def transform_rays(inverse, index, ray, sees):
-    """Transform rays into an instance's frame; those outside of `sees` get an infinite t_min, so that they miss."""
+    """Return rays in the frame of instance `index`; lanes not in `sees` get an infinite t_min, so that they miss."""
     at = 12 * index
     ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
     oy = inverse[at + 4] * ray.ox + inverse[at + 5] * ray.oy + inverse[at + 6] * ray.oz + inverse[at + 7]
@@ -119,7 +119,7 @@ class ShearedRays(NamedTuple):
 @compiled
 @no_type_check
 def shear_rays(ray):
-    """Prepare the rays of this frame for triangle tests."""
+    """Return the rays with axes permuted for `test_triangle`, in the same frame; see `ShearedRays`."""
     x, y, z = absolute(ray.dx), absolute(ray.dy), absolute(ray.dz)
     along_x = (x >= y) & (x >= z)
     along_y = ~along_x & (y >= z)
@@ -131,7 +131,7 @@ def shear_rays(ray):
 @compiled
 @no_type_check
 def _turn(along_x, along_y, x, y, z):
-    """Permute the axes cyclically so that the longest one becomes z."""
+    """Return x, y, z permuted cyclically so that x becomes z in lanes of `along_x`, y in those of `along_y`."""
     return (
         select(along_x, y, select(along_y, z, x)),
         select(along_x, z, select(along_y, x, y)),
@@ -142,7 +142,7 @@ def _turn(along_x, along_y, x, y, z):
 @compiled
 @no_type_check
 def _corner(triangle, at, shear):
-    """Shear a corner so that the rays run along z through the origin; z is in units of t."""
+    """Return the corner at `triangle[at]`, sheared so that rays run along z from the origin; z is in units of t."""
     px, py, pz = _turn(
         shear.along_x, shear.along_y, broadcast(triangle[at]), broadcast(triangle[at + 1]), broadcast(triangle[at + 2])
     )

@@ -63,14 +63,17 @@ class Packet(NamedTuple):
 @compiled
 @no_type_check
 def clip_row(row, count):
-    """Clip a row index to the rows of an array."""
+    """Clip a row index to 0 .. count - 1, as int64."""
     return min(max(np.int64(row), np.int64(0)), count - 1)
 
 
 @compiled
 @no_type_check
 def make_tiling(rays, width):
-    """Return the packets of `rays` rays that form an image of the given width; 0 if they form none."""
+    """Return the tiling of `rays` rays by tiles of an image of `width` [px].
+
+    Consecutive rays form packets if `width` is below `TILE_WIDTH`, such as 0 (no image), or does not divide `rays`.
+    """
     if width < TILE_WIDTH or rays % width != 0:
         across = (rays + LANES - 1) // LANES
         return Tiling(rays, rays, LANES, across, across)
@@ -81,7 +84,7 @@ def make_tiling(rays, width):
 @compiled
 @no_type_check
 def assign_lanes(tiles, packet, rows):
-    """Write the index of each lane's ray within its environment; -1 none."""
+    """Write each lane's ray index within its environment, -1 if none, into `rows`; `packet` counts within it too."""
     x0, y0 = packet % tiles.across * tiles.tile_width, packet // tiles.across * (LANES // tiles.tile_width)
     for lane in range(LANES):
         x, start = x0 + lane % tiles.tile_width, (y0 + lane // tiles.tile_width) * tiles.width
@@ -91,7 +94,7 @@ def assign_lanes(tiles, packet, rows):
 @compiled
 @no_type_check
 def read_packet(operands, counts, env, rows):
-    """Read the rays of the lanes; t_min is infinity in lanes without a ray."""
+    """Return the rays of the lanes, t_max limited to `MISS`; t_min is infinity in lanes without a ray (row -1)."""
     origin, direction = float_pointer(operands[FIRST_RAY_OPERAND]), float_pointer(operands[FIRST_RAY_OPERAND + 1])
     t_min, t_max = float_pointer(operands[FIRST_RAY_OPERAND + 2]), float_pointer(operands[FIRST_RAY_OPERAND + 3])
     exclude, mask = int_pointer(operands[FIRST_RAY_OPERAND + 4]), int_pointer(operands[FIRST_RAY_OPERAND + 5])
@@ -122,7 +125,7 @@ def read_packet(operands, counts, env, rows):
 @compiled
 @no_type_check
 def _index(counts, field, env, row):
-    """Return the index of a field of a ray; some fields have one value for all rays of an environment."""
+    """Return the row of a ray's value in a field with `counts[field]` values per environment: one per ray, or one."""
     return env * counts[field] + (row if counts[field] > 1 else 0)
 
 

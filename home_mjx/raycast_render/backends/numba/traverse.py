@@ -77,7 +77,7 @@ class SceneArrays(NamedTuple):
 @njit(error_model="numpy")
 @no_type_check
 def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> None:
-    """Cast one packet.
+    """Cast one packet and write its hits into `results`.
 
     Args:
         operands: Addresses of the arrays of `SceneArrays` in its order, then of `types.Rays`.
@@ -131,7 +131,7 @@ def _world(at, sizes):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Return the best hits with static instances, by the house's top tree, and with moving ones, one by one."""
+    """Return `best` updated with static instances, by the house's top tree, and with moving ones, one by one."""
     house, num_instances, left = (
         clip_row(world.house[env], world.sizes.houses),
         world.sizes.instances,
@@ -174,7 +174,7 @@ def _is_visible(object_id, exclude):
 @njit(error_model="numpy")  # called from two places, too large to inline
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
-    """Return the best hits, updated with one instance; the rays are in its frame."""
+    """Return `best` updated with one instance, by the tree of its model; the rays are in its frame."""
     shear = shear_rays(ray)
     left = world.sizes.nodes
     code, enter, size = world.model_root[clip_row(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
@@ -196,9 +196,9 @@ def _cast_model(world, instance, ray, best, codes, enters):
 @compiled
 @no_type_check
 def _open_node(world, node, ray, limit, codes, enters, size):
-    """Open a node: push the child that most rays enter later; return the other one and its entry distances.
+    """Open a node: push the child that most rays enter later; return the other's code and entry t, and the stack size.
 
-    The code of a child that no ray hits before its best hit is `EMPTY_LEAF`.
+    A child that no ray enters before `limit` (t of its best hit) is not pushed, or has the code `EMPTY_LEAF`.
     """
     at = 2 * clip_row(node, world.sizes.nodes)
     near, far = world.node_child[at], world.node_child[at + 1]
@@ -214,7 +214,7 @@ def _open_node(world, node, ray, limit, codes, enters, size):
 @compiled
 @no_type_check
 def _pop(codes, enters, size, base, limit):
-    """Pop the topmost code that some ray enters before its best hit, or `EMPTY_LEAF`, with the entry distances."""
+    """Pop codes down to `base` until a ray enters one by `limit`; return it or `EMPTY_LEAF`, its entry t, new size."""
     enter = limit
     while size > base:
         size -= 1
