@@ -9,7 +9,7 @@ Samples = Float[np.ndarray, "_"]
 
 
 def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
-    """Repeat a sound every `seconds`; the part beyond the end of the loop wraps around to its start."""
+    """Add copies of a sound every `seconds`, whole periods only; parts beyond the end of the loop wrap to its start."""
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
 
@@ -19,7 +19,7 @@ def _time(length: int, sample_rate: int) -> Samples:
 
 
 def _pulse(time: Samples, begin: float, end: float, ramp: float = 0.01) -> Samples:
-    """Return a window of 1 between two times [s], with linear ramps inside it."""
+    """Return a window: 1 between two times [s] except for linear ramps inside them, 0 outside."""
     return np.clip(np.minimum(time - begin, end - time) / ramp, 0, 1)
 
 

@@ -95,7 +95,7 @@ def talker_directivity() -> Directivity:
 
 
 def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
-    """Return pressure gains at these cosines to the axis; energy is interpolated linearly between table angles."""
+    """Return pressure gains per octave, by the cosine of the angle to the axis; energies are interpolated linearly."""
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
     low = jnp.clip(place.astype(jnp.int32), 0, last - 1)
@@ -127,7 +127,7 @@ def _angles() -> Float[np.ndarray, " a"]:
 
 
 def _per_octave(name: str, value: float | Sequence[float], most: float) -> Float[np.ndarray, " bands"]:
-    """Return one value per octave; raise `ConfigError` for other counts, and values outside 0 .. `most`."""
+    """Repeat a single value for all octaves; raise `ConfigError` for other counts, and values outside 0 .. `most`."""
     values = [value] * len(BANDS) if isinstance(value, int | float) else list(value)
     if len(values) != len(BANDS):
         raise ConfigError(f"`{name}` must be one number or {len(BANDS)}, got {len(values)}")

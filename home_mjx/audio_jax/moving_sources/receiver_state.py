@@ -69,7 +69,7 @@ def pack_receiver_state(
 
 
 def late_state(heard: ReceiverState, config: AudioConfig) -> LateResponse:
-    """Compute the late response of each channel as noise shares, its onset, and the levels of its tail."""
+    """Compute the late response of a state: `NoiseGains`, the onset of direct sound, and `tail_gains`."""
     shares = noise_gains(heard.energy, heard.draw, heard.quat, config)
     return LateResponse(shares, direct_onset(heard.paths, config), tail_gains(heard.energy, config))
 
@@ -106,7 +106,7 @@ def pad_paths(paths: Paths, count: int) -> Paths:
 
 
 def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether the response, with its tail, ends before it has decayed by 30 dB from its loudest bin or path."""
+    """Return whether energy at the end of the response, or of its tail, is within 30 dB of its loudest bin or path."""
     share = jnp.asarray(white_noise_band_shares(config))
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)
@@ -121,5 +121,5 @@ def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
 
 @functools.cache
 def white_noise_band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
-    """Compute the share of white noise's energy in each octave."""
+    """Compute the share of white noise's energy in each octave; 0 above half the sample rate."""
     return octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1).astype(np.float32)

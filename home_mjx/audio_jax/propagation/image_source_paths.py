@@ -40,7 +40,7 @@ def house_mirrors(scene: Scene) -> Mirrors:
 
 
 def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mirrors:
-    """Return the faces of all boxes; valid are those of objects, doors and bodies, except source and listener."""
+    """Return six faces per box; valid are those of objects, doors and bodies other than source and listener."""
     boxes = barrier_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
@@ -65,7 +65,7 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
         config: Options.
 
     Returns:
-        `config.early.num_reflections` paths, or one per sequence if there are fewer, silent ones included.
+        `config.early.num_reflections` paths, or one per sequence if there are fewer; silent ones have gain 0.
     """
     if config.early.num_reflections == 0:
         return empty_paths()
@@ -98,7 +98,7 @@ def _departures(found: ImageSources, source: Float[Array, "3"]) -> Float[Array, 
 
 
 def path_names(found: ImageSources) -> Int[Array, " p"]:
-    """Hash the mirror planes of each path to a name that is stable while source and listener move."""
+    """Hash the mirror planes of each path to a name below `MAX_PATH_NAMES`, stable while source and listener move."""
     order = jnp.arange(found.point.shape[1], dtype=jnp.int32)[None]
     depth = jnp.sum(found.normal * found.point, axis=2)
     plane = jnp.concatenate([found.normal, depth[:, :, None]], axis=2)
@@ -157,7 +157,7 @@ def _is_occluded(
 
 
 def find_duplicates(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return which paths duplicate an earlier one, as with coplanar faces of two boxes."""
+    """Return which paths have the length and direction of an earlier one, as with coplanar faces of two boxes."""
     near = jnp.abs(length[:, None] - length[None]) < DUPLICATE_TOLERANCE
     near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < DUPLICATE_TOLERANCE
     return is_duplicate(near)

@@ -95,7 +95,7 @@ def _upsample_all(frame, env, size, room):
 @compiled
 @no_type_check
 def _mix_channel(frame, env, channel, size, points, room, sums):
-    """Mix the buses of a channel into `sums`, padded with zeros to the transform size; zeros if it does not exist."""
+    """Mix the buses of a channel into `sums`, zero-padded to `points` samples; zeros if there is no such channel."""
     begun = 0
     if channel < size.channels:
         share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
@@ -147,7 +147,7 @@ def _read_all(frame, env, ear, begin, count, size, room):
 @compiled
 @no_type_check
 def _filter(frame, points, size, turns, lane, room):
-    """Filter all buses and add them up; write the conjugate spectrum of a pair of channels."""
+    """Filter and add up the buses in `room.values`; write the conjugate spectrum to column `lane` of `room.spectra`."""
     filters = complex_table(frame, SPECTRA, points * size.shapes)
     re, im = transform(points, size.shapes, turns, room.values, room.spare)
     whole = size.shapes // LANES * LANES
@@ -167,7 +167,7 @@ def _filter(frame, points, size, turns, lane, room):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, size, made):
-    """Write a pair of channels to the result: real parts, and negated imaginary parts of the conjugate spectrum."""
+    """Write channels `left`, `left` + 1 (if any): real and negated imaginary parts of column `lane` of `made`."""
     out, begin = result_row(frame, env), constant(frame, FRAME_BEGIN)
     for k in range(size.frame):
         out[left * size.frame + k] = made[0][(begin + k) * LANES + lane]
@@ -196,7 +196,7 @@ def _sizes(frame):
 @compiled
 @no_type_check
 def _allocate(size, points):
-    """Allocate one block of memory that begins at `even`."""
+    """Allocate all scratch as one block of memory, released by the address of `even`."""
     signals, ways = size.sources * (NUM_FILTERED * size.filtered + size.length), size.sources * size.rows
     longest, whole, lanes = max(size.filtered, size.length), points * size.shapes, points * LANES
     counts = (signals, signals, longest + 2 * HALF_WIDTH + LANES, BLOCK_SAMPLES, ways * BLOCK_SAMPLES)
