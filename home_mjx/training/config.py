@@ -101,7 +101,7 @@ class PPOConfig:
 
     @property
     def num_updates(self) -> int:
-        """Number of updates of the whole training."""
+        """Number of updates of the whole training, rounded up."""
         return -(-self.num_timesteps // self.batch_size)
 
     def check_devices(self, num_devices: int, num_agents: int = 1) -> None:
