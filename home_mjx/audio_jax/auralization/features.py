@@ -139,6 +139,6 @@ def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins
 
 
 def _window_sizes(sample_rate: int) -> tuple[int, int, int]:
-    """Return the window, hop and transform sizes [samples]."""
+    """Return the window, hop and transform sizes [samples]: 25 ms, 10 ms, and the next power of two."""
     window = round(WINDOW_SECONDS * sample_rate)
     return window, round(HOP_SECONDS * sample_rate), 2 ** math.ceil(math.log2(window))

@@ -266,7 +266,7 @@ def _pre_delay(config: AudioConfig) -> int:
 
 
 def _transform_size(config: AudioConfig) -> int:
-    """Return the transform size of path kernels [samples]."""
+    """Return the transform size of path kernels [samples], a power of two; kernels are as long."""
     return 2 ** math.ceil(math.log2(num_basis_taps(config.sample_rate) + 2 * HALF_WIDTH + KERNEL_WIDTH))
 
 

@@ -172,7 +172,7 @@ class AudioConfig:
 
     @property
     def num_tail_repeats(self) -> int:
-        """Number of repetitions of the last `tail_period` samples in the tail; 0 without `motion`."""
+        """Number of repetitions of the last `tail_period` samples in the tail, rounded up; 0 without `motion`."""
         if self.motion is None or not self.tail_period:
             return 0
         return math.ceil(self.motion.tail_seconds * self.sample_rate / self.tail_period - 1e-9)

@@ -104,7 +104,7 @@ def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float
 
 
 def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
-    """Compute the energy averaged over the sphere re that on the axis: 1 / Q, Q being the directivity factor.
+    """Compute the energy per octave, averaged over the sphere, re that on the axis: 1 / Q, with directivity factor Q.
 
     Example:
         >>> round(float(mean_energy(first_order_directivity(0.5))[0]), 4)  # a cardioid has Q = 3

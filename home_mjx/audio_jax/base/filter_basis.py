@@ -106,7 +106,7 @@ def _filter(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Arra
 
 
 def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> Complex[Array, "*p m"]:
-    """Multiply a real by a complex matrix."""
+    """Multiply a real by a complex matrix, over the last axis of `left`, in float32."""
     parts = [jnp.asarray(x, jnp.float32) for x in (np.real(right), np.imag(right))]
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))
 
@@ -119,7 +119,7 @@ def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[n
 
 
 def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Downsample impulse responses to the sample rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
+    """Downsample results of `_causal_kernels` to the rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
     place = np.minimum(np.arange(FINE_SIZE), FINE_SIZE - np.arange(FINE_SIZE)) / OVERSAMPLING
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, HALF_WIDTH)))
     whole = np.fft.irfft(np.fft.rfft(kernel, FINE_SIZE) * low_pass, FINE_SIZE)

@@ -47,7 +47,7 @@ class ContactSounds(Pytree):
 
 
 def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_agents: int) -> ContactSounds:
-    """Return empty slots, and walked distances of 0.
+    """Return contact sounds with all slots empty, and walked distances of 0.
 
     Example:
         >>> empty_contact_sounds(ContactSoundConfig(), AudioConfig(), 1).sustained.gain.shape

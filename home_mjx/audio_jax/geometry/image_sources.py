@@ -58,10 +58,10 @@ def find_image_sources(
         mirrors: m mirrors; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
         source: [m].
         listener: [m].
-        max_order: Maximum order.
+        max_order: Maximum number of reflections, from 1.
 
     Returns:
-        One row per sequence, ordered by order; occlusion is not tested.
+        One row per sequence, by order; `length` is inf if its path is invalid. Occlusion is not tested.
 
     Example:
         >>> x, y, z = np.eye(3, dtype=np.float32) * 5  # a cube of 10 m

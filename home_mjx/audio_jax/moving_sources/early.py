@@ -75,7 +75,7 @@ def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelay
 
 
 def _to_head(pairs: PathPairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
-    """Compute path directions in the head frame and path lengths at the frame's start, middle and end."""
+    """Return directions of incidence in the head frame and path lengths [m] at the frame's start, middle and end."""
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2
     between = jnp.linalg.norm(mid, axis=1)

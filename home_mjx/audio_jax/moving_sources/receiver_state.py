@@ -75,7 +75,7 @@ def late_state(heard: ReceiverState, config: AudioConfig) -> LateResponse:
 
 
 def silent_state(config: AudioConfig) -> ReceiverState:
-    """Return a silent `ReceiverState` with the static shapes of `config`."""
+    """Return a `ReceiverState` with the shapes of `config`, zero gains and energies, and path names of -1."""
     count, bands = config.num_paths, len(BANDS)
     distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
     ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))
@@ -88,7 +88,7 @@ def silent_state(config: AudioConfig) -> ReceiverState:
 
 
 def pad_paths(paths: Paths, count: int) -> Paths:
-    """Keep the first path and the strongest others in their order, or pad with silent paths, to `count` paths."""
+    """Keep the first path and the strongest others in their order, or append silent paths (name -1), to `count`."""
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     paths = paths.replace(name=name)

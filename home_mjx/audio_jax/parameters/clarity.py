@@ -59,7 +59,7 @@ def d50(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute Ts, the centre of gravity of the squared response after the direct sound [s] (ISO 3382-1:2009, A.13).
+    """Compute Ts, the energy-weighted mean time after the direct sound [s] (ISO 3382-1:2009, A.13); NaN in silence.
 
     Example:
         >>> round(float(centre_time(10 ** (-6 * jnp.arange(2000) * 1e-3), 1e-3)), 4)  # T / (6 ln 10)

@@ -96,12 +96,12 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
 
 
 def t20(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the reverberation time from the decay between −5 and −25 dB [s], see `decay_time`."""
+    """Compute the time of a 60 dB decay [s] from that between −5 and −25 dB; NaN if it is shorter."""
     return decay_time(energy, dt, -5.0, -25.0)
 
 
 def t30(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the reverberation time from the decay between −5 and −35 dB [s], see `decay_time`."""
+    """Compute the time of a 60 dB decay [s] from that between −5 and −35 dB; NaN if it is shorter."""
     return decay_time(energy, dt, -5.0, -35.0)
 
 

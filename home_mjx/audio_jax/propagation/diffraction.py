@@ -170,7 +170,7 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
 
 
 def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[Array, "k f"]) -> Float[Array, " f"]:
-    """Return the amplitude that passes small obstacles beyond the ends of all their edges; 0 behind partitions."""
+    """Return the amplitude share, 0 to 1, that passes obstacles beyond the ends of edges; 0 behind partitions."""
     apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
     one_edge = ((apart < MAX_APEX_DISTANCE) & (found.wedge.shadow_angle > 0)[None]).astype(jnp.float32)
     covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
@@ -210,7 +210,7 @@ def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
 
 
 def _is_visible(scene: Scene, source: SoundSource, listener: Listener, found: EdgePaths) -> Bool[Array, " k"]:
-    """Return whether source and first point, and last point and listener, are mutually visible; False without path."""
+    """Return whether the source sees the string's first point and the listener its last one; False without path."""
     there = jnp.isfinite(found.finite_edge_detour)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:

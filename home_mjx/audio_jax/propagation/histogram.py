@@ -77,14 +77,14 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
 
 @functools.cache
 def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
-    """Return the share of bin j moved to bin k: triangles of half width `RELATIVE_SMOOTHING` times their time."""
+    """Return the share of bin j moved to bin k, sum 1 over k: triangles of half width `RELATIVE_SMOOTHING` j."""
     index = np.arange(count)
     share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(RELATIVE_SMOOTHING * index, 1), 0)
     return (share / share.sum(axis=0)).astype(np.float32)
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return the first and last (exclusive) bin of the decay fit; at the last, a tenth of the rays are fully traced."""
+    """Return first and last (exclusive) bin of the decay fit: 30 % of the last, when a tenth of rays has ended."""
     alive = jnp.max(trace.remaining[-1], axis=1) > 0
     ends = jnp.sort(jnp.where(alive, trace.travelled[-1], jnp.inf))[alive.size // 10]
     last = jnp.clip(ends / metres, 2, config.num_bins).astype(jnp.int32)

@@ -33,7 +33,7 @@ DUPLICATE_TOLERANCE = 1e-3  # [m], and per unit of direction: tolerance within w
 
 
 def house_mirrors(scene: Scene) -> Mirrors:
-    """Return the mirror planes of a house: its walls, floors and ceilings."""
+    """Return the mirror planes of the house of an environment: walls, floors and ceilings; padding is not valid."""
     planes = scene.bank.acoustics
     flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v, planes.plane_valid
     return Mirrors(*(x[scene.house] for x in flat))
@@ -91,7 +91,7 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
 
 
 def _departures(found: ImageSources, source: Float[Array, "3"]) -> Float[Array, "p 3"]:
-    """Return unit vectors from the source to the reflection nearest to it."""
+    """Return unit vectors from the source to the last reflection, counted from the listener."""
     last = jnp.take_along_axis(found.point, found.order[:, None, None] - 1, axis=1)[:, 0]
     way = last - source[None]
     return way / jnp.maximum(jnp.linalg.norm(way, axis=1), MIN_PATH_LENGTH)[:, None]
@@ -147,7 +147,7 @@ def _reflected_energy(
 def _is_occluded(
     scene: Scene, source: SoundSource, found: ImageSources, corner: Float[Array, "p k 3"], used: Bool[Array, "p legs"]
 ) -> Bool[Array, " p"]:
-    """Return whether the leg between the source and the reflection nearest to it is occluded."""
+    """Return whether the leg from the source to the last reflection, counted from the listener, is occluded."""
     last = jnp.take_along_axis(corner, found.order[:, None, None], axis=1)[:, 0]
     way = last - source.pos[None]
     length = jnp.linalg.norm(way, axis=1)

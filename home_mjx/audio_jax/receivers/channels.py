@@ -42,7 +42,7 @@ def channel_gains(
 def distinct_channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute `channel_gains` of distinct channels only: d = 1 if all have equal gains, as for microphones."""
+    """Compute energy gains as `channel_gains`; d = 1 if all channels have equal ones, as microphones, else e."""
     if head is not None:
         check_head(head, config)
         return interpolate_directions(head.energy, world_to_head(direction, head_quat))

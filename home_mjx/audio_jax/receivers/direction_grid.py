@@ -74,6 +74,6 @@ def interpolate_to_grid(share: tuple[np.ndarray, np.ndarray], values: np.ndarray
 
 
 def node_areas() -> Float[np.ndarray, "v h"]:
-    """Return quadrature weights of the nodes over the sphere, not normalized."""
+    """Return weights of the nodes for means over the sphere: cosines of elevations, not normalized."""
     ring = np.cos(np.radians(np.arange(-90, 91, GRID_STEP)))
     return np.repeat(ring[:, None], 360 // GRID_STEP, axis=1)

@@ -166,7 +166,7 @@ def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m 
 
 
 def estimate_delays(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) -> Float[np.ndarray, "*m"]:
-    """Estimate fractional delays of responses re `least` [samples], at the maximum of their cross-correlation."""
+    """Estimate fractional delays of responses re `least` [samples], possibly negative, by their cross-correlation."""
     size = least.shape[-1]
     cross = np.fft.rfft(response, size) * np.conj(np.fft.rfft(least))
     alike = np.fft.irfft(cross, DELAY_OVERSAMPLING * size)
@@ -182,7 +182,7 @@ def estimate_delays(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray
 def response_spectra(
     response: Float[np.ndarray, "*m n"], rate: float, frequency: Float[np.ndarray, " f"]
 ) -> Complex[np.ndarray, "*m f"]:
-    """Evaluate the spectra of responses at arbitrary frequencies [Hz]."""
+    """Evaluate spectra of responses, which begin at time 0 with `rate` [Hz], at `frequency` [Hz]."""
     turn = 2 * np.pi * np.outer(np.arange(response.shape[-1]) / rate, frequency)
     rows = response.reshape(-1, response.shape[-1])
     return (rows @ np.cos(turn) - 1j * (rows @ np.sin(turn))).reshape(*response.shape[:-1], -1)

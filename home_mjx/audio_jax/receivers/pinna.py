@@ -103,7 +103,7 @@ def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, 
 
 @functools.cache
 def _octave_frequencies(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
-    """Return equally spaced frequencies of each octave, up to half the sample rate [Hz]."""
+    """Return `FREQUENCIES_PER_OCTAVE` equally spaced frequencies of each octave [Hz], below half the sample rate."""
     low = np.minimum(np.array(BANDS) / math.sqrt(2), 0.4 * sample_rate)
     high = np.minimum(np.array(BANDS) * math.sqrt(2), 0.5 * sample_rate)
     place = (np.arange(FREQUENCIES_PER_OCTAVE) + 0.5) / FREQUENCIES_PER_OCTAVE

@@ -107,7 +107,7 @@ def _delays(way, ear, rate, places, begin, count, size, base, rest):
 @compiled
 @no_type_check
 def _read_run(signal, place, rest, count, heard):
-    """Interpolate `count` samples into `heard`, read two half samples apart from half sample `place` on."""
+    """Interpolate `count` samples, two half samples apart from half sample `place` plus `rest` on, into `heard`."""
     on, between = signal
     odd, i = place & 1, place >> 1
     if odd:

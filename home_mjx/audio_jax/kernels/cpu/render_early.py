@@ -79,7 +79,7 @@ def render_early_chunk(frame, first, end):
 @compiled
 @no_type_check
 def _upsample_all(frame, env, size, room):
-    """Upsample the filtered and unfiltered signals of all sources by two, into `room.even` and `room.odd`."""
+    """Upsample signals by two into `room.even` and `room.odd`; per source, the filtered ones precede the unfiltered."""
     sources, filtered = row(frame, SOURCE, env), row(frame, FILTERS, env)
     each = NUM_FILTERED * size.filtered + size.length
     for source in range(size.sources):
@@ -113,7 +113,7 @@ def _mix_channel(frame, env, channel, size, points, room, sums):
 @compiled
 @no_type_check
 def _find_audible(share, far, size, which):
-    """Write to `which` the number of paths with a nonzero gain in one channel, then their indices."""
+    """Write to `which` the number of paths of all sources with a nonzero gain in one channel, then their indices."""
     which[0] = 0
     for way in range(size.sources * size.rows):
         for i in range(way * far, way * far + 2 * size.shapes):
@@ -126,7 +126,7 @@ def _find_audible(share, far, size, which):
 @compiled
 @no_type_check
 def _read_all(frame, env, ear, begin, count, size, room):
-    """Read `count` samples of all audible paths for one ear into `room.heard`."""
+    """Read `count` bus samples from `begin` on of the paths in `room.which`, for one ear, into `room.heard`."""
     ways, starts, rate = row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
     each = NUM_FILTERED * size.filtered + size.length
     for i in range(room.which[0]):

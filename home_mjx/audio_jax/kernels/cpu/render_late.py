@@ -132,7 +132,7 @@ def _prepare(frame, env, source, left, place, size, room):
 @compiled
 @no_type_check
 def _padding(size):
-    """Return the zero samples before a source, and the total length with padding."""
+    """Return the number of zeros before a source, for windows that begin before it, and the padded length [samples]."""
     ahead = max(size.first + size.echoes * size.half - size.start, 0)
     return ahead, ahead + max(size.length, size.start + size.width) + size.width
 
@@ -232,7 +232,7 @@ def _find_gains(frame, env, source, size, levels):
 @compiled
 @no_type_check
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
-    """Add the conjugate products of window and response spectra to lanes `to` and `to + 1`."""
+    """Add conjugate products of window and response spectra to columns `to` (frame's start) and `to + 1` (end)."""
     _find_gains(frame, env, source, size, room.levels)
     lanes, half, points = size.envs_per_batch * size.transforms_per_env, size.points // 2 + 1, size.points
     far = size.echoes * half
@@ -269,7 +269,7 @@ def _split(heard, here, there):
 @compiled
 @no_type_check
 def _add_products(heard, at, now, old, new, spectra, to):
-    """Add conjugate products at one frequency: the first part with `now`, the second with `old` or `new`."""
+    """Add conjugate products at one frequency for both frame ends: first part by `now`, second by `old` or `new`."""
     for end in range(ENDS):
         later = new if end else old
         a, b = heard[0][at + PARTS * end], heard[1][at + PARTS * end]

@@ -27,7 +27,7 @@ NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all envir
 
 
 def compile_chunks() -> tuple[Any, Any]:
-    """Import and compile the Numba code; see `chunks.compile_chunks`."""
+    """Import the Numba code, compile it, and return its C functions `count` and `work`."""
     from home_mjx.audio_jax.kernels.cpu import chunks
 
     return chunks.compile_chunks()

@@ -30,7 +30,7 @@ def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Compute `moving_sources.dispatch.render_early_frame` with two kernels."""
+    """Compute `moving_sources.dispatch.render_early_frame` with two CUDA kernels: mixing, then filters."""
     kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
     return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
 
@@ -41,7 +41,7 @@ def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def read_operands(reads: DelayReads) -> tuple[Array, ...]:
-    """Return the arrays of one environment in the order of the kernel's operands."""
+    """Return source, filtered signals, start, `pack_paths` and gains, padded to a multiple of `BUSES_PER_THREAD`."""
     share = jnp.pad(reads.gain, [(0, 0)] * 3 + [(0, -reads.gain.shape[3] % BUSES_PER_THREAD), (0, 0)])
     return reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
 

@@ -40,7 +40,7 @@ def decay_in_rooms(
 def decay_in_rooms_by_xla(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Compute `decay_in_rooms` with XLA operations."""
+    """Compute `decay_in_rooms`, the energy density at a listener over bins, with XLA operations."""
     return _propagate(_matrix_exponential(rates), start, listener, bins)
 
 
@@ -80,7 +80,7 @@ def _propagate(
 
 
 def _multiply(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
-    """Multiply many small matrices as sums, which compilers fuse, instead of one library call per product."""
+    """Return matrix products over the last two axes, as sums, which compilers fuse, without library calls."""
     return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
 
 

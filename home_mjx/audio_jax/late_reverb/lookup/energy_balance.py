@@ -64,7 +64,7 @@ def effective_openings(scene: Scene) -> Float[Array, " doors"]:
 
     Sound reaches a doorway through the gap between the leaf's free edge and the opposite jamb. Sound that is incident
     on the leaf then continues to the doorway or returns, by Hottel's crossed-strings rule for a triangle. With the gap
-    g = 2 sin(q / 2) re the leaf width, the open share is g (1 - g / 4). The opening is this share re that wide open.
+    g = 2 sin(q / 2) re the leaf width, q being its angle, the open share is g (1 - g / 4), here re that wide open.
     Sliding leaves open in proportion to their displacement. Padding has the opening 1.
     """
     physics, geometry, house = scene.bank.physics, scene.bank.geometry, scene.house

@@ -102,7 +102,7 @@ def _interpolate_decay(
 
 
 def _interpolate_cells(late: LateReverb, house: Int[Array, ""], point: Float[Array, "3"]) -> _CellWeights:
-    """Interpolate the cells around a point and their weights from the four nearest lattice points of its storey."""
+    """Return cells around a point and weights of sum 1, from the four nearest lattice points of the storey below it."""
     floor = late.floor[house]
     level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
     at = (point[:2] - late.origin[house]) / late.step[house] - 0.5
