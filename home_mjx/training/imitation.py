@@ -114,7 +114,7 @@ class BehaviorCloning(AdvisedPPO):
         return self.loss
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Compute the negative log-likelihood of the expert's actions plus the weighted squared error of the value."""
+        """Return the negative log-likelihood of the expert's actions plus weighted value error; and parts by name."""
         params, value = self.apply_net(net, batch)
         clone_loss, parts = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)

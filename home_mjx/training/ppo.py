@@ -170,7 +170,7 @@ class PPO:
         return Policy(act, value, choose.clip, self.agent.initial_memory)
 
     def current_loss(self, state: TrainState) -> LossFunction:
-        """Return the loss function of an update from this state."""
+        """Return the loss function of the update from this state; here `loss`, whatever the state."""
         return self.loss
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
@@ -204,7 +204,7 @@ class PPO:
     def optimize(
         self, loss: LossFunction, net: Any, opt: Any, batch: TrainBatch, key: Array
     ) -> tuple[Any, Any, dict[str, Array]]:
-        """Optimize a loss over minibatches of whole rows, inside `EnvSharding.map`, which binds the mesh axis.
+        """Take `num_epochs` passes over minibatches of whole rows, shuffled; call inside `EnvSharding.map` only.
 
         Returns:
             Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.

@@ -101,6 +101,6 @@ class ProgressBar(Observer):
             self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
 
     def close(self) -> None:
-        """End the line of the bar, so that a message starts on a new one."""
+        """Close the bar, if there is one, so that a message starts on a new line."""
         if self.bar is not None:
             self.bar.close()

@@ -126,7 +126,7 @@ def _truncation_values(
 
 
 def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return running totals after a step, and sums over episodes that it ended; rewards are averaged over agents."""
+    """Return running totals after a step, and sums over the episodes that it ended; rewards are means of agents."""
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
     own = {"return": now["return"], "episode_steps": now["length"]}

@@ -34,11 +34,11 @@ class Distribution(Protocol):
         ...
 
     def mode(self, params: Array) -> Array:
-        """Return the most likely action."""
+        """Return the most likely action, not yet clipped."""
         ...
 
     def log_prob(self, params: Array, action: Array) -> Array:
-        """Return the logarithm of an action's probability or density."""
+        """Return the natural log of the joint probability or density of a sampled action, not yet clipped."""
         ...
 
     def entropy(self, params: Array) -> Array:
@@ -71,7 +71,7 @@ class Gaussian:
 
     @property
     def num_scales(self) -> int:
-        """Number of standard deviations."""
+        """Number of log standard deviations; they are clipped to -5 .. 0.5 before use."""
         return len(self.low)
 
     def sample(self, params: Float[Array, " p"], key: Array) -> Float[Array, " n"]:
@@ -89,7 +89,7 @@ class Gaussian:
         return jnp.sum(-0.5 * ((action - mean) / scale) ** 2 - jnp.log(scale) - HALF_LOG_TAU, axis=-1)
 
     def entropy(self, params: Float[Array, "*b p"]) -> Float[Array, "*b"]:
-        """Return the entropy of the action before clipping [nats]."""
+        """Return the joint entropy of the action before clipping [nats]."""
         return jnp.sum(jnp.log(self._mean_and_scale(params)[1]) + HALF_LOG_TAU + 0.5, axis=-1)
 
     def clip(self, action: Float[Array, "*b n"]) -> Float[Array, "*b n"]:
@@ -131,7 +131,7 @@ class Categorical:
         return self._stack_choices([jnp.argmax(x, axis=-1) for x in self._logits(params)])
 
     def log_prob(self, params: Float[Array, "*b p"], action: Array) -> Float[Array, "*b"]:
-        """Return the joint log probability of all choices."""
+        """Return the joint log probability of an action's choices, integers from 0."""
         chosen = action[..., None] if self.is_single else action
         logits = self._logits(params)
         return sum(

@@ -104,7 +104,7 @@ class TrajectoryWriter:
         write_metadata(self.data, self.metadata | counts | {"dataset_size": size})
 
     def _resume(self, resume: bool) -> None:
-        """Count the existing episodes and steps; raise `ConfigError` without `resume`, or if the metadata differ."""
+        """Set `episodes` and `steps` from the disk; raise `ConfigError` without `resume`, or if the metadata differ."""
         if not resume:
             hint = "Add --resume to continue it, or choose another folder with --out."
             raise ConfigError("the folder contains a dataset", file=self.data, hint=hint)
@@ -158,7 +158,7 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
 
 
 def to_record_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
-    """Convert an episode to Minari's layout: one row per observation; actions and flags of the last row are 0."""
+    """Convert an episode to Minari's layout: one row per observation; other columns of the last row are 0."""
     seen: dict[str, np.ndarray] = episode["observations"]
     columns = {"observations": pa.StructArray.from_arrays([_to_column(x) for x in seen.values()], names=list(seen))}
     for name in ("actions", "rewards", "terminations", "truncations"):
