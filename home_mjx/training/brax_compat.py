@@ -22,7 +22,7 @@ def install() -> None:
 
 
 def device_put_replicated(tree: Any, devices: list[Any]) -> Any:
-    """Stack every leaf once per device, sharded along the new first axis, as the removed function did."""
+    """Copy every leaf to each device: stacked along a new first axis, which is sharded, as by the removed function."""
     mesh = jax.sharding.Mesh(np.array(devices), ("i",))
     sharding = jax.sharding.NamedSharding(mesh, jax.sharding.PartitionSpec("i"))
     return jax.tree.map(lambda leaf: jax.device_put(np.stack([np.asarray(leaf)] * len(devices)), sharding), tree)

@@ -42,7 +42,7 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
 
 
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
-    """Write the parameters alone, in half precision, for `load_net` and `read_config`; a tenth of a checkpoint's size.
+    """Write the parameters alone, as float16, for `load_net` and `read_config`; a tenth of a checkpoint's size.
 
     Args:
         path: The file.
@@ -67,7 +67,7 @@ def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
 
 
 def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
-    """Load the `TrainState` of a file, to be passed to `PPO.place`.
+    """Load the `TrainState` of a file, to be passed to `PPO.to_devices`; `like` is not changed.
 
     Args:
         path: The file.
@@ -84,7 +84,12 @@ def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
 
 
 def load_net(path: str | Path, like: Any) -> Any:
-    """Load the parameters alone, from a checkpoint or from a file of `save_net`; errors as in `load_checkpoint`."""
+    """Load the parameters, with shapes and types of `like`, from a checkpoint or a file of `save_net`.
+
+    Raises:
+        MissingFileError: The file does not exist.
+        DatasetError: The file is not a checkpoint, or its parameters have other shapes or are not finite.
+    """
     return _load_tree(path, like, NET_PREFIX)
 
 
@@ -112,7 +117,7 @@ def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> t
 
 
 def read_updates(path: str | Path) -> int:
-    """Read the number of updates that a checkpoint's run had made; errors as in `read_config`."""
+    """Read the number of updates of a checkpoint's run; raise `MissingFileError` or `DatasetError` as `read_config`."""
     (updates,) = _read_checked(path, [".updates"])
     if updates.shape or updates.dtype.kind != "i" or updates < 0:
         message = f"expected a whole number of at least 0, got {updates.dtype} {updates!s:.40}"
@@ -153,7 +158,7 @@ def check_same_config(theirs: RunConfig, ours: RunConfig, path: str | Path) -> N
 
 
 def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """Yield the names and values of all leaves of nested containers."""
+    """Yield dotted names, after `name`, and values of all leaves of nested dicts and lists, as of JSON."""
     if not isinstance(value, dict | list):
         yield name.removesuffix(".__tuple__"), value
         return

@@ -101,11 +101,11 @@ class PPOConfig:
 
     @property
     def num_updates(self) -> int:
-        """Number of updates of the whole training."""
+        """Number of updates of the whole training, rounded up."""
         return -(-self.num_timesteps // self.batch_size)
 
     def check_devices(self, num_devices: int, num_agents: int = 1) -> None:
-        """Reject batch sizes that do not divide evenly.
+        """Raise `ConfigError` if batch sizes do not divide evenly.
 
         Raises:
             ConfigError: `num_envs` is not a multiple of the devices, or `num_minibatches` does not divide the agents of
@@ -177,7 +177,7 @@ class RunConfig:
 
     @property
     def stages(self) -> tuple[tuple[str, PPOConfig], ...]:
-        """Algorithms and their options, in order.
+        """Algorithms and their options, in order: "clone" first if there are `clone_timesteps`, then `algorithm`.
 
         Example:
             >>> run = RunConfig(spec, PPOConfig(num_envs=64), clone_timesteps=10_000)  # doctest: +SKIP

@@ -28,10 +28,7 @@ MAX_PARALLEL_EPISODES = 256  # maximum number of episodes that run in parallel
 Results = dict[str, np.ndarray]  # metric name -> one number per episode
 
 
-TRAINING_ONLY = (
-    "terminate_on_failure",
-    "episodes",
-)  # options that make a task easier to learn, and the training episodes
+TRAINING_ONLY = ("terminate_on_failure", "episodes")  # options that ease learning, and the training episodes
 
 
 def evaluation_spec(
@@ -127,14 +124,14 @@ def check_episodes(num: object) -> None:
 
 
 def with_episodes(env: Env[HouseholdEnv], num: int, seed: int = 0) -> Env[HouseholdEnv]:
-    """Return the environment with sampled episodes, unless it has episodes or its task has no columns."""
+    """Return a copy with `num` sampled episodes; the environment itself if it has some or its task has no columns."""
     if env.params.tasks is not None or not env.task.columns:
         return env
     return env.with_tasks(sample_episodes(env.bank, num, seed, task=env.task))
 
 
 def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
-    """Return a policy that samples actions uniformly within the bounds of the action spec."""
+    """Return a function from parameters, unused, to a policy with uniform actions in the bounds of the action spec."""
     spec = core.action_spec.for_one_agent(core.num_agents)
     low, high = spec.bounds()
 
@@ -150,7 +147,7 @@ def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
 
 
 def expert_policy(net: Any = None) -> Policy:
-    """Return a policy that takes the expert's actions, for environments of `add_expert`.
+    """Return a policy that takes the expert's actions, for environments of `add_expert`; `net` is unused.
 
     Example:
         >>> evaluate(add_expert(env), expert_policy)  # doctest: +SKIP
@@ -159,7 +156,7 @@ def expert_policy(net: Any = None) -> Policy:
 
 
 def summarize(results: Results) -> dict[str, dict[str, float]]:
-    """Compute mean and standard error of every metric.
+    """Compute mean and standard error (population deviation / sqrt(n)) of every metric over episodes.
 
     Example:
         >>> summarize({"success": np.array([1.0, 0.0, 1.0, 0.0])})
@@ -202,7 +199,7 @@ def _run_batch(
 
 
 def _update_metrics(core: HouseholdEnv, params: EnvParams, play: EpisodeBatch, env: State) -> dict[str, Array]:
-    """Compute the metrics after a step; `return`, `episode_steps` and `walked` accumulate."""
+    """Return metrics after a step; `return` (mean of agents), `episode_steps`, `walked` [m] (agent 0) accumulate."""
     look = jax.vmap(lambda state: core.snapshot(params, state).pose.pos[0])
     moved = jnp.linalg.norm(look(env) - look(play.env), axis=-1)
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
@@ -211,13 +208,13 @@ def _update_metrics(core: HouseholdEnv, params: EnvParams, play: EpisodeBatch, e
 
 
 def _shortest_lengths(params: EnvParams, numbers: Int[Array, " n"]) -> Float[Array, " n"] | None:
-    """Return the lengths of the shortest paths [m]; None if unknown."""
+    """Return shortest path lengths [m] of episodes `numbers`, cyclically; None if the tasks have no such column."""
     lengths = getattr(params.tasks, "columns", {}).get("length")
     return None if lengths is None else lengths[numbers % lengths.shape[0]]
 
 
 def _path_metrics(figures: dict[str, Array], length: Array | None) -> dict[str, Array]:
-    """Compute SPL and soft SPL if the task does not report them itself."""
+    """Compute `spl`, and `soft_spl` given `distance`; empty without lengths or `success`, or if the task has `spl`."""
     if length is None or "success" not in figures or "spl" in figures:
         return {}
     found = path_scores(figures["success"], length, figures["walked"], figures.get("distance", length))

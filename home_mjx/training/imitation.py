@@ -24,9 +24,7 @@ ADVICE_DECAY_FRACTION = 0.7  # fraction of the run over which the weight of advi
 EXPERT_DECAY_FRACTION = 0.5  # fraction of the run over which the expert's share of the actions falls linearly from 1
 # Share of expert actions until `STUDENT_ONLY_AFTER`. With less, most states are where the network is stuck.
 MIN_EXPERT_SHARE = 0.3
-STUDENT_ONLY_AFTER = (
-    0.8  # fraction of the run after which only the network acts, so that its value function fits its own behaviour
-)
+STUDENT_ONLY_AFTER = 0.8  # fraction of the run after which only the network acts, so that its values fit its behaviour
 MAX_AGREEING_DISTANCE = 0.25  # maximum distance of a continuous action from the expert's to count as the same
 
 
@@ -56,7 +54,7 @@ class AdvisedPPO(PPO):
         )
 
     def current_loss(self, state: TrainState) -> LossFunction:
-        """Return PPO's loss plus the cloning loss at its current weight."""
+        """Return PPO's loss plus the cloning loss; its weight falls linearly to 0 at 70 % of the run's updates."""
         left = 1 - state.updates.astype(jnp.float32) / (ADVICE_DECAY_FRACTION * self.config.num_updates)
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
@@ -70,7 +68,7 @@ class AdvisedPPO(PPO):
 
 
 def advice_loss(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
-    """Return the negative log-likelihood of advice, and metrics with the share of most likely actions that agree."""
+    """Return the mean negative log-likelihood of advice, and metrics: this, and the share of modes near advice."""
     clone_loss = -jnp.mean(choose.log_prob(params, advice))
     apart = jnp.abs(choose.clip(choose.mode(params)) - advice).reshape(*params.shape[:-1], -1)
     same = jnp.all(apart <= MAX_AGREEING_DISTANCE, axis=-1)
@@ -98,7 +96,7 @@ class BehaviorCloning(AdvisedPPO):
     """
 
     def behavior_policy(self, state: TrainState) -> Policy:
-        """Return a policy that takes the expert's action with a scheduled probability per step and row, or its own."""
+        """Return a policy that takes its own or, per step and row with a falling probability, the expert's action."""
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
         led = jnp.where(done < STUDENT_ONLY_AFTER, jnp.clip(1 - done / EXPERT_DECAY_FRACTION, MIN_EXPERT_SHARE, 1), 0.0)
@@ -112,11 +110,11 @@ class BehaviorCloning(AdvisedPPO):
         return student._replace(act=act)
 
     def current_loss(self, state: TrainState) -> LossFunction:
-        """Return the loss, which does not depend on the state."""
+        """Return `loss`, which does not depend on the state."""
         return self.loss
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Compute the negative log-likelihood of the expert's actions plus the weighted squared error of the value."""
+        """Return the negative log-likelihood of the expert's actions plus weighted value error; and parts by name."""
         params, value = self.apply_net(net, batch)
         clone_loss, parts = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)

@@ -52,12 +52,12 @@ class MetricsLog(Observer):
         self.lines = [line for line in read_lines(self.path) if line["steps"] <= steps]
 
     def on_run_start(self, start: RunStart) -> None:
-        """Drop the lines after the checkpoint from which a run continues."""
+        """Write the file anew with `lines`: lines after the checkpoint from which a run continues are dropped."""
         with write_durably(self.path, "metrics", FREE_SPACE_HINT) as file:
             file.write("".join(f"{json.dumps(line)}\n" for line in self.lines).encode())
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Append the line, without values that are not finite."""
+        """Append the line to `lines` and the file, without values that are not finite."""
         self.lines.append(finite_values(line))
         with convert_write_errors("metrics", self.path, FREE_SPACE_HINT):
             write_synced(self.path, f"{json.dumps(self.lines[-1])}\n".encode(), "ab")
@@ -84,7 +84,7 @@ class TensorBoardLog(Observer):
         self._writer: Any = None
 
     def on_run_start(self, start: RunStart) -> None:
-        """Create the file."""
+        """Create the file and its folder, and mark the start of a session after `steps`."""
         with self._writing():
             self.path.parent.mkdir(parents=True, exist_ok=True)
             self._writer = self._writer_of(str(self.path))
@@ -93,19 +93,19 @@ class TensorBoardLog(Observer):
         self._write(step=self.steps + 1, session_log=begun)
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Add the values of a line, those of episodes as `episode/name`."""
+        """Add the finite floats of a line at its `steps`; names without a slash get the prefix `episode/`."""
         for name, x in finite_values(line).items():
             if isinstance(x, float):
                 tag = name if "/" in name else f"episode/{name}"
                 self._write(step=line["steps"], summary={"value": [{"tag": tag, "simple_value": x}]})
 
     def on_checkpoint(self, path: Path, steps: int) -> None:
-        """Flush all scalars to disk."""
+        """Flush all scalars to disk; arguments are unused."""
         with self._writing():
             self._writer.flush()
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file, if the run started."""
         if self._writer is not None:
             with self._writing():
                 self._writer.close()
@@ -129,12 +129,12 @@ class CurvesPlot(Observer):
         self.log = log
 
     def on_checkpoint(self, path: Path, steps: int) -> None:
-        """Draw the image."""
+        """Draw `curves.png` beside `metrics.jsonl` from all lines; arguments are unused."""
         draw_curves(self.log.path.with_name("curves.png"), self.log.lines)
 
 
 def finite_values(line: Mapping[str, float]) -> Line:
-    """Return a line without the values that are not finite.
+    """Return a copy of a line without floats that are NaN or infinite.
 
     Example:
         >>> finite_values({"steps": 3, "spl": math.nan})
@@ -144,7 +144,7 @@ def finite_values(line: Mapping[str, float]) -> Line:
 
 
 def read_lines(path: Path) -> list[Line]:
-    """Read the lines of a `metrics.jsonl`, empty if it is missing, without an unfinished last line.
+    """Read the lines of a `metrics.jsonl`; empty if it is missing; a last line without newline is skipped.
 
     Raises:
         DatasetError: The file cannot be read, or a line is not a record of numbers; the error names it.
@@ -198,7 +198,7 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
 
 
 def moving_average(values: list[float]) -> list[float]:
-    """Compute a moving average over each value and those before; windows are 1 / `NUM_SMOOTHING_WINDOWS` long.
+    """Average each value with those before it, in windows of ceil(n / `NUM_SMOOTHING_WINDOWS`); shorter at the start.
 
     Example:
         >>> moving_average([1.0, 3.0] * 20)[:2]
@@ -210,7 +210,7 @@ def moving_average(values: list[float]) -> list[float]:
 
 
 def _panels(num: int) -> list[Any]:
-    """Return the axes of a new figure; without pyplot, which keeps all figures and needs a display."""
+    """Return `num` axes of a new figure, up to 4 in a row; without pyplot, which keeps figures and needs a display."""
     try:
         from matplotlib.figure import Figure
         from matplotlib.ticker import EngFormatter
@@ -225,7 +225,7 @@ def _panels(num: int) -> list[Any]:
 
 
 def _events_package() -> tuple[Any, Any]:
-    """Import the event types and the writer of tensorboardX."""
+    """Return the event module and writer class of tensorboardX; raise `ConfigError` if it is not installed."""
     try:
         from tensorboardX.proto import event_pb2
         from tensorboardX.record_writer import RecordWriter

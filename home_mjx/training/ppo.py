@@ -101,7 +101,7 @@ class PPO:
         self.update = self.sharding.map(self._update_local, (params, self._specs), (self._specs, REPLICATED))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
-        """Initialize a network, and environments at the start of an episode."""
+        """Return a state with fresh parameters and reset environments; with `stagger` at random times of an episode."""
         net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw_key(key)), 3)
         net = self.agent.init_net(net_key)
         actor = self._reset(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
@@ -110,11 +110,11 @@ class PPO:
         ))  # fmt: skip
 
     def to_devices(self, state: TrainState) -> TrainState:
-        """Move a state, such as one from a file, to the devices with the sharding of `update`."""
+        """Return a state, such as one from a file, on the devices with the sharding of `update`."""
         return self.sharding.put(state, self._specs)
 
     def _reset_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> RolloutState:
-        """Reset this device's environments."""
+        """Reset this device's n environments, one key each; with `stagger` at random steps of their episode."""
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = env_index(num)  # each device starts at different rows
@@ -134,7 +134,7 @@ class PPO:
         )
 
     def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
-        """Compute one update with this device's environments; gradients are averaged over devices."""
+        """Compute one update with this device's environments; return the next state, metrics (sums in `episode/`)."""
         config, memory = self.config, state.actor.memory
         policy = self.behavior_policy(state)
         actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
@@ -150,11 +150,11 @@ class PPO:
         return new, metrics | {f"episode/{name}": sum_over_devices(x) for name, x in episodes.items()}
 
     def behavior_policy(self, state: TrainState) -> Policy:
-        """Return the policy that acts during training, here the network itself."""
+        """Return the policy that acts during training, here the network itself, which samples actions."""
         return self.policy(state.net)
 
     def policy(self, net: Any, greedy: bool = False) -> Policy:
-        """Return the network as a policy; `greedy` takes the most likely action."""
+        """Return the network with parameters `net` as a policy that samples actions; `greedy`: the most likely ones."""
         choose = self.agent.distribution
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
@@ -170,19 +170,19 @@ class PPO:
         return Policy(act, value, choose.clip, self.agent.initial_memory)
 
     def current_loss(self, state: TrainState) -> LossFunction:
-        """Return the loss function of an update from this state."""
+        """Return the loss function of the update from this state; here `loss`, whatever the state."""
         return self.loss
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Compute PPO's loss; the network is applied to the whole sequence again."""
+        """Compute PPO's loss and its parts by name; the network is applied to the whole sequence again."""
         return self.clipped_loss(*self.apply_net(net, batch), batch)
 
     def apply_net(self, net: Any, batch: TrainBatch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
-        """Apply the network to a batch; return distribution parameters and values."""
+        """Apply the network to a batch from its first memory on; return distribution parameters and values."""
         return self.agent.unroll(net, batch.memory, batch.steps.obs, batch.steps.is_first)[1:]
 
     def clipped_loss(self, params: Array, value: Array, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Return the weighted sum of clipped policy loss, value loss and entropy bonus, and its parts by name."""
+        """Return clipped policy loss plus weighted value loss minus weighted entropy, and unweighted parts by name."""
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
@@ -204,7 +204,7 @@ class PPO:
     def optimize(
         self, loss: LossFunction, net: Any, opt: Any, batch: TrainBatch, key: Array
     ) -> tuple[Any, Any, dict[str, Array]]:
-        """Optimize a loss over minibatches of whole rows, inside `EnvSharding.map`, which binds the mesh axis.
+        """Take `num_epochs` passes over minibatches of whole rows, shuffled; call inside `EnvSharding.map` only.
 
         Returns:
             Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.
@@ -233,13 +233,13 @@ TIME_MAJOR_FIELDS = ("steps", "advantage", "target")  # fields of `TrainBatch` w
 
 
 def make_agent(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
-    """Build the network for one agent of an environment."""
+    """Build the network for observations and actions of one agent of an environment; all agents share it."""
     specs = {name: spec.for_one_agent(core.num_agents) for name, spec in core.observation_spec.items()}
     return RecurrentAgent.from_specs(specs, core.action_spec.for_one_agent(core.num_agents), config.network)
 
 
 def make_optimizer(config: PPOConfig) -> optax.GradientTransformation:
-    """Build the optimizer, with a linear learning rate schedule and clipped gradients."""
+    """Build "adam" or "lamb" with a linear learning rate over all gradient steps, after clipping the global norm."""
     num = config.num_updates * config.num_epochs * config.num_minibatches
     rate = optax.linear_schedule(config.learning_rate, config.learning_rate * config.final_rate, num)
     kind = {"adam": lambda: optax.adamw(rate, eps=1e-5, weight_decay=config.weight_decay),

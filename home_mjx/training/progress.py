@@ -43,12 +43,12 @@ class MetricMeans:
         self.count, self.sums = 0, {}
 
     def add(self, metrics: dict[str, Any]) -> None:
-        """Add the metrics of an update; this blocks until they are computed."""
+        """Add the scalar metrics of an update; this blocks until they are computed."""
         self.count += 1
         self.sums = {name: self.sums.get(name, 0.0) + float(x) for name, x in metrics.items()}
 
     def means(self) -> dict[str, float]:
-        """Return the means and reset; metrics of episodes are omitted if none ended."""
+        """Return means and reset; `episode/x` becomes `x` per episode, omitted if none ended; `episodes` is a count."""
         episodes, found = self.sums["episode/episodes"], {}
         for name, x in self.sums.items():
             if not name.startswith("episode/"):
@@ -73,7 +73,7 @@ class ProgressBar(Observer):
         self.bar: tqdm | None = None
 
     def on_run_start(self, start: RunStart) -> None:
-        """Show the bar."""
+        """Show the bar, from `start.done` to `start.total`."""
         scaled = start.total >= MIN_SCALED_TOTAL
         self.bar = tqdm(
             total=start.total, initial=start.done, unit=f" {start.unit}", unit_scale=scaled, disable=self.is_hidden
@@ -86,21 +86,21 @@ class ProgressBar(Observer):
             self.bar.set_postfix_str(note)
 
     def on_update(self, count: int) -> None:
-        """Advance the bar."""
+        """Advance the bar by `count` units; no effect before the start of the run."""
         if self.bar is not None:
             self.bar.update(count)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Show the number of the step."""
+        """Show the number of the step in the episode after the bar."""
         if self.bar is not None:
             self.bar.set_postfix_str(f"step {step.index}")
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Show the metrics of `PROGRESS_METRICS`."""
+        """Show those metrics of the line that are in `PROGRESS_METRICS` after the bar."""
         if self.bar is not None:
             self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
 
     def close(self) -> None:
-        """End the line of the bar, so that a message starts on a new one."""
+        """Close the bar, if there is one, so that a message starts on a new line."""
         if self.bar is not None:
             self.bar.close()

@@ -55,17 +55,17 @@ class Policy(NamedTuple):
 
 
 def to_rows(tree: Any, num_agents: int) -> Any:
-    """Reshape (N, A, ...) to (N A, ...); a single agent has no axis."""
+    """Reshape arrays (N, A, ...) to (N A, ...), by environment; with one agent, which has no axis, return `tree`."""
     return tree if num_agents == 1 else jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), tree)
 
 
 def to_envs(tree: Any, num_agents: int) -> Any:
-    """Reshape (N A, ...) to (N, A, ...)."""
+    """Reshape arrays (N A, ...) to (N, A, ...), the inverse of `to_rows`; with one agent return `tree`."""
     return tree if num_agents == 1 else jax.tree.map(lambda x: x.reshape(-1, num_agents, *x.shape[1:]), tree)
 
 
 def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32[Array, "r 2"]]:
-    """Split keys into those of the next step and those of this step."""
+    """Split each raw key in two; return the keys of the next step, then those of this step."""
     pairs = jax.vmap(lambda key: jax.random.split(key, 2))(keys)
     return pairs[:, 0], pairs[:, 1]
 
@@ -97,12 +97,10 @@ def rollout(
             done=done,
             truncation_value=_truncation_values(policy, memory, last, outputs, late),
         )
-        return RolloutState.build_unchecked(
+        after = RolloutState.build_unchecked(
             env=env.replace(info={}), memory=memory, is_first=done, keys=keys, totals=totals
-        ), (
-            taken,
-            ended,
         )
+        return after, (taken, ended)
 
     actor, (steps, ended) = jax.lax.scan(step, actor, length=num_steps)
     return actor, steps, jax.tree.map(lambda x: jnp.sum(x, axis=0), ended)
@@ -128,7 +126,7 @@ def _truncation_values(
 
 
 def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return running totals after a step, and sums over episodes that it ended; rewards are averaged over agents."""
+    """Return running totals after a step, and sums over the episodes that it ended; rewards are means of agents."""
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
     own = {"return": now["return"], "episode_steps": now["length"]}

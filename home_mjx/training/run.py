@@ -147,7 +147,7 @@ class _Stage:
 
 
 def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
-    """Compile the stages that are not complete after `done` updates, in parallel, before the first one starts."""
+    """Compile in parallel, and return in order, the stages not complete after `done` updates; at least the last."""
     found, last = [], 0
     with ThreadPoolExecutor() as pool:
         for number, (algorithm, options) in enumerate(config.stages):
@@ -179,7 +179,7 @@ class _Run:
     clock: RunClock
 
     def learn(self, stage: _Stage, net: Any) -> Any:
-        """Run a stage's updates to the last one or the time limit, from `net` unless it is None; return the network."""
+        """Run a stage to its end or the time limit from `net` (None: its own); log, save checkpoints; return net."""
         size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, MetricMeans()
         per_line = max(1, num // MIN_LINES_PER_STAGE)
         saved = -MIN_CHECKPOINT_INTERVAL
@@ -207,7 +207,7 @@ class _Run:
         return state.net
 
     def is_over(self) -> bool:
-        """Return whether the time limit of the run is reached."""
+        """Return whether the time limit `max_seconds` is reached; False without one."""
         return self.config.max_seconds is not None and self.clock.elapsed() >= self.config.max_seconds
 
 
@@ -258,10 +258,6 @@ def evaluate_checkpoint(
 
 
 def make_env(spec: EnvSpec, progress: bool | None = None) -> Env[HouseholdEnv]:
-    """Build the environment of a spec.
-
-    Raises:
-        ConfigError: Its houses exist in memory only.
-    """
+    """Build the environment of a spec; raise `ConfigError` if its houses exist in memory only."""
     spec.to_json()
     return make(spec, progress=progress)

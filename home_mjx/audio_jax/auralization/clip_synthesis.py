@@ -9,7 +9,7 @@ Samples = Float[np.ndarray, "_"]
 
 
 def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
-    """Repeat a sound every `seconds`; the part beyond the end of the loop wraps around to its start."""
+    """Add copies of a sound every `seconds`, whole periods only; parts beyond the end of the loop wrap to its start."""
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
 
@@ -19,7 +19,7 @@ def _time(length: int, sample_rate: int) -> Samples:
 
 
 def _pulse(time: Samples, begin: float, end: float, ramp: float = 0.01) -> Samples:
-    """Return a window of 1 between two times [s], with linear ramps inside it."""
+    """Return a window: 1 between two times [s] except for linear ramps inside them, 0 outside."""
     return np.clip(np.minimum(time - begin, end - time) / ramp, 0, 1)
 
 
@@ -28,7 +28,7 @@ def _noise(length: int, seed: int) -> Samples:
 
 
 def ring(length: int, sample_rate: int) -> Samples:
-    """Synthesize a telephone: 440 and 480 Hz, twice 0.4 s every 2 s."""
+    """Synthesize a telephone: 440 and 480 Hz together, twice for 0.4 s every 2 s."""
     time = _time(length, sample_rate)
     tone = np.sin(2 * np.pi * 440 * time) + np.sin(2 * np.pi * 480 * time)
     return _repeat(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
@@ -77,7 +77,7 @@ def whistle(length: int, sample_rate: int) -> Samples:
 
 
 def hum(length: int, sample_rate: int) -> Samples:
-    """Synthesize a fridge: harmonics of 50 Hz."""
+    """Synthesize a fridge: constant harmonics of 50 Hz, from 100 to 600 Hz."""
     time = _time(length, sample_rate)
     return np.sum([np.sin(2 * np.pi * 50 * n * time + n) / n for n in (2, 3, 4, 6, 8, 12)], axis=0)
 
@@ -105,7 +105,7 @@ def water(length: int, sample_rate: int) -> Samples:
 
 
 def static(length: int, sample_rate: int) -> Samples:
-    """Synthesize a television without a programme: white noise from a small loudspeaker, from 300 Hz up."""
+    """Synthesize a television without a programme: white noise, high-passed at 300 Hz by a small loudspeaker."""
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
     gain = (frequency / 300) ** 2 / (1 + (frequency / 300) ** 2)
     return np.fft.irfft(np.fft.rfft(_noise(length, 5)) * gain, length)

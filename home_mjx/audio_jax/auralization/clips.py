@@ -68,7 +68,7 @@ def _radio(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Synthesize pink noise from 50 Hz up from its spectrum, hence periodic."""
+    """Synthesize periodic pink noise above 50 Hz from its spectrum."""
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
     amplitude = np.where(frequency < 50, 0, np.maximum(frequency, 1) ** -0.5)
     phase = np.random.default_rng(1).uniform(0, 2 * np.pi, amplitude.size)

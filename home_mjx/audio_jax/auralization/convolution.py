@@ -104,7 +104,7 @@ def convolve_frame(
 
 
 def _sample_numbers(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
-    """Return the sample numbers of a frame that begins at `first`, and of the response length before it."""
+    """Return the numbers of the response length - 1 samples before `first`, then of the frame from `first` on."""
     length = config.response_length
     return first - (length - 1) + jnp.arange(length + config.frame - 1, dtype=jnp.int32)
 
@@ -112,7 +112,7 @@ def _sample_numbers(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " 
 def schedule_gain(
     time: Int[Array, " n"], interval: Float[Array, ""], duration: Float[Array, ""], sample_rate: int
 ) -> Float[Array, " n"]:
-    """Compute the gain of a source's schedule at some times: 0 off, 1 on, linear ramps between.
+    """Compute the gain of a source's schedule at some times: 0 off, 1 on, with linear ramps of 5 ms inside.
 
     Args:
         time: Samples since the start; negative before it.

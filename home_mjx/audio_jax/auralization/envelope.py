@@ -69,7 +69,7 @@ def energy_envelope(
 def _late(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """Return late energies of the channels, and directions (n) with energies that have the late field's mean lead."""
+    """Return late energies of the channels, and world directions with energies for the mean lead of the left ear."""
     if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
@@ -121,7 +121,7 @@ def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"
 
 
 def _left_ear_leads(direction: Float[Array, "n 3"], listener: Listener, config: AudioConfig) -> Float[Array, " n"]:
-    """Compute the arrival-time lead of the left ear for each direction [s]; 0 unless the receiver is "binaural"."""
+    """Return the lead of the left ear [s], negative if the right is first, by world direction; 0 unless `Binaural`."""
     if not isinstance(config.receiver, Binaural):
         return jnp.zeros(direction.shape[0], jnp.float32)
     if listener.head is not None:

@@ -16,7 +16,7 @@ MIN_MEL_LEVEL, MAX_MEL_LEVEL = -100.0, 100.0  # [dB], range of log-mel powers
 
 
 def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
-    """Return the numbers of windows and frequency bins of `stft_magnitude` for a sound of `samples` samples.
+    """Return the numbers of windows and of frequency bins of `stft_magnitude` for `samples` samples.
 
     Raises:
         ConfigError: The sound is shorter than one window.
@@ -130,7 +130,7 @@ def hz_to_mel(frequency: float) -> float:
 
 @functools.cache
 def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins"]:
-    """Compute the weight of each frequency bin in each mel band."""
+    """Compute the weight, 0 .. 1, of each of `num_bins` frequencies from 0 to half the rate in each mel band."""
     corners = 700 * (10 ** (np.linspace(0, hz_to_mel(sample_rate / 2), NUM_MELS + 2) / 2595) - 1)
     frequency = np.linspace(0, sample_rate / 2, num_bins)
     rise = (frequency - corners[:-2, None]) / np.diff(corners)[:-1, None]
@@ -139,6 +139,6 @@ def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins
 
 
 def _window_sizes(sample_rate: int) -> tuple[int, int, int]:
-    """Return the window, hop and transform sizes [samples]."""
+    """Return the window, hop and transform sizes [samples]: 25 ms, 10 ms, and the next power of two."""
     window = round(WINDOW_SECONDS * sample_rate)
     return window, round(HOP_SECONDS * sample_rate), 2 ** math.ceil(math.log2(window))

@@ -85,20 +85,20 @@ def late_energy(
 def traced_energy(
     traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "k e bands"]:
-    """Compute the energy of traced rays per time bin, channel and octave."""
+    """Compute the energy of traced rays per time bin, late channel and octave, see `late_energy`."""
     energy = energy_histogram(traced, late_channel_gains(traced.direction, head_quat, config, head), config)
     return _broadcast_channels(energy, config)
 
 
 def _broadcast_channels(energy: Float[Array, "k d bands"], config: AudioConfig) -> Float[Array, "k e bands"]:
-    """Broadcast the energies of distinct channels to all channels."""
+    """Broadcast energies of distinct channels (d = 1 or e) to all `config.num_late_channels`."""
     return jnp.broadcast_to(energy, (energy.shape[0], config.num_late_channels, energy.shape[2]))
 
 
 def baked_energy(
     scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "3"]]:
-    """Return baked late energy per time bin, channel and octave, and its energy-weighted mean direction of incidence.
+    """Return baked late energy per bin, channel and octave, and its mean direction of incidence (world, length <= 1).
 
     In each time span, the length of the mean direction (0 .. 1) is the share of energy from that direction; the rest is
     isotropic.
@@ -141,19 +141,19 @@ def combine_early_late(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "c l"]:
-    """Synthesize a response from early paths and noise shaped by a late energy histogram after the direct sound."""
+    """Synthesize a response from paths and noise with the energies of `late_energy`, 0 before the direct sound."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config, head) + mask_before_direct(late, paths, config)
 
 
 def mask_before_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -> Float[Array, "e l"]:
-    """Zero the late response before the direct sound arrives."""
+    """Return the late response with zeros before `direct_onset`; the first path is the direct one."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= direct_onset(paths, config)
     return jnp.where(heard[None], late, 0.0)
 
 
 def direct_onset(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
-    """Compute the first sample of a response that direct sound can reach; negative within the receiver's radius."""
+    """Compute the sample at which direct sound can first reach the receiver; negative within the receiver's radius."""
     onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     return onset.astype(jnp.int32)
 
@@ -208,7 +208,7 @@ def path_basis_weights(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "p e s"]:
-    """Compute the weight of each basis filter (`filter_basis`) per path and channel; the first path has gain 1.
+    """Compute the weight of each filter of `filter_basis` per path and channel; the first path counts with gain 1.
 
     The first path is the direct one. It may cross walls, whose steep spectra the basis does not resolve, so it has
     octave filters of its own. Directions `toward` are unit vectors in the head frame, as of `channel_filters`.
@@ -218,7 +218,7 @@ def path_basis_weights(
 
 
 def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
-    """Compute impulse responses of paths, from `NUM_KERNEL_PRE_SAMPLES` samples before their arrival on."""
+    """Compute impulse responses of paths delayed by 0 .. 1 samples, from `NUM_KERNEL_PRE_SAMPLES` before time 0 on."""
     size = _transform_size(config)
     spectra = np.fft.rfft(filter_basis(config.sample_rate).kernel, size)
     parts = (jnp.asarray(x, jnp.float32) for x in (spectra.real, spectra.imag))
@@ -261,12 +261,12 @@ def diffuse_response(
 
 
 def _pre_delay(config: AudioConfig) -> int:
-    """Return the samples by which a kernel begins before the arrival at the head centre."""
+    """Return the maximum number of samples by which a path's kernel begins before the arrival at the head centre."""
     return NUM_KERNEL_PRE_SAMPLES + math.ceil(config.max_lead_seconds * config.sample_rate)
 
 
 def _transform_size(config: AudioConfig) -> int:
-    """Return the transform size of path kernels [samples]."""
+    """Return the transform size of path kernels [samples], a power of two; kernels are as long."""
     return 2 ** math.ceil(math.log2(num_basis_taps(config.sample_rate) + 2 * HALF_WIDTH + KERNEL_WIDTH))
 
 

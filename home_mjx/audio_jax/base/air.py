@@ -27,9 +27,6 @@ def air_absorption(
         humidity: Relative humidity [%].
         pressure: [kPa].
 
-    Returns:
-        Attenuation coefficients [dB/m].
-
     Example:
         >>> round(float(air_absorption(np.array([1000.0]), 10.0, 70.0)[0]) * 1000, 2)  # [dB/km]
         3.66
@@ -50,5 +47,5 @@ def air_absorption(
 
 
 def energy_attenuation(absorption: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
-    """Convert an absorption in dB/m to the energy attenuation coefficient m of exp(-m r) [1/m]."""
+    """Convert absorption [dB/m] to the coefficient m [1/m] of the energy exp(-m r) left after r metres."""
     return absorption * math.log(10) / 10

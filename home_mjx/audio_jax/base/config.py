@@ -120,59 +120,59 @@ class AudioConfig:
 
     @property
     def num_channels(self) -> int:
-        """Number of output channels: two ears, the microphones, or four of ambisonics."""
+        """Number of output channels: two ears, two equal ones of `Omni`, the microphones, or four of ambisonics."""
         return self.receiver.num_channels
 
     @property
     def num_late_channels(self) -> int:
-        """Number of late energies per bin: one per channel, and of ambisonics the three of `late_channel_gains`."""
+        """Number of late energies per bin and octave: one per channel; for ambisonics 7, with three cross energies."""
         return self.num_channels + 3 * isinstance(self.receiver, Ambisonics)
 
     @property
     def receiver_radius(self) -> float:
-        """Maximum distance of ears or microphones from the head centre [m]."""
+        """Maximum distance of ears or microphones from the head centre [m]; that of two ears for other receivers."""
         return self.receiver.radius
 
     @property
     def max_lead_seconds(self) -> float:
-        """Maximum difference between arrival times at a channel and at the head centre [s]."""
+        """Maximum difference between arrival times at a channel and at the head centre [s]; at least 1 ms."""
         return max(MIN_LEAD_SECONDS, self.receiver_radius / self.speed_of_sound)
 
     @property
     def frame(self) -> int:
-        """Samples per frame."""
+        """Samples per frame, the sound of one environment step."""
         return self.timing.frame
 
     @property
     def bin_samples(self) -> int:
-        """Samples per bin of the histogram."""
+        """Samples per time bin of late energy; an even number."""
         return round(self.bin_seconds * self.sample_rate)
 
     @property
     def num_bins(self) -> int:
-        """Bins of the histogram."""
+        """Time bins of late energy in a response."""
         return round(self.response_seconds / self.bin_seconds)
 
     @property
     def response_length(self) -> int:
-        """Samples of an impulse response."""
+        """Samples of an impulse response, without the tail after it."""
         return self.num_bins * self.bin_samples
 
     @property
     def num_paths(self) -> int:
-        """Number of early paths in a `ReceiverState`, including the direct one."""
+        """Number of early paths in a `ReceiverState`: direct, diffracted, reflected; at most `max_audible_paths`."""
         found = 1 + self.early.num_edges + self.early.num_reflections
         most = None if self.motion is None else self.motion.max_audible_paths
         return found if most is None else min(found, most)
 
     @property
     def tail_period(self) -> int:
-        """Samples of a response's second half, which the tail repeats."""
+        """Samples of a response's second half, rounded down to whole bins, which the tail repeats."""
         return self.num_bins // 2 * self.bin_samples
 
     @property
     def num_tail_repeats(self) -> int:
-        """Number of repetitions of the last `tail_period` samples in the tail; 0 without `motion`."""
+        """Number of repetitions of the last `tail_period` samples in the tail, rounded up; 0 without `motion`."""
         if self.motion is None or not self.tail_period:
             return 0
         return math.ceil(self.motion.tail_seconds * self.sample_rate / self.tail_period - 1e-9)
@@ -201,7 +201,7 @@ class AudioConfig:
 
 
 def _check_whole(name: str, value: float, unit: str) -> None:
-    """Raise `ConfigError` unless a value is a whole number and at least 1, within 1e-6."""
+    """Raise `ConfigError` unless `value`, a number of `unit`, is whole within 1e-6 and at least 1."""
     if abs(value - round(value)) > 1e-6 or round(value) < 1:
         raise ConfigError(
             f"`{name}` must hold a whole number of {unit}, got {value:g}",

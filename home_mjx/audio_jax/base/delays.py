@@ -28,7 +28,7 @@ def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 
 def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
-    """Upsample a signal by two with `windowed_sinc`; the signal is zero outside its samples.
+    """Upsample a signal by two with `windowed_sinc`, m = 2 n; even results are its samples, outside it is zero.
 
     Example:
         >>> [round(float(x), 3) for x in upsample_twice(jnp.array([1.0, 0.0]))[:2]]
@@ -44,13 +44,13 @@ def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
 
 
 def interpolation_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
-    """Compute weights of half samples `FIRST_READ`, `FIRST_READ` + 1, ... for a value between 0 and 1.
+    """Compute the weights of half samples `FIRST_READ`, `FIRST_READ` + 1, ... that interpolate at position `rest`.
 
     Args:
-        rest: Position of the value after number 0 [half samples], 0 .. 1.
+        rest: Position from half sample 0 (0) to half sample 1 (1).
 
     Returns:
-        `NUM_READ` weights.
+        `NUM_READ` weights, each of the shape of `rest`.
 
     Example:
         >>> round(float(sum(interpolation_weights(jnp.float32(0.3)))), 2)
@@ -80,7 +80,7 @@ def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
 
 @functools.cache
 def _pulses() -> Float[np.ndarray, "three read k"]:
-    """Compute a band-limited pulse at each interpolated half sample, for whole delays of 0, 1 and 2 half samples."""
+    """Return the taps of `delay_kernel` for each half sample read alone, after whole delays of 0, 1, 2 half samples."""
     sample = np.arange(KERNEL_WIDTH) - HALF_WIDTH - 3
     at = 2 * sample[None, None] - np.arange(3)[:, None, None] + (FIRST_READ + np.arange(NUM_READ))[None, :, None]
     return windowed_sinc(at / 2).astype(np.float32)
@@ -88,7 +88,7 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 
 @functools.cache
 def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
-    """Fit the polynomials of `interpolation_weights`, lowest power first, up to 0.45 of the sample rate."""
+    """Fit each weight of `interpolation_weights` by a polynomial, lowest power first, up to 0.45 of the sample rate."""
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
     power = rest[:, None] ** np.arange(POLYNOMIAL_DEGREE + 1)

@@ -95,7 +95,7 @@ def talker_directivity() -> Directivity:
 
 
 def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
-    """Return pressure gains at these cosines to the axis; energy is interpolated linearly between table angles."""
+    """Return pressure gains per octave, by the cosine of the angle to the axis; energies are interpolated linearly."""
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
     low = jnp.clip(place.astype(jnp.int32), 0, last - 1)
@@ -104,7 +104,7 @@ def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float
 
 
 def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
-    """Compute the energy averaged over the sphere re that on the axis: 1 / Q, Q being the directivity factor.
+    """Compute the energy per octave, averaged over the sphere, re that on the axis: 1 / Q, with directivity factor Q.
 
     Example:
         >>> round(float(mean_energy(first_order_directivity(0.5))[0]), 4)  # a cardioid has Q = 3
@@ -127,7 +127,7 @@ def _angles() -> Float[np.ndarray, " a"]:
 
 
 def _per_octave(name: str, value: float | Sequence[float], most: float) -> Float[np.ndarray, " bands"]:
-    """Return one value per octave; raise `ConfigError` for other counts, and values outside 0 .. `most`."""
+    """Repeat a single value for all octaves; raise `ConfigError` for other counts, and values outside 0 .. `most`."""
     values = [value] * len(BANDS) if isinstance(value, int | float) else list(value)
     if len(values) != len(BANDS):
         raise ConfigError(f"`{name}` must be one number or {len(BANDS)}, got {len(values)}")

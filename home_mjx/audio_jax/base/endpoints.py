@@ -81,7 +81,7 @@ def _check_quat(whose: str, quat: Float[Array, "4"]) -> None:
 
 
 def emission_gains(source: SoundSource, direction: Float[Array, "n 3"]) -> Float[Array, "n bands"] | float:
-    """Return the source's pressure gain per octave in some directions re its axis; 1.0 if it is omnidirectional.
+    """Return the source's pressure gain per octave towards each direction re its axis; 1.0 if omnidirectional.
 
     Args:
         source: The source, validated by `check_source`; gains are 0 if a traced quaternion is not of unit length.

@@ -17,10 +17,7 @@ from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
 from home_mjx.audio_jax.base.filters import causal_octave_log_spectra, octave_gains
 from home_mjx.schema.compiled import BANDS
 
-DENSE_KNOT_LIMIT, KNOT_STEP = (
-    1100.0,
-    540.0,
-)  # [Hz], knots: two per octave up to `DENSE_KNOT_LIMIT`, beyond it one every `KNOT_STEP`
+DENSE_KNOT_LIMIT, KNOT_STEP = 1100.0, 540.0  # [Hz], knots: two per octave up to the limit, then one every step
 BASIS_SECONDS = 0.032  # [s], length of basis filters: resolves octaves from 125 Hz on
 OVERSAMPLING = 4  # oversampling factor at which the basis is computed
 FINE_SIZE = 1 << 16  # samples of the transform for that
@@ -40,7 +37,7 @@ class FilterBasis(NamedTuple):
 
 
 def num_basis_taps(sample_rate: int) -> int:
-    """Return the length of a basis filter after time 0 [samples]."""
+    """Return the number of samples of a basis filter from time 0 on."""
     return round(BASIS_SECONDS * sample_rate)
 
 
@@ -75,7 +72,7 @@ def filter_basis(sample_rate: int) -> FilterBasis:
 
 
 def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) -> Complex[Array, "*p s"]:
-    """Compute minimum-phase filters with the required gain at each octave's centre, at knots of `filter_basis`.
+    """Compute spectra of minimum-phase filters with a pressure gain per octave, at the knots of `filter_basis`.
 
     Levels in dB are interpolated between octaves. The minimum phase follows from folding the cepstrum, as in Oppenheim
     and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `filter_basis`.
@@ -109,20 +106,20 @@ def _filter(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Arra
 
 
 def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> Complex[Array, "*p m"]:
-    """Multiply a real by a complex matrix."""
+    """Multiply a real by a complex matrix, over the last axis of `left`, in float32."""
     parts = [jnp.asarray(x, jnp.float32) for x in (np.real(right), np.imag(right))]
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))
 
 
 def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Compute causal impulse responses with these real parts at `OVERSAMPLING` times the rate, faded out."""
+    """Compute causal impulse responses from real parts of spectra (`rfft` bins), at `OVERSAMPLING` times the rate."""
     kept = OVERSAMPLING * num_basis_taps(sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.irfft(real, FINE_SIZE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
 
 
 def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Downsample impulse responses to the sample rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
+    """Downsample results of `_causal_kernels` to the rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
     place = np.minimum(np.arange(FINE_SIZE), FINE_SIZE - np.arange(FINE_SIZE)) / OVERSAMPLING
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, HALF_WIDTH)))
     whole = np.fft.irfft(np.fft.rfft(kernel, FINE_SIZE) * low_pass, FINE_SIZE)
@@ -132,13 +129,13 @@ def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.
 def _spectra_at(
     kernel: Float[np.ndarray, "n u"], frequency: Float[np.ndarray, " m"], sample_rate: int
 ) -> Complex[np.ndarray, "n m"]:
-    """Evaluate spectra at frequencies [Hz]; impulse responses have `OVERSAMPLING` times the sample rate."""
+    """Evaluate spectra at `frequency` [Hz] of impulse responses with `OVERSAMPLING` times the sample rate."""
     time = np.arange(kernel.shape[1]) / (OVERSAMPLING * sample_rate)
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency[None])
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Return natural log gains, at least `MIN_RELATIVE_GAIN` re the path's loudest, and 1 for audible paths, else 0."""
+    """Return natural log gains, raised to at least 1e-3 of the path's loudest octave, and 1 if audible, else 0."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)

@@ -40,14 +40,14 @@ def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands
 
 
 def high_pass(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
-    """Return the gain of a zero-phase second-order high-pass, for noise, whose first band would extend to 0 Hz."""
+    """Return the amplitude gain at frequencies [Hz] of a zero-phase second-order high-pass with half power at 20 Hz."""
     square = frequency**2
     return square / (square + (np.sqrt(2) - 1) * HIGH_PASS_FREQUENCY**2)
 
 
 @functools.cache
 def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray, "bands f"]:
-    """Compute log spectra of causal octave filters: exp(log(gain) @ table) has the required gain in each octave.
+    """Compute a table such that exp(log(gain) @ table) is the `rfft` of a filter with amplitude gains per octave.
 
     Levels in dB are interpolated between octaves by `octave_gains`. The phase is minimum phase, so the response is
     causal. It is computed by folding the cepstrum, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5;

@@ -112,7 +112,7 @@ def sustained_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
 
 
 def bank_power(bank: Float[np.ndarray, "c n"], sample_rate: int, size: int) -> Float[np.ndarray, "c bins bands"]:
-    """Compute the power of a bank's sounds per octave, in time bins of `size` samples.
+    """Compute the mean power of a bank's sounds per octave, in time bins of `size` samples.
 
     The bins cover the sounds. Energy that filters spread before and after them is added to the first and last bin.
     """
@@ -140,7 +140,7 @@ def _time(seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _set_level(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Fade out the end of a sound, and scale it to a level [dB re speech RMS] over its first 0.1 s."""
+    """Return a sound faded out at its end, with the RMS `level` [dB re speech RMS] over its first 0.1 s."""
     time = np.arange(sound.size) / sample_rate
     sound = sound * np.clip((time[-1] - time) / FADE_OUT_SECONDS, 0, 1)
     rms = np.sqrt(np.mean(sound[: round(0.1 * sample_rate)] ** 2))
@@ -148,22 +148,20 @@ def _set_level(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -
 
 
 def _filter_noise(noise: Float[np.ndarray, " n"], corner: float, sample_rate: int, low: float = 0.0) -> np.ndarray:
-    """Filter noise: it falls by 12 dB per octave above `corner`, and by 6 below `low`."""
+    """Filter noise: it falls by 12 dB per octave above `corner` [Hz], and by 6 below `low` [Hz]; 0: no high-pass."""
     frequency = np.fft.rfftfreq(noise.size, 1 / sample_rate)
     rise = frequency / np.hypot(frequency, low) if low else 1.0
     return np.fft.irfft(np.fft.rfft(noise) * rise / (1 + (frequency / corner) ** 2), noise.size)
 
 
 def _step(floor: FloorModel, variant: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate a step: a heel, then a softer toe with more friction."""
+    """Generate a step: a heel, then a softer toe with more friction; `variant` seeds its noise and detuning."""
     rng = np.random.default_rng([17, variant])
     time = _time(TRANSIENT_SECONDS, sample_rate)
     ringing, decay = (x * rng.uniform(0.9, 1.1) for x in (floor.lowest_mode, floor.decay))
     sound = np.zeros_like(time)
-    for begin, loudness, share in (
-        (0.0, 1.0, floor.friction_share),
-        (TOE_DELAY, 0.4, min(1.0, 1.3 * floor.friction_share)),
-    ):
+    parts = (0.0, 1.0, floor.friction_share), (TOE_DELAY, 0.4, min(1.0, 1.3 * floor.friction_share))
+    for begin, loudness, share in parts:
         since = time - begin
         envelope = np.where(since >= 0, np.exp(-np.maximum(since, 0) / decay), 0.0)
         modes = np.sin(2 * np.pi * ringing * since) + 0.5 * np.sin(2 * np.pi * 2.1 * ringing * since)
@@ -173,7 +171,7 @@ def _step(floor: FloorModel, variant: int, sample_rate: int) -> Float[np.ndarray
 
 
 def _modes(stuff: ImpactMaterial, seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate the damped modes that an impact excites."""
+    """Generate the damped modes that an impact excites, each of amplitude 1 at time 0, below 0.45 of the rate."""
     time = _time(seconds, sample_rate)
     frequency = stuff.lowest_mode * BAR_MODE_RATIOS
     frequency = frequency[frequency < 0.45 * sample_rate][:, None]
@@ -195,7 +193,7 @@ def _scrape(stuff: ImpactMaterial, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _creak(sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate a loop of stick-slip: 60 small impacts per second on wood, with random intervals and strengths."""
+    """Generate a loop of stick-slip: 60 random small impacts per second on wood; the RMS is -16 dB re speech."""
     length, rng = round(LOOP_SECONDS * sample_rate), np.random.default_rng(29)
     pulses = np.zeros(length)
     at = np.cumsum(rng.uniform(0.7, 1.3, round(LOOP_SECONDS * 60)) / 60 * sample_rate).astype(int)

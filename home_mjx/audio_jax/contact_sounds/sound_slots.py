@@ -47,7 +47,7 @@ class ContactSounds(Pytree):
 
 
 def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_agents: int) -> ContactSounds:
-    """Return empty slots, and walked distances of 0.
+    """Return contact sounds with all slots empty, and walked distances of 0.
 
     Example:
         >>> empty_contact_sounds(ContactSoundConfig(), AudioConfig(), 1).sustained.gain.shape
@@ -74,14 +74,14 @@ def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_age
 
 
 def num_stored_frames(audio: AudioConfig) -> int:
-    """Return the number of stored frame-end gains: this frame, the response's memory and one more."""
+    """Return how many frame-end gains a slot stores: of this frame, of all in the response's memory, and one more."""
     return 2 + math.ceil((audio.memory_length - 1) / audio.frame)
 
 
 def add_transients(
     old: TransientSounds, new: TransientSounds, audio: AudioConfig, now: Int[Array, ""]
 ) -> tuple[TransientSounds, Bool[Array, ""]]:
-    """Put new transient sounds into the oldest slots.
+    """Put new transient sounds into the slots that started first.
 
     Args:
         old: Current sounds in k slots.
@@ -219,7 +219,7 @@ def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfi
 
 
 def _interpolate_gain(gain: Float[Array, " h"], place: Float[Array, " w"]) -> Float[Array, " w"]:
-    """Interpolate gains linearly between frame ends, at times in frames since the start of this frame."""
+    """Interpolate `gain`, of frame ends from this one back, linearly at `place` [frames] since this frame's start."""
     back = jnp.clip(1 - place, 0.0, gain.size - 1.0)  # frames before the end of this one
     whole = jnp.minimum(back.astype(jnp.int32), gain.size - 2)
     rest = back - whole.astype(jnp.float32)

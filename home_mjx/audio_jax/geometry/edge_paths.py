@@ -73,7 +73,7 @@ def select_nearest_barriers(
         count: Maximum number of boxes.
 
     Returns:
-        `count` boxes, or n if there are fewer; boxes without exposed edges come last.
+        `count` boxes, or n if there are fewer, by that length; boxes without exposed edges come last.
     """
     way = listener - source
 
@@ -81,7 +81,7 @@ def select_nearest_barriers(
         return sum3(boxes.axis * (point - boxes.center)[:, None])
 
     def closer(place: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
-        """Project points of the boxes onto the line, and back onto the boxes."""
+        """Project one point per box onto the segment from source to listener, and that point back onto its box."""
         share = sum3((place - source[None]) * way[None]) / jnp.maximum(sum3(way * way), MIN_EDGE_DISTANCE**2)
         on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
         inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
@@ -147,7 +147,7 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
 
 
 def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
-    """Return whether the segment from source to listener intersects each box."""
+    """Return whether the segment from source to listener passes through the inside of each box."""
     half = frame.half[:, 0]
     lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from box centre
     start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift
@@ -159,7 +159,7 @@ def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
 
 
 def _edge_contacts(frame: _EdgeFrame) -> _EdgeContacts:
-    """Find the edges of a face that each path touches, and whether such a path is possible."""
+    """Find at which of the two edges of each crossed face the shortest path turns, and whether there is such a path."""
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, high = frame.half[..., 0], frame.half[..., 1]
     across = lu > half
@@ -176,9 +176,10 @@ def _edge_contacts(frame: _EdgeFrame) -> _EdgeContacts:
 def _edge_geometry(
     frame: _EdgeFrame, course: _EdgeContacts, near: Array, far: Array, slope: Array
 ) -> tuple[WedgeGeometry, Float[Array, "n e"], Float[Array, "n e"]]:
-    """Compute the bend of each path, and the `turn` and `reach` of its second edge, see `second_edge_factor`.
+    """Compute the `WedgeGeometry` of each path, and `turn` and `reach` of its second edge, see `second_edge_factor`.
 
     Both turns over a thin box combine into one, as at the edge of a screen; over a deep box they act separately.
+    `near` and `far` are distances in the plane across the edges [m], `slope` the sine of the incidence.
     """
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, between, twice = frame.half[..., 0], course.last - course.first, course.twice
@@ -198,7 +199,7 @@ def _edge_geometry(
 
 
 def _edge_frame(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> _EdgeFrame:
-    """Transform source and listener to the frames of the 24 face crossings of each box."""
+    """Return source and listener in the frames of the 24 face crossings of each box, from the middle of the face."""
     u, d, v, s = _FACE_CROSSINGS.T
     order = np.stack([u, v, 3 - u - v], axis=1)
     sign = jnp.asarray(np.stack([d, s, np.ones_like(d)], axis=1), jnp.float32)

@@ -38,7 +38,7 @@ class ImageSources(Pytree):
 
 @functools.cache
 def mirror_sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
-    """Enumerate all sequences of `order` mirrors without immediate repetitions.
+    """Enumerate the sequences of `order` mirror indices whose neighbours differ, one per row, in ascending order.
 
     Example:
         >>> len(mirror_sequences(6, 1)), len(mirror_sequences(6, 2)), len(mirror_sequences(6, 3))
@@ -58,10 +58,10 @@ def find_image_sources(
         mirrors: m mirrors; there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
         source: [m].
         listener: [m].
-        max_order: Maximum order.
+        max_order: Maximum number of reflections, from 1.
 
     Returns:
-        One row per sequence, ordered by order; occlusion is not tested.
+        One row per sequence, by order; `length` is inf if its path is invalid. Occlusion is not tested.
 
     Example:
         >>> x, y, z = np.eye(3, dtype=np.float32) * 5  # a cube of 10 m
@@ -83,9 +83,9 @@ def find_image_sources(
 def _of_order(
     mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
 ) -> ImageSources:
-    """Find the image sources of sequences of equal order, given from the source on; pad to `highest` reflections.
+    """Validate one path per sequence of mirror indices in `rows`, from the source on; invalid ones have length inf.
 
-    There is one path per sequence; the length of invalid ones is inf.
+    Reflections are padded to `highest`, see `ImageSources`.
     """
     count, order = rows.shape
     met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]

@@ -8,9 +8,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 MIN_BOUNDARY_ANGLE = 1e-4  # [rad], minimum angle from a shadow boundary; smaller ones are clamped to it
-REFLECTION_FADE_ANGLE = (
-    np.pi / 3
-)  # [rad], beyond the reflection boundary, over which the reflected wave's term fades in
+REFLECTION_FADE_ANGLE = np.pi / 3  # [rad], beyond the reflection boundary; there the reflected wave's term fades in
 
 
 class WedgeGeometry(NamedTuple):
@@ -73,10 +71,8 @@ def diffracted_pressure(bend: WedgeGeometry, wavenumber: Float[Array, " f"]) -> 
         >>> round(float(20 * jnp.log10(gain[0, 0])), 1)  # 30 degrees into the shadow at 1 kHz [dB]
         -12.2
     """
-    wedge, harmonic = (
-        bend.exterior_angle,
-        bend.source_distance * bend.listener_distance / (bend.source_distance + bend.listener_distance),
-    )
+    wedge, near, far = bend.exterior_angle, bend.source_distance, bend.listener_distance
+    harmonic = near * far / (near + far)
     length = harmonic * bend.sin_incidence  # s r sin² / (s + r) with s and r along the path
     between = jnp.pi + bend.shadow_angle
     added = between + 2 * bend.face_angle
@@ -94,7 +90,7 @@ def diffracted_pressure(bend: WedgeGeometry, wavenumber: Float[Array, " f"]) -> 
 def _term(
     past: Float[Array, " e"], wedge: Float[Array, " e"], length: Float[Array, " e"], wavenumber: Float[Array, " f"]
 ) -> Complex[Array, "e f"]:
-    """Evaluate cot(ε / 2n) F(k L a), with ε the angle past the nearest boundary and a = 2 sin²(ε / 2)."""
+    """Evaluate cot(ε / 2n) F(k L a), a = 2 sin²(ε / 2), F = `transition`; ε is `past` [rad] mod 2 π n, n = `wedge`."""
     period = 2 * jnp.pi * wedge
     past = past - period * jnp.round(past / period)
     past = jnp.where(past < 0, jnp.minimum(past, -MIN_BOUNDARY_ANGLE), jnp.maximum(past, MIN_BOUNDARY_ANGLE))

@@ -45,12 +45,7 @@ class DelayReads(Pytree):
 
 
 def mix_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
-    """Read the paths of several sources and mix them into buses.
-
-    Args:
-        reads: Reads with a leading axis of sources.
-        config: Options.
-    """
+    """Read the paths of all sources, the leading axis of `reads`, and mix them into buses at `sample_times`."""
     return jnp.sum(jax.vmap(lambda one: _mix(_read_paths(one, config), one.gain, fade_weights(config)))(reads), axis=0)
 
 
@@ -60,7 +55,7 @@ def part_sizes(reads: DelayReads) -> tuple[int, ...]:
 
 
 def pack_paths(ways: PathDelays) -> Float[Array, "*n p w"]:
-    """Pack each path into a row for kernels: lengths at both ends, bend, delays of ears."""
+    """Pack each path into a row: lengths at both ends, curvature, ear delays (start, middle, end); w = 3 + 3 d."""
     lengths = (x[..., None] for x in (ways.start_length, ways.end_length, ways.curvature))
     return jnp.concatenate([*lengths, ways.ear_delays.reshape(*ways.start_length.shape, -1)], axis=-1)
 
@@ -68,7 +63,7 @@ def pack_paths(ways: PathDelays) -> Float[Array, "*n p w"]:
 def path_delays(
     way: PathDelays, time: Float[Array, " k"], config: AudioConfig
 ) -> tuple[Int[Array, " k"], Float[Array, "d k"]]:
-    """Compute the delay of a path: whole samples to the centre of the head, and the remainder per ear [samples].
+    """Compute the delay of a path [samples]: whole ones to the head centre, and the rest plus the delay of each ear.
 
     Args:
         way: One path.
@@ -87,33 +82,33 @@ def path_delays(
 
 
 def filter_history(config: AudioConfig) -> int:
-    """Return the samples before the frame that affect it through the filters."""
+    """Return the number of samples before the frame that affect it through the basis filters."""
     return num_basis_taps(config.sample_rate) + HALF_WIDTH - 1
 
 
 def read_margin(config: AudioConfig) -> int:
-    """Return the margin of samples around a path's delay that interpolation and ear delays need."""
+    """Return the number of samples that interpolation and ear delays need on each side of a path's delay."""
     return NUM_READ + math.ceil(config.max_lead_seconds * config.sample_rate)
 
 
 def sample_times(config: AudioConfig) -> Float[Array, " k"]:
-    """Return sample times from `filter_history` before the frame on, in frames; their number is a fast FFT size."""
+    """Return times of bus samples [frames], 0 at the frame's start, from `filter_history` on; k is a fast FFT size."""
     count = int(next_fast_len(filter_history(config) + config.frame + HALF_WIDTH, real=True) or 0)
     return jnp.asarray((np.arange(count) - filter_history(config)) / config.frame, jnp.float32)
 
 
 def frame_begin(config: AudioConfig) -> int:
-    """Return the index of the frame's first sample in a filtered bus."""
+    """Return the index of the frame's first sample in a bus after its filter, which adds `HALF_WIDTH` samples."""
     return filter_history(config) + HALF_WIDTH
 
 
 def fade_weights(config: AudioConfig) -> Float[Array, " k"]:
-    """Return the weight of the frame's end in each sample."""
+    """Return the weight of the frame's end in each sample of a bus: 0 before the frame, rising linearly to 1."""
     return jnp.clip(sample_times(config), 0.0, 1.0)
 
 
 def _read_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "q d k"]:
-    """Read the signal of each path, sample by sample."""
+    """Read the signal of each of q paths with d delays; reads beyond a signal are clamped to its ends."""
     time, sizes = sample_times(config), part_sizes(reads)
     number = jnp.arange(time.shape[0], dtype=jnp.int32)
     ends = np.cumsum([0, *sizes]).astype(np.int32)
@@ -141,7 +136,7 @@ def _read_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "q d k"]
 def _mix(
     heard: Float[Array, "q d k"], share: Float[Array, "q e s two"], fade: Float[Array, " k"]
 ) -> Float[Array, "e s k"]:
-    """Mix all paths with gains that are interpolated over the frame."""
+    """Mix all paths into buses with gains `share[..., 0]` + `fade` `share[..., 1]`."""
     weights = jnp.swapaxes(jnp.concatenate([share[..., 0], share[..., 1]]), 0, 1)
     sounds = jnp.swapaxes(jnp.concatenate([heard, heard * fade[None, None]]), 0, 1)
     if sounds.shape[0] == 1:  # all channels share the delays

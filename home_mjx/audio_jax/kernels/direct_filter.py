@@ -20,35 +20,35 @@ MIN_SPEED_OF_SOUND = 250.0  # [m/s], lower bound of the speed of sound over all 
 
 
 def max_path_change(config: AudioConfig) -> float:
-    """Return the maximum change of a path length in a frame [m]."""
+    """Return the change of a path length in a frame [m] from which on a path is not matched but faded."""
     return MAX_PATH_SPEED * config.frame / config.sample_rate
 
 
 def delay_margin(config: AudioConfig) -> int:
-    """Return the margin of samples for delay differences in a frame: by motion, between ears, by turns of the head."""
+    """Return the number of samples for delay differences in a frame: by motion, between ears, by turns of the head."""
     grown = sample_times(config).shape[0] / config.frame * max_path_change(config) / MIN_SPEED_OF_SOUND
     return math.ceil((grown + 2 * config.max_lead_seconds) * config.sample_rate)
 
 
 def num_output_samples(config: AudioConfig) -> int:
-    """Return the number of samples that the filters compute."""
+    """Return the number of samples m that `filter_direct_by_xla` returns."""
     return sample_times(config).shape[0] + 2 * delay_margin(config) + 2 * read_margin(config)
 
 
 def num_filter_samples(config: AudioConfig) -> int:
-    """Return the length of the filters [samples], which are read before the computed samples."""
+    """Return the length of the octave filters [samples]; as many source samples before `begin` are read."""
     return math.ceil(MAX_RINGING_SECONDS * config.sample_rate)
 
 
 def filter_direct_by_xla(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Filter a source with causal octave filters from sample `begin` on; it is zero outside its samples.
+    """Filter a source with causal octave filters; return `num_output_samples` from sample `begin` on.
 
     Args:
-        source: Emitted signal.
+        source: Emitted signal; zero outside its samples.
         begin: First sample, from -`delay_margin` to the signal's length.
-        gain: Gains of octaves at both ends of the frame.
+        gain: Pressure gains of octaves, one row per end of the frame.
         config: Options for the lengths.
     """
     ringing, length, before = num_filter_samples(config), num_output_samples(config), delay_margin(config)

@@ -106,23 +106,23 @@ def render_late_by_xla(sources: Float[Array, "n w"], late: LateResponse, config:
 
 
 def _shift_response(noise: Float[Array, "e l"], late: LateResponse, config: AudioConfig) -> Float[Array, "e l"]:
-    """Shift a response to its beginning and remove samples before the onset, which would precede the direct sound."""
+    """Roll a periodic noise response so that it begins at bin `start_bin`; zero it before the onset of direct sound."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= late.onset
     return jnp.where(heard[None], jnp.roll(noise, -late.shares.start_bin * config.bin_samples, axis=1), 0.0)
 
 
 def late_frame_begin(config: AudioConfig) -> int:
-    """Return the index of the frame's first sample in the sums."""
+    """Return the index of the frame's first sample in the circular convolutions of `render_late_by_xla`."""
     return config.response_length - config.tail_period - 1 + config.num_tail_ringing
 
 
 def source_window_width(config: AudioConfig) -> int:
-    """Return the samples of the source that each part of a response filters in a frame."""
+    """Return the number of source samples that a frame needs for each part of a response."""
     return config.response_length - config.tail_period - 1 + config.frame + 2 * config.num_tail_ringing
 
 
 def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
-    """Compute the spectra of the source windows for a response's first part, its second half and the repetitions."""
+    """Return spectra of source windows: for a response's first part, its second half, then each tail repetition."""
     first, half, spread = config.response_length - config.tail_period, config.tail_period, config.num_tail_ringing
     width, before = source_window_width(config), first - half
     padded = jnp.pad(source, (before, spread))
@@ -138,7 +138,7 @@ def _size(config: AudioConfig) -> int:
 
 @functools.cache
 def octave_table(config: AudioConfig, size: int) -> Float[np.ndarray, "bands f"]:
-    """Return octave gains for a transform of `size` samples, smoothed to filters of `num_tail_ringing` samples."""
+    """Return octave gains at the `rfft` frequencies of `size` samples, as filters that ring for `num_tail_ringing`."""
     spread = config.num_tail_ringing
     kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
     place = np.minimum(np.arange(size), size - np.arange(size))

@@ -26,7 +26,7 @@ KERNEL = Kernel(cpu.TARGET, "moving sound uses slower XLA operations", cpu=cpu.c
 def filter_direct(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Filter the first path's source by its own octave filters; arguments: `direct_filter.filter_direct_by_xla`."""
+    """Filter `source` from sample `begin` on with octave gains of both frame ends, see `filter_direct_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
     if KERNEL.is_usable("cuda") and cuda_first.supports_direct(config):
         fast["cuda"] = functools.partial(cuda_first.filter_direct, config=config)
@@ -34,15 +34,7 @@ def filter_direct(
 
 
 def render_early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render the early sound of several sources through moving paths.
-
-    Args:
-        reads: Delay-line reads, with a leading axis of sources.
-        config: Options.
-
-    Returns:
-        Pressure per channel, `config.frame` samples.
-    """
+    """Render one frame of the early sound, summed over sources, the leading axis of `reads`: pressure per channel."""
     fast: dict[str, Callable[..., Array]] = {}
     if KERNEL.is_usable("cpu"):
         fast["cpu"] = functools.partial(cpu.early_frame, config=config)
@@ -52,7 +44,7 @@ def render_early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "
 
 
 def render_early_xla(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render early sound with XLA operations; arguments as in `render_early_frame`."""
+    """Compute `render_early_frame` with XLA operations: mix paths into buses, then filter and add the buses."""
     sums = mix_paths(reads, config)
     size, begin = sums.shape[-1], frame_begin(config)
     spectra = jnp.asarray(np.fft.rfft(filter_basis(config.sample_rate).kernel, size).astype(np.complex64))
@@ -61,7 +53,7 @@ def render_early_xla(reads: DelayReads, config: AudioConfig) -> Float[Array, "e 
 
 
 def render_late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Render the late reverberation of several sources; arguments as in `late_tail.render_late_by_xla`."""
+    """Render a frame of late reverberation, summed over sources; arguments as in `late_tail.render_late_by_xla`."""
     fast: dict[str, Callable[..., Array]] = {}
     if KERNEL.is_usable("cpu") and cpu.supports_late(late, config):
         fast["cpu"] = functools.partial(cpu.late_frame, config=config)

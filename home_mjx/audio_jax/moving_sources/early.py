@@ -23,7 +23,7 @@ from home_mjx.audio_jax.receivers.spherical_head import world_to_head
 def render_early_paths(
     sources: Float[Array, "n w"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "e m"]:
-    """Render the early sound of several sources through moving paths.
+    """Render the summed early sound of several sources through moving paths.
 
     Args:
         sources: Signal of each source at 1 m, from `past` samples before the frame on.
@@ -43,12 +43,11 @@ def render_early_paths(
 def _reads(
     source: Float[Array, " n"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None
 ) -> DelayReads:
-    """Return the delay-line reads of one source; the first path is read from two filtered signals."""
+    """Return the reads of one source; the first path is two rows, read from signals filtered for each frame end."""
     toward, distances = _to_head(pairs)
     ways = _path_delays(pairs, channel_delays(toward, distances, config, head))
-    earlier = min(past, config.response_length) + filter_history(
-        config
-    )  # delays beyond the response length are not read
+    # Delays beyond the response length are not read.
+    earlier = min(past, config.response_length) + filter_history(config)
     padded = jnp.pad(source, (filter_history(config), read_margin(config)))[past + filter_history(config) - earlier :]
     padded, start = jnp.pad(padded, (read_margin(config), 0)), earlier - filter_history(config) + read_margin(config)
     first, begin = _filter_direct(padded, start, pairs, ways, config)
@@ -61,14 +60,14 @@ def _reads(
 
 
 def _bus_gains(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[Array, "q e s two"]:
-    """Return bus gains at the frame's start and their change; the first path cross-fades its two filter outputs."""
+    """Return bus gains at the frame's start and their change in it; rows 0 and 1 are the first path, one fading out."""
     nothing = jnp.zeros_like(old[:1])
     first, last = (jnp.concatenate(x) for x in ((old[:1], nothing, old[1:]), (nothing, new[:1], new[1:])))
     return jnp.stack([first, last - first], axis=-1)
 
 
 def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelays:
-    """Return path lengths at both ends of the frame, the curvature between them, and the delays of ears."""
+    """Return path lengths at both ends of the frame and the curvature between; `ears` at its start, middle and end."""
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)
@@ -76,7 +75,7 @@ def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelay
 
 
 def _to_head(pairs: PathPairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
-    """Compute path directions in the head frame and path lengths at the frame's start, middle and end."""
+    """Return directions of incidence in the head frame and path lengths [m] at the frame's start, middle and end."""
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2
     between = jnp.linalg.norm(mid, axis=1)

@@ -47,7 +47,7 @@ def render_frames(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "e m"]:
-    """Render one frame of several sources together, which share the final filters and transforms.
+    """Render the sum of several sources in one frame; they share the final filters and transforms.
 
     Args:
         sources: Signal of each source, as in `render_frame`.
@@ -78,7 +78,7 @@ def render_early(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "e m"]:
-    """Render the early sound of a frame; arguments as in `render_frames`."""
+    """Render the early sound of a frame, summed over sources; arguments and result as in `render_frames`."""
     pairs = jax.vmap(lambda a, b: match_paths(a.paths, b.paths, a.quat, b.quat, max_path_change(config)))(old, new)
     return render_early_paths(sources, config.memory_length - 1, pairs, config, head)
 
@@ -86,6 +86,6 @@ def render_early(
 def render_late(
     sources: Float[Array, "n w"], old: ReceiverState, new: ReceiverState, config: AudioConfig
 ) -> Float[Array, "e m"]:
-    """Render the late reverberation of a frame; arguments as in `render_frames`."""
+    """Render the late reverberation of a frame with its tail; arguments and result as in `render_frames`."""
     ends = jax.tree.map(lambda a, b: jnp.stack([a, b], axis=1), old, new)
     return render_late_frame(sources, jax.vmap(jax.vmap(lambda heard: late_state(heard, config)))(ends), config)

@@ -69,13 +69,13 @@ def pack_receiver_state(
 
 
 def late_state(heard: ReceiverState, config: AudioConfig) -> LateResponse:
-    """Compute the late response of each channel as noise shares, its onset, and the levels of its tail."""
+    """Compute the late response of a state: `NoiseGains`, the onset of direct sound, and `tail_gains`."""
     shares = noise_gains(heard.energy, heard.draw, heard.quat, config)
     return LateResponse(shares, direct_onset(heard.paths, config), tail_gains(heard.energy, config))
 
 
 def silent_state(config: AudioConfig) -> ReceiverState:
-    """Return a silent `ReceiverState` with the static shapes of `config`."""
+    """Return a `ReceiverState` with the shapes of `config`, zero gains and energies, and path names of -1."""
     count, bands = config.num_paths, len(BANDS)
     distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
     ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))
@@ -88,7 +88,7 @@ def silent_state(config: AudioConfig) -> ReceiverState:
 
 
 def pad_paths(paths: Paths, count: int) -> Paths:
-    """Keep the first path and the strongest others in their order, or pad with silent paths, to `count` paths."""
+    """Keep the first path and the strongest others in their order, or append silent paths (name -1), to `count`."""
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     paths = paths.replace(name=name)
@@ -106,7 +106,7 @@ def pad_paths(paths: Paths, count: int) -> Paths:
 
 
 def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether the response, with its tail, ends before it has decayed by 30 dB from its loudest bin or path."""
+    """Return whether energy at the end of the response, or of its tail, is within 30 dB of its loudest bin or path."""
     share = jnp.asarray(white_noise_band_shares(config))
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)
@@ -121,5 +121,5 @@ def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
 
 @functools.cache
 def white_noise_band_shares(config: AudioConfig) -> Float[np.ndarray, " bands"]:
-    """Compute the share of white noise's energy in each octave."""
+    """Compute the share of white noise's energy in each octave; 0 above half the sample rate."""
     return octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1).astype(np.float32)

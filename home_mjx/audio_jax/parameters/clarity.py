@@ -20,8 +20,8 @@ def early_energy(
     Args:
         energy: Squared response, or energy per bin.
         dt: Time of one sample or bin [s].
-        start: Start time [s], rounded to samples.
-        stop: End time [s], rounded to samples.
+        start: Start time [s], rounded to samples; inclusive.
+        stop: End time [s], rounded to samples; exclusive.
         first: Index of the direct sound's arrival; None: the onset of `energy`.
     """
     since = samples_since_onset(energy, first)
@@ -31,14 +31,14 @@ def early_energy(
 def definition(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
     """Compute the share of energy until `limit` [s] after the direct sound, 0 to 1 (ISO 3382-1:2009, A.11).
 
-    The total includes `missing_energy`.
+    The total includes `missing_energy`; the result is NaN in silence.
     """
     early = early_energy(energy, dt, -energy.shape[-1] * dt, limit)
     return early / (jnp.sum(energy, axis=-1) + missing_energy(energy))
 
 
 def clarity(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
-    """Compute the ratio of energy before to after `limit` [s] since the direct sound [dB] (ISO 3382-1:2009, A.10)."""
+    """Compute the energy until `limit` [s] after the direct sound re that after it [dB] (ISO 3382-1:2009, A.10)."""
     early = definition(energy, dt, limit)
     return 10 * jnp.log10(early / (1 - early))
 
@@ -59,7 +59,7 @@ def d50(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute Ts, the centre of gravity of the squared response after the direct sound [s] (ISO 3382-1:2009, A.13).
+    """Compute Ts, the energy-weighted mean time after the direct sound [s] (ISO 3382-1:2009, A.13); NaN in silence.
 
     Example:
         >>> round(float(centre_time(10 ** (-6 * jnp.arange(2000) * 1e-3), 1e-3)), 4)  # T / (6 ln 10)
@@ -70,7 +70,7 @@ def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def drr(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms of the strongest sample over the rest."""
+    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms of the strongest sample re all the rest."""
     near = jnp.abs(samples_since_onset(energy, jnp.argmax(energy, axis=-1).astype(jnp.int32))) <= round(
         DIRECT_HALF_WIDTH / dt
     )
@@ -79,10 +79,9 @@ def drr(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def strength(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
-    """Compute the sound strength G [dB]: level re the same source at 10 m in the free field (ISO 3382-1:2009, A.6).
+    """Compute the sound strength G [dB]: level re the same source at 10 m in the free field; -inf in silence.
 
-    Args:
-        energy: Squared response, or energy per bin, re the free field at 1 m, as all energies of this package.
+    See ISO 3382-1:2009, A.6. Energies are re the free field at 1 m, as all of this package.
 
     Example:
         >>> float(strength(jnp.array([0.0, 0.01, 0.0])).round(3))

@@ -19,7 +19,7 @@ def onset(energy: Float[Array, "*c n"]) -> Int[Array, "*c"]:
 
 
 def samples_since_onset(energy: Float[Array, "*c n"], first: Int[Array, "*c"] | None = None) -> Int[Array, "*c n"]:
-    """Return the index of each sample or bin, counted from the direct sound's arrival or from `first`."""
+    """Return the index of each sample re `first`, or re `onset` if that is None; negative before it."""
     first = onset(energy) if first is None else first
     return jax.lax.broadcasted_iota(jnp.int32, energy.shape, energy.ndim - 1) - first[..., None]
 
@@ -96,15 +96,15 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
 
 
 def t20(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the reverberation time from the decay between −5 and −25 dB [s], see `decay_time`."""
+    """Compute the time of a 60 dB decay [s] from that between −5 and −25 dB; NaN if it is shorter."""
     return decay_time(energy, dt, -5.0, -25.0)
 
 
 def t30(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the reverberation time from the decay between −5 and −35 dB [s], see `decay_time`."""
+    """Compute the time of a 60 dB decay [s] from that between −5 and −35 dB; NaN if it is shorter."""
     return decay_time(energy, dt, -5.0, -35.0)
 
 
 def edt(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the early decay time from the first 10 dB [s], see `decay_time`."""
+    """Compute the early decay time, extrapolated to 60 dB from the first 10 dB [s], see `decay_time`."""
     return decay_time(energy, dt, 0.0, -10.0)

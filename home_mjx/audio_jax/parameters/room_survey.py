@@ -85,7 +85,7 @@ def survey_room(
 def _late_energies(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
-    """Compute the late energy over time at both ears, and of an omnidirectional and a figure-of-eight microphone."""
+    """Return late energies of the left and right ear, and of an omnidirectional and a figure-of-eight microphone."""
     if isinstance(config.late, NoLate):
         nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
         return nothing, nothing
@@ -106,14 +106,14 @@ def _late_energies(
 
 
 def _lateral_gain(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Float[Array, " n"]:
-    """Return the energy gain of a figure-of-eight microphone along the axis of the ears for each direction."""
+    """Return the energy gain, squared cosine, of a figure-of-eight microphone along the ear axis; world directions."""
     return world_to_head(direction, quat)[:, 0] ** 2
 
 
 def _fine_histogram(
     paths: Paths, gain: Float[Array, " p"], late: Float[Array, "k bands"], config: AudioConfig
 ) -> Float[Array, "m bands"]:
-    """Return energies in bins of about `LATERAL_BIN`: those of paths times `gain`, and the late histogram's."""
+    """Return energies in bins of about `LATERAL_BIN`: of paths times `gain`, plus each late bin's, spread evenly."""
     parts = _steps_per_bin(config)
     energy = jnp.repeat(late / parts, parts, axis=0)
     at = (paths.distance / jnp.float32(config.bin_seconds / parts * config.speed_of_sound)).astype(jnp.int32)
@@ -121,5 +121,5 @@ def _fine_histogram(
 
 
 def _steps_per_bin(config: AudioConfig) -> int:
-    """Return the number of steps of about `LATERAL_BIN` in a time bin, at least 1."""
+    """Return into how many steps of about `LATERAL_BIN` a time bin is divided, at least 1."""
     return max(round(config.bin_seconds / LATERAL_BIN), 1)

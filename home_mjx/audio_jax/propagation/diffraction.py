@@ -44,7 +44,7 @@ class _DirectField(NamedTuple):
 
 
 def barrier_boxes(scene: Scene) -> BarrierBoxes:
-    """Return all boxes of an environment: static ones, then movable objects, doors and agents."""
+    """Return all boxes: static ones, then movable objects, doors, agents; unused slots have no exposed edges."""
     physics, house, moving = scene.bank.physics, scene.house, scene.moving
     bits = scene.bank.acoustics.collider_edges[house]
     exposed = (bits[:, None] >> jnp.arange(NUM_EDGES, dtype=jnp.int32)[None]) & 1 == 1
@@ -93,13 +93,13 @@ def assemble_paths(
     ears: Float[Array, "3"],
     config: AudioConfig,
 ) -> Paths:
-    """Assemble paths from the straight line and strings, see `diffracted_paths`.
+    """Return the direct path, then one path per string (taut string over edges), see `diffracted_paths`.
 
     Args:
         straight: Surfaces on the straight line.
-        edge_paths: Strings.
-        is_visible: Whether source and listener see the string's ends.
-        ears: Position of the listener [m].
+        edge_paths: The k strings.
+        is_visible: Whether source and listener see the string's ends; other strings are silent.
+        ears: Position of the listener [m], world.
         config: Options.
     """
     field = _field(straight, edge_paths, is_visible & ~_find_duplicates(edge_paths, is_visible), config)
@@ -120,13 +120,13 @@ def assemble_paths(
 
 
 def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
-    """Return unit vectors from one point to others."""
+    """Return unit vectors from `start` to each point; shorter ones within `MIN_PATH_LENGTH`."""
     away = point - start[None]
     return away / jnp.maximum(jnp.linalg.norm(away, axis=1), MIN_PATH_LENGTH)[:, None]
 
 
 def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, count: int) -> EdgePaths:
-    """Select up to `count` strings with the shortest detours, but none over the source's or listener's body."""
+    """Select up to `count` strings by detour, missing ones (inf) last; none is over the source's or listener's body."""
     boxes = barrier_boxes(scene)
     body = boxes.object_id
     own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
@@ -139,9 +139,9 @@ def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, co
 
 
 def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], config: AudioConfig) -> _DirectField:
-    """Sum the fields of all strings, coherently with the leading one to the degree that their arrivals coincide.
+    """Sum the fields of the strings in `heard`, coherently to the degree that their arrivals coincide.
 
-    The sum is computed with and without the straight path, and is continuous across a shadow boundary.
+    The sum is computed with the straight path and without it (re the leading string), continuous across shadow edges.
     """
     frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(OCTAVE_SAMPLES)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
@@ -151,7 +151,7 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
     power = jnp.abs(amplitude) ** 2
 
     def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
-        """Return the energy of the coherent sum, and the incoherent rest of each string."""
+        """Return the energy of the coherent sum with `start`, at most `most`, and the incoherent rest per string."""
         phase = wavenumber[None] * jnp.where(heard, late, 0.0)[:, None]
         together = jnp.exp(-((phase / jnp.pi) ** 2))
         whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
@@ -170,7 +170,7 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
 
 
 def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[Array, "k f"]) -> Float[Array, " f"]:
-    """Return the amplitude that passes small obstacles beyond the ends of all their edges; 0 behind partitions."""
+    """Return the amplitude share, 0 to 1, that passes obstacles beyond the ends of edges; 0 behind partitions."""
     apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
     one_edge = ((apart < MAX_APEX_DISTANCE) & (found.wedge.shadow_angle > 0)[None]).astype(jnp.float32)
     covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
@@ -180,7 +180,7 @@ def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[
 def _amplitudes(
     straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
-    """Compute the field of each string re the straight path, and the share of its finite edge in that field."""
+    """Compute the field of each string re the free straight path, and the share of its finite edge; 0 if unheard."""
     # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
     seen = straight.is_clear & found.blocked
     turn = jnp.where(seen, jnp.minimum(found.wedge.shadow_angle, -GRAZING_ANGLE), found.wedge.shadow_angle)
@@ -205,12 +205,12 @@ def _find_duplicates(found: EdgePaths, heard: Bool[Array, " k"]) -> Bool[Array, 
 
 
 def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
-    """Average over the frequencies of each octave."""
+    """Average energies over the frequencies of each octave, `OCTAVE_SAMPLES`."""
     return jnp.mean(power.reshape(*power.shape[:-1], len(BANDS), len(OCTAVE_SAMPLES)), axis=-1)
 
 
 def _is_visible(scene: Scene, source: SoundSource, listener: Listener, found: EdgePaths) -> Bool[Array, " k"]:
-    """Return whether source and first point, and last point and listener, are mutually visible; False without path."""
+    """Return whether the source sees the string's first point and the listener its last one; False without path."""
     there = jnp.isfinite(found.finite_edge_detour)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:

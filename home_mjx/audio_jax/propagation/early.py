@@ -86,6 +86,6 @@ def _apply_directivity(paths: Paths, source: SoundSource) -> Paths:
 
 
 def _offset_names(paths: Paths, producer: int) -> Paths:
-    """Add the producer's offset to names, which are unique across producers then; None: names are indices."""
+    """Make names unique across producers by adding `producer * MAX_PATH_NAMES`; without names, indices are used."""
     number = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     return paths.replace(name=number + producer * MAX_PATH_NAMES)

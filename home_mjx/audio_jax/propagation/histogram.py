@@ -61,12 +61,12 @@ def _sum_in_bins(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count
 
 
 def _scatter(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
-    """Sum by scatter, which is sequential on CPUs."""
+    """Compute `_sum_in_bins` by scatter, which is sequential on CPUs."""
     return jax.ops.segment_sum(values.reshape(-1, *values.shape[2:]), bins.reshape(-1), count)
 
 
 def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
-    """Sum by products with indicator matrices, row by row, because GPU scatters add in no fixed order."""
+    """Compute `_sum_in_bins` by products with indicator matrices, because GPU scatters add in no fixed order."""
 
     def add(total: Array, row: tuple[Array, Array]) -> tuple[Array, None]:
         member = (row[0][None] == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(jnp.float32)
@@ -77,14 +77,14 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
 
 @functools.cache
 def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
-    """Return the share of bin j moved to bin k: triangles of half width `RELATIVE_SMOOTHING` times their time."""
+    """Return the share of bin j moved to bin k, sum 1 over k: triangles of half width `RELATIVE_SMOOTHING` j."""
     index = np.arange(count)
     share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(RELATIVE_SMOOTHING * index, 1), 0)
     return (share / share.sum(axis=0)).astype(np.float32)
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return the first and last (exclusive) bin of the decay fit; at the last, a tenth of the rays are fully traced."""
+    """Return first and last (exclusive) bin of the decay fit: 30 % of the last, when a tenth of rays has ended."""
     alive = jnp.max(trace.remaining[-1], axis=1) > 0
     ends = jnp.sort(jnp.where(alive, trace.travelled[-1], jnp.inf))[alive.size // 10]
     last = jnp.clip(ends / metres, 2, config.num_bins).astype(jnp.int32)
@@ -92,13 +92,7 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 
 
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
-    """Compute the energy remaining in all rays at path length `index * metres` from the listener.
-
-    Args:
-        trace: Traced rays.
-        index: Time bin.
-        metres: Path length per bin [m].
-    """
+    """Sum the energy left in all rays after `index` time bins, of `metres` of path each, since the listener."""
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
     energy = jnp.concatenate([trace.initial_energy[None], trace.remaining])
     chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)
@@ -106,7 +100,7 @@ def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Arra
 
 
 def _linear_recurrence(factor: Float[Array, " bands"], added: Float[Array, "k bands"]) -> Float[Array, "k bands"]:
-    """Evaluate the recurrence y[k] = factor y[k - 1] + added[k]."""
+    """Evaluate the recurrence y[k] = factor y[k - 1] + added[k] with y[-1] = 0."""
 
     def join(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:
         return left[0] * right[0], left[1] * right[0] + right[1]

@@ -33,14 +33,14 @@ DUPLICATE_TOLERANCE = 1e-3  # [m], and per unit of direction: tolerance within w
 
 
 def house_mirrors(scene: Scene) -> Mirrors:
-    """Return the mirror planes of a house: its walls, floors and ceilings."""
+    """Return the mirror planes of the house of an environment: walls, floors and ceilings; padding is not valid."""
     planes = scene.bank.acoustics
     flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v, planes.plane_valid
     return Mirrors(*(x[scene.house] for x in flat))
 
 
 def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mirrors:
-    """Return the faces of all boxes; valid are those of objects, doors and bodies, except source and listener."""
+    """Return six faces per box; valid are those of objects, doors and bodies other than source and listener."""
     boxes = barrier_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
@@ -65,7 +65,7 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
         config: Options.
 
     Returns:
-        `config.early.num_reflections` paths, or one per sequence if there are fewer, silent ones included.
+        `config.early.num_reflections` paths, or one per sequence if there are fewer; silent ones have gain 0.
     """
     if config.early.num_reflections == 0:
         return empty_paths()
@@ -91,14 +91,14 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
 
 
 def _departures(found: ImageSources, source: Float[Array, "3"]) -> Float[Array, "p 3"]:
-    """Return unit vectors from the source to the reflection nearest to it."""
+    """Return unit vectors from the source to the last reflection, counted from the listener."""
     last = jnp.take_along_axis(found.point, found.order[:, None, None] - 1, axis=1)[:, 0]
     way = last - source[None]
     return way / jnp.maximum(jnp.linalg.norm(way, axis=1), MIN_PATH_LENGTH)[:, None]
 
 
 def path_names(found: ImageSources) -> Int[Array, " p"]:
-    """Hash the mirror planes of each path to a name that is stable while source and listener move."""
+    """Hash the mirror planes of each path to a name below `MAX_PATH_NAMES`, stable while source and listener move."""
     order = jnp.arange(found.point.shape[1], dtype=jnp.int32)[None]
     depth = jnp.sum(found.normal * found.point, axis=2)
     plane = jnp.concatenate([found.normal, depth[:, :, None]], axis=2)
@@ -147,7 +147,7 @@ def _reflected_energy(
 def _is_occluded(
     scene: Scene, source: SoundSource, found: ImageSources, corner: Float[Array, "p k 3"], used: Bool[Array, "p legs"]
 ) -> Bool[Array, " p"]:
-    """Return whether the leg between the source and the reflection nearest to it is occluded."""
+    """Return whether the leg from the source to the last reflection, counted from the listener, is occluded."""
     last = jnp.take_along_axis(corner, found.order[:, None, None], axis=1)[:, 0]
     way = last - source.pos[None]
     length = jnp.linalg.norm(way, axis=1)
@@ -157,7 +157,7 @@ def _is_occluded(
 
 
 def find_duplicates(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return which paths duplicate an earlier one, as with coplanar faces of two boxes."""
+    """Return which paths have the length and direction of an earlier one, as with coplanar faces of two boxes."""
     near = jnp.abs(length[:, None] - length[None]) < DUPLICATE_TOLERANCE
     near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < DUPLICATE_TOLERANCE
     return is_duplicate(near)

@@ -47,13 +47,13 @@ def is_duplicate(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
 
 
 def empty_paths() -> Paths:
-    """Return paths of shape (0,)."""
+    """Return `Paths` of zero paths."""
     none, nowhere = jnp.zeros(0, jnp.float32), jnp.zeros((0, 3), jnp.float32)
     return Paths(none, jnp.zeros((0, len(BANDS)), jnp.float32), nowhere, none.astype(jnp.int32), nowhere)
 
 
 def air_attenuation(config: AudioConfig) -> Float[np.ndarray, " bands"]:
-    """Compute the energy attenuation coefficient of air m of exp(-m r) per octave [1/m]."""
+    """Compute the coefficient m [1/m] of the energy exp(-m r) left after r metres of air, per octave."""
     loss = air_absorption(np.array(BANDS), config.air.temperature, config.air.humidity, config.air.pressure)
     return energy_attenuation(loss).astype(np.float32)
 
@@ -112,7 +112,7 @@ def trace_straight_line(scene: Scene, source: SoundSource, listener: Listener, c
 
 
 def _transmit(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) -> Float[Array, " bands"]:
-    """Multiply transmission coefficients in order, so that all platforms round alike."""
+    """Multiply the transmission of counted hits, in order so that all platforms round alike; 1 if none counts."""
     return functools.reduce(jnp.multiply, jnp.where(counts[:, None], transmission, 1.0))
 
 
@@ -149,7 +149,7 @@ def first_order_reflections(scene: Scene, source: SoundSource, listener: Listene
         config: Options.
 
     Returns:
-        `config.early.num_reflections` paths, or one per mirror plane of the house if that is less, with silent ones.
+        `config.early.num_reflections` paths, or one per mirror plane if that is less; silent ones have gain 0.
     """
     if config.early.num_reflections == 0:
         return empty_paths()
@@ -187,7 +187,7 @@ def first_order_reflections(scene: Scene, source: SoundSource, listener: Listene
 def _nearest_mirrors(
     scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
 ) -> tuple[Float[Array, "r 3"], Float[Array, " r"], Int[Array, " r"]]:
-    """Select the shortest reflections; return their points, path lengths [m] (inf if invalid) and plane indices."""
+    """Select up to `count` shortest reflections: points, path lengths [m] (inf if invalid), plane indices; sorted."""
     planes = scene.bank.acoustics
     center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
     before_source = sum3((source[None] - center) * normal)
@@ -205,5 +205,5 @@ def _nearest_mirrors(
 
 
 def _is_inside(offset: Float[Array, "p 3"], half: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return whether offsets from the centres of rectangles, projected on one half-edge vector, are at most as long."""
+    """Return whether the projection of `offset` on `half`, a vector from centre to edge, is at most as long as it."""
     return jnp.abs(sum3(offset * half)) <= sum3(half * half)

@@ -37,7 +37,7 @@ def sound_materials(scene: Scene) -> SoundMaterials:
 
 
 def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> AcousticSurface:
-    """Look up the acoustic properties at ray hits.
+    """Look up the acoustic properties at ray hits; values of misses are undefined.
 
     Args:
         scene: The environment in which the rays were cast.

@@ -90,7 +90,7 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
 
 
 def _octave_shares(rays: Traced) -> Float[np.ndarray, "n bands"]:
-    """Return the share of each octave in each ray: uniform, or one octave per ray with `octave_rays`."""
+    """Return the share of each octave in a ray; 1 / 7 each, or 1 for one octave per ray with `octave_rays`."""
     if rays.octave_rays:
         return np.repeat(np.eye(len(BANDS), dtype=np.float32), rays.num_rays // len(BANDS), axis=0)
     return np.full((rays.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
@@ -107,7 +107,7 @@ class _TraceContext(NamedTuple):
     carried: Float[Array, "n bands"]
 
     def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
-        """Trace one segment and the reflection at its end; the body of the scan over bounces."""
+        """Trace one segment and its reflection; return the new rays, and arrivals and decay as in `Trace`."""
         index, choice, scattered = draw
         alive = jnp.max(ray.energy, axis=1) > 0
         hit = cast(
@@ -142,7 +142,7 @@ class _TraceContext(NamedTuple):
     def _rain(
         self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n bands"]
     ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Compute the distance from each hit to the source, and the energy scattered to it; 0 if occluded."""
+        """Compute the distance from each hit to the source [m], and the energy scattered to it, 0 if occluded."""
         offset = self.source.pos[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
         toward = offset / jnp.maximum(distance, RAY_OFFSET)[:, None]
@@ -162,7 +162,7 @@ class _TraceContext(NamedTuple):
         return distance, self._leaving(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Compute path lengths and energies of specular rays through a sphere around the source; 0 for others."""
+        """Compute path lengths [m] and energies of specular rays through a sphere around the source; else energy 0."""
         offset = self.source.pos[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
@@ -173,7 +173,7 @@ class _TraceContext(NamedTuple):
         return ray.travelled + nearest, self._leaving(jnp.where(inside[:, None], energy, 0.0), -ray.direction)
 
     def _leaving(self, energy: Float[Array, "n bands"], direction: Float[Array, "n 3"]) -> Float[Array, "n bands"]:
-        """Weight energies of an omnidirectional source with this source's directivity."""
+        """Weight energies with the source's directivity towards `direction`, a unit vector away from the source."""
         return energy * emission_gains(self.source, direction) ** 2
 
 
@@ -199,7 +199,7 @@ def _reflect(
 
 
 def fibonacci_directions(count: int) -> Float[np.ndarray, "n 3"]:
-    """Return evenly distributed unit vectors (Fibonacci lattice)."""
+    """Return `count` evenly distributed unit vectors (Fibonacci lattice), from +z to -z."""
     index = np.arange(count) + 0.5
     z, turn = 1 - 2 * index / count, index * np.pi * (3 - np.sqrt(5))
     ring = np.sqrt(1 - z * z)

@@ -34,7 +34,7 @@ MIN_MICROPHONE_DISTANCE = 0.02  # [m], minimum distance from microphones
 def channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n e bands"]:
-    """Compute the energy gain of each channel per octave for sound from each world direction."""
+    """Compute the energy gain of each channel per octave; `direction` points to the incidence, in the world."""
     found = distinct_channel_gains(direction, head_quat, config, head)
     return jnp.broadcast_to(found, (found.shape[0], config.num_channels, found.shape[2]))
 
@@ -42,7 +42,7 @@ def channel_gains(
 def distinct_channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute `channel_gains` of distinct channels only: d = 1 if all have equal gains, as for microphones."""
+    """Compute energy gains as `channel_gains`; d = 1 if all channels have equal ones, as microphones, else e."""
     if head is not None:
         check_head(head, config)
         return interpolate_directions(head.energy, world_to_head(direction, head_quat))
@@ -60,7 +60,7 @@ def distinct_channel_gains(
 def late_channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute gains of late histograms: `distinct_channel_gains`, in ambisonics also the products W Y, W Z, W X."""
+    """Compute gains of late histograms: `distinct_channel_gains`; ambisonics (d = 7) also have W Y, W Z, W X."""
     energy = distinct_channel_gains(direction, head_quat, config, head)
     if not isinstance(config.receiver, Ambisonics):
         return energy
@@ -71,7 +71,7 @@ def late_channel_gains(
 def channel_delays(
     toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "*p d"]:
-    """Compute arrival delays of channels re the head centre [samples]; d = 1 if they are equal.
+    """Compute arrival delays of channels re the head centre [samples], negative if earlier; d = 1 if all are equal.
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame.
@@ -144,14 +144,14 @@ def ambisonic_gains(toward: Float[Array, "p 3"]) -> Float[Array, "p 4"]:
 
 
 def _ear_axis_angles(toward: Float[Array, "*p 3"], config: AudioConfig) -> Float[Array, "*p 2"]:
-    """Compute the angles between directions and the axes of both ears [rad]."""
+    """Compute the angles [rad] between directions in the head frame and the axes of the left and the right ear."""
     return ear_angles(toward.reshape(-1, 3), config.binaural.ear_angle).reshape(*toward.shape[:-1], 2)
 
 
 def _excess_lengths(
     toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], array: MicrophoneArray
 ) -> Float[Array, "*p e"]:
-    """Compute the excess path length of spherical waves to microphones re the head centre [m]."""
+    """Compute path lengths to microphones re the head centre [m], for point sources in the head frame."""
     place = np.asarray(array.positions, np.float32)
     along = jnp.matmul(toward, jnp.asarray(place.T), precision="highest")
     square = jnp.asarray(np.sum(place**2, axis=1).reshape((1,) * distance.ndim + (-1,)))
@@ -163,7 +163,7 @@ def _excess_lengths(
 def _ear_delays(
     angle: Float[Array, "*p two"], distance: Float[Array, "*p one"], config: AudioConfig
 ) -> Float[Array, "*p two"]:
-    """Compute the arrival delay at ears re the head centre [samples], by angle to the ear's axis.
+    """Compute the arrival delay at ears re the head centre [samples], by angle to the ear's axis [rad], distance [m].
 
     The path to the ear is straight, or tangential and then along the sphere: Woodworth's model at finite distance.
     """

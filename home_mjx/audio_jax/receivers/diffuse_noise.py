@@ -28,7 +28,7 @@ def num_noises(config: AudioConfig) -> int:
 
 
 def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array, "e c"]:
-    """Compute the gain of each noise in each channel: 1, cos φ, sin φ, cos 2φ, sin 2φ for an ear with azimuth φ.
+    """Compute the gain of each noise in each channel: 1, cos φ, sin φ, cos 2φ, sin 2φ for an ear with world azimuth φ.
 
     With the levels of `noise_levels`, two ears of a rigid sphere have the coherence of a diffuse field. The same holds
     for one ear before and after turns of 90 and 180 degrees. An array turns as a whole, by the azimuth of its right
@@ -84,7 +84,7 @@ def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: f
 
 
 def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
-    """Compute the amplitude of each noise over frequency; 1 unless there are `NUM_NOISES`, whose powers sum to 1."""
+    """Compute the amplitude of each noise at frequencies [Hz]; 1 unless there are `NUM_NOISES`, of total power 1."""
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
     if isinstance(config.receiver, MicrophoneArray):
@@ -102,7 +102,7 @@ def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Flo
 
 @functools.cache
 def octave_noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
-    """Generate white noises of unit variance, split into mutually independent octaves.
+    """Generate white noises of unit variance with a fixed seed, split into mutually independent octaves.
 
     They are periodic with the length of a response. Arrays have a leading axis of microphones (`own`), whose noises
     have the coherence of a diffuse field.
@@ -155,7 +155,7 @@ def noise_bin_table(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
 
 
 def knot_weights(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
-    """Compute the linear interpolation weight of each knot at each sample of a bin."""
+    """Compute the linear interpolation weight of the knots (start, middle, end) at each sample of a bin."""
     place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
     middle = 1 - np.abs(2 * place - 1)
     return np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])
@@ -169,7 +169,7 @@ class NoiseDraw(Pytree):
 
 
 def draw_noise(key: Array, config: AudioConfig) -> NoiseDraw:
-    """Sample the noise offset and signs of an environment."""
+    """Sample an offset and signs into the shared noise, so that environments have different noises."""
     place, signs = jax.random.split(key)
     sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
     return NoiseDraw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)

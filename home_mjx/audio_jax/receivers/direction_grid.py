@@ -16,7 +16,7 @@ log = logging.getLogger(__name__)
 
 
 def grid_directions() -> Float[np.ndarray, "v h 3"]:
-    """Return unit vectors of the grid's nodes in the head frame, by elevation and azimuth."""
+    """Return unit vectors of all nodes in the head frame (x right, y up, z back), ordered as `MeasuredHead`."""
     elevation = np.radians(np.arange(-90, 91, GRID_STEP))[:, None]
     azimuth = np.radians(np.arange(0, 360, GRID_STEP))[None]
     ring = np.cos(elevation)
@@ -25,13 +25,13 @@ def grid_directions() -> Float[np.ndarray, "v h 3"]:
 
 
 def grid_weights(direction: Float[np.ndarray, "m 3"]) -> tuple[np.ndarray, np.ndarray]:
-    """Compute for each node three measured directions and their weights: those of the triangle that contains it.
+    """Compute three measured directions per node and their weights, of sum 1: those of the triangle that contains it.
 
     Triangles are faces of the convex hull, which is the Delaunay triangulation of the sphere. Nodes outside all
     triangles take the nearest direction. Gaps above `MAX_GAP_ANGLE` are logged as a warning.
 
     Returns:
-        Indices and weights (nodes, 3).
+        Indices of directions and their weights (nodes, 3), nodes by elevation, then azimuth.
 
     Raises:
         ConfigError: The directions span no volume.
@@ -67,13 +67,13 @@ def _warn_gaps(nodes: np.ndarray, nearest: np.ndarray) -> None:
 
 
 def interpolate_to_grid(share: tuple[np.ndarray, np.ndarray], values: np.ndarray) -> np.ndarray:
-    """Interpolate values of measured directions at the nodes of the grid, (v, h, ...)."""
+    """Interpolate values (m, ...) of measured directions at the nodes, (v, h, ...); `share` is from `grid_weights`."""
     index, weight = share
     whole = sum(values[index[:, i]] * weight[:, i].reshape(-1, *(1,) * (values.ndim - 1)) for i in range(3))
     return np.asarray(whole).reshape(*grid_directions().shape[:2], *values.shape[1:])
 
 
 def node_areas() -> Float[np.ndarray, "v h"]:
-    """Return quadrature weights of the nodes over the sphere, not normalized."""
+    """Return weights of the nodes for means over the sphere: cosines of elevations, not normalized."""
     ring = np.cos(np.radians(np.arange(-90, 91, GRID_STEP)))
     return np.repeat(ring[:, None], 360 // GRID_STEP, axis=1)

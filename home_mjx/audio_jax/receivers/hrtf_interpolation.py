@@ -27,7 +27,7 @@ def check_head(head: MeasuredHead, config: AudioConfig) -> None:
 
 
 def interpolate_directions(table: Float[Array, "v h *n"], toward: Float[Array, "*p 3"]) -> Float[Array, "..."]:
-    """Interpolate a table over directions bilinearly between the four nearest entries.
+    """Interpolate a table over directions bilinearly between the four nearest entries; returns (*p, *n).
 
     Args:
         table: By elevation from below to above, and azimuth from ahead over the left around the head, see

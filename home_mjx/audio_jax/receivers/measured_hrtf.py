@@ -108,7 +108,7 @@ def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: Aud
 
 
 def _sphere_level(config: AudioConfig) -> float:
-    """Compute the mean energy of a rigid sphere in the 500 Hz octave over all directions."""
+    """Compute the mean energy gain at an ear of the rigid sphere in the 500 Hz octave over all directions."""
     table = ear_table(ENERGY_TRANSFORM_SIZE, config.sample_rate, config.binaural.head_radius, config.speed_of_sound)
     return float(
         np.average(table.energy[:, LEVEL_BAND_INDEX], weights=np.sin(np.linspace(0, np.pi, len(table.energy))))
@@ -150,14 +150,14 @@ def _split(
 
 
 def _fit_basis(wanted: Complex[np.ndarray, "v h 2 f"], sample_rate: int) -> Complex[np.ndarray, "v h 2 s"]:
-    """Fit sums of `filter_basis` to filters; return their values at the knots."""
+    """Fit sums of `filter_basis` to filters at the frequencies of `basis_responses`; return values at the knots."""
     table, (_, response) = filter_basis(sample_rate), basis_responses(sample_rate)
     rows = [fit_basis_weights(response, row.reshape(-1, row.shape[-1])) @ table.value for row in wanted]
     return np.stack(rows).reshape(*wanted.shape[:3], -1)
 
 
 def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m s"]:
-    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum; s >= 8 n."""
+    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum; s is at least 8 n."""
     size = 2 ** math.ceil(math.log2(8 * response.shape[-1]))
     amplitude = np.abs(np.fft.rfft(response, size))
     level = np.log(np.maximum(amplitude, MIN_RELATIVE_AMPLITUDE * amplitude.max(axis=-1, keepdims=True)))
@@ -166,7 +166,7 @@ def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m 
 
 
 def estimate_delays(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) -> Float[np.ndarray, "*m"]:
-    """Estimate fractional delays of responses re `least` [samples], at the maximum of their cross-correlation."""
+    """Estimate fractional delays of responses re `least` [samples], possibly negative, by their cross-correlation."""
     size = least.shape[-1]
     cross = np.fft.rfft(response, size) * np.conj(np.fft.rfft(least))
     alike = np.fft.irfft(cross, DELAY_OVERSAMPLING * size)
@@ -182,7 +182,7 @@ def estimate_delays(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray
 def response_spectra(
     response: Float[np.ndarray, "*m n"], rate: float, frequency: Float[np.ndarray, " f"]
 ) -> Complex[np.ndarray, "*m f"]:
-    """Evaluate the spectra of responses at arbitrary frequencies [Hz]."""
+    """Evaluate spectra of responses, which begin at time 0 with `rate` [Hz], at `frequency` [Hz]."""
     turn = 2 * np.pi * np.outer(np.arange(response.shape[-1]) / rate, frequency)
     rows = response.reshape(-1, response.shape[-1])
     return (rows @ np.cos(turn) - 1j * (rows @ np.sin(turn))).reshape(*response.shape[:-1], -1)

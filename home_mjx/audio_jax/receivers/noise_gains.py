@@ -19,11 +19,11 @@ class NoiseGains(Pytree):
     start_bin: Int[Array, "*n"]  # bin of the periodic noise at the response's start
 
     def amplitude(self) -> Float[Array, "*n k e knots bands"]:
-        """Compute the amplitudes of each channel's noise mix at the knots of bins."""
+        """Compute the amplitude of each channel's noise mix at the start, middle and end of bins."""
         return knot_amplitudes(self.power)
 
     def bin_weights(self) -> Float[Array, "*n k e m"]:
-        """Compute the weights of `noise_bin_table`, in the noise's bin order."""
+        """Compute the weights of `noise_bin_table`, with bins rolled by `start_bin` into the noise's own order."""
         each = self.amplitude()[..., None, :] * self.mix[..., None, :, None, :, :]
         if self.shared_power.shape[-2]:
             shared = jnp.sign(self.shared_power)[..., None, :] * knot_amplitudes(jnp.abs(self.shared_power))
@@ -54,7 +54,7 @@ def noise_gains(
 
 
 def knot_amplitudes(power: Float[Array, "*n k e bands"]) -> Float[Array, "*n k e knots bands"]:
-    """Compute amplitudes at the start, middle and end of bins.
+    """Compute amplitudes at the start, middle and end of bins from the mean power of each bin, at least 0.
 
     Linear interpolation of amplitudes has less energy than that of powers; a factor per bin compensates for this.
     """

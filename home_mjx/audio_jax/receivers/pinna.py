@@ -21,10 +21,7 @@ ECHO_DELAY_SWINGS = (1.0, 5.0, 5.0, 5.0, 5.0)
 ECHO_DELAY_OFFSETS = (2.0, 4.0, 7.0, 11.0, 13.0)
 ECHO_ANGLE_FACTORS = (1.0, 0.5, 0.5, 0.5, 0.5)
 FREQUENCIES_PER_OCTAVE = 8  # frequencies per octave over which energies are averaged
-MAX_ECHO_DELAY, NUM_DELAY_STEPS = (
-    36.0,
-    144,
-)  # maximum tabulated delay [samples of 1 / PINNA_MODEL_RATE], and steps up to it
+MAX_ECHO_DELAY, NUM_DELAY_STEPS = 36.0, 144  # tabulated delays: maximum [samples of PINNA_MODEL_RATE], and steps
 
 
 def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
@@ -82,7 +79,7 @@ def add_echoes(
 
 @functools.cache
 def _delay_filters(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "d s"]]:
-    """Fit sums of `filter_basis` to pure delays; return real and imaginary parts of their values at the knots."""
+    """Fit `filter_basis` to pure delays up to `MAX_ECHO_DELAY`; return real and imaginary parts at the knots."""
     table, (frequency, response) = filter_basis(sample_rate), basis_responses(sample_rate)
     delay = np.linspace(0, MAX_ECHO_DELAY / PINNA_MODEL_RATE, NUM_DELAY_STEPS + 1)
     value = fit_basis_weights(response, np.exp(-2j * np.pi * delay[:, None] * frequency)) @ table.value
@@ -90,7 +87,7 @@ def _delay_filters(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np
 
 
 def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"]) -> Complex[Array, "p f"]:
-    """Compute the transfer function of direct sound with its echoes at arbitrary frequencies [Hz]."""
+    """Compute the transfer function of direct sound and echoes at `frequency` [Hz]; `toward` as in `pinna_delays`."""
     angle = -2 * math.pi * pinna_delays(toward)[..., None] * jnp.asarray(frequency, jnp.float32)[None, None]
     strength = jnp.asarray(ECHO_STRENGTHS, jnp.float32)[None, :, None]
     real, imag = (jnp.sum(strength * part, axis=1) for part in (jnp.cos(angle), jnp.sin(angle)))
@@ -98,7 +95,7 @@ def echo_response(toward: Float[Array, "p 3"], frequency: Float[np.ndarray, " f"
 
 
 def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, "n bands"]:
-    """Compute the mean energy of sound with echoes per octave re sound without them."""
+    """Compute the mean energy of sound with echoes per octave re sound without; `toward` as in `pinna_delays`."""
     frequency = _octave_frequencies(sample_rate)
     power = jnp.abs(echo_response(toward, frequency.ravel())) ** 2
     return jnp.mean(power.reshape(-1, *frequency.shape), axis=-1)
@@ -106,7 +103,7 @@ def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, 
 
 @functools.cache
 def _octave_frequencies(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
-    """Return equally spaced frequencies of each octave, up to half the sample rate [Hz]."""
+    """Return `FREQUENCIES_PER_OCTAVE` equally spaced frequencies of each octave [Hz], below half the sample rate."""
     low = np.minimum(np.array(BANDS) / math.sqrt(2), 0.4 * sample_rate)
     high = np.minimum(np.array(BANDS) * math.sqrt(2), 0.5 * sample_rate)
     place = (np.arange(FREQUENCIES_PER_OCTAVE) + 0.5) / FREQUENCIES_PER_OCTAVE

@@ -13,9 +13,7 @@ from home_mjx.audio_jax.receivers.measured_hrtf import make_measured_head
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, install_hint
 
 CONVENTION = "SimpleFreeFieldHRIR"
-MIN_RELATIVE_DISTANCE = (
-    0.9  # minimum distance re the farthest source; nearer sources belong to another set of measurements
-)
+MIN_RELATIVE_DISTANCE = 0.9  # minimum distance re the farthest source; nearer ones are another set of measurements
 SUFFIX = ".sofa"
 
 log = logging.getLogger(__name__)

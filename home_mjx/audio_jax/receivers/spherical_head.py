@@ -98,7 +98,10 @@ def near_sphere_spectrum(
 def sphere_delay(
     angle: Float[np.ndarray, " a"], radius: float, speed: float, distance: float = np.inf
 ) -> Float[np.ndarray, " a"]:
-    """Compute the arrival time at a point on a sphere re its centre [s] (Woodworth: straight, then on the surface)."""
+    """Compute the arrival time at a point on a sphere re its centre [s] (Woodworth: straight, then on the surface).
+
+    `angle` [rad] is between that point and the source, at `distance` [m] from the centre; inf: a plane wave.
+    """
     if np.isinf(distance):
         return radius / speed * np.where(angle < np.pi / 2, -np.cos(angle), angle - np.pi / 2)
     straight = np.sqrt(distance**2 + radius**2 - 2 * distance * radius * np.cos(angle))
@@ -136,14 +139,7 @@ def diffuse_coherence(
 
 @functools.cache
 def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTable:
-    """Compute the ear table of a spherical head.
-
-    Args:
-        taps: Transform size that defines the frequencies [samples].
-        sample_rate: [Hz].
-        radius: [m].
-        speed: Speed of sound [m/s].
-    """
+    """Compute the ear table of a sphere (`radius` in m, `speed` in m/s) at the `rfft` frequencies of `taps` samples."""
     frequency = np.fft.rfftfreq(taps, 1 / sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     delay = sphere_delay(angle, radius, speed)
@@ -163,13 +159,7 @@ class EarFilters(NamedTuple):
 
 @functools.cache
 def ear_filters(sample_rate: int, radius: float, speed: float) -> EarFilters:
-    """Fit sums of `filter_basis` to a rigid sphere's response up to 0.45 of the sample rate.
-
-    Args:
-        sample_rate: [Hz].
-        radius: [m].
-        speed: Speed of sound [m/s].
-    """
+    """Fit sums of `filter_basis` to a sphere (`radius` in m, `speed` in m/s) up to 0.45 of the sample rate."""
     table, (frequency, response) = filter_basis(sample_rate), basis_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     weights = []
@@ -184,7 +174,7 @@ def ear_filters(sample_rate: int, radius: float, speed: float) -> EarFilters:
 
 @functools.cache
 def ear_phase_delays(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
-    """Compute the mean phase delay of the response at each angle beyond Woodworth's delay [s]."""
+    """Compute the mean phase delay [s] of a sphere's response beyond Woodworth's, at `NUM_ANGLES` angles 0 to pi."""
     frequency, _ = basis_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     ahead = sphere_delay(angle, radius, speed)[:, None]
@@ -194,7 +184,7 @@ def ear_phase_delays(sample_rate: int, radius: float, speed: float) -> Float[np.
 
 
 def basis_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
-    """Return frequencies [Hz] up to 0.45 of the sample rate, and each response of `filter_basis` re their sum."""
+    """Return frequencies [Hz], and there the spectrum of each filter of `filter_basis` re the sum of all."""
     kernel = filter_basis(sample_rate).kernel
     frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
     time = (np.arange(kernel.shape[1]) - HALF_WIDTH) / sample_rate
@@ -205,7 +195,7 @@ def basis_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[
 def fit_basis_weights(
     response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]
 ) -> Float[np.ndarray, "a s"]:
-    """Fit real weights of basis responses to required responses by least squares of relative errors."""
+    """Fit real weights, one row per response in `wanted`, of basis responses by least squares of relative errors."""
     share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
     count = response.shape[1]
     products = np.real(response.conj()[:, :, None] * response[:, None]).reshape(len(response), -1)
@@ -256,17 +246,17 @@ def ear_angles(direction: Float[Array, "n 3"], ear_angle: float) -> Float[Array,
 
 
 def ear_spectrum(table: EarTable, angle: Float[Array, "*n"]) -> tuple[Complex[Array, "*n f"], Float[Array, "*n"]]:
-    """Interpolate the delay-free spectrum and the delay [s] of the ear at each angle."""
+    """Interpolate the delay-free spectrum and the delay [s] of an ear at angles [rad] between sound and its axis."""
     return interpolate_angles(table.spectrum, angle), interpolate_angles(table.delay, angle)
 
 
 def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n bands"]:
-    """Interpolate the energy gain of the ear per octave at each angle."""
+    """Interpolate the energy gain of an ear per octave at angles [rad] between sound and its axis."""
     return interpolate_angles(table.energy, angle)
 
 
 def interpolate_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
-    """Interpolate a table over the angle between sound and the ear's axis linearly."""
+    """Interpolate linearly in a table of `NUM_ANGLES` rows over the angle from an ear's axis, 0 to pi [rad]."""
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
     rest = (position - low.astype(jnp.float32)).reshape(angle.shape + (1,) * (rows.ndim - 1)).astype(rows.dtype)

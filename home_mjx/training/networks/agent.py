@@ -65,7 +65,7 @@ class Memory(nn.Module):
     @functools.partial(nn.scan, variable_broadcast="params", split_rngs={"params": False})
     @nn.compact
     def __call__(self, memory: Array, inputs: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Apply one step to all environments; `nn.scan` turns it into a function of (T, N, ...) inputs."""
+        """Apply the GRU to T steps of `inputs`: features (T, N, f) and resets (T, N); return last and all memories."""
         x, begins = inputs
         return nn.GRUCell(self.features)(jnp.where(begins[:, None], 0.0, memory), x)
 
@@ -127,14 +127,14 @@ class RecurrentAgent(nn.Module):
     def unroll(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "t n p"], Float[Array, "t n"]]:
-        """Apply the network with parameters `net`; return memory after T steps, distribution parameters, values."""
+        """Apply the network with parameters `net` to T steps; return last memory, distribution parameters, values."""
         applied: Any = self.apply(net, memory, obs, begins)
         return applied
 
     def unroll_step(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, " n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "n p"], Float[Array, " n"]]:
-        """Apply `unroll` to a single step."""
+        """Apply `unroll` to a single step, without an axis of time in arguments and results."""
         memory, params, value = self.unroll(net, memory, jax.tree.map(lambda x: x[None], obs), begins[None])
         return memory, params[0], value[0]
 
@@ -143,7 +143,7 @@ class RecurrentAgent(nn.Module):
         return jnp.zeros((num, self.config.memory), jnp.float32)
 
     def init_net(self, key: Array) -> Any:
-        """Initialize fresh parameters."""
+        """Return fresh random parameters of the network, for `unroll`."""
         obs = {name: jnp.zeros((1, 1, *spec.shape), spec.dtype) for name, spec in self.specs}
         return jax.jit(self.init)(key, self.initial_memory(1), obs, jnp.ones((1, 1), bool))
 

@@ -30,23 +30,23 @@ class Distribution(Protocol):
         ...
 
     def sample(self, params: Array, key: Array) -> Array:
-        """Sample one action from parameters (p,)."""
+        """Sample one action from parameters (p,); it is not yet clipped."""
         ...
 
     def mode(self, params: Array) -> Array:
-        """Return the most likely action."""
+        """Return the most likely action, not yet clipped."""
         ...
 
     def log_prob(self, params: Array, action: Array) -> Array:
-        """Return the logarithm of an action's probability or density."""
+        """Return the natural log of the joint probability or density of a sampled action, not yet clipped."""
         ...
 
     def entropy(self, params: Array) -> Array:
-        """Return the entropy [nats]."""
+        """Return the entropy of actions before clipping [nats]."""
         ...
 
     def clip(self, action: Array) -> Array:
-        """Return the action that the environment takes."""
+        """Return the valid action that the environment takes for a sampled one."""
         ...
 
 
@@ -71,29 +71,29 @@ class Gaussian:
 
     @property
     def num_scales(self) -> int:
-        """Number of standard deviations."""
+        """Number of log standard deviations; they are clipped to -5 .. 0.5 before use."""
         return len(self.low)
 
     def sample(self, params: Float[Array, " p"], key: Array) -> Float[Array, " n"]:
-        """Sample one action."""
+        """Sample one action, which may exceed the limits."""
         mean, scale = self._mean_and_scale(params)
         return mean + scale * jax.random.normal(key, mean.shape)
 
     def mode(self, params: Float[Array, "*b p"]) -> Float[Array, "*b n"]:
-        """Return the mean."""
+        """Return the mean, which may exceed the limits."""
         return self._mean_and_scale(params)[0]
 
     def log_prob(self, params: Float[Array, "*b p"], action: Float[Array, "*b n"]) -> Float[Array, "*b"]:
-        """Return the log density of an action before clipping."""
+        """Return the joint log density of an action before clipping."""
         mean, scale = self._mean_and_scale(params)
         return jnp.sum(-0.5 * ((action - mean) / scale) ** 2 - jnp.log(scale) - HALF_LOG_TAU, axis=-1)
 
     def entropy(self, params: Float[Array, "*b p"]) -> Float[Array, "*b"]:
-        """Return the entropy of the action before clipping [nats]."""
+        """Return the joint entropy of the action before clipping [nats]."""
         return jnp.sum(jnp.log(self._mean_and_scale(params)[1]) + HALF_LOG_TAU + 0.5, axis=-1)
 
     def clip(self, action: Float[Array, "*b n"]) -> Float[Array, "*b n"]:
-        """Clip an action to its limits."""
+        """Return an action clipped to `low` .. `high`."""
         return jnp.clip(action, jnp.asarray(self.low), jnp.asarray(self.high))
 
     def _mean_and_scale(self, params: Array) -> tuple[Array, Array]:
@@ -116,22 +116,22 @@ class Categorical:
 
     @property
     def num_outputs(self) -> int:
-        """Number of logits."""
+        """Number of logits, summed over choices."""
         return sum(self.sizes)
 
     def sample(self, params: Float[Array, " p"], key: Array) -> Array:
-        """Sample one action."""
+        """Sample one int32 option, from 0, per choice."""
         keys = jax.random.split(key, len(self.sizes))
         return self._stack_choices(
             [jax.random.categorical(k, x) for k, x in zip(keys, self._logits(params), strict=True)]
         )
 
     def mode(self, params: Float[Array, "*b p"]) -> Array:
-        """Return the most likely choices."""
+        """Return the most likely option, an int32 from 0, of each choice."""
         return self._stack_choices([jnp.argmax(x, axis=-1) for x in self._logits(params)])
 
     def log_prob(self, params: Float[Array, "*b p"], action: Array) -> Float[Array, "*b"]:
-        """Return the joint log probability of all choices."""
+        """Return the joint log probability of an action's choices, integers from 0."""
         chosen = action[..., None] if self.is_single else action
         logits = self._logits(params)
         return sum(
@@ -158,10 +158,10 @@ class Categorical:
 
 
 def make_distribution(spec: ArraySpec) -> Gaussian | Categorical:
-    """Return the distribution for the actions of one agent.
+    """Return the distribution for one agent's actions: categorical for integers, Gaussian for float32 vectors.
 
     Raises:
-        ConfigError: The spec is neither discrete from 0 nor a float32 vector.
+        ConfigError: The spec is neither int32 from 0 of rank at most 1 nor a float32 vector.
 
     Example:
         >>> make_distribution(ArraySpec((), "int32", 0, 5))

@@ -60,7 +60,7 @@ def encoder_kind(name: str, spec: ArraySpec) -> str:
 
 
 def to_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
-    """Convert an observation to float32 with channels last and values of about 1 in magnitude."""
+    """Convert to float32 with channels last: divide by the maximum of the spec, or `squash` if it is infinite."""
     if len(spec.shape) == 2:
         x = x[..., None]
     elif spec.shape[0] < spec.shape[-1]:  # such as spectrograms of both ears
@@ -72,7 +72,7 @@ def to_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
 
 @functools.cache
 def id_codes() -> Float[np.ndarray, "n c"]:
-    """Return a fixed random code of ±1 for every id.
+    """Return a fixed random code of ±1 for every `embedding_row`.
 
     Learned codes were no better, and their gradients, sums over all pixels, took most of the time.
     """
@@ -102,7 +102,7 @@ class Encoder(nn.Module):
 
     @nn.compact
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
-        """Encode observations; their leading axes are kept."""
+        """Encode observations by name to one vector; leading axes, such as time and agents, are kept."""
         said = [observed_tokens(name, obs[name]) for name, spec in self.specs if encoder_kind(name, spec) == "words"]
         said = jnp.concatenate(said, axis=-1) if said and self.goal_mask else None
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)
@@ -139,7 +139,7 @@ class Encoder(nn.Module):
     def _encode_images(
         self, images: list[Array], marks: list[Array], words: Array | None
     ) -> list[Float[Array, "*b f"]]:
-        """Encode all images of one size together, stacked along channels with the masks of marked pixels.
+        """Encode images of one size, stacked along channels with `marks` of `mark_named_pixels`; `words` are features.
 
         Returns:
             One feature vector; with marks and words, a second one by attention to the marked pixels.

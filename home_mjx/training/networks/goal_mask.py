@@ -22,7 +22,7 @@ NO_TOKEN = -1  # token of an id without a name
 
 @functools.cache
 def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
-    """Return the token of each name of a vocabulary.
+    """Return the token of the word for each name of a vocabulary, by id.
 
     Example:
         >>> name_tokens(Semantic.SIZE).tolist() == [
@@ -34,7 +34,7 @@ def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
 
 
 def id_column(observation: str) -> Semantic | None:
-    """Return the vocabulary of an id observation; None if its ids have no names.
+    """Return the vocabulary of an observation `ids/...` by its name; None if its ids have no names.
 
     Example:
         >>> id_column("ids/head_coarse"), id_column("ids/head_instance")
@@ -46,7 +46,7 @@ def id_column(observation: str) -> Semantic | None:
 
 
 def observed_tokens(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
-    """Return the tokens of a word observation; ids in `goal_words` are replaced by the tokens of their names."""
+    """Return tokens of a word observation; vocabulary ids in `goal_words` become tokens of their names, -1 if none."""
     if observation != "goal_words":
         return words.astype(jnp.int32)
     said = jnp.full(words.shape, NO_TOKEN, jnp.int32)
@@ -60,7 +60,7 @@ def observed_tokens(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "
 def mark_named_pixels(
     ids: Int[Array, "*b h w"], column: Semantic, said: Int[Array, "*b n"]
 ) -> Float[Array, "*b h w 2"]:
-    """Mark the pixels that a text names: 1, and a weight from 1 (first word) down to 1 / n; zeros if not named.
+    """Mark pixels named by a text with two channels: 1, and a weight from 1 (first word) to 1 / n (last); else 0.
 
     Args:
         ids: Ids of a vocabulary; -1 is a miss.

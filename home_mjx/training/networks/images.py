@@ -22,7 +22,7 @@ class SqueezeExcite(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h w c"]:
-        """Return the scaled channels."""
+        """Return `x` with each channel times its gate, 0 .. 1."""
         channels = x.shape[-1]
         mean = jnp.mean(x, axis=(-3, -2))
         hidden = nn.relu(nn.Dense(max(channels // self.reduction, 4), dtype=self.dtype)(mean))
@@ -39,7 +39,7 @@ class ResidualBlock(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"]) -> Float[Array, "*b h2 w2 c2"]:
-        """Return the image with `channels` channels."""
+        """Return an image with `channels` channels; height and width are divided by `stride`, rounded up."""
         stride = (self.stride, self.stride)
         y = nn.Conv(self.channels, (3, 3), stride, dtype=self.dtype, kernel_init=HE_INIT)(nn.relu(x))
         y = nn.Conv(self.channels, (3, 3), dtype=self.dtype, kernel_init=nn.initializers.zeros)(nn.relu(y))
@@ -55,7 +55,7 @@ class ChannelGate(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w c"]:
-        """Return the scaled channels."""
+        """Return `x` with each channel times its gate, 0 .. 1, computed from word features `asked`."""
         gate = nn.sigmoid(nn.Dense(x.shape[-1], dtype=self.dtype)(asked.astype(self.dtype)))
         return x * gate[..., None, None, :]
 
@@ -72,7 +72,7 @@ class QueryMaps(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w n"]:
-        """Return one map per query."""
+        """Return `num_maps` maps, one per query from word features `asked`: scaled dot products with the channels."""
         channels = x.shape[-1]
         query = nn.Dense(self.num_maps * channels, dtype=self.dtype)(asked.astype(self.dtype))
         query = query.reshape(*query.shape[:-1], channels, self.num_maps)
@@ -104,7 +104,7 @@ class ImageEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b h w c"], asked: Float[Array, "*b a"] | None = None) -> Float[Array, "*b f"]:
-        """Encode images with values of about 1 in magnitude; `asked` are word features."""
+        """Encode images with values of about 1 in magnitude; `asked` are word features, None: no conditioning."""
         x = nn.Conv(self.channels[0], (8, 8), (4, 4), dtype=self.dtype, kernel_init=HE_INIT)(x.astype(self.dtype))
         if asked is not None:
             x = jnp.concatenate([x, QueryMaps(dtype=self.dtype)(x, asked)], axis=-1)

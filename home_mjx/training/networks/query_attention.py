@@ -38,7 +38,7 @@ class QueryAttention(nn.Module):
     def __call__(
         self, x: Float[Array, "*b h w c"], marks: Float[Array, "*b h w m"], asked: Float[Array, "*b a"]
     ) -> Float[Array, "*b f"]:
-        """Return features; `marks` come from `mark_named_pixels`, 2 channels per image; `asked` are word features."""
+        """Return features of `x`; `marks`: 2 channels per id image, of `mark_named_pixels`; `asked`: word features."""
         looked = jnp.concatenate([x.astype(jnp.float32), _pixel_coordinates(x)], axis=-1)
         weight = self._weights(marks.astype(jnp.float32), asked)
         mass = jnp.sum(weight, axis=(-3, -2))
@@ -48,7 +48,7 @@ class QueryAttention(nn.Module):
         return nn.relu(nn.Dense(self.features)(told.reshape(*told.shape[:-2], -1)))
 
     def _weights(self, marks: Float[Array, "*b h w m"], asked: Float[Array, "*b a"]) -> Float[Array, "*b h w n"]:
-        """Compute the unnormalised attention weight of each pixel for each head."""
+        """Compute the unnormalised attention weight of each pixel for each head; 0 where no word names it."""
         query = nn.Dense(self.num_heads * marks.shape[-1])(asked)
         query = query.reshape(*query.shape[:-1], marks.shape[-1], self.num_heads)
         named = jnp.sum(marks[..., ::2], axis=-1)[..., None]
@@ -57,7 +57,7 @@ class QueryAttention(nn.Module):
 
 
 def _pixel_coordinates(x: Float[Array, "*b h w c"]) -> Float[Array, "*b h w 2"]:
-    """Return each pixel's image coordinates from -1 to 1: to the right, and down."""
+    """Return each pixel's image coordinates, -1 (left, top) to 1 (right, bottom): to the right, then down."""
     down, right = (jnp.linspace(-1.0, 1.0, size, dtype=jnp.float32) for size in x.shape[-3:-1])
     plan = jnp.stack(jnp.meshgrid(right, down), axis=-1)
     return jnp.broadcast_to(plan, (*x.shape[:-1], 2))

@@ -17,7 +17,7 @@ def squash(x: Float[Array, "*n"]) -> Float[Array, "*n"]:
 
 
 def embedding_row(ids: Int[Array, "*b"]) -> Int[Array, "*b"]:
-    """Return the rows of ids in a table of `NUM_EMBEDDINGS`; row 0 is a miss, -1."""
+    """Return the row, id + 1, of each id in a table of `NUM_EMBEDDINGS`; 0 for a miss (-1); large ids wrap around."""
     return (ids.astype(jnp.int32) + 1) % NUM_EMBEDDINGS
 
 
@@ -28,7 +28,7 @@ class SoundEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b ears m"]) -> Float[Array, "*b f"]:
-        """Encode waveforms; levels stay separate: their differences between ears and steps are directional cues."""
+        """Encode pressures of both ears: log RMS of each, and waveforms divided by the RMS of the louder ear."""
         power = jnp.sqrt(jnp.mean(x**2, axis=-1))
         waves = jnp.swapaxes(x / (jnp.max(power, axis=-1) + MIN_PRESSURE)[..., None, None], -1, -2)
         for channels, size, stride in ((16, 32, 16), (32, 8, 4), (32, 4, 2)):
@@ -47,7 +47,7 @@ class SpectraEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b ears w m"]) -> Float[Array, "*b f"]:
-        """Apply two layers."""
+        """Encode levels [dB] by ear (left, right), window and band with two dense layers."""
         mean, apart = jnp.mean(x, axis=-3) / LEVEL_SCALE, (x[..., 0, :, :] - x[..., 1, :, :]) / INTERAURAL_SCALE
         flat = jnp.stack([mean, apart], axis=-3).reshape(*x.shape[:-3], -1)
         return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
@@ -60,7 +60,7 @@ class ScanEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, x: Float[Array, "*b n"]) -> Float[Array, "*b f"]:
-        """Encode a scan; the dense layer keeps the bearing of local patterns."""
+        """Encode ranges [m] of rays around the agent; the dense layer keeps the bearing of local patterns."""
         ring = squash(x)[..., None]
         for channels in (32, 64):
             ring = nn.relu(nn.Conv(channels, (5,), (2,), padding="CIRCULAR")(ring))
@@ -80,7 +80,7 @@ class WordEncoder(nn.Module):
 
     @nn.compact
     def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
-        """Encode words; their order enters by the convolution and the table of positions."""
+        """Encode tokens; their order enters by the convolution and the table of positions."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
         there = (words != self.blank)[..., None]
         looked_up = jnp.where(there, nn.Embed(NUM_EMBEDDINGS, self.features)(embedding_row(words)) + places, 0.0)

@@ -46,7 +46,7 @@ def space_to_json(space: gymnasium.Space) -> dict[str, Any]:
 
 
 def read_metadata(folder: Path) -> dict[str, Any]:
-    """Read the metadata of a dataset or an episode.
+    """Read `metadata.json` in the folder of a dataset or an episode.
 
     Raises:
         MissingFileError: The metadata file does not exist.
@@ -65,7 +65,7 @@ def read_metadata(folder: Path) -> dict[str, Any]:
 
 @contextmanager
 def wrap_metadata_errors(path: Path) -> Iterator[None]:
-    """Convert errors of the block, such as a missing key, to a `DatasetError` that names the metadata file."""
+    """Convert errors of the block, except `HomeMjxError`, to a `DatasetError` that names the metadata file."""
     try:
         yield
     except HomeMjxError:
@@ -90,7 +90,7 @@ def _to_plain(value: Any) -> Any:
 
 
 def count_complete_episodes(data: Path) -> int:
-    """Count the complete episodes 0, 1, ... on disk; an episode's folder gets its number only when it is complete.
+    """Count the complete episodes 0, 1, ... in a folder, up to the first that is missing or has no metadata.
 
     Example:
         >>> count_complete_episodes(Path("nowhere"))

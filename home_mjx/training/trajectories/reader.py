@@ -19,6 +19,8 @@ from home_mjx.training.trajectories.minari_format import (
     wrap_metadata_errors,
 )
 
+READ_ERRORS = OSError, pa.ArrowException, LookupError, ValueError, TypeError, AttributeError, ArithmeticError
+
 
 class Trajectory(NamedTuple):
     """One episode of T steps.
@@ -80,7 +82,7 @@ class Trajectories:
         return (self[i] for i in range(len(self)))
 
     def __getitem__(self, index: int) -> Trajectory:
-        """Load one episode.
+        """Load one episode; negative indices count from the end.
 
         Raises:
             IndexError: The index is out of range.
@@ -95,17 +97,9 @@ class Trajectories:
                 batch = pa.ipc.open_file(file).get_batch(0)
             batch.validate(full=True)  # because a corrupt offset would read arbitrary memory
             return self._episode(batch, read_metadata(folder))
-        except (
-            OSError,
-            pa.ArrowException,
-            LookupError,
-            ValueError,
-            TypeError,
-            AttributeError,
-            ArithmeticError,
-        ) as error:
-            if isinstance(error, HomeMjxError):
-                raise
+        except HomeMjxError:
+            raise
+        except READ_ERRORS as error:
             hint = "Record it again, or restore the file."
             raise DatasetError(f"episode cannot be read: {error}", file=path, hint=hint) from None
 
@@ -129,7 +123,7 @@ def _parse_shape(sizes: Any) -> tuple[int, ...]:
 
 
 def _to_array(column: pa.Array, shape: tuple[int, ...]) -> np.ndarray:
-    """Convert a column to a NumPy array with elements of a shape, without a copy if possible."""
+    """Convert a column to a NumPy array (rows, *shape), without a copy if possible."""
     if isinstance(column, pa.FixedSizeListArray):
         return column.flatten().to_numpy(zero_copy_only=False).reshape(-1, *shape)
     return column.to_numpy(zero_copy_only=False)

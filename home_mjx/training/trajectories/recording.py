@@ -50,7 +50,7 @@ def record(
         num_envs: Number of environments in the batch.
         seed: Seed of episodes and actions.
         agent: Name of the policy, for the metadata.
-        only_success: Omit episodes without success.
+        only_success: Omit episodes whose metric `success` is 0; episodes without that metric are kept.
         resume: Continue the dataset in the folder, with other episodes.
         progress: Show a progress bar; None: in a terminal.
 
@@ -105,15 +105,15 @@ class _RecordingBatch:
 
     @property
     def num_running_steps(self) -> int:
-        """Number of steps in running episodes."""
+        """Number of steps so far in running episodes, summed."""
         return sum(len(episode.rewards) for episode, on in zip(self.open, self.running, strict=True) if on)
 
     def stop_resets(self) -> None:
-        """Stop recording an environment once its episode is over."""
+        """Record no further episode of an environment once its running one is over."""
         self.last = True
 
     def step(self) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-        """Step all environments; return the episodes that ended, each with its notes."""
+        """Step all environments; return the recorded episodes that ended, each with its notes; begin new ones."""
         self.carry, taken = self._step(self.env.params, self.carry)
         host, ended = self._host(self.carry[0]) | jax.device_get(taken), []
         for i in np.flatnonzero(self.running).tolist():
@@ -137,7 +137,7 @@ class _RecordingBatch:
             self.open[i].see(host["obs"], i)
 
     def _asked(self, host: dict[str, Any], i: int) -> dict[str, str]:
-        """Return the task and instruction of the episode, for row tasks only."""
+        """Return `task` and `instruction` of the episode of environment `i`; empty unless its task is a row task."""
         if "task" not in host:
             return {}
         task = self.env.params.tasks.names[int(host["task"][i])]
@@ -176,7 +176,7 @@ class _RunningEpisode:
         self.actions, self.rewards, self.terminated, self.truncated = [], [], [], []
 
     def see(self, obs: dict[str, np.ndarray], i: int) -> None:
-        """Append an observation; copied, because the batch's memory is reused."""
+        """Append a copy of row `i` of each observation, because the batch's memory is reused."""
         for name, values in obs.items():
             self.seen.setdefault(name, []).append(values[i].copy())
 
@@ -189,7 +189,7 @@ class _RunningEpisode:
         self.see(obs, i)
 
     def whole(self, metrics: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the episode in the form of `TrajectoryWriter.add`, and its notes."""
+        """Return the episode in the form of `TrajectoryWriter.add`, and its notes with the final `metrics`."""
         episode = {
             "observations": {name: np.stack(values) for name, values in self.seen.items()},
             "actions": np.stack(self.actions),

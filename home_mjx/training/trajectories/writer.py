@@ -30,9 +30,7 @@ from home_mjx.training.trajectories.minari_format import (
 )
 
 NUM_WRITER_THREADS = 4  # number of writer threads; Arrow releases the GIL
-EPISODES_PER_METADATA_UPDATE = (
-    256  # episodes between two updates of the dataset's metadata, at most lost counts of a killed process
-)
+EPISODES_PER_METADATA_UPDATE = 256  # episodes between metadata updates; a killed process loses at most their counts
 
 
 class TrajectoryWriter:
@@ -90,14 +88,14 @@ class TrajectoryWriter:
             self._update()
 
     def _remove_incomplete(self) -> None:
-        """Remove incomplete folders of a killed process, and episodes after the first incomplete one."""
+        """Remove temporary folders of a killed process, and episodes with numbers from `episodes` on."""
         for left in self.data.iterdir():
             beyond = left.name.isdecimal() and int(left.name) >= self.episodes
             if beyond or (left.name.startswith(".") and left.name.endswith(".new")):
                 shutil.rmtree(left) if left.is_dir() else left.unlink()
 
     def _update(self) -> None:
-        """Wait for pending writes and update the counts."""
+        """Wait for pending writes, raise their errors, and write the metadata with new counts and size [MB]."""
         waiting, self._waiting = self._waiting, []
         for done in waiting:
             _reraise(done)
@@ -106,7 +104,7 @@ class TrajectoryWriter:
         write_metadata(self.data, self.metadata | counts | {"dataset_size": size})
 
     def _resume(self, resume: bool) -> None:
-        """Count the existing episodes and steps; raise `ConfigError` without `resume`, or if the metadata differ."""
+        """Set `episodes` and `steps` from the disk; raise `ConfigError` without `resume`, or if the metadata differ."""
         if not resume:
             hint = "Add --resume to continue it, or choose another folder with --out."
             raise ConfigError("the folder contains a dataset", file=self.data, hint=hint)
@@ -120,7 +118,7 @@ class TrajectoryWriter:
 
 
 def _reraise(done: "Future[None]") -> None:
-    """Raise errors of a writer thread in this thread."""
+    """Wait for a write, and raise its errors in this thread, an `OSError` as `ConfigError`."""
     try:
         done.result()
     except OSError as error:
@@ -128,7 +126,7 @@ def _reraise(done: "Future[None]") -> None:
 
 
 def _make_metadata(env: Env[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:
-    """Return Minari's metadata, and the spec of the environment if it can be stored."""
+    """Return Minari's metadata, without the observations `without`; with the environment's spec if it can be stored."""
     seen = observation_space(env)
     seen = type(seen)({name: space for name, space in seen.spaces.items() if name not in without})
     task = env.spec.id if env.spec is not None else type(env.task).__name__
@@ -160,7 +158,7 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
 
 
 def to_record_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
-    """Convert an episode to Minari's layout: one row per observation; actions and flags of the last row are 0."""
+    """Convert an episode to Minari's layout: one row per observation; other columns of the last row are 0."""
     seen: dict[str, np.ndarray] = episode["observations"]
     columns = {"observations": pa.StructArray.from_arrays([_to_column(x) for x in seen.values()], names=list(seen))}
     for name in ("actions", "rewards", "terminations", "truncations"):
@@ -170,7 +168,7 @@ def to_record_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
 
 
 def _to_column(values: np.ndarray) -> pa.Array:
-    """Convert an array to an Arrow column; rows of arrays become fixed-size lists."""
+    """Convert an array to an Arrow column, one row per element of the first axis; further axes become flat lists."""
     values = values.astype(np.int8) if values.dtype == bool and values.ndim > 1 else values
     if values.ndim == 1:
         return pa.array(values)

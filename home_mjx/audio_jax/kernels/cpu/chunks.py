@@ -21,20 +21,9 @@ compiled = njit(error_model="numpy")
 
 @verify_cache
 def compile_chunks() -> tuple[Any, Any]:
-    """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
+    """Return the C functions `count` and `work` of `handler.build_handler`, compiled or from Numba's cache on disk."""
     # Numba's cache tracks this file only. The digest in each function invalidates it when another module changes.
-    parts: tuple[Any, ...] = (
-        ffi,
-        lanes,
-        memory,
-        delays,
-        render_early,
-        fft,
-        render_late,
-        operands,
-        path_mixing,
-        delay_reads,
-    )
+    parts: Any = ffi, lanes, memory, delays, render_early, fft, render_late, operands, path_mixing, delay_reads
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
     @cfunc(WORD_FUNCTION, cache=True)

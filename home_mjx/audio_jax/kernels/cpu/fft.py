@@ -36,9 +36,10 @@ def fast_size(count: int) -> int:
 @compiled
 @no_type_check
 def transform(size, lanes, turns, values, spare):
-    """Transform `values`, two arrays (size, lanes); return these or the equally large `spare`, which holds the results.
+    """Compute forward FFTs of `values`, real and imaginary parts (size, lanes); both arguments are overwritten.
 
-    `turns` are the twiddle factors exp(-2 pi i j / size), real and imaginary parts. `lanes` is at least `LANES`.
+    Return the result, in `values` or the equally large `spare`. `lanes` is the number of transforms, at least `LANES`;
+    `turns` are the twiddle factors exp(-2 pi i j / size), real and imaginary parts.
     """
     left, stride = size, lanes
     here, there = values, spare
@@ -98,7 +99,7 @@ def _sub(a, b):
 @inlined
 @no_type_check
 def _sub_turned(a, b):
-    """Return -i (a - b)."""
+    """Return -i (a - b) of complex pairs (real, imaginary)."""
     return a[1] - b[1], b[0] - a[0]
 
 
@@ -220,7 +221,7 @@ def _pass_5(size, left, stride, turns, here, there):
 @inlined
 @no_type_check
 def _mix(a, x, b, y, c):
-    """Return a + x b + y c."""
+    """Return a + x b + y c for real x, y and complex pairs."""
     return (
         multiply_add(x, b[0], multiply_add(y, c[0], a[0])),
         multiply_add(x, b[1], multiply_add(y, c[1], a[1])),
@@ -230,5 +231,5 @@ def _mix(a, x, b, y, c):
 @inlined
 @no_type_check
 def _both(x, b, y, c):
-    """Return x b + y c."""
+    """Return x b + y c for real x, y and complex pairs."""
     return multiply_add(x, b[0], y * c[0]), multiply_add(x, b[1], y * c[1])

@@ -1,4 +1,4 @@
-"""Operands and results of the compiled code."""
+"""Operands and results of the compiled code; `frame` is the address of XLA's call frame, `index` an operand."""
 # ruff: noqa: ANN001, ANN201  (Numba infers the types)
 
 from typing import no_type_check
@@ -20,49 +20,49 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def constant(frame, index):
-    """Return an element of the operand `CONSTANTS`."""
+    """Return element `index` of the integer operand `CONSTANTS`."""
     return int_pointer(ffi.data(frame, ffi.OPERANDS, CONSTANTS))[index]
 
 
 @compiled
 @no_type_check
 def dim(frame, index, axis):
-    """Return the length of an operand's axis."""
+    """Return the length of an axis of operand `index`."""
     return ffi.dim(frame, ffi.OPERANDS, index, axis)
 
 
 @compiled
 @no_type_check
 def table(frame, index):
-    """Return an operand that all environments share."""
+    """Return a pointer to the float operand `index`, which all environments share."""
     return float_pointer(ffi.data(frame, ffi.OPERANDS, index))
 
 
 @compiled
 @no_type_check
 def complex_table(frame, index, count):
-    """Return a complex operand that all environments share, as real and imaginary parts."""
+    """Return pointers to `count` real and as many imaginary parts of operand `index`, which all environments share."""
     return complex_pair(ffi.data(frame, ffi.OPERANDS, index), count)
 
 
 @compiled
 @no_type_check
 def row(frame, index, env):
-    """Return a float operand's row of one environment."""
+    """Return a pointer to environment `env` in the float operand `index`."""
     return float_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
 
 
 @compiled
 @no_type_check
 def int_row(frame, index, env):
-    """Return an integer operand's row of one environment."""
+    """Return a pointer to environment `env` in the integer operand `index`."""
     return int_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
 
 
 @compiled
 @no_type_check
 def result_row(frame, env):
-    """Return the result row of one environment."""
+    """Return a pointer to the result of environment `env`."""
     return float_pointer(ffi.row(frame, ffi.RESULTS, 0, env))
 
 

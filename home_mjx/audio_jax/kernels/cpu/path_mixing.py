@@ -42,7 +42,7 @@ class EarlySizes(NamedTuple):
 @compiled
 @no_type_check
 def upsample(signal, count, padded, on, between):
-    """Upsample a signal by two into its samples, `on`, and those `between`; it is zero outside. `padded` is scratch."""
+    """Upsample `count` samples by two: copy them `on`, and interpolate `between`; zero outside. `padded` is scratch."""
     for i in range(HALF_WIDTH):
         padded[i] = ZERO
     for i in range(count):
@@ -61,10 +61,10 @@ def upsample(signal, count, padded, on, between):
 @compiled
 @no_type_check
 def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
-    """Read a path for one ear into `heard`: `count` samples from index `begin` of the buses on.
+    """Read a path, delayed for one ear, into `heard`: `count` samples from index `begin` of the buses on.
 
-    `places`: half sample at zero delay, and the lowest and highest half samples that a read may begin with; `signal`:
-    samples and those between them; `base` and `rest`: scratch.
+    `way`: row of `pack_paths`; `rate`: samples per metre; `places`: half sample at zero delay, and lowest and highest
+    half sample that a read may begin with; `signal`: results of `upsample`; `base` and `rest`: scratch.
     """
     _delays(way, ear, rate, places, begin, count, size, base, rest)
     k = 0
@@ -80,7 +80,7 @@ def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 @compiled
 @no_type_check
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
-    """Write to `base` the first half sample read per sample, minus twice its index, and to `rest` the fraction."""
+    """Write to `base` the first half sample read for each sample, minus twice its index; to `rest` the fraction."""
     old, change, bend = way[0], way[1] - way[0], way[2]
     first, middle, last = (
         way[PATH_VALUES + ear],
@@ -107,7 +107,7 @@ def _delays(way, ear, rate, places, begin, count, size, base, rest):
 @compiled
 @no_type_check
 def _read_run(signal, place, rest, count, heard):
-    """Interpolate `count` samples into `heard`, read two half samples apart from half sample `place` on."""
+    """Interpolate `count` samples, two half samples apart from half sample `place` plus `rest` on, into `heard`."""
     on, between = signal
     odd, i = place & 1, place >> 1
     if odd:

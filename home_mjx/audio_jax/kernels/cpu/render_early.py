@@ -79,7 +79,7 @@ def render_early_chunk(frame, first, end):
 @compiled
 @no_type_check
 def _upsample_all(frame, env, size, room):
-    """Upsample the filtered and unfiltered signals of all sources by two, into `room.even` and `room.odd`."""
+    """Upsample signals by two into `room.even` and `room.odd`; per source, the filtered ones precede the unfiltered."""
     sources, filtered = row(frame, SOURCE, env), row(frame, FILTERS, env)
     each = NUM_FILTERED * size.filtered + size.length
     for source in range(size.sources):
@@ -95,7 +95,7 @@ def _upsample_all(frame, env, size, room):
 @compiled
 @no_type_check
 def _mix_channel(frame, env, channel, size, points, room, sums):
-    """Mix the buses of a channel into `sums`, padded with zeros to the transform size; zeros if it does not exist."""
+    """Mix the buses of a channel into `sums`, zero-padded to `points` samples; zeros if there is no such channel."""
     begun = 0
     if channel < size.channels:
         share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
@@ -113,7 +113,7 @@ def _mix_channel(frame, env, channel, size, points, room, sums):
 @compiled
 @no_type_check
 def _find_audible(share, far, size, which):
-    """Write to `which` the number of paths with a nonzero gain in one channel, then their indices."""
+    """Write to `which` the number of paths of all sources with a nonzero gain in one channel, then their indices."""
     which[0] = 0
     for way in range(size.sources * size.rows):
         for i in range(way * far, way * far + 2 * size.shapes):
@@ -126,7 +126,7 @@ def _find_audible(share, far, size, which):
 @compiled
 @no_type_check
 def _read_all(frame, env, ear, begin, count, size, room):
-    """Read `count` samples of all audible paths for one ear into `room.heard`."""
+    """Read `count` bus samples from `begin` on of the paths in `room.which`, for one ear, into `room.heard`."""
     ways, starts, rate = row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
     each = NUM_FILTERED * size.filtered + size.length
     for i in range(room.which[0]):
@@ -147,7 +147,7 @@ def _read_all(frame, env, ear, begin, count, size, room):
 @compiled
 @no_type_check
 def _filter(frame, points, size, turns, lane, room):
-    """Filter all buses and add them up; write the conjugate spectrum of a pair of channels."""
+    """Filter and add up the buses in `room.values`; write the conjugate spectrum to column `lane` of `room.spectra`."""
     filters = complex_table(frame, SPECTRA, points * size.shapes)
     re, im = transform(points, size.shapes, turns, room.values, room.spare)
     whole = size.shapes // LANES * LANES
@@ -167,7 +167,7 @@ def _filter(frame, points, size, turns, lane, room):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, size, made):
-    """Write a pair of channels to the result: real parts, and negated imaginary parts of the conjugate spectrum."""
+    """Write channels `left`, `left` + 1 (if any): real and negated imaginary parts of column `lane` of `made`."""
     out, begin = result_row(frame, env), constant(frame, FRAME_BEGIN)
     for k in range(size.frame):
         out[left * size.frame + k] = made[0][(begin + k) * LANES + lane]
@@ -196,7 +196,7 @@ def _sizes(frame):
 @compiled
 @no_type_check
 def _allocate(size, points):
-    """Allocate one block of memory that begins at `even`."""
+    """Allocate all scratch as one block of memory, released by the address of `even`."""
     signals, ways = size.sources * (NUM_FILTERED * size.filtered + size.length), size.sources * size.rows
     longest, whole, lanes = max(size.filtered, size.length), points * size.shapes, points * LANES
     counts = (signals, signals, longest + 2 * HALF_WIDTH + LANES, BLOCK_SAMPLES, ways * BLOCK_SAMPLES)

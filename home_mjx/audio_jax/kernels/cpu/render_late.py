@@ -65,9 +65,7 @@ class LateScratch(NamedTuple):
     spare: Any
     spectra: Any  # (points, LANES), lanes are environments and ends
     unused: Any
-    streams: (
-        Any  # (envs_per_batch * transforms_per_env, two), addresses of the signals packed as real and imaginary parts
-    )
+    streams: Any  # (envs_per_batch * transforms_per_env, two), addresses of signals for real and imaginary parts
     lengths: Any  # (envs_per_batch * transforms_per_env), lengths of these signals
 
 
@@ -87,20 +85,11 @@ def render_late_chunk(frame, first, end):
                 for i in range(count):
                     _prepare(frame, begin + i, source, left, i, size, room)
                 _interleave(count, size, room)
-                heard = transform(
-                    size.points, size.envs_per_batch * size.transforms_per_env, turns, room.values, room.spare
-                )
+                lanes = size.envs_per_batch * size.transforms_per_env
+                heard = transform(size.points, lanes, turns, room.values, room.spare)
                 for i in range(count):
-                    _add_spectra(
-                        frame,
-                        begin + i,
-                        source,
-                        i * size.transforms_per_env,
-                        2 * (begin - first + i),
-                        heard,
-                        size,
-                        room,
-                    )
+                    lane, to = i * size.transforms_per_env, 2 * (begin - first + i)
+                    _add_spectra(frame, begin + i, source, lane, to, heard, size, room)
         made = transform(size.points, LANES, turns, room.spectra, room.unused)
         for env in range(first, end):
             _write(frame, env, left, 2 * (env - first), made, size)
@@ -110,7 +99,7 @@ def render_late_chunk(frame, first, end):
 @compiled
 @no_type_check
 def _prepare(frame, env, source, left, place, size, room):
-    """Prepare the responses and windows of one source, and their addresses for the transforms."""
+    """Prepare responses of channels `left`, `left` + 1 and windows of a source; write their addresses to `streams`."""
     number = env * size.sources + source
     most = size.first + size.half
     responses = offset_pointer(room.responses, place * ENDS * 2 * most)
@@ -143,7 +132,7 @@ def _prepare(frame, env, source, left, place, size, room):
 @compiled
 @no_type_check
 def _padding(size):
-    """Return the zero samples before a source, and the total length with padding."""
+    """Return the number of zeros before a source, for windows that begin before it, and the padded length [samples]."""
     ahead = max(size.first + size.echoes * size.half - size.start, 0)
     return ahead, ahead + max(size.length, size.start + size.width) + size.width
 
@@ -158,7 +147,7 @@ def _zero(values, count):
 @compiled
 @no_type_check
 def _make_response(frame, number, channel, response, size):
-    """Generate a response: octave noise with its amplitudes, zero before the onset."""
+    """Write to `response` a channel's octave noise times amplitudes, 0 before the onset; `number`: source and end."""
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin
@@ -176,15 +165,8 @@ def _make_response(frame, number, channel, response, size):
         k = (b + begun) % size.bins
         amplitude = offset_pointer(amplitudes, b * size.channels * size.knots * bands)
         for first in range(0, size.bin, VECTORS_PER_STEP * LANES):
-            _make_piece(
-                amplitude,
-                mix,
-                offset_pointer(noise, k * size.bin),
-                hats,
-                first,
-                size,
-                offset_pointer(response, b * size.bin),
-            )
+            here, to = offset_pointer(noise, k * size.bin), offset_pointer(response, b * size.bin)
+            _make_piece(amplitude, mix, here, hats, first, size, to)
     for i in range(onset // size.bin * size.bin, onset):
         response[i] = ZERO
 
@@ -192,7 +174,7 @@ def _make_response(frame, number, channel, response, size):
 @compiled
 @no_type_check
 def _make_piece(amplitude, mix, noise, hats, first, size, response):
-    """Generate four vectors of a bin at once, to hide latency; the last ones may overlap."""
+    """Write four vectors of a bin, from sample `first` on, at once to hide latency; the last ones may overlap."""
     bands, length, last = size.bands, size.bins * size.bin, size.bin - LANES
     at = min(first, last), min(first + LANES, last), min(first + 2 * LANES, last), min(first + 3 * LANES, last)
     a = b = c = d = broadcast(ZERO)
@@ -217,7 +199,7 @@ def _make_piece(amplitude, mix, noise, hats, first, size, response):
 @compiled
 @no_type_check
 def _interleave(count, size, room):
-    """Pack the signals of all transforms, interleaved by sample."""
+    """Pack the signals of `count` environments into `room.values` (sample, transform); zeros beyond their ends."""
     lanes, used = size.envs_per_batch * size.transforms_per_env, count * size.transforms_per_env
     for i in range(size.points):
         to = i * lanes
@@ -234,7 +216,7 @@ def _interleave(count, size, room):
 @compiled
 @no_type_check
 def _find_gains(frame, env, source, size, levels):
-    """Compute the gain of each tail repetition over frequency, at both ends of the frame."""
+    """Write to `levels` (end, repetition, frequency) the gain of each tail repetition at both ends of the frame."""
     half, octaves = size.points // 2 + 1, table(frame, OCTAVES)
     number = (env * size.sources + source) * ENDS * size.echoes * size.bands
     given = offset_pointer(row(frame, TAIL, 0), number)
@@ -250,7 +232,7 @@ def _find_gains(frame, env, source, size, levels):
 @compiled
 @no_type_check
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
-    """Add the conjugate products of window and response spectra to lanes `to` and `to + 1`."""
+    """Add conjugate products of window and response spectra to columns `to` (frame's start) and `to + 1` (end)."""
     _find_gains(frame, env, source, size, room.levels)
     lanes, half, points = size.envs_per_batch * size.transforms_per_env, size.points // 2 + 1, size.points
     far = size.echoes * half
@@ -278,7 +260,7 @@ def _add_spectra(frame, env, source, lane, to, heard, size, room):
 @compiled
 @no_type_check
 def _split(heard, here, there):
-    """Separate the spectra of two real signals that were transformed as one complex signal."""
+    """Separate two real signals transformed as one: return the first (re, im), and re and im of the second."""
     a, b, c, d = heard[0][here], heard[1][here], heard[0][there], heard[1][there]
     even = ONE_HALF * (a + c), ONE_HALF * (b - d)
     return even, ONE_HALF * (b + d), ONE_HALF * (c - a)
@@ -287,7 +269,7 @@ def _split(heard, here, there):
 @compiled
 @no_type_check
 def _add_products(heard, at, now, old, new, spectra, to):
-    """Add conjugate products at one frequency: the first part with `now`, the second with `old` or `new`."""
+    """Add conjugate products at one frequency for both frame ends: first part by `now`, second by `old` or `new`."""
     for end in range(ENDS):
         later = new if end else old
         a, b = heard[0][at + PARTS * end], heard[1][at + PARTS * end]
@@ -299,7 +281,7 @@ def _add_products(heard, at, now, old, new, spectra, to):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, made, size):
-    """Write a crossfade between the sound at the frame's start and at its end."""
+    """Write channels `left` and `left` + 1 (if any): a linear crossfade from column `lane` of `made` to the next."""
     out, scale = result_row(frame, env), ONE / np.float32(size.points)
     for k in range(size.frame):
         fade = np.float32(k + 1) / np.float32(size.frame)
@@ -340,7 +322,7 @@ def _sizes(frame):
 @compiled
 @no_type_check
 def _allocate(size):
-    """Allocate one block of memory that begins at `responses`."""
+    """Allocate all scratch as one block of memory, released by the address of `responses`."""
     lanes = size.envs_per_batch * size.transforms_per_env
     responses = size.envs_per_batch * ENDS * 2 * (size.first + size.half) + 2 * LANES
     padded = size.envs_per_batch * _padding(size)[1]

@@ -27,7 +27,7 @@ NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all envir
 
 
 def compile_chunks() -> tuple[Any, Any]:
-    """Import and compile the Numba code; see `chunks.compile_chunks`."""
+    """Import the Numba code, compile it, and return its C functions `count` and `work`."""
     from home_mjx.audio_jax.kernels.cpu import chunks
 
     return chunks.compile_chunks()
@@ -68,7 +68,7 @@ def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def supports_late(late: LateResponse, config: AudioConfig) -> bool:
-    """Return whether the compiled code supports this late sound: no common noise, and bins of at least `LANES`."""
+    """Return whether the compiled code supports this sound: no `shared_power`, and at least `LANES` samples a bin."""
     return late.shares.shared_power.shape[-2] == 0 and config.bin_samples >= LANES
 
 
@@ -80,7 +80,7 @@ def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioCo
 
 
 def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
-    """Return the noise, the weights of its amplitude knots, octave gains and FFT twiddle factors."""
+    """Return the octave noise, the weights of amplitude knots, octave gains (zeros without tail), twiddle factors."""
     size = fast_size(source_window_width(config))
     gains = octave_table(config, size) if config.num_tail_repeats else np.zeros((len(BANDS), size // 2 + 1))
     tables = (jnp.asarray(x, jnp.float32) for x in (octave_noise(config), knot_weights(config), gains))

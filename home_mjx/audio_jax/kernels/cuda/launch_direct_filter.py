@@ -28,13 +28,13 @@ def supports_direct(config: AudioConfig) -> bool:
 def filter_direct(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Compute `direct_filter.filter_direct_by_xla` with a kernel."""
+    """Compute `direct_filter.filter_direct_by_xla` with the CUDA kernel."""
     given = source, begin, *octave_levels(gain)
     return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
 
 
 def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
-    """Return the log spectra of the octave filters and the twiddle factors of the transform."""
+    """Return `causal_octave_log_spectra` and `ptx.twiddle_factors` of the transform; `supports_direct` must be True."""
     size = _size(config)
     assert size is not None
     return cuda.as_pairs(causal_octave_log_spectra(size, config.sample_rate)), cuda.twiddle_factors(size)
@@ -46,7 +46,7 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for sources (e ...); they share the first operands, see `first_tables`."""
+    """Launch the kernel for `first_tables`, then signal, begin, `octave_levels` of sources (e ...); return (e 2 m)."""
     octaves, turns, source, begin, level, sounds = given
     (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
     sizes = traced_constant((length, num_filter_samples(config), num_output_samples(config)))

@@ -30,7 +30,7 @@ def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Compute `moving_sources.dispatch.render_early_frame` with two kernels."""
+    """Compute `moving_sources.dispatch.render_early_frame` with two CUDA kernels: mixing, then filters."""
     kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
     return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
 
@@ -41,7 +41,7 @@ def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def read_operands(reads: DelayReads) -> tuple[Array, ...]:
-    """Return the arrays of one environment in the order of the kernel's operands."""
+    """Return source, filtered signals, start, `pack_paths` and gains, padded to a multiple of `BUSES_PER_THREAD`."""
     share = jnp.pad(reads.gain, [(0, 0)] * 3 + [(0, -reads.gain.shape[3] % BUSES_PER_THREAD), (0, 0)])
     return reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
 
@@ -52,7 +52,7 @@ def _mix_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[
 
 
 def launch_mix(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for environments (e ...); see `read_operands`."""
+    """Launch the mixing kernel for `read_operands` of environments (e ...); return buses (e channels shapes count)."""
     source, filtered, _, way, share = given
     channels, count = share.shape[3], sample_times(config).shape[0]
     sizes = (*source.shape[1:], filtered.shape[3], way.shape[2], ears, channels, shapes, count)
@@ -66,7 +66,7 @@ def launch_mix(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tu
 
 
 def _window(config: AudioConfig) -> int:
-    """Return the source samples kept at a time: they suffice for paths whose lengths differ by at most 25 m."""
+    """Return the source samples in shared memory at a time; enough for paths whose lengths differ by at most 25 m."""
     return sample_times(config).shape[0] + math.ceil(WINDOW_SECONDS * config.sample_rate)
 
 
@@ -85,7 +85,7 @@ def _filter_buses(
 def filter_tables(
     kernels: Float[np.ndarray, "s t"], count: int
 ) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
-    """Return the spectra of filters and the twiddle factors of the transform of at least `count` samples."""
+    """Return the spectra of filters, divided by the transform size, and twiddle factors; size is at least `count`."""
     size = cuda.transform_size(count)
     assert size is not None
     return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.twiddle_factors(size)
@@ -97,7 +97,7 @@ def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
 
 
 def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for buses of environments (e ...), the last operand; the tables before it are shared."""
+    """Launch the kernel for `filter_tables`, then buses (e channels shapes samples); return (e channels frame)."""
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
     size = spectra.shape[1]
@@ -108,5 +108,5 @@ def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
 
 
 def filter_bytes(size: int) -> int:
-    """Return the shared memory of a block for a transform and its table [bytes]."""
+    """Return the shared memory of a block of `launch_filter` for a transform of `size` samples [bytes]."""
     return cuda.transform_bytes(size)

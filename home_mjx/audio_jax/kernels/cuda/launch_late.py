@@ -29,7 +29,7 @@ def supports_late(config: AudioConfig) -> bool:
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Compute `late_tail.render_late_by_xla` with two kernels."""
+    """Compute `late_tail.render_late_by_xla` with two CUDA kernels."""
     share = late.shares
     given = sources, share.power, share.mix, share.shared_power, share.start_bin, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
@@ -38,7 +38,7 @@ def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioCo
 def late_tables(
     config: AudioConfig,
 ) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "turns two"]]:
-    """Return the noise, octave gains (zeros without a tail) and the twiddle factors of the transform."""
+    """Return `octave_noise`, `octave_table` (zeros without a tail) and the twiddle factors of the transform."""
     size = cuda.transform_size(source_window_width(config))
     assert size is not None
     gains = (
@@ -54,7 +54,7 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def launch_late_frames(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernels for environments (e ...); they share the first operands, see `late_tables`."""
+    """Launch the kernels for `late_tables`, then the operands of `late_frame` (e ...); return (e channels frame)."""
     table, octaves, turns, sources, power, mix, common, begun, onset, tail = given
     responses = launch_noise(config, table, power, mix, common, begun)
     (envs, count, length), channels, size = sources.shape, config.num_channels, 2 * (octaves.shape[1] - 1)
@@ -76,7 +76,7 @@ def launch_noise(
     common: Float[Array, "*n k x bands"],
     start: Int[Array, "*n"],
 ) -> Float[Array, "*n e l"]:
-    """Generate noise responses with the energies of `NoiseGains`; samples are in the noise's own time."""
+    """Generate noise responses of `NoiseGains`; samples are in the noise's own time, not rolled by `start`."""
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)

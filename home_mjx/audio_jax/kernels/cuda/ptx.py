@@ -22,14 +22,14 @@ WARP = 32
 
 
 def compile_kernels() -> None:
-    """Compile all kernels, each for one size."""
+    """Compile all kernels for the smallest size, as a test; raise `BackendError` if that fails."""
     for sources in (DIRECT_SOURCES, MIX_SOURCES, FILTER_SOURCES, LATE_SOURCES):
         ptx_of(sources, PER_THREAD * WARP)
     ptx_of(NOISE_SOURCES, 1)
 
 
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
-    """Compile PTX that all GPUs of this process can run; `size` is its transform size or the number of noises."""
+    """Return PTX for all GPUs of this process; `size` is the transform size or number of noises (macro SIZE)."""
     return compile_sources(*sources, SIZE=size)
 
 
@@ -47,7 +47,7 @@ def transform_size(count: int) -> int | None:
 
 
 def twiddle_factors(size: int) -> Array:
-    """Return the twiddle factors of a transform as pairs, see `transform` in fft.cuh."""
+    """Return the twiddle factors of all passes but the first, concatenated, as pairs; see `transform` in fft.cuh."""
     each = [np.outer(1 + np.arange(rows), np.arange(done)) / (done * radix) for done, rows, radix in _pass_sizes(size)]
     return as_pairs(np.exp(-2j * np.pi * np.concatenate([x.ravel() for x in each])))
 
@@ -63,7 +63,7 @@ def _pass_sizes(size: int) -> list[tuple[int, int, int]]:
 
 
 def as_pairs(values: np.ndarray) -> Array:
-    """Convert complex numbers to pairs of floats."""
+    """Convert complex numbers to float32 with a new last axis (real, imaginary)."""
     return jnp.asarray(np.stack([np.real(values), np.imag(values)], axis=-1), jnp.float32)
 
 

@@ -27,7 +27,7 @@ def decay_in_rooms(
     """Compute the energy density at a listener after n = 0, 1, 2 ... bins from dw / dn = -M w.
 
     Args:
-        rates: M of each door state and octave.
+        rates: M [1/bin] of each door state s and octave.
         start: Initial energy density w of each room.
         listener: Weight of the listener in each room.
         bins: Number of bins.
@@ -40,12 +40,12 @@ def decay_in_rooms(
 def decay_in_rooms_by_xla(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Compute `decay_in_rooms` with XLA operations."""
+    """Compute `decay_in_rooms`, the energy density at a listener over bins, with XLA operations."""
     return _propagate(_matrix_exponential(rates), start, listener, bins)
 
 
 def _matrix_exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
-    """Compute exp(-matrix) by scaling and squaring of its series."""
+    """Compute exp(-matrix) of square matrices by scaling and squaring of a series of `SERIES_TERMS` terms."""
     small = -matrix / 2**HALVINGS
     one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
     power = total = jnp.broadcast_to(one, small.shape)
@@ -60,7 +60,7 @@ def _matrix_exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"
 def _propagate(
     step: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Compute the energy density at the listener after 0, 1, 2 ... steps.
+    """Compute the energy density at the listener after 0, 1, ... `bins` - 1 multiplications with the matrix `step`.
 
     The density after a n + b steps is the product of a row and a column. The row is the listener's weights propagated
     by b steps, the column is the start propagated by a n steps. So powers of the step matrix multiply few vectors.
@@ -80,19 +80,17 @@ def _propagate(
 
 
 def _multiply(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
-    """Multiply many small matrices as sums, which compilers fuse, instead of one library call per product."""
+    """Return matrix products over the last two axes, as sums, which compilers fuse, without library calls."""
     return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
 
 
 def ptx_of(rooms: int) -> str:
-    """Compile PTX for a number of rooms; all GPUs of this process can run it."""
+    """Return PTX for exactly `rooms` rooms; all GPUs of this process can run it."""
     return compile_sources(SOURCE, SIZE=rooms, LANES=threads_per_matrix(rooms))
 
 
 def threads_per_matrix(rooms: int) -> int:
-    """Return the threads per matrix, a power of two; above `WARP` if the matrix is too large.
-
-    Each thread holds some columns of the matrix in registers.
+    """Return the threads per matrix, a power of two; above `WARP` if the kernel does not support so large matrices.
 
     Example:
         >>> threads_per_matrix(8), threads_per_matrix(20), threads_per_matrix(51)

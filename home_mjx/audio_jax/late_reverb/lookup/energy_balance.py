@@ -64,7 +64,7 @@ def effective_openings(scene: Scene) -> Float[Array, " doors"]:
 
     Sound reaches a doorway through the gap between the leaf's free edge and the opposite jamb. Sound that is incident
     on the leaf then continues to the doorway or returns, by Hottel's crossed-strings rule for a triangle. With the gap
-    g = 2 sin(q / 2) re the leaf width, the open share is g (1 - g / 4). The opening is this share re that wide open.
+    g = 2 sin(q / 2) re the leaf width, q being its angle, the open share is g (1 - g / 4), here re that wide open.
     Sliding leaves open in proportion to their displacement. Padding has the opening 1.
     """
     physics, geometry, house = scene.bank.physics, scene.bank.geometry, scene.house
@@ -81,7 +81,7 @@ def effective_openings(scene: Scene) -> Float[Array, " doors"]:
 
 
 def _open_share(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
-    """Compute the open share of a doorway for leaf angles [rad]; absolute angles are clamped to π / 2."""
+    """Compute the open share of a doorway for leaf angles from closed [rad], of either sign, clamped to π / 2."""
     turned = jnp.clip(jnp.abs(jnp.arctan2(jnp.sin(angle), jnp.cos(angle))), 0.0, jnp.pi / 2)
     gap = 2 * jnp.sin(turned / 2)
     return gap * (1 - gap / 4)
@@ -90,7 +90,7 @@ def _open_share(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
 def _exchange_shares(
     late: LateReverb, scene: Scene, opening: Float[Array, " doors"]
 ) -> tuple[Float[Array, "r r 1"], Float[Array, "r r bands"]]:
-    """Compute the share of each room pair's exchange that current leaves leave open, without and with transmission."""
+    """Return the share of each room pair's exchange with current leaves re open ones, without and with transmission."""
     house, rooms = scene.house, late.volume.shape[1]
     leaf = late.portal_leaf[house]
     each = opening[jnp.clip(leaf, 0, max(opening.size - 1, 0))] if opening.size else jnp.ones(leaf.shape, jnp.float32)
@@ -110,7 +110,7 @@ def _exchange_shares(
 def _rate_matrix(
     volume: Float[Array, " r"], loss: Float[Array, "r bands"], exchange: Float[Array, "r r bands"]
 ) -> Float[Array, "bands r r"]:
-    """Return M of dw / dx = -M w."""
+    """Return M [1/m] of dw / dx = -M w, from losses [1/m] and exchange areas [m²]."""
     exchange = jnp.moveaxis(exchange, -1, 0)
     own = loss.T * volume[None] + jnp.sum(exchange, axis=2)
     return (own[:, :, None] * jnp.eye(volume.size, dtype=jnp.float32)[None] - exchange) / volume[None, :, None]

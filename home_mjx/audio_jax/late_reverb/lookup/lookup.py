@@ -35,7 +35,7 @@ class _CellWeights(Pytree):
 
 
 def require_late_sound(bank: HouseBank) -> LateReverb:
-    """Return the baked sound of a bank.
+    """Return the baked late reverberation of a bank.
 
     Raises:
         ConfigError: The bank has no baked sound.
@@ -89,7 +89,7 @@ def lookup_late_sound(
 def _interpolate_decay(
     late: LateReverb, house: Int[Array, ""], start: _CellWeights, end: _CellWeights, bins: int
 ) -> Float[Array, "k bands"]:
-    """Interpolate the decay per bin between the rooms of two places; each span sums to 1."""
+    """Interpolate the decay over bins after the first arrival between the main rooms of two places; spans sum to 1."""
     count = min(MAX_INTERPOLATED_ROOMS, late.volume.shape[1])
     (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
     share = from_weight[:, None] * to_weight[None]
@@ -102,7 +102,7 @@ def _interpolate_decay(
 
 
 def _interpolate_cells(late: LateReverb, house: Int[Array, ""], point: Float[Array, "3"]) -> _CellWeights:
-    """Interpolate the cells around a point and their weights from the four nearest lattice points of its storey."""
+    """Return cells around a point and weights of sum 1, from the four nearest lattice points of the storey below it."""
     floor = late.floor[house]
     level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
     at = (point[:2] - late.origin[house]) / late.step[house] - 0.5
@@ -124,7 +124,7 @@ def _interpolate_cells(late: LateReverb, house: Int[Array, ""], point: Float[Arr
 
 
 def _delay(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, "k n"]:
-    """Delay energies by a fractional number of bins, with linear interpolation."""
+    """Delay energies by `bins`, at least 0 and fractional, with linear interpolation; fill with 0, drop the end."""
     count = energy.shape[0]
     below = jnp.floor(bins)
     whole, rest = below.astype(jnp.int32), bins - below

@@ -22,7 +22,7 @@ KNOT_BINS: Int[np.ndarray, " knots"] = np.unique(
 
 
 def fit_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots"]:
-    """Compute log decays at the knots, normalised so that each span sums to 1 after interpolation.
+    """Compute natural log decays at `KNOT_BINS` so that each span sums to 1 after `knot_weights` and exp.
 
     The value at a knot is derived from the mean energy up to halfway to its neighbours. That mean is treated as the
     mean of an exponential with the decay's local slope.
@@ -44,7 +44,7 @@ def fit_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots
 
 
 def knot_weights(bins: int) -> Float[np.ndarray, "k knots"]:
-    """Return the weights of the knots at each bin: linear interpolation, and extrapolation after the last knot."""
+    """Return the weights of `KNOT_BINS` at bins 0, 1, ...: linear interpolation, extrapolation after the last knot."""
     at = np.arange(bins)
     left = np.clip(np.searchsorted(KNOT_BINS, at, side="right") - 1, 0, len(KNOT_BINS) - 2)
     share = (at - KNOT_BINS[left]) / (KNOT_BINS[left + 1] - KNOT_BINS[left])
@@ -54,5 +54,5 @@ def knot_weights(bins: int) -> Float[np.ndarray, "k knots"]:
 
 
 def span_index(bins: int) -> Int[np.ndarray, " k"]:
-    """Return the span index of each bin."""
+    """Return the index into `SPAN_STARTS` of the span of bins 0, 1, ... `bins` - 1 after the first arrival."""
     return np.searchsorted(SPAN_STARTS, np.arange(bins), side="right") - 1
