@@ -45,7 +45,7 @@ class Sensor:
         raise NotImplementedError
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
-        """Return the bakes of houses that the sensor reads; `make` computes those that are missing."""
+        """Return the bakes (precomputed house data) that the sensor reads; `make` adds missing ones."""
         return ()
 
     def init(self, config: EnvConfig) -> Any:
@@ -61,7 +61,7 @@ class Sensor:
         raise NotImplementedError
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Int[Array, ""] | int:
-        """Return flags of `Status` for data that the sensor has lost."""
+        """Return the flags of `Status` for data that the sensor lost in the last update; 0: none."""
         return 0
 
 
@@ -69,7 +69,7 @@ _REGISTRY: dict[str, Sensor] = {}
 
 
 def register_sensor(sensor: Sensor) -> None:
-    """Register a sensor by its name, for `sensors=` of every environment made from now on.
+    """Register a sensor by its name for `sensors=` of new environments; one of the same class and name is replaced.
 
     Raises:
         ConfigError: Not a `Sensor`, no name, or the name is taken by an image or a sensor of another class.

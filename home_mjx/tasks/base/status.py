@@ -85,7 +85,7 @@ def check_status(state: Any, ignore: int = 0) -> None:
 
 
 def status_report(status: np.ndarray) -> dict[str, np.ndarray]:
-    """Return a mask of environments per flag, by lower-case flag name.
+    """Return a mask (n,) of environments for every flag of `Status`, set or not, by lower-case flag name.
 
     Args:
         status: Flags of a batch (n,).

@@ -57,7 +57,7 @@ class Task:
     def speech(self) -> tuple[str, ...]:
         """Discrete actions that speak: `say:` or `answer:` and a word of the tasks' language; by default none.
 
-        `Snapshot.said` holds the words that agents have spoken.
+        `Snapshot.spoken_token` holds the tokens of the words that agents have spoken.
         """
         return ()
 
@@ -101,7 +101,7 @@ class Task:
         return ()
 
     def task_bank(self, bank: HouseBank) -> Any:
-        """Build the rows that resets in these houses use; None: every reset samples a new episode."""
+        """Build the rows, such as a `TaskBank`, that resets in these houses use; None: resets sample new episodes."""
         return None
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> Any:
@@ -156,7 +156,7 @@ class Task:
         return jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
-        """Return figures that are not observations, such as success; the same names at every step."""
+        """Return float scalars that are not observations, such as success, by name; the same names at every step."""
         return {}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
@@ -238,5 +238,5 @@ def path_scores(
 
 
 def _length_ratio(part: Float[Array, "*n"], whole: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Return `part / whole`; 1 if both are at most `NO_LENGTH` [m]."""
+    """Return `part / whole`; 1 where `whole`, which is at least `part`, is at most `NO_LENGTH` [m]."""
     return jnp.where(whole <= NO_LENGTH, 1.0, part / jnp.maximum(whole, NO_LENGTH))

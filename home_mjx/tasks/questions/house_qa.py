@@ -62,15 +62,15 @@ class QuestionTask(RowTask):
 
     @property
     def generators(self) -> tuple[TaskGenerator, ...]:
-        """The task itself."""
+        """Generators of the task's rows: the task itself."""
         return (self,)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield the questions that a house can answer."""
+        """Yield a row for each question that a house can answer; a subclass must implement it."""
         raise NotImplementedError
 
     def select_rows(self, drawn: list[FeasibleRow], num_tasks: int, random: np.random.Generator) -> list[FeasibleRow]:
-        """Select rows such that each question occurs equally often with each of its answers."""
+        """Select at most `num_tasks` rows per house, so that a question occurs equally often with each answer."""
         return balance_rows(drawn, num_tasks, random)
 
 

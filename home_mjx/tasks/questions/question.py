@@ -62,7 +62,7 @@ def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def noun(thing: HouseObject) -> str:
-    """Return the name of an object's coarse category."""
+    """Return the name of an object's coarse category, as in `COARSE`."""
     return COARSE[thing.semantic(Semantic.COARSE)]
 
 
@@ -110,5 +110,5 @@ def unique_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
 
 
 def is_on(thing: HouseObject, other: HouseObject) -> bool:
-    """Return whether an object rests on another one."""
+    """Return whether `thing` rests on `other`, by its semantics."""
     return thing.semantic(Semantic.SUPPORTER) == other.object_id

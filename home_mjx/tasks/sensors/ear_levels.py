@@ -115,7 +115,7 @@ class EarLevels(Sensor):
         }
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> Int[Array, ""]:
-        """Return the flag of a clip that plays but reaches no agent."""
+        """Return the flag `UNHEARD` if a clip plays but reaches no agent; else 0."""
         return status_flags(UNHEARD=state.is_inaudible)
 
 

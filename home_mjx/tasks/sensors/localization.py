@@ -36,7 +36,7 @@ class GpsCompass(Sensor):
     name = "gps_compass"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return both specs."""
+        """Return the specs of `gps` and `compass` by name."""
         return {
             "gps": ArraySpec((3,), "float32", -MAX_COORDINATE, MAX_COORDINATE, "forward, left and up of the start [m]"),
             "compass": ArraySpec((2,), "float32", -1.0, 1.0, "cosine and sine of the turn to the left since the start"),
@@ -49,7 +49,7 @@ class GpsCompass(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: GpsCompassState) -> GpsCompassState:
-        """Store the pose at a reset."""
+        """Return the present pose at a reset (step 0), else the stored one unchanged."""
         now = GpsCompassState(snapshot.pose.pos, snapshot.pose.yaw)
         return jax.tree.map(lambda new, old: jnp.where(snapshot.step == 0, new, old), now, state)
 

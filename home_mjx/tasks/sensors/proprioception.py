@@ -68,7 +68,7 @@ class HeldObject(Sensor):
 class PrevAction(Sensor):
     """`prev_action` (n,): the last action: its numbers, or one-hot for discrete actions; 0 at the start.
 
-    The action is as decoded: clipped, and `stopped` for agents that have stopped.
+    The action is as decoded: clipped, and `stop` for agents that have stopped.
     """
 
     name = "prev_action"
@@ -80,7 +80,7 @@ class PrevAction(Sensor):
         return {"prev_action": ArraySpec((len(names),), "float32", low, 1.0, ", ".join(names))}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return the action in the state."""
+        """Return `prev_action` (a, n): the last action of each agent; 0 after a reset."""
         return {"prev_action": snapshot.action}
 
 
@@ -94,5 +94,5 @@ class PrevReward(Sensor):
         return {"prev_reward": ArraySpec((1,), "float32", text="reward of the last step")}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return the reward in the state."""
+        """Return `prev_reward` (a, 1): the last reward of each agent; 0 after a reset."""
         return {"prev_reward": snapshot.reward[:, None]}

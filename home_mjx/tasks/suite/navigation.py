@@ -56,7 +56,7 @@ class NavigationTask(RowTask):
 
     @property
     def requires_stop(self) -> bool:
-        """True with `stop`."""
+        """True if agents must choose the action `stop`: the option `stop`."""
         return self.stop
 
     @property
@@ -66,11 +66,11 @@ class NavigationTask(RowTask):
 
     @property
     def generators(self) -> tuple[TaskGenerator, ...]:
-        """The task itself."""
+        """Generators of rows: the task itself."""
         return (self,)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield tasks of one house."""
+        """Yield rows of tasks of one house, possibly endlessly; a subclass must implement it."""
         raise NotImplementedError
 
 
@@ -171,7 +171,7 @@ class HouseTasks(RowTask):
 
     @property
     def num_sources(self) -> int:
-        """Maximum over the tasks."""
+        """Number of simultaneous sound sources: the maximum over the tasks."""
         return max((getattr(task, "num_sources", 1) for task in self.tasks), default=1)
 
     @property

@@ -109,7 +109,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
 def _distance_fields(
     path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
 ) -> UInt16[np.ndarray, "c g"]:
-    """Return distances of cells to targets, add the column `field` and correct `length`, in place.
+    """Return distances of cells to targets, add the column `field` and correct `length` in `rows`, in place.
 
     Raises:
         DatasetError: A task cannot be solved.
