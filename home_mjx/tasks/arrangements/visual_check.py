@@ -28,7 +28,7 @@ RAY_SPOTS = np.array([(x, y) for x in (-0.95, 0.0, 0.95) for y in (-0.95, 0.0, 0
 def find_level_candidates(
     bank: HouseBank, house: int, layout: HouseLayout, candidates: list[PlacementCandidates]
 ) -> Bool[np.ndarray, "p k n"]:
-    """Return which usable candidates have a level visible surface below them and no visual-only geometry inside them.
+    """Return which usable candidates (arrangement, body, n) have a level surface below, no visual-only geometry inside.
 
     Args:
         bank: The houses.
@@ -72,7 +72,7 @@ def _is_level(
     high: Float[Array, "p k n"],
     lies: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Return whether rays from `high` [m] above all spots end at them, of furniture if `lies`; without `gone`."""
+    """Return whether rays from `high` [m] above all spots end there, on furniture if `lies`; `gone` is absent."""
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

@@ -41,7 +41,7 @@ class Sensor:
     state_owner: "Sensor | None" = None
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the specs of the observations by name, for one agent."""
+        """Return the specs of the observations by name, for one agent; a subclass must implement it."""
         raise NotImplementedError
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
@@ -53,11 +53,11 @@ class Sensor:
         return ()
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Any:
-        """Return the sensor state after a reset (`snapshot.step` is 0) or a step. Called once for each."""
+        """Return the sensor state after a reset (`snapshot.step` is 0) or step, once for each; by default unchanged."""
         return state
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """Return the observations of `spec` with a leading agent axis. Pure; called any number of times."""
+        """Return the observations of `spec` with a leading agent axis; required. Pure; called any number of times."""
         raise NotImplementedError
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Int[Array, ""] | int:

@@ -105,7 +105,7 @@ class Task:
         return None
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> Any:
-        """Return the task's state at the start of an episode.
+        """Return the task's state at the start of an episode; by default an empty tuple.
 
         Args:
             snapshot: The environment.
@@ -130,15 +130,15 @@ class Task:
         return snapshot.sounds
 
     def update(self, snapshot: Snapshot, state: Any) -> Any:
-        """Return the task's state after a step."""
+        """Return the task's state after a step; by default unchanged."""
         return state
 
     def observe(self, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """Return the observations of `observation_spec`, with a leading axis of all agents."""
+        """Return the observations of `observation_spec` by name, with a leading axis of all agents; by default none."""
         return {}
 
     def reward(self, snapshot: Snapshot, before: Any, state: Any) -> Float[Array, " a"]:
-        """Return the reward of the last step, for all agents.
+        """Return the reward of the last step, for all agents; by default 0.
 
         Args:
             snapshot: The environment after the step.
@@ -156,27 +156,27 @@ class Task:
         return jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
-        """Return float scalars that are not observations, such as success, by name; the same names at every step."""
+        """Return float scalars that are not observations, such as success, by fixed names; by default none."""
         return {}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
-        """Sample one episode inside `jit`: start on the floor (3,) [m], yaw () [rad] and columns.
+        """Sample one episode inside `jit`: start on the floor (3,) [m], yaw () [rad], columns; by default no columns.
 
         Args:
             bank: The houses.
             house: Index of the house.
             key: Random key.
-            limits: Further arguments of `sample_episodes`, as traced numbers.
+            limits: Further arguments of `sample_episodes`, as traced numbers; unused by default.
         """
         place, turn = jax.random.split(key)
         return random_position(bank, house, place), random_yaw(turn), {}
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-        """Return an episode's columns for a file, with positions instead of bank indices. On the host."""
+        """Return an episode's columns for a file, positions instead of bank indices; by default none. On the host."""
         return {}
 
     def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-        """Return the columns from a line of a file. On the host.
+        """Return the columns from a line of a file; by default none. On the host.
 
         Raises:
             DatasetError: The bank lacks something that the line names.
@@ -185,7 +185,7 @@ class Task:
         return {}
 
     def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-        """Return whether one episode of a file can be solved in this bank; inside `jit`."""
+        """Return whether one episode of a file can be solved in this bank, by default always; inside `jit`."""
         return jnp.ones((), bool)
 
     def shortest_length(self, bank: HouseBank, episode: Episodes) -> Float[Array, ""]:

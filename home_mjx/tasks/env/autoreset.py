@@ -98,7 +98,7 @@ class AutoReset:
         return self._store_final(new, self._final_obs(params, stepped, last, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """Return the states with recomputed observations."""
+        """Return the states with observations recomputed; all other fields, sensor states included, stay."""
         return jax.vmap(self.core.observe, (None, 0))(params, state)
 
     def _update_and_observe(self, params: EnvParams, state: State) -> State:

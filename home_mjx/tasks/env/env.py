@@ -27,7 +27,7 @@ class EnvCore(Protocol):
 
     @property
     def config(self) -> EnvConfig:
-        """Options."""
+        """Options of the environment."""
         ...
 
     @property
@@ -64,7 +64,7 @@ class EnvCore(Protocol):
         ...
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """Return the state with recomputed observations."""
+        """Return the state with observations recomputed; all other fields, sensor states included, stay."""
         ...
 
     def template(self, bank: HouseBank) -> Template:
@@ -114,7 +114,7 @@ class Env(Generic[C]):
         return self.core.step(self.params, state, action)
 
     def observe(self, state: State) -> State:
-        """Return the state with recomputed observations."""
+        """Return the state with observations recomputed; all other fields, sensor states included, stay."""
         return self.core.observe(self.params, state)
 
     def with_tasks(self, episodes: Any) -> "Env[C]":
@@ -160,7 +160,7 @@ class Env(Generic[C]):
 
     @property
     def config(self) -> EnvConfig:
-        """Options."""
+        """Options of the environment."""
         return self.core.config
 
     @property

@@ -182,7 +182,7 @@ def _place_candidates(
 def _best_aim(
     snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
-    """Return turn and tilt to the best aim point [rad], in whole steps, and whether a point that fits errs <= `most`.
+    """Return turn and tilt to the best aim point [rad], and whether a usable point has an error of at most `most`.
 
     Discrete actions turn and tilt by whole steps: the usable point with the smallest remaining error is preferred.
     """

@@ -15,7 +15,7 @@ from home_mjx.tasks.suite.point_nav import PointNavState
 
 
 def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return the cells of a storey that hold the goal of the present stage: its rooms, objects, point or agent.
+    """Return a mask of a storey's cells that hold the goal of the present stage: its rooms, objects, point or agent.
 
     Args:
         snapshot: The environment.

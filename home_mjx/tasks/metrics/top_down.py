@@ -143,7 +143,7 @@ def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, 
 
 
 def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
-    """Return the cells seen at eye height: unoccluded, within the horizontal field of view and `max_depth`."""
+    """Return a mask of cells seen at eye height: unoccluded, within the horizontal field of view and `max_depth`."""
     bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
     levels, rows, columns = bank.navigation.room.shape[1:]
     half = math.atan(math.tan(math.radians(config.fovy) / 2) * config.width / config.height)

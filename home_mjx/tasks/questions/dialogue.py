@@ -52,7 +52,7 @@ class Dialogue(NavigationTask):
 
     @property
     def speech_observations(self) -> tuple[str, ...]:
-        """The oracle's reply."""
+        """Name of the observation of the oracle's reply: `reply`."""
         return ("reply",)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
@@ -68,7 +68,7 @@ class Dialogue(NavigationTask):
                 yield self._row(view.objects, thing, words, random)
 
     def _is_apart(self, thing: HouseObject, things: Sequence[HouseObject]) -> bool:
-        """Return whether `thing` has peers of its category, and none within twice `success_distance` (bounds)."""
+        """Return whether `thing` has peers of its category, all more than twice `success_distance` away."""
         peers = [other for other in things if noun(other) == noun(thing) and other.object_id != thing.object_id]
         return bool(peers) and min(gap_between(thing, other) for other in peers) > 2 * self.success_distance
 

@@ -52,7 +52,7 @@ class QuestionTask(RowTask):
 
     @property
     def name(self) -> str:
-        """Name of the task."""
+        """Name of the task: that of its class."""
         return type(self).__name__
 
     @property
@@ -123,6 +123,6 @@ class HouseQA(QuestionTask):
 
 
 def answer_transitions(answer: int, reward: float) -> tuple[Transition, Transition]:
-    """Return the transitions for the correct answer, and for any other."""
+    """Return the transitions to SUCCESS for the correct answer (a token), and to FAILURE for any other word."""
     right = Condition(Feature.SAID, minimum=answer, maximum=answer)
     return Transition(SUCCESS, (right,), reward=reward), Transition(FAILURE, (ANY_ANSWER,))

@@ -87,7 +87,7 @@ def indefinite_noun(name: str) -> str:
 def identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, without: Sequence[Attribute] = ()
 ) -> list[dict[Attribute, int]]:
-    """Return the smallest sets of words that identify an object and are known of all objects of its category.
+    """Return the smallest sets of values that identify an object, of attributes known for its whole category; or [].
 
     Args:
         things: Objects among which it is identified.

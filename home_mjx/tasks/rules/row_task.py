@@ -106,7 +106,7 @@ class RowTask(Task):
 
     @property
     def generators(self) -> tuple[TaskGenerator, ...]:
-        """Generators of the rows."""
+        """Generators of the rows; a subclass must implement it."""
         raise NotImplementedError
 
     @property
@@ -239,7 +239,7 @@ class RowTask(Task):
         }
 
     def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
-        """Return the rewards of transition and progress, minus costs of steps, contacts, questions and failures."""
+        """Return rewards of transition and progress per agent, minus costs of steps, contacts, questions, mistakes."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -MAX_STEP_PROGRESS, MAX_STEP_PROGRESS))

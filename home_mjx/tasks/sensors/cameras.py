@@ -35,7 +35,7 @@ class Cameras(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return one entry per camera and kind."""
+        """Return the specs of one observation per camera and kind, see `observation_name`."""
         return {
             observation_name(view.name, kind): _spec(config, view, kind)
             for view in config.all_cameras
@@ -43,7 +43,7 @@ class Cameras(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Render all kinds of every camera from one cast."""
+        """Render all kinds of every camera from one cast, by observation name; with noise if the episode has any."""
         seen = render_images(config, snapshot.scene, snapshot.pose, snapshot.camera_offsets)
         return seen if snapshot.variation is None else _add_noise(config, snapshot, snapshot.variation, seen)
 

@@ -68,7 +68,7 @@ class Hearing(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of one frame of sound."""
+        """Return the spec of `audio` (channels, samples): one frame of sound."""
         text = f"{describe_channels(config)}, pressure relative to the source's at 1 m"
         return {
             "audio": ArraySpec(
@@ -97,7 +97,7 @@ class Hearing(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> HearingState:
-        """Trace the responses anew and change over to them from the last ones within the frame."""
+        """Return the state after a step: responses traced anew, to which the frame changes over from the last ones."""
         clips = jnp.asarray(np.stack([clip_samples(name, config.audio) for name in clip_names(config)]))
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
@@ -121,7 +121,7 @@ class Hearing(Sensor):
         )
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
-        """Return the last step's frame."""
+        """Return `audio` (a, channels, samples): the last step's frame."""
         return {"audio": state.frame}
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> Int[Array, ""]:
@@ -193,7 +193,7 @@ class LogMel(Sensor):
 
 
 def describe_channels(config: EnvConfig) -> str:
-    """Return a description of a receiver's channels."""
+    """Return the receiver's channels as text: "microphones", "W, Y, Z and X" or "left and right ear"."""
     names = {MicrophoneArray: "microphones", Ambisonics: "W, Y, Z and X"}
     return names.get(type(config.audio.receiver), "left and right ear")
 
@@ -227,7 +227,7 @@ def clip_indices(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
 
 
 def silent_history(config: EnvConfig) -> Int[Array, "k a"]:
-    """Return a history of tokens of -1: frames in which a word is audible by agents; (0, a) if no agent can speak."""
+    """Return a history of tokens, all -1: a row per frame in which a word is audible; no rows if no agent can speak."""
     return jnp.full((num_audible_frames(config.audio) if config.speech else 0, config.num_agents), NO_WORD, jnp.int32)
 
 

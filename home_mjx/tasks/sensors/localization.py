@@ -71,7 +71,7 @@ class Lidar(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of `NUM_RAYS` distances."""
+        """Return the spec of `lidar`: `NUM_RAYS` distances [m]."""
         text = "from straight ahead to the left [m], clipped"
         return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.max_depth, text)}
 
@@ -94,7 +94,7 @@ class LocalMap(Sensor):
     name = "local_map"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of a square map."""
+        """Return the spec of `local_map`: a square of zeros and ones."""
         return {
             "local_map": ArraySpec((MAP_SIZE, MAP_SIZE), "uint8", 0, 1, f"1: free; {MAP_CELL} m a cell, ahead is up")
         }

@@ -61,7 +61,7 @@ class NavigationTask(RowTask):
 
     @property
     def name(self) -> str:
-        """Name of the task."""
+        """Name of the task: that of its class."""
         return type(self).__name__
 
     @property
@@ -129,7 +129,7 @@ class PointGoals(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row per cell of `num_points` random ones, endlessly, in a new random order each round."""
+        """Yield a row per point, centres of `num_points` random cells, endlessly, in a new random order each round."""
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
         stage = arrival_stage(

@@ -127,7 +127,7 @@ def _distance_fields(
 
 
 def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> TaskLine:
-    """Return a row of a task bank as a line."""
+    """Return the line of a row of a task bank, with names and words instead of indices and tokens."""
     selectors, stages = unpack_program(row)
     x, y, z = row["start"].tolist()
     speech = unpack_speech(row)

@@ -71,7 +71,7 @@ def find_violation(
 
 
 def host_columns(rows: Episodes) -> dict[str, np.ndarray]:
-    """Return the columns of rows by name as NumPy arrays, those of descriptors also by word."""
+    """Return the columns of rows by name as NumPy arrays, those of descriptors also as `selectors.<attribute>`."""
     host = jax.tree.map(np.asarray, rows)
     columns = {"house": host.house, "start": host.start, "yaw": host.yaw, **host.columns}
     if "descriptor" in columns:

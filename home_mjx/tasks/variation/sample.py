@@ -43,7 +43,7 @@ MOVE_NOISE, IMAGE_NOISE = range(2)  # kinds of noise, for `VariationSample.noise
 
 
 def sample_variation(variation: Variation | None, key: Array, num_lamps: int) -> VariationSample | None:
-    """Sample one episode from the ranges.
+    """Sample one episode from the ranges; None if there are none.
 
     Args:
         variation: Ranges; None: nothing varies.
