@@ -25,9 +25,7 @@ from home_mjx.tasks.arrangements.settling import has_moved, settle_bodies
 from home_mjx.tasks.arrangements.visual_check import find_level_candidates
 
 VERSION = 1  # of the cache entries; increment it whenever the same bank and key yield other arrangements
-MAX_SETTLING_ROUNDS = (
-    3  # maximum number of rounds that restore objects which did not rest where they were placed, and settle again
-)
+MAX_SETTLING_ROUNDS = 3  # maximum number of rounds that restore objects which did not stay, and settle again
 
 log = logging.getLogger(__name__)
 
@@ -116,7 +114,7 @@ def _replace_arrangements(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> Ho
 
 
 def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
-    """Return the cache path, a hash of all inputs of the arrangements."""
+    """Return the path of the cache entry: a hash of the bank's arrays, the count, the key's `words` and the backend."""
     name = hashlib.sha256(repr((VERSION, num_arrangements, words.tolist(), jax.default_backend())).encode())
     read = (bank.physics, bank.navigation, bank.semantics, bank.geometry.triangle, bank.geometry.instance_pose)
     for array in jax.tree.leaves(jax.device_get(read)):
@@ -125,7 +123,7 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
 
 
 def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | None) -> tuple[Array, ArrangementCounts]:
-    """Return settled poses and counts: place objects, settle, repeat with objects restored that did not stay."""
+    """Place objects, settle, restore those that moved, repeat; return poses (houses, num, bodies, 7), counts."""
     placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
     placed = jnp.repeat(placed[:, None], num, axis=1)
     put, moved, kept = _place(bank, num, words, progress)
@@ -148,7 +146,7 @@ def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | Non
 def _place(
     bank: HouseBank, num: int, words: np.ndarray, progress: bool | None
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
-    """Return unsettled poses without overlaps, the bodies at new poses, and the selected bodies that did not move."""
+    """Return unsettled poses without overlaps, and masks: bodies at new poses, selected bodies left in place."""
     host = jax.device_get(bank)
     placed = np.concatenate([host.physics.body_pos, host.physics.body_quat], axis=-1)
     poses = np.repeat(placed[:, None], num, axis=1)

@@ -25,7 +25,7 @@ class PlacementCandidates(NamedTuple):
 def sample_candidates(house: HouseLayout, rng: np.random.Generator) -> PlacementCandidates:
     """Sample candidate poses in each object's room: on furniture for objects on furniture, otherwise on the floor.
 
-    Supporting surfaces are tops of boxes, sampled in proportion to their area.
+    Supporting surfaces are tops of boxes, sampled in proportion to their area. Bodies not selected get none usable.
     """
     num = len(house.bodies)
     center = np.repeat(house.bodies.center[:, None], NUM_CANDIDATES, axis=1)
@@ -41,7 +41,7 @@ def sample_candidates(house: HouseLayout, rng: np.random.Generator) -> Placement
 
 
 def _on_floor(house: HouseLayout, body: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """Sample positions on the floor of the object's room, at its present height [m]."""
+    """Sample centres of a body [m]: uniform over its room's cells, at its present height; overlaps are not excluded."""
     room = int(house.room[body])
     cells = np.argwhere(house.room_grid[house.level_of(room)] == room)
     row, column = cells[rng.integers(len(cells), size=NUM_CANDIDATES)].T
@@ -52,7 +52,7 @@ def _on_floor(house: HouseLayout, body: int, rng: np.random.Generator) -> Float[
 def _on_furniture(
     house: HouseLayout, stay: BoxSet, body: int, yaw: Float[np.ndarray, " n"], rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n 3"], Bool[np.ndarray, " n"]]:
-    """Sample positions on tops of boxes in the object's room [m], and whether the top is large enough for each."""
+    """Sample centres of a body on box tops in its room [m], and whether it fits at `yaw`; False if there is no top."""
     room, half = int(house.room[body]), house.bodies.half[body]
     level = house.level_of(room)
     high = stay.top - house.floor[level]

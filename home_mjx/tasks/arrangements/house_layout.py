@@ -14,9 +14,7 @@ from home_mjx.schema.agent import AGENT_MARGIN
 from home_mjx.schema.semantic import SUPPORTS, Semantic
 
 MAX_MASS, MAX_SIZE = 10.0, 0.7  # [kg], [m], maximum mass and horizontal size of objects that are moved
-MAX_SUPPORT_GAP = (
-    0.03  # [m], maximum distance from the bottom of an object to the top of the one below that supports it
-)
+MAX_SUPPORT_GAP = 0.03  # [m], maximum distance from the bottom of an object to the top of the one that supports it
 
 
 @dataclass(frozen=True)
@@ -58,7 +56,7 @@ class HouseLayout:
 
     @classmethod
     def from_bank(cls, bank: HouseBank, house: int) -> "HouseLayout":
-        """Extract a house from a bank."""
+        """Copy the house with index `house` of a bank to host arrays, without padding."""
         names = ("portal_pos", "portal_kind", "goal", "room", "region", "floor", "origin")
         arrays = bank.physics, {name: getattr(bank.navigation, name) for name in names}
         physics, navigation = jax.device_get(jax.tree.map(lambda x: x[house], arrays))
@@ -88,14 +86,14 @@ class HouseLayout:
         )
 
     def room_at(self, points: Float[np.ndarray, "n 2"], level: int) -> Int[np.ndarray, " n"]:
-        """Return the room of each point on a level; -1 outside."""
+        """Return the room index at points (x, y) [m] on a level; -1 outside the grid and in cells of no room."""
         column, row = np.floor((points - self.origin) / self.cell).astype(int).T
         rows, columns = self.room_grid.shape[1:]
         inside = (row >= 0) & (row < rows) & (column >= 0) & (column < columns)
         return np.where(inside, self.room_grid[level, row.clip(0, rows - 1), column.clip(0, columns - 1)], -1)
 
     def level_of(self, room: int) -> int:
-        """Return the level that contains a room."""
+        """Return the index of the lowest level with cells of a room (an index); 0 if there is none."""
         return int((self.room_grid == room).any(axis=(1, 2)).argmax())
 
 
@@ -112,7 +110,7 @@ def _matrices(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
 
 
 def _is_support(bodies: BoxSet) -> Bool[np.ndarray, " k"]:
-    """Return which bodies support others."""
+    """Return which bodies have another on top: bottom within `MAX_SUPPORT_GAP` of their top, footprints overlapping."""
     found = np.zeros(len(bodies), bool)
     for i in range(len(bodies)):
         over = abs(bodies.bottom - bodies.top[i]) < MAX_SUPPORT_GAP

@@ -18,7 +18,7 @@ def choose_candidates(
 ) -> tuple[BoxSet, Bool[np.ndarray, " k"]]:
     """Choose the first free candidate of each object; return the boxes of all bodies and which of them have moved.
 
-    New poses do not overlap the initial pose of any other body, so bodies can always be restored.
+    Objects without a free one stay. New poses overlap no initial pose of another body, so each can be restored.
 
     Args:
         house: The house.
@@ -48,7 +48,7 @@ def _move_box(boxes: BoxSet, rows: Bool[np.ndarray, " k"], box: BoxSet) -> BoxSe
 
 
 def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
-    """Return whether a box is clear of other boxes and of the sweep of door leaves."""
+    """Return whether a box is horizontally clear of `around` and of door sweeps, where these overlap it in height."""
     meets = (around.bottom < box.top[0] - TOUCH_TOLERANCE) & (around.top > box.bottom[0] + TOUCH_TOLERANCE)
     if (penetration_depth(box, around[meets]) > -MIN_HORIZONTAL_CLEARANCE).any():
         return False
@@ -60,7 +60,7 @@ def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
 def _home_after_placement(
     house: HouseLayout, box: BoxSet, room: int, home: Bool[np.ndarray, "l ny nx"]
 ) -> Bool[np.ndarray, "l ny nx"] | None:
-    """Return the home region less a box; None if it leaves its room, blocks a portal or goal, or splits the region."""
+    """Return `home` less cells near a box; None if it leaves its room, blocks a portal or goal, or splits `home`."""
     level = house.level_of(room)
     if (house.room_at(footprint(box, 0), level) != room).any():
         return None
@@ -82,6 +82,6 @@ def _num_components(cells: Bool[np.ndarray, "ny nx"]) -> int:
 
 
 def _distance_to_points(box: BoxSet, points: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-    """Compute horizontal distances from a box to points on its level [m]; inf for points on other levels."""
+    """Compute horizontal distances from a box to points [m]; inf for points 1 m or more above or below its bottom."""
     near = abs(points[:, 2] - box.bottom[0]) < 1.0
     return np.where(near, footprint_distance(box, points[None, :, :2])[0], np.inf)

@@ -53,7 +53,7 @@ def _reset_states(
 
 @functools.partial(jax.jit, static_argnums=0)
 def _step_second(template: Template, bank: HouseBank, house: Int[Array, " e"], state: PhysicsState) -> PhysicsState:
-    """Simulate one second without actions."""
+    """Return the physics states (one per entry of `house`) after one simulated second with idle agents."""
 
     def step(state: PhysicsState, _: None) -> tuple[PhysicsState, None]:
         idle = jnp.zeros((1, 3), jnp.float32)
@@ -63,7 +63,7 @@ def _step_second(template: Template, bank: HouseBank, house: Int[Array, " e"], s
 
 
 def has_moved(before: Float[Array, "*n 7"], after: Float[Array, "*n 7"]) -> Bool[Array, "*n"]:
-    """Return whether bodies have moved by more than `MAX_SHIFT` or turned by more than `MAX_TURN`."""
+    """Return whether poses (position, quaternion) differ by more than `MAX_SHIFT` or, in angle, `MAX_TURN`."""
     shift = jnp.linalg.norm(after[..., :3] - before[..., :3], axis=-1)
     cosine = jnp.abs(jnp.sum(after[..., 3:] * before[..., 3:], axis=-1))  # cosine of half the angle between them
     return (shift > jnp.float32(MAX_SHIFT)) | (cosine < jnp.cos(jnp.float32(MAX_TURN / 2)))

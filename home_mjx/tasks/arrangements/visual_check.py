@@ -28,7 +28,7 @@ RAY_SPOTS = np.array([(x, y) for x in (-0.95, 0.0, 0.95) for y in (-0.95, 0.0, 0
 def find_level_candidates(
     bank: HouseBank, house: int, layout: HouseLayout, candidates: list[PlacementCandidates]
 ) -> Bool[np.ndarray, "p k n"]:
-    """Return which usable candidates have a level visible surface below them and no visual-only geometry inside them.
+    """Return which usable candidates (arrangement, body, n) have a level surface below, no visual-only geometry inside.
 
     Args:
         bank: The houses.
@@ -43,7 +43,7 @@ def find_level_candidates(
     high = np.minimum(2 * layout.bodies.half[:, 2], MAX_RAY_HEIGHT)
 
     def padded(values: np.ndarray) -> Array:
-        """Pad to the bank's number of bodies, so that all houses share one compiled program."""
+        """Scatter used bodies (axis 1) to all of the bank's, else 0, so that all houses share one compiled program."""
         whole = np.zeros((len(candidates), len(gone), *values.shape[2:]), bool if values.dtype == bool else np.float32)
         whole[:, used] = values
         return jnp.asarray(whole)
@@ -55,7 +55,7 @@ def find_level_candidates(
 
 
 def _ray_targets(house: HouseLayout, places: PlacementCandidates) -> Float[np.ndarray, "k n s 3"]:
-    """Return points on the underside of each object at each candidate [m]."""
+    """Return 3 x 3 points, in the world frame, on the underside of each object at each candidate [m]."""
     half = house.bodies.half[:, None, None]
     x, y = np.moveaxis(RAY_SPOTS * half[..., :2], -1, 0)
     cosine, sine = np.cos(places.yaw)[..., None], np.sin(places.yaw)[..., None]
@@ -72,7 +72,7 @@ def _is_level(
     high: Float[Array, "p k n"],
     lies: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Return whether rays from `high` above all spots hit a surface at their height, of furniture where `lies`."""
+    """Return whether rays from `high` [m] above all spots end there, on furniture if `lies`; `gone` is absent."""
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

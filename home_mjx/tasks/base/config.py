@@ -106,7 +106,7 @@ class EnvConfig:
         max_aim_angle: Maximum horizontal and vertical angle between the view centre and a hand's target [degrees]. The
             target nearest to the centre that can be reached and lifted, or placed on, is used. 0 uses the centre ray.
         speech: Further discrete actions that speak a word, in addition to the task's own. Each is `say:` or `answer:`
-            and a word of the tasks' language, such as "say:yes". See `Snapshot.said`.
+            and a word of the tasks' language, such as "say:yes". See `Snapshot.spoken_token`.
         doors: Door angles at reset: "open" (wide), "closed", "initial" (as in the file) or "random" (each open or
             closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
         arrangement: Poses of movable bodies at reset: "initial" (as in the file) or "random". Random
@@ -227,7 +227,7 @@ class EnvConfig:
             raise ConfigError("`physics` is a PhysicsSetup, which has a body and timing of its own", hint=hint)
 
     def _fit_moves(self, moves: DiscreteActions) -> None:
-        """Extend the default `ctrl_dt` if a move does not fit into it; raise if it still does not."""
+        """Set a default `ctrl_dt` to `DISCRETE_CTRL_DT` if a move takes longer; `ConfigError` if it still does."""
         least = max(moves.min_duration(body) for body in self.agents)
         if least > self.timing.ctrl_dt == Timing().ctrl_dt:
             self._set_fields(timing=dataclasses.replace(self.timing, ctrl_dt=DISCRETE_CTRL_DT))
@@ -238,7 +238,7 @@ class EnvConfig:
             )
 
     def _share_timing(self) -> None:
-        """Copy `timing` into the options of sound; raise if these have another one."""
+        """Copy `timing` into `audio`, in place; raise `ConfigError` if `audio` has one that is not the default."""
         if self.audio.timing not in (self.timing, Timing()):
             raise ConfigError(
                 f"`audio.timing` is {self.audio.timing}, but the environment's `timing` is {self.timing}",
@@ -293,7 +293,7 @@ class EnvConfig:
         return (*own, *(hands if self.hands else ()), *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
-        """Return a copy with some fields changed; sound follows a new timing."""
+        """Return a copy with some fields changed; `audio.timing` follows `timing`, unless `changes` has `audio`."""
         return dataclasses.replace(self, **({"audio": dataclasses.replace(self.audio, timing=Timing())} | changes))
 
     @property

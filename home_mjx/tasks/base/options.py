@@ -86,7 +86,7 @@ def override_options(records: Records, given: Mapping[str, Any], accepted: Itera
 
 
 def _check_clock(asked: Mapping[str, Any], config: Any) -> None:
-    """Raise if a requested `ctrl_dt` is too short for the moves: only the default one may be lengthened."""
+    """Raise `ConfigError` if a requested `ctrl_dt` was lengthened for the moves: only the default one may be."""
     wanted = asked.get("timing.ctrl_dt")
     if wanted is not None and config.timing.ctrl_dt != wanted:
         raise ConfigError(
@@ -109,7 +109,7 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Yield dotted paths of a record and its fields at all depths; timing only of its owner."""
+    """Yield `prefix` (unless empty) and dotted paths of all nested fields; of nested `timing` only the outermost."""
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
@@ -150,7 +150,7 @@ def _raise_unknown(name: str, known: Iterable[str], others: Iterable[str]) -> No
 
 
 def _replace_fields(record: Any, changes: Mapping[str, Any], full: str) -> Any:
-    """Return a record with changes by relative path ("": the record), made together: one alone may be invalid."""
+    """Return a copy with values by path relative to `record` ("": a whole record), set together; `full` names it."""
     if "" in changes:
         record = _check_record_type(full, changes[""], record)
     below: dict[str, dict[str, Any]] = {}
@@ -178,7 +178,7 @@ def _replace_field(record: Any, name: str, changes: Mapping[str, Any], full: str
 
 
 def _check_like(name: str, value: Any, default: Any) -> None:
-    """Raise if a plain value's type differs from the default's; integers are accepted as floats."""
+    """Raise `ConfigError` if a value is not of the type of a bool, int, float or str `default`; floats accept ints."""
     wanted = type(default)
     taken = {bool: bool, int: numbers.Integral, float: numbers.Real, str: str}.get(wanted)
     if taken is None:

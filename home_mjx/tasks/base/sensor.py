@@ -41,11 +41,11 @@ class Sensor:
     state_owner: "Sensor | None" = None
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the specs of the observations by name, for one agent."""
+        """Return the specs of the observations by name, for one agent; a subclass must implement it."""
         raise NotImplementedError
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
-        """Return the bakes of houses that the sensor reads; `make` computes those that are missing."""
+        """Return the bakes (precomputed house data) that the sensor reads; `make` adds missing ones."""
         return ()
 
     def init(self, config: EnvConfig) -> Any:
@@ -53,15 +53,15 @@ class Sensor:
         return ()
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Any:
-        """Return the sensor state after a reset (`snapshot.step` is 0) or a step. Called once for each."""
+        """Return the sensor state after a reset (`snapshot.step` is 0) or step, once for each; by default unchanged."""
         return state
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """Return the observations of `spec` with a leading agent axis. Pure; called any number of times."""
+        """Return the observations of `spec` with a leading agent axis; required. Pure; called any number of times."""
         raise NotImplementedError
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Int[Array, ""] | int:
-        """Return flags of `Status` for data that the sensor has lost."""
+        """Return the flags of `Status` for data that the sensor lost in the last update; 0: none."""
         return 0
 
 
@@ -69,7 +69,7 @@ _REGISTRY: dict[str, Sensor] = {}
 
 
 def register_sensor(sensor: Sensor) -> None:
-    """Register a sensor by its name, for `sensors=` of every environment made from now on.
+    """Register a sensor by its name for `sensors=` of new environments; one of the same class and name is replaced.
 
     Raises:
         ConfigError: Not a `Sensor`, no name, or the name is taken by an image or a sensor of another class.

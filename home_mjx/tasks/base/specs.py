@@ -54,7 +54,7 @@ class DiscreteActions:
         return tuple(name for name in MOVE_NAMES if self.tilt_angle is not None or name not in LOOK_NAMES)
 
     def min_duration(self, body: AgentBody) -> float:
-        """Return the time that a body needs for its longest move or turn at full speed [s]."""
+        """Return the time that a body needs for its longest move or turn at full speed [s]; looks are not counted."""
         return max(self.forward_step_size / body.forward_speed, math.radians(self.turn_angle) / body.turn_rate)
 
 
@@ -96,7 +96,7 @@ class ArraySpec:
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return minimum and maximum of every element."""
+        """Return minimum and maximum of every element, as arrays of the spec's shape and type."""
         low, high = (np.broadcast_to(np.asarray(x, self.dtype), self.shape) for x in (self.low, self.high))
         return low, high
 

@@ -49,7 +49,7 @@ class Episodes(Pytree):
 
 
 def check_rows(index: Any, count: int, kind: str = "episodes") -> None:
-    """Raise `ConfigError` unless `index` is an integer, or an integer array, with values from 0 to `count` - 1."""
+    """Raise `ConfigError` unless `index` has integers only, `OutOfRangeError` unless all are from 0 to `count` - 1."""
     array = np.asarray(index)
     if array.dtype.kind not in "biu":
         hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."

@@ -54,7 +54,7 @@ class StatusError(HomeMjxError, RuntimeError):
 
 
 def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
-    """Return the flags whose condition holds anywhere.
+    """Return the flags, as one integer, whose condition holds anywhere in its array.
 
     Example:
         >>> int(status_flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))
@@ -85,7 +85,7 @@ def check_status(state: Any, ignore: int = 0) -> None:
 
 
 def status_report(status: np.ndarray) -> dict[str, np.ndarray]:
-    """Return a mask of environments per flag, by lower-case flag name.
+    """Return a mask (n,) of environments for every flag of `Status`, set or not, by lower-case flag name.
 
     Args:
         status: Flags of a batch (n,).

@@ -57,7 +57,7 @@ class Task:
     def speech(self) -> tuple[str, ...]:
         """Discrete actions that speak: `say:` or `answer:` and a word of the tasks' language; by default none.
 
-        `Snapshot.said` holds the words that agents have spoken.
+        `Snapshot.spoken_token` holds the tokens of the words that agents have spoken.
         """
         return ()
 
@@ -101,11 +101,11 @@ class Task:
         return ()
 
     def task_bank(self, bank: HouseBank) -> Any:
-        """Build the rows that resets in these houses use; None: every reset samples a new episode."""
+        """Build the rows, such as a `TaskBank`, that resets in these houses use; None: resets sample new episodes."""
         return None
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> Any:
-        """Return the task's state at the start of an episode.
+        """Return the task's state at the start of an episode; by default an empty tuple.
 
         Args:
             snapshot: The environment.
@@ -130,15 +130,15 @@ class Task:
         return snapshot.sounds
 
     def update(self, snapshot: Snapshot, state: Any) -> Any:
-        """Return the task's state after a step."""
+        """Return the task's state after a step; by default unchanged."""
         return state
 
     def observe(self, snapshot: Snapshot, state: Any) -> dict[str, Array]:
-        """Return the observations of `observation_spec`, with a leading axis of all agents."""
+        """Return the observations of `observation_spec` by name, with a leading axis of all agents; by default none."""
         return {}
 
     def reward(self, snapshot: Snapshot, before: Any, state: Any) -> Float[Array, " a"]:
-        """Return the reward of the last step, for all agents.
+        """Return the reward of the last step, for all agents; by default 0.
 
         Args:
             snapshot: The environment after the step.
@@ -156,27 +156,27 @@ class Task:
         return jnp.all(snapshot.stopped[: self.num_acting])
 
     def metrics(self, snapshot: Snapshot, state: Any) -> dict[str, Float[Array, ""]]:
-        """Return figures that are not observations, such as success; the same names at every step."""
+        """Return float scalars that are not observations, such as success, by fixed names; by default none."""
         return {}
 
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
-        """Sample one episode inside `jit`: start on the floor (3,) [m], yaw () [rad] and columns.
+        """Sample one episode inside `jit`: start on the floor (3,) [m], yaw () [rad], columns; by default no columns.
 
         Args:
             bank: The houses.
             house: Index of the house.
             key: Random key.
-            limits: Further arguments of `sample_episodes`, as traced numbers.
+            limits: Further arguments of `sample_episodes`, as traced numbers; unused by default.
         """
         place, turn = jax.random.split(key)
         return random_position(bank, house, place), random_yaw(turn), {}
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-        """Return an episode's columns for a file, with positions instead of bank indices. On the host."""
+        """Return an episode's columns for a file, positions instead of bank indices; by default none. On the host."""
         return {}
 
     def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-        """Return the columns from a line of a file. On the host.
+        """Return the columns from a line of a file; by default none. On the host.
 
         Raises:
             DatasetError: The bank lacks something that the line names.
@@ -185,7 +185,7 @@ class Task:
         return {}
 
     def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-        """Return whether one episode of a file can be solved in this bank; inside `jit`."""
+        """Return whether one episode of a file can be solved in this bank, by default always; inside `jit`."""
         return jnp.ones((), bool)
 
     def shortest_length(self, bank: HouseBank, episode: Episodes) -> Float[Array, ""]:
@@ -238,5 +238,5 @@ def path_scores(
 
 
 def _length_ratio(part: Float[Array, "*n"], whole: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Return `part / whole`; 1 if both are at most `NO_LENGTH` [m]."""
+    """Return `part / whole`; 1 where `whole`, which is at least `part`, is at most `NO_LENGTH` [m]."""
     return jnp.where(whole <= NO_LENGTH, 1.0, part / jnp.maximum(whole, NO_LENGTH))

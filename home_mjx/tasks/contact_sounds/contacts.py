@@ -65,7 +65,7 @@ def impact_sounds(
 
 
 def body_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m 3"], Int[Array, " m"]]:
-    """Return the centres of all dynamic bodies, agents first [m], 0 for padding, and their object ids."""
+    """Return centres of the bounding boxes of agents, movable bodies, then doors [m], 0 for padding; and object ids."""
     moving, agents = snapshot.scene.moving, config.num_agents
     box, there = moving.box, (moving.instance >= 0)[:, None]
     pos = jnp.where(there, jnp.mean(jnp.where(there[:, None], box, 0.0), axis=1), 0.0)
@@ -73,7 +73,7 @@ def body_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m
 
 
 def carried_masses(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
-    """Return the masses of dynamic bodies that their contacts carry [kg]; 0 for doors, as they hang."""
+    """Return the masses of agents, movable bodies, then doors [kg] that rest on contacts; 0 for doors, as they hang."""
     bodies = snapshot.bank.physics.body_mass[snapshot.house]
     if snapshot.body_scale is not None and snapshot.body_scale.mass is not None:
         bodies = bodies * snapshot.body_scale.mass
@@ -88,7 +88,7 @@ def sliding_sounds(
     impulse: Float[Array, " m"],
     snapshot: Snapshot,
 ) -> tuple[Int[Array, " k"], Float[Array, " k"]]:
-    """Return each body's friction sound and its gain, the square root of friction power [W]; 0 if held or not sliding.
+    """Return each movable body's row of `SUSTAINED` and its gain: root of friction power [W]; 0 if held or not sliding.
 
     Args:
         config: Options.
@@ -110,7 +110,7 @@ def sliding_sounds(
 def door_sounds(
     config: EnvConfig, before: Float[Array, " h"], snapshot: Snapshot
 ) -> tuple[TransientSounds, Int[Array, " h"], Float[Array, " h"]]:
-    """Return impacts of leaves at end stops, and sounds and gains of moving leaves; gains are speeds, 0 if silent.
+    """Return impacts of leaves at end stops; rows of `SUSTAINED` and gains of moving leaves: speeds, 0 if silent.
 
     Args:
         config: Options.

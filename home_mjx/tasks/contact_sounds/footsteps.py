@@ -32,7 +32,7 @@ def floor_classes() -> np.ndarray:
 
 
 def stuff_classes() -> np.ndarray:
-    """Return the index into STUFFS of each material kind; the last one is of unknown materials, taken as wood."""
+    """Return the index into IMPACT_MATERIALS of each material kind; the last one, of unknown materials, is wood."""
     return _classes(IMPACT_MATERIALS, IMPACT_MATERIAL_KINDS, "wood")
 
 

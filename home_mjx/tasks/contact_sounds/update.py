@@ -52,7 +52,7 @@ def update_contact_sounds(
 def _friction_sounds(
     config: EnvConfig, template: physics.Template, before: PhysicsState, after: PhysicsState, snapshot: Snapshot
 ) -> tuple[tuple[SustainedSounds, Bool[Array, ""]], list[TransientSounds]]:
-    """Return friction sounds of bodies, then doors, with a flag of lost ones; and impacts of door leaves."""
+    """Return (friction sounds of bodies, then doors; whether one found no slot) and the impacts of door leaves."""
     options, noises, count = config.contact_sounds, snapshot.contact_sounds, snapshot.bank.spec.num_bodies
     assert options is not None
     assert noises is not None
@@ -72,7 +72,7 @@ def _friction_sounds(
 
 
 def _speed_changes(template: physics.Template, before: PhysicsState, after: PhysicsState) -> Float[Array, " m"]:
-    """Return the length of each dynamic body's change of velocity [m/s]; [rad/s] for leaves that turn."""
+    """Return the length of each agent's, body's, then door's change of velocity [m/s]; [rad/s] for leaves that turn."""
     layout, change = template.layout, after.qvel - before.qvel
     agents = change[layout.agent_qpos].reshape(-1, 4)[:, :3]
     bodies = change[layout.body_qvel].reshape(-1, 6)[:, :3]

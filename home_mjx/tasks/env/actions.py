@@ -114,7 +114,7 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
 
 
 def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
-    """Append idle actions for the agents that `told` does not cover."""
+    """Return actions of all agents: `told` has those of the first ones, the others get `nothing`."""
     others = config.num_agents - told.shape[0]
     return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
 
@@ -122,7 +122,7 @@ def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
 def override_moves(
     config: EnvConfig, moves: DecodedActions, stopped: Any, mask: Bool[Array, " a"], action: Array
 ) -> DecodedActions:
-    """Return moves with those of masked agents decoded from `action`, which covers all agents; keep `is_invalid`."""
+    """Return `moves`, with those of masked agents decoded from `action` (of all agents); `is_invalid` stays."""
     own = decode_actions(config, action, stopped).replace(is_invalid=moves.is_invalid)
 
     def pick(led: Array, told: Array) -> Array:
@@ -132,7 +132,7 @@ def override_moves(
 
 
 def apply_move_noise(config: EnvConfig, moves: DecodedActions, world: World) -> DecodedActions:
-    """Return the moves with actuation noise as strong as sampled for the episode; unchanged if none was."""
+    """Return the moves with actuation noise on `drive`, as strong as sampled for the episode; unchanged if none was."""
     drawn = world.variation
     if drawn is None or drawn.move_noise is None:
         return moves
@@ -162,7 +162,7 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
-    """Return every agent's discrete actions as continuous ones, with looks in radians. The last row is idle."""
+    """Return each agent's discrete actions (rows) as continuous ones, but looks in radians. The last row is idle."""
     names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))
     table = np.zeros((config.num_agents, len(names) + 1, len(columns)), np.float32)
     for agent, body in enumerate(config.agents):

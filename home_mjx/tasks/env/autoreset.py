@@ -56,11 +56,11 @@ class AutoReset:
         self.bakes = core.bakes
 
     def bind(self, params: EnvParams | HouseBank) -> "Env[AutoReset]":
-        """Return the batch with its parameters: `reset(keys)`, `step(some, actions)`."""
+        """Return the batch with its parameters: `reset(keys)`, `step(some, actions)`; for a bank, without `tasks`."""
         return Env(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
     def template(self, bank: HouseBank) -> Template:
-        """Return the physics template."""
+        """Return the physics template of a bank: the model that all houses of its capacity share."""
         return self.core.template(bank)
 
     def reset(
@@ -98,7 +98,7 @@ class AutoReset:
         return self._store_final(new, self._final_obs(params, stepped, last, new.obs, done))
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """Return the states with recomputed observations."""
+        """Return the states with observations recomputed; all other fields, sensor states included, stay."""
         return jax.vmap(self.core.observe, (None, 0))(params, state)
 
     def _update_and_observe(self, params: EnvParams, state: State) -> State:
@@ -111,7 +111,7 @@ class AutoReset:
         return state, {} if self.final_obs == "none" else self.core._observations(state, snapshot, cast_rays=False)
 
     def _reset_done(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
-        """Return states with the next episode begun where `done`; observations are not updated."""
+        """Return states with the next episode begun where `done`, else unchanged; `obs` and sensors are not updated."""
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
@@ -126,7 +126,7 @@ class AutoReset:
         return jax.vmap(one)(state, done)
 
     def _select_final(self, obs: dict[str, Array]) -> dict[str, Array]:
-        """Return the observations that `final_obs` includes."""
+        """Return a copy of the observations by name, with only those that `final_obs` includes; "none": empty."""
         if self.final_obs == "none":
             return {}
         costly = self._costly_names() if self.final_obs == "cheap" else ()
@@ -143,7 +143,7 @@ class AutoReset:
         obs: dict[str, Array],
         done: Bool[Array, " n"],
     ) -> dict[str, Array]:
-        """Return the observations before the reset: `last` has those that cast no rays."""
+        """Return `final_obs`: where `done` observations before the reset, else `obs`; `last` has those without rays."""
         kept = self._select_final(obs)
         kept |= {name: select_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
         return self._render_final(params, stepped, kept, done) if self.final_obs == "all" and kept else kept

@@ -167,7 +167,7 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
 
 
 def check_sounds(config: EnvConfig, tasks: Any) -> None:
-    """Raise if an environment cannot play the sounds of its tasks.
+    """Raise if an environment cannot play the sounds of its tasks; traced tasks and tasks other than a `TaskBank` pass.
 
     Raises:
         ConfigError: A row has more sounds, or plays another clip, than the environment can play.
@@ -193,7 +193,7 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
 
 
 def check_variation(config: EnvConfig, variation: Variation | None) -> None:
-    """Raise if a variation has no effect, or leads to impossible cameras.
+    """Raise if a variation has no effect, or leads to impossible cameras; None and traced ones pass.
 
     Raises:
         ConfigError: Names the range and the remedy.
@@ -323,7 +323,7 @@ def check_task(task: object, before: Any, after: Any, reward: Any, terminated: A
 
 
 def check_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
-    """Return a task's metrics if they are scalars.
+    """Return a task's metrics unchanged if they are scalars.
 
     Raises:
         ConfigError: A metric is not a scalar.

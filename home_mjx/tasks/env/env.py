@@ -27,7 +27,7 @@ class EnvCore(Protocol):
 
     @property
     def config(self) -> EnvConfig:
-        """Options."""
+        """Options of the environment."""
         ...
 
     @property
@@ -52,23 +52,23 @@ class EnvCore(Protocol):
 
     @property
     def bakes(self) -> tuple[Bake, ...]:
-        """Bakes of houses that sensors and shaders need."""
+        """Bakes (precomputed house data) that sensors and shaders need."""
         ...
 
     def reset(self, params: EnvParams, key: Array, house: Any = None, episode: Any = None) -> State:
-        """Start a new episode."""
+        """Return the first state of a new episode; `house` and `episode`: indices, None samples; see `HouseholdEnv`."""
         ...
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """Run one control step."""
+        """Return the state after one control step; `state` is not changed."""
         ...
 
     def observe(self, params: EnvParams, state: State) -> State:
-        """Return the state with recomputed observations."""
+        """Return the state with observations recomputed; all other fields, sensor states included, stay."""
         ...
 
     def template(self, bank: HouseBank) -> Template:
-        """Return the physics template."""
+        """Return the physics template of a bank: the model that all houses of its capacity share."""
         ...
 
 
@@ -80,8 +80,7 @@ class Env(Generic[C]):
     """A core and its `EnvParams`: `reset(key)` and `step(state, action)`, as in Brax and short scripts.
 
     A jitted caller embeds the bank in its program as a constant, which is wasteful above about 1 GB. Pass large banks
-    as an
-    argument: `jax.jit(env.core.step)(env.params, state, action)`.
+    as an argument: `jax.jit(env.core.step)(env.params, state, action)`.
 
     Attributes:
         core: Functions that take `EnvParams`.
@@ -115,7 +114,7 @@ class Env(Generic[C]):
         return self.core.step(self.params, state, action)
 
     def observe(self, state: State) -> State:
-        """Return the state with recomputed observations."""
+        """Return the state with observations recomputed; all other fields, sensor states included, stay."""
         return self.core.observe(self.params, state)
 
     def with_tasks(self, episodes: Any) -> "Env[C]":
@@ -144,7 +143,7 @@ class Env(Generic[C]):
         return Env(self.core, self.params.replace(variation=to_variation(variation)), self.spec)
 
     def _warn_constant_bank(self, argument: Any) -> None:
-        """Warn once if a large bank becomes a constant: a traced argument means that a program is compiled."""
+        """Warn once if `argument` is traced and the bank is large: it becomes a constant of the compiled program."""
         if self._is_large and isinstance(argument, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
             self._is_large = False  # warn once
             size = bank_bytes(self.params.bank) / 2**30
@@ -161,7 +160,7 @@ class Env(Generic[C]):
 
     @property
     def config(self) -> EnvConfig:
-        """Options."""
+        """Options of the environment."""
         return self.core.config
 
     @property

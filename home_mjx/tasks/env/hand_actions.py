@@ -56,7 +56,7 @@ def decode_hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Ar
 
 
 def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
-    """Return unit directions in which hands aim: the view centre first, then others by increasing angle."""
+    """Return unit directions of hands in the world frame: view centre first, then by angle; see `max_aim_angle`."""
     angle = math.radians(config.max_aim_angle)
     offsets = np.linspace(-angle, angle, NUM_AIM_ANGLES) if angle else np.zeros(1)
     turn, tilt = (x.reshape(-1) for x in np.meshgrid(offsets, offsets))
@@ -68,7 +68,7 @@ def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
 
 
 def is_in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
-    """Return which points each agent's hand can reach, measured from the vertical axis of its body."""
+    """Return which world points [m] are within each agent's reach of the vertical axis of its body, inclusive."""
     half, reach = jnp.array([(body.height / 2, body.reach) for body in config.agents], jnp.float32).T
     offset = point - snapshot.pose.pos[:, None]
     beyond = jnp.maximum(jnp.abs(offset[..., 2]) - half[:, None], 0.0)
@@ -76,7 +76,7 @@ def is_in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 
 
 
 def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bool[Array, "a n"]:
-    """Return which bodies are light enough for each agent's hand."""
+    """Return which bodies (indices; -1: undefined result) are light enough for each agent's hand."""
     if not snapshot.bank.spec.num_bodies:
         return body >= 0
     lift = jnp.array([body.max_lift_mass for body in config.agents], jnp.float32)
@@ -86,7 +86,7 @@ def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"])
 
 
 def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
-    """Return at which points each agent's held object is supported and clear; all if hands aim exactly."""
+    """Return at which points each agent's held object is supported and clear; all True if n is 1 (exact aim)."""
     bank, house, held = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
     if not bank.spec.num_bodies or point.shape[1] == 1:
         return jnp.ones(point.shape[:2], bool)

@@ -127,7 +127,7 @@ class HouseholdEnv:
         return len(self.action_names)
 
     def bind(self, bank: HouseBank | EnvParams) -> "Env[HouseholdEnv]":
-        """Return the environment with its parameters: `reset(key)`, `step(state, action)`.
+        """Return the environment with its parameters; for a bank, with the rows of the task's `task_bank`.
 
         Raises:
             ConfigError: The houses were compiled for another body, see `check_bank`.
@@ -197,15 +197,15 @@ class HouseholdEnv:
         return self._observe(state, self.snapshot(params, state), update=update)
 
     def snapshot(self, params: EnvParams, state: State) -> Snapshot:
-        """Build the snapshot of all agents, as input of tasks and for drawing."""
+        """Return all agents, bodies and sounds at the instant of `state`, as tasks read them and films draw them."""
         return build_snapshot(self.config, params, state.physics, state.world)
 
     def template(self, bank: HouseBank) -> physics.Template:
-        """Return the physics template for banks of this capacity."""
+        """Return the physics template of a bank: the model that all houses of its capacity share; cached."""
         return physics_template(self.config, bank.spec)
 
     def _announce_compile(self, name: str, argument: Any) -> None:
-        """Say once that a function compiles: a traced argument means that it does."""
+        """Print on stderr, once per `name`, that this function compiles; only if `argument` is traced."""
         is_traced = isinstance(argument, jax.core.Tracer)  # pyright: ignore[reportAttributeAccessIssue]
         text = f"compiling {name} (once, about a minute)"
         if is_traced and name not in self._announced and say(text, self.progress):
@@ -316,7 +316,7 @@ class HouseholdEnv:
         return self._select_acting(obs | self._extra_observations(state, snapshot))
 
     def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
-        """Return observations that a subclass adds, each with a leading axis of all agents."""
+        """Return observations that a subclass adds, each with a leading axis of all agents; none here."""
         return {}
 
     def _observation_spec(self) -> Specs:
@@ -343,7 +343,7 @@ class HouseholdEnv:
         return moves, start
 
     def _next_world(self, world: World, moves: DecodedActions, broken: Bool[Array, ""]) -> World:
-        """Return the world after a step, with sounds and reward of the last one."""
+        """Return the world after a step with decoded `moves`; `sounds` and `reward` are still those before it."""
         return world.replace(
             pitch=update_pitch(self.config, world.pitch, moves.look),
             stopped=moves.stopped,
@@ -354,20 +354,20 @@ class HouseholdEnv:
         )
 
     def _idle_agents(self, state: State) -> Any:
-        """Return the agents that stay idle."""
+        """Return a mask of agents that have stopped and stay idle; all False if the task's `stop_is_final` is False."""
         stopped = state.world.stopped
         return stopped if self.task.stop_is_final else jnp.zeros_like(stopped)
 
     def _contact_sounds(
         self, template: physics.Template, before: Any, after: Any, snapshot: Snapshot
     ) -> tuple[Any, Any]:
-        """Return the contact sounds after a step, and whether one found no free slot."""
+        """Return the contact sounds after a step (None if disabled), and whether one found no free slot."""
         if self.config.contact_sounds is None:
             return None, jnp.zeros((), bool)
         return update_contact_sounds(self.config, template, before, after, snapshot)
 
     def _select_acting(self, tree: Any) -> Any:
-        """Drop agents that the task controls, and the agent axis if a single agent acts."""
+        """Return arrays of the acting agents only, the first rows; a single one loses the agent axis."""
         if self.num_agents == 1:
             return jax.tree.map(lambda x: x[0], tree)
         return tree if self.num_agents == self.config.num_agents else jax.tree.map(lambda x: x[: self.num_agents], tree)

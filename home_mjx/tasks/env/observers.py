@@ -188,47 +188,47 @@ class ObserverGroup(Observer):
                 raise
 
     def on_run_start(self, start: RunStart) -> None:
-        """Call all observers."""
+        """Call `on_run_start` of all observers, in order."""
         for observer in self.observers:
             observer.on_run_start(start)
 
     def on_phase(self, name: str, note: str = "") -> None:
-        """Call all observers."""
+        """Call `on_phase` of all observers, in order."""
         for observer in self.observers:
             observer.on_phase(name, note)
 
     def on_update(self, count: int) -> None:
-        """Call all observers."""
+        """Call `on_update` of all observers, in order."""
         for observer in self.observers:
             observer.on_update(count)
 
     def on_episode_start(self, start: EpisodeStart) -> None:
-        """Call all observers."""
+        """Call `on_episode_start` of all observers, in order."""
         for observer in self.observers:
             observer.on_episode_start(start)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Call all observers."""
+        """Call `on_episode_step` of all observers, in order."""
         for observer in self.observers:
             observer.on_episode_step(step)
 
     def on_episode_end(self, result: EpisodeResult) -> None:
-        """Call all observers."""
+        """Call `on_episode_end` of all observers, in order."""
         for observer in self.observers:
             observer.on_episode_end(result)
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Call all observers."""
+        """Call `on_log` of all observers, in order."""
         for observer in self.observers:
             observer.on_log(line)
 
     def on_checkpoint(self, path: Path, steps: int) -> None:
-        """Call all observers."""
+        """Call `on_checkpoint` of all observers, in order."""
         for observer in self.observers:
             observer.on_checkpoint(path, steps)
 
     def write(self, folder: Path) -> None:
-        """Write the files of all observers."""
+        """Call `write` of all observers with the same folder, in order."""
         for observer in self.observers:
             observer.write(folder)
 
@@ -258,7 +258,7 @@ def register_observer(name: str, make_observer: Callable[[], Observer]) -> None:
 
 
 def find_observer(name: str) -> Observer:
-    """Make the observer of a name.
+    """Make a new observer by its registered name, or by that of an installed entry point.
 
     Raises:
         UnknownNameError: No observer has this name.

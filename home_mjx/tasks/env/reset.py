@@ -103,7 +103,7 @@ def init_physics_and_world(
 
 
 def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, world: World) -> Snapshot:
-    """Build the snapshot that tasks and sensors read."""
+    """Build the snapshot that tasks and sensors read from a physics state and the rest of the same state, `world`."""
     template, drawn = physics_template(config, params.bank.spec), world.variation
     pos, yaw = physics.agent_pose(template, data)
     bodies, turned = physics.body_pose(template, data), jax.vmap(yaw_quat)(yaw)
@@ -137,7 +137,7 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
 
 
 def physics_template(config: EnvConfig, spec: BankSpec) -> physics.Template:
-    """Return the physics template for banks of a capacity."""
+    """Return the physics template for banks of a capacity, made once and cached."""
     return _cached_template(config.physics_setup, spec)
 
 
@@ -149,19 +149,19 @@ def _cached_template(config: physics.PhysicsSetup, spec: BankSpec) -> physics.Te
 
 
 def weights_flag(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array, ""]:
-    """Return the flag `WEIGHTS` if a row was sampled by weights, none of which is usable."""
+    """Return the flag `WEIGHTS` if a row was sampled by weights, none of which is usable; else 0."""
     if isinstance(tasks, TaskBank) and tasks.weights is not None and episode is None:
         return status_flags(WEIGHTS=~tasks.has_weight())
     return jnp.zeros((), jnp.int32)
 
 
 def is_sequential(tasks: Episodes | TaskBank | None) -> bool:
-    """Return whether batches use rows in order instead of sampling them."""
+    """Return whether batches use rows in order instead of sampling them; False without rows."""
     return tasks is not None and not (isinstance(tasks, TaskBank) and tasks.weights is not None)
 
 
 def _pick_row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
-    """Return index and content of the episode's row; -1 and None without `tasks`, when `episode` must be None."""
+    """Return the index as given or sampled, and the row at it modulo their number; -1 and None without `tasks`."""
     if tasks is None:
         if episode is not None:
             hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."

@@ -117,7 +117,7 @@ def read_origin(path: str | Path) -> StateOrigin:
 
 
 def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
-    """Load the states and actions that `dump_flagged` has written.
+    """Load the states before the flagged step and their actions, as `dump_flagged` has written them.
 
     Args:
         path: The file.
@@ -135,7 +135,7 @@ def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
 
 
 def load_states(path: str | Path, env: Env) -> State:
-    """Load states that `save_states` has written.
+    """Load states that `save_states` has written, as a batch even if it is one state; `info` is empty.
 
     Args:
         path: The file.
@@ -165,7 +165,7 @@ def load_states(path: str | Path, env: Env) -> State:
 
 
 def _origin(env: Env | None) -> dict[str, np.ndarray]:
-    """Return the arrays of `read_origin`, without the spec if an option exists in memory only."""
+    """Return the arrays that `read_origin` reads: empty without `env`, no spec if an option exists in memory only."""
     spec, houses = "", () if env is None else env.bank.house_ids
     if env is not None and env.spec is not None:
         with suppress(ConfigError):

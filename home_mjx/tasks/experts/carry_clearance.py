@@ -15,9 +15,7 @@ from home_mjx.tasks.sensors.reachability import MAX_HAND_ANGLE, box_distances, o
 
 NUM_TURN_SAMPLES = 8  # samples of a turn that are checked for collisions
 MAX_OVERSHOOT = 0.4  # [rad], maximum overshoot that is corrected by turning back
-MAX_FIELD_DISPLACEMENT = (
-    0.5  # [m], maximum displacement of an object at which the field to its initial position is still used
-)
+MAX_FIELD_DISPLACEMENT = 0.5  # [m], maximum displacement of an object whose initial position's field is still used
 MIN_DROPPED_DISPLACEMENT = 0.05  # [m], minimum displacement of an object that has been held before
 MIN_PICK_DISTANCE, MAX_PICK_DISTANCE = 0.4, 0.9  # [m], range of distances from which agents pick up objects
 OBSTACLE_CLEARANCE = 0.05  # [m], clearance between a carried object and obstacles
@@ -61,7 +59,7 @@ def pick_distance(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Arra
 
 
 def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
-    """Return the radius in the plan of the object that an agent carries [m]; 0 if it carries nothing."""
+    """Return the horizontal radius of an agent's carried object, plus `OBSTACLE_CLEARANCE` [m]; 0 if there is none."""
     body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
     radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
     return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(OBSTACLE_CLEARANCE), 0.0)
@@ -86,7 +84,7 @@ def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Ar
 
 
 def would_collide(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether the object that an agent carries would be too close to obstacles at some positions.
+    """Return whether an agent's carried object would be too close to obstacles at positions; False if it has none.
 
     Its height stays as it is now.
 
@@ -125,7 +123,7 @@ def choose_clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Ar
 
 
 def reverse_turns(turn: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Return turns with the same final heading in the opposite direction [rad]."""
+    """Return turns with the same final heading in the opposite direction [rad]; 0 stays 0."""
     return turn - jnp.sign(turn) * jnp.float32(2 * math.pi)
 
 
@@ -146,7 +144,7 @@ def resolve_turns(
 
 
 def _turn_direction(snapshot: Snapshot) -> Float[Array, " a"]:
-    """Return the direction of agents' turns in the last step: 1 to the left, -1 to the right, 0 neither."""
+    """Return the direction of agents' turns in the last action: 1 to the left, -1 to the right, 0 neither."""
     names, action = action_names(snapshot.config), snapshot.action
     if snapshot.config.discrete is None:
         return jnp.round(action[:, names.index("turn_left")])

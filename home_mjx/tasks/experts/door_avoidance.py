@@ -21,15 +21,13 @@ PATIENCE_PERIOD, NUM_IMPATIENT_STEPS = 200, 40
 CARRY_COST_FACTOR = 1.5  # cost factor where a carried object collides; small, because fields of rows ignore it
 OPEN_DISTANCE = 0.4  # [m], distance of a shut leaf at which an agent with hands opens it
 CARRY_OPEN_DISTANCE = 0.95  # [m], the same for an agent that carries something, so that the leaf swings clear
-SWING_CLEARANCE_ANGLE = (
-    0.35  # [rad], angle from the leaf's current direction at which an agent is clear of it and can reach it
-)
+SWING_CLEARANCE_ANGLE = 0.35  # [rad], angle from the leaf at which an agent is clear of it and can reach it
 
 
 def leaf_distances(
     snapshot: Snapshot, place: Float[Array, "n 3"], selected: Bool[Array, " h"] | None = None
 ) -> Float[Array, " n"]:
-    """Return distances of agent centres at some positions to the nearest leaf of their level at its current angle [m].
+    """Return horizontal distances of positions to the nearest leaf as high as the agent [m]; inf without one.
 
     Args:
         snapshot: The environment.
@@ -62,7 +60,7 @@ def _leaf_offsets(
 def _is_as_high(
     snapshot: Snapshot, rise: Float[Array, "n h"], half: Float[Array, "#n h"] | float
 ) -> Bool[Array, "n h"]:
-    """Return whether agents meet boxes in height.
+    """Return whether upright boxes overlap an agent's height range.
 
     Args:
         snapshot: The environment.
@@ -73,14 +71,14 @@ def _is_as_high(
 
 
 def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether agents at these positions [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
+    """Return whether the body of an agent at each position [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
     return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
 
 
 def cost_factors(
     snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, ""] | None = None
 ) -> Float[Array, " n"]:
-    """Return cost factors of path length at some positions, from leaves, agents and furniture at their current poses.
+    """Return cost factors (1: free) of path length at positions, from present leaves, agents and the carried object.
 
     Leaves cost nothing in the last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`.
 
@@ -176,7 +174,7 @@ def _house_leaves(snapshot: Snapshot) -> DoorLeaves:
 
 
 def _swing_angles(snapshot: Snapshot, leaves: DoorLeaves) -> tuple[Float[Array, " h"], Float[Array, " h"]]:
-    """Return current directions of leaves, and their angles until they are wide open [rad]."""
+    """Return world headings of leaves from hinge to free edge, and signed angles until they are wide open [rad]."""
     now = jnp.arctan2(leaves.arm[:, 1], leaves.arm[:, 0]) + snapshot.door_angle
     return now, snapshot.bank.physics.door_fully_open[snapshot.house] - snapshot.door_angle
 
@@ -196,7 +194,7 @@ def _hinge_coordinates(
 
 
 def _edge_positions(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Array, " a"]) -> Float[Array, "a 2"]:
-    """Return positions at a distance beyond the free edges of leaves, a little to their opening side [m]."""
+    """Return positions `spare` [m] beyond the free edge of a leaf per agent, a little to its opening side [m]."""
     leaves = _house_leaves(snapshot)
     now, opens = _swing_angles(snapshot, leaves)
     angle = now + jnp.sign(opens) * SWING_CLEARANCE_ANGLE

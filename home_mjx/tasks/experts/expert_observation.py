@@ -56,7 +56,7 @@ class ExpertObservationEnv(HouseholdEnv):
 
 
 def add_expert(env: Env[HouseholdEnv]) -> Env[HouseholdEnv]:
-    """Return an environment with the same houses and tasks and expert actions, see `ExpertObservationEnv`."""
+    """Return an environment with expert actions, see `ExpertObservationEnv`; unchanged if it has them."""
     return (
         env if isinstance(env.core, ExpertObservationEnv) else Env(ExpertObservationEnv(env.core), env.params, env.spec)
     )

@@ -80,7 +80,7 @@ def circle_distance(
 
 
 def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether an agent can walk straight to a position [m], from `NUM_SEGMENT_SAMPLES` points between."""
+    """Return whether `NUM_SEGMENT_SAMPLES` points straight to a position [m] are walkable, leaves and agents aside."""
     free, _, _ = _check_segments(snapshot, agent, place[None])
     return free[0]
 

@@ -20,9 +20,7 @@ from home_mjx.tasks.sensors.reachability import MIN_VISIBLE_POINTS, RAY_TOLERANC
 
 MAX_AIM_ERROR = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
 STEPS_PER_AIM = 24  # [steps] with one choice of aim point
-RETREAT_PERIOD = (
-    96  # [steps], period; in its last `STEPS_PER_AIM` steps an agent moves away, because its attempts have failed
-)
+RETREAT_PERIOD = 96  # [steps]; in its last `STEPS_PER_AIM` steps an agent moves away, because its attempts have failed
 AIM_VARIATION = 0.3  # [rad], amplitude of the variation of aim points between attempts
 GOLDEN_ANGLE = 2.4  # [rad], angle between successive directions of moving away
 
@@ -41,7 +39,7 @@ class GraspPlan(Pytree):
 def plan_grasp(
     snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], box: Float[Array, "a 2 3"]
 ) -> GraspPlan:
-    """Return hand commands for the current stage, and the aim for them.
+    """Return hand commands for the current stage, and the aim for them; the stage's guide is its target descriptor.
 
     Args:
         snapshot: The environment.
@@ -86,7 +84,7 @@ def plan_retreat(
 
 
 def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: Bool[Array, " a"]) -> Array:
-    """Add hand commands to actions.
+    """Return actions with hand commands, which replace discrete moves; others stay.
 
     Args:
         config: Options.
@@ -103,7 +101,7 @@ def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: 
 
 
 def add_door_commands(config: EnvConfig, actions: Array, opens: Bool[Array, " a"]) -> Array:
-    """Add commands to open the door in view to the actions of some agents."""
+    """Return actions that open the door in view where `opens`; other agents' actions stay, but turn no door."""
     names = action_names(config)
     if config.discrete is not None:
         return jnp.where(opens, names.index("open"), actions).astype(jnp.int32)
@@ -121,7 +119,7 @@ def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
 def _pending_commands(
     state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
 ) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
-    """Return whether the current stage needs the guide's object picked up, or the held object put down."""
+    """Return whether the stage needs its guide's (descriptor index) object picked up, or the held object put down."""
     program, stage = state.program, state.stage
 
     def leads_on(values: Array) -> Bool[Array, ""]:
@@ -141,7 +139,7 @@ def _pending_commands(
 def _pick_candidates(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Return points of the nearest object [m], and which of them are visible and within reach."""
+    """Return points of the nearest object [m], and which are visible and in reach; none if too few of it are."""
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
     points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
     way = points - eyes[:, None]
@@ -184,7 +182,7 @@ def _place_candidates(
 def _best_aim(
     snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
-    """Return turn and tilt to the best aim point [rad], and whether their error is at most `most`.
+    """Return turn and tilt to the best aim point [rad], and whether a usable point has an error of at most `most`.
 
     Discrete actions turn and tilt by whole steps: the usable point with the smallest remaining error is preferred.
     """

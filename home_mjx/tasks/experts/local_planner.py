@@ -8,10 +8,8 @@ from jaxtyping import Array, Bool, Float, Int
 HALF_WIDTH = 14  # [cells], from the centre of a window to its edge; enough to get round a leaf
 WIDTH = 2 * HALF_WIDTH + 1
 NUM_RELAXATIONS = 64  # [cells], maximum length of a path within a window
-DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = (
-    0.05,
-    20.0,
-)  # cost of distance to the end [cells/m], and the distance up to which it counts [m]
+# Cost of distance to the end [cells/m], and the distance up to which it counts [m].
+DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = 0.05, 20.0
 # [m], extra distance of an exit of the window that is farther from the end than its centre: agents would turn round at
 # a leaf in the way, lose sight of it, and come back.
 RETREAT_COST = 100.0
@@ -24,7 +22,7 @@ OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
 
 
 def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Array, "n 3"], Bool[Array, " n"]]:
-    """Return level, row and column of the cells around a cell, clipped to the grid, and which are inside it."""
+    """Return (level, row, column) of `WIDTH` x `WIDTH` cells around `at`, clipped to the grid, and which are inside."""
     y, x = (
         a.reshape(-1)
         for a in np.meshgrid(
@@ -84,12 +82,12 @@ def _step_lengths(
 
 
 def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
-    """Return which of the 3 × 3 cells around each cell are a step of an agent away, in height."""
+    """Return which of the 3 × 3 cells around each differ from it in height [m] by at most `MAX_STEP_RISE`."""
     return jnp.abs(_neighbours(height, jnp.inf) - height) <= jnp.float32(MAX_STEP_RISE)
 
 
 def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
-    """Return row and column of the walkable cell that is nearest to the centre of a window.
+    """Return row and column, in the window, of the walkable cell nearest to its centre.
 
     An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside.
 
@@ -124,7 +122,7 @@ def descend_window(
 
 
 def _lowest_neighbour(far: Float[Array, "w w"], height: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
-    """Return the cell with the smallest distance among a cell and its neighbours as high."""
+    """Return row and column of the lowest distance among a cell and its neighbours as high; the cell itself on ties."""
     around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
     rise = jnp.abs(height[around[:, 0], around[:, 1]] - height[at[0], at[1]])
     known = jnp.where(rise <= jnp.float32(MAX_STEP_RISE), far[around[:, 0], around[:, 1]], jnp.inf)
@@ -137,6 +135,6 @@ def _offset_index(y: int, x: int) -> int:
 
 
 def _neighbours(values: Array, beyond: float | bool) -> Array:
-    """Stack the values of the 3 × 3 cells around each cell, in the order of `OFFSETS`."""
+    """Stack the values of the 3 × 3 cells around each cell, in the order of `OFFSETS`; `beyond` outside the window."""
     wide = jnp.pad(values, 1, constant_values=beyond)
     return jnp.stack([wide[y + 1 : y + 1 + WIDTH, x + 1 : x + 1 + WIDTH] for y, x in OFFSETS.tolist()])

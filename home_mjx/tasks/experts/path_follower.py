@@ -187,7 +187,7 @@ def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureVal
 
 
 def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only time."""
+    """Return whether a transition of the current stage needs only time, and none is taken now; same for all agents."""
     later = values.at[Feature.TIME].set(jnp.inf)
     after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, later))
     quiet = take_transition(state.program, state.stage, evaluate_conditions(state.program, values))[2]
@@ -195,7 +195,7 @@ def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only the `stop` of each agent."""
+    """Return whether a transition of the current stage needs only `stop` of each agent, and none is taken now."""
     program = state.program
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
@@ -209,8 +209,7 @@ def heading_to_target(
     """Return the heading of the shortest path to a descriptor's target [rad], and whether the path ends here.
 
     Each agent can walk straight along it, see `descend_field`; inside a target room it walks on. The field of a dropped
-    object is
-    outdated: agents head for its current position.
+    object is outdated: agents head for its current position.
 
     Args:
         snapshot: The environment.
@@ -266,7 +265,7 @@ def to_actions(
     hold: Bool[Array, " a"],
     stop: Bool[Array, " a"],
 ) -> Array:
-    """Return actions that turn by `error` to the left and tilt by `tilt` up [rad] and, unless `hold`, walk forward."""
+    """Return actions that turn left by `error`, tilt up by `tilt` [rad] and, unless `hold` or `stop`, walk forward."""
     if config.discrete is None:
         return _continuous(config, error, tilt, hold, stop)
     return _discrete(config, error, tilt, hold, stop)

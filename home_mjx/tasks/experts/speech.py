@@ -14,7 +14,7 @@ REPEAT_PERIOD = 4  # [steps] between words of an informed agent, which walks out
 
 
 def insert_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
-    """Replace actions by words where it is time to speak.
+    """Return actions, with the speech action (index) of its next word for each agent that should speak now.
 
     Args:
         snapshot: The environment.
@@ -46,7 +46,7 @@ def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "featur
 
 
 def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether the current stage is the last one and needs only the answer."""
+    """Return whether the current stage is the last one and needs only that an agent says the answer; same for all."""
     program = state.program
     said = values.at[Feature.SAID].set(state.speech.answer.astype(jnp.float32))
     after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))

@@ -27,7 +27,7 @@ ADJECTIVE_ORDER = (Attribute.SIZE, Attribute.COLOR, Attribute.MATERIAL)
 
 
 def attribute_text(word: Attribute, value: int) -> str:
-    """Return the token text of a word's value.
+    """Return the word of the tasks' language for a value (index in its vocabulary) of an attribute.
 
     Example:
         >>> attribute_text(Attribute.SIZE, 3)
@@ -37,7 +37,7 @@ def attribute_text(word: Attribute, value: int) -> str:
 
 
 def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
-    """Return a noun phrase for the objects that have all of these words.
+    """Return a noun phrase for objects with these attribute values; "thing" without a category.
 
     Example:
         >>> noun_phrase({Attribute.COARSE: 11, Attribute.SIZE: 3, Attribute.ROOM_TYPE: 1})
@@ -52,19 +52,19 @@ def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
 
 
 def select_matching(things: Sequence[HouseObject], meant: dict[Attribute, int]) -> list[HouseObject]:
-    """Select the objects that have all of the given words."""
+    """Select the objects that have all of these attribute values, in their order; all objects if `meant` is empty."""
     table = _semantic_table(things)
     having = np.logical_and.reduce([np.ones(len(things), bool), *(_have(table, *word) for word in meant.items())])
     return [thing for thing, is_meant in zip(things, having, strict=True) if is_meant]
 
 
 def _semantic_table(things: Sequence[HouseObject]) -> Int[np.ndarray, "n columns"]:
-    """Stack the semantic rows of objects."""
+    """Stack the semantic rows of objects (one per object, columns `Semantic`)."""
     return np.array([thing.semantics for thing in things]).reshape(len(things), len(Semantic))
 
 
 def _have(table: Int[np.ndarray, "n columns"], word: Attribute, value: int) -> Bool[np.ndarray, " n"]:
-    """Return which rows have a word's value: any of their main colours, any label of their room."""
+    """Return which rows have an attribute's value: any of their main colours, any label of their room."""
     if word == Attribute.ROOM_TYPE:
         labels = table[:, Semantic.ROOM_LABELS]
         return (labels > 0) & (labels >> value & 1 > 0)
@@ -77,7 +77,7 @@ def _have(table: Int[np.ndarray, "n columns"], word: Attribute, value: int) -> B
 def draw_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, random: np.random.Generator
 ) -> dict[Attribute, int] | None:
-    """Return a smallest set of words that identifies an object; None if there is no such set.
+    """Return a smallest set of attribute values that identifies `thing` among `things`; None if there is no such set.
 
     Among several smallest sets one is drawn at random.
     """
@@ -88,7 +88,7 @@ def draw_identifying_words(
 def minimal_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:
-    """Return all smallest sets of words that identify an object: category and attributes from `telling`; [] if none."""
+    """Return all smallest sets of values that identify an object: category, attributes from `telling`; [] if none."""
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     peers = _semantic_table(select_matching(things, noun))
@@ -111,12 +111,12 @@ def minimal_identifying_words(
 
 
 def _naming_values(thing: HouseObject, word: Attribute) -> tuple[int, ...]:
-    """Return the values by which a word may name an object: its main one, or any label of its room."""
+    """Return values of an attribute that may name an object: its main one, or any label of its room."""
     return thing.room_types if word == Attribute.ROOM_TYPE else (thing.semantic(SEMANTIC_COLUMN[word]),)
 
 
 def describe_goal(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:
-    """Return the instruction of a row; without one, a phrase for its descriptors.
+    """Return the instruction of a row; if its tokens are all padding, the task and a phrase for its descriptors.
 
     Args:
         task: Name of the task.

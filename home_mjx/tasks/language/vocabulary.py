@@ -26,7 +26,7 @@ NAME_COLUMNS = (Semantic.COARSE, Semantic.FINE, Semantic.COLOR, Semantic.MATERIA
 
 
 def to_word(name: str) -> str:
-    """Return the word for a name of a semantic vocabulary.
+    """Return the word for a name of a semantic vocabulary: in lower case, spaces as underscores.
 
     Example:
         >>> to_word("Living_Room"), to_word("decoration stone")

@@ -15,7 +15,7 @@ from home_mjx.tasks.suite.point_nav import PointNavState
 
 
 def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return the cells of a storey that hold the goal of the present stage: its rooms, objects, point or agent.
+    """Return a mask of a storey's cells that hold the goal of the present stage: its rooms, objects, point or agent.
 
     Args:
         snapshot: The environment.
@@ -38,7 +38,7 @@ def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Arr
 
 
 def _point_cell(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return the cell of a point on a floor [m]; no cell if it is inf."""
+    """Return a mask of the cell of a point on a floor [m]; all False if it is inf or on another storey."""
     bank = snapshot.bank
     known = jnp.all(jnp.isfinite(point))
     at = cell_at_feet(bank, snapshot.house, jnp.where(known, point, 0.0))
@@ -47,7 +47,7 @@ def _point_cell(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, 
 
 
 def _object_cells(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Rasterize the present bounds of objects in plan: differences at their corners, summed along both axes."""
+    """Return a mask of cells under the present bounds of objects on a level (differences at corners, summed twice)."""
     bank, house, boxes = snapshot.bank, snapshot.house, current_boxes(snapshot)
     rows, columns = bank.navigation.room.shape[2:]
     boxes = jnp.where(meant[:, None, None], boxes, 0.0)

@@ -14,7 +14,7 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 def chance_accuracy(tasks: TaskBank) -> float:
-    """Return the accuracy of drawing at random among the answers that each question has in these tasks."""
+    """Return the accuracy of drawing uniformly among the answers of each question here; `ConfigError` without any."""
     texts, answers = _questions_and_answers(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)
     for text, answer in zip(texts, answers.tolist(), strict=True):
@@ -49,7 +49,7 @@ def prior_accuracy(train_tasks: TaskBank, test_tasks: TaskBank) -> float:
 
 
 def _questions_and_answers(tasks: TaskBank) -> tuple[list[bytes], Int[np.ndarray, " t"]]:
-    """Return the texts and the answers of the rows that ask a question; `ConfigError` if there are none."""
+    """Return the texts (tokens as bytes) and answers (tokens) of rows with a question; `ConfigError` without any."""
     tokens, answers = (np.asarray(tasks.rows.columns[name]) for name in ("tokens", "answer"))
     if not (answers >= 0).any():
         raise ConfigError("no row asks a question", hint="Give rows of HouseQA or VQA.")

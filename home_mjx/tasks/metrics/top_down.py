@@ -59,7 +59,7 @@ class TopDownMap(Pytree):
 
 
 def update_map_memory(snapshot: Snapshot, memory: MapMemory | None = None) -> MapMemory:
-    """Update the map memory; to be called after each reset and step, for one environment, inside `jit`.
+    """Return the updated map memory; to be called after each reset and step, for one environment, inside `jit`.
 
     Args:
         snapshot: The environment. At the first step of an episode, also after an automatic reset, memory is cleared.
@@ -128,7 +128,7 @@ def _on_level(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*
 
 
 def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
-    """Return the cells on the straight line from each agent's previous position to the present one."""
+    """Return a mask of cells on the straight line from each agent's previous position to the present one."""
     bank, house, config = snapshot.bank, snapshot.house, snapshot.config
     way = max(body.forward_speed for body in config.agents) * config.timing.ctrl_dt
     parts = jnp.linspace(0, 1, 2 + math.ceil(2 * way / bank.spec.cell))
@@ -143,7 +143,7 @@ def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, 
 
 
 def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
-    """Return the cells seen at eye height: unoccluded, within the horizontal field of view and `max_depth`."""
+    """Return a mask of cells seen at eye height: unoccluded, within the horizontal field of view and `max_depth`."""
     bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
     levels, rows, columns = bank.navigation.room.shape[1:]
     half = math.atan(math.tan(math.radians(config.fovy) / 2) * config.width / config.height)

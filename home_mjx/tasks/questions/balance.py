@@ -74,7 +74,7 @@ def _split_blocks(rows: list[FeasibleRow], random: np.random.Generator) -> list[
 
 
 def _unify_wording(block: Block, random: np.random.Generator) -> Block:
-    """Assign the same wording to all rows of a block, so that wording does not predict the answer either."""
+    """Return a block's rows with one wording, drawn from those of its first row: it must not predict the answer."""
     texts = (block[0].row.tokens, *block[0].row.paraphrases)
     tokens = texts[int(random.integers(len(texts)))]
     return [replace(row, row=replace(row.row, tokens=tokens)) for row in block]

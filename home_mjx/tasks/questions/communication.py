@@ -44,12 +44,12 @@ class Communication(NavigationTask):
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """Names of rooms."""
+        """Actions that say the name of a room type, one per type."""
         return tuple(f"say:{to_word(kind)}" for kind in ROOM_TYPES)
 
     @property
     def speech_observations(self) -> tuple[str, ...]:
-        """The other agent's word, unless words are sounds."""
+        """Name of the observation of the other agent's last word; none if words are sounds."""
         return ("heard_words",) if self.channel == "discrete" else ()
 
     @property

@@ -33,7 +33,7 @@ class Dialogue(NavigationTask):
     """Task of going to one of several objects of a category, and looking at it; an oracle describes it.
 
     Agents ask by saying `colour`, `size`, `material`, `room` or `on`. The oracle's one-word answer is the observation
-    `reply_word` after that step. Each question costs `question_cost`.
+    `reply` after that step. Each question costs `question_cost`.
 
     Attributes:
         success_distance: Maximum distance from the object [m].
@@ -47,12 +47,12 @@ class Dialogue(NavigationTask):
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """Questions that agents can ask."""
+        """Actions that ask the oracle: `say:` and colour, size, material, room or on."""
         return tuple(f"say:{word}" for word in (*QUESTION_WORDS.values(), "on"))
 
     @property
     def speech_observations(self) -> tuple[str, ...]:
-        """The oracle's reply."""
+        """Name of the observation of the oracle's reply: `reply`."""
         return ("reply",)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
@@ -68,7 +68,7 @@ class Dialogue(NavigationTask):
                 yield self._row(view.objects, thing, words, random)
 
     def _is_apart(self, thing: HouseObject, things: Sequence[HouseObject]) -> bool:
-        """Return whether no place is within `success_distance` of both this object and a peer of its category."""
+        """Return whether `thing` has peers of its category, all more than twice `success_distance` away."""
         peers = [other for other in things if noun(other) == noun(thing) and other.object_id != thing.object_id]
         return bool(peers) and min(gap_between(thing, other) for other in peers) > 2 * self.success_distance
 
@@ -96,13 +96,13 @@ class Dialogue(NavigationTask):
 
 
 def reply_word(thing: HouseObject, word: Attribute) -> str:
-    """Return the oracle's word for a property of an object; of several colours the main one, of labels the first."""
+    """Return the oracle's word for an attribute; the main colour, the first room label, or `UNKNOWN`."""
     value = thing.semantic(SEMANTIC_COLUMN[word])
     return attribute_text(word, value) if value >= 0 else UNKNOWN
 
 
 def support_word(things: Sequence[HouseObject], thing: HouseObject) -> str:
-    """Return the oracle's word for the object or surface that supports an object; `UNKNOWN` without a known support."""
+    """Return the category of the object that supports `thing`, else the surface's name; `UNKNOWN` if not known."""
     support = thing.semantic(Semantic.SUPPORT)
     if support < 0:
         return UNKNOWN

@@ -52,7 +52,7 @@ class QuestionTask(RowTask):
 
     @property
     def name(self) -> str:
-        """Name of the task."""
+        """Name of the task: that of its class."""
         return type(self).__name__
 
     @property
@@ -62,15 +62,15 @@ class QuestionTask(RowTask):
 
     @property
     def generators(self) -> tuple[TaskGenerator, ...]:
-        """The task itself."""
+        """Generators of the task's rows: the task itself."""
         return (self,)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield the questions that a house can answer."""
+        """Yield a row for each question that a house can answer; a subclass must implement it."""
         raise NotImplementedError
 
     def select_rows(self, drawn: list[FeasibleRow], num_tasks: int, random: np.random.Generator) -> list[FeasibleRow]:
-        """Select rows such that each question occurs equally often with each of its answers."""
+        """Select at most `num_tasks` rows per house, so that a question occurs equally often with each answer."""
         return balance_rows(drawn, num_tasks, random)
 
 
@@ -123,6 +123,6 @@ class HouseQA(QuestionTask):
 
 
 def answer_transitions(answer: int, reward: float) -> tuple[Transition, Transition]:
-    """Return the transitions for the correct answer, and for any other."""
+    """Return the transitions to SUCCESS for the correct answer (a token), and to FAILURE for any other word."""
     right = Condition(Feature.SAID, minimum=answer, maximum=answer)
     return Transition(SUCCESS, (right,), reward=reward), Transition(FAILURE, (ANY_ANSWER,))

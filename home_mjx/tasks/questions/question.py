@@ -62,7 +62,7 @@ def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def noun(thing: HouseObject) -> str:
-    """Return the name of an object's coarse category."""
+    """Return the name of an object's coarse category, as in `COARSE`."""
     return COARSE[thing.semantic(Semantic.COARSE)]
 
 
@@ -87,7 +87,7 @@ def indefinite_noun(name: str) -> str:
 def identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, without: Sequence[Attribute] = ()
 ) -> list[dict[Attribute, int]]:
-    """Return the smallest sets of words that identify an object and are known of all objects of its category.
+    """Return the smallest sets of values that identify an object, of attributes known for its whole category; or [].
 
     Args:
         things: Objects among which it is identified.
@@ -110,5 +110,5 @@ def unique_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
 
 
 def is_on(thing: HouseObject, other: HouseObject) -> bool:
-    """Return whether an object rests on another one."""
+    """Return whether `thing` rests on `other`, by its semantics."""
     return thing.semantic(Semantic.SUPPORTER) == other.object_id

@@ -64,12 +64,12 @@ def attribute_questions(
 
 
 def unique_rooms(view: HouseView) -> list[tuple[int, int]]:
-    """Return index and type of the rooms that are unique in a type; a room with several labels once per label."""
+    """Return (room, index into ROOM_TYPES) for each type that exactly one room has; a room of several types repeats."""
     return [(rooms[0], kind) for kind, rooms in view.rooms_by_type.items() if len(rooms) == 1]
 
 
 def count_in_rooms(view: HouseView) -> Iterator[tuple[str, int, int]]:
-    """Yield an object category, a room type, and the number of objects of the category in that room.
+    """Yield a category, a room type (index into ROOM_TYPES), and the number of its objects in that room, 0 included.
 
     Only for rooms that are unique in their type, and for categories whose objects are all visible and in a room.
     """
@@ -86,7 +86,7 @@ def _is_in_room(thing: HouseObject) -> bool:
 
 
 def existence_questions(view: HouseView) -> Iterator[Question]:
-    """Yield questions about the presence of a category in a room."""
+    """Yield yes-no questions about the presence of a category in a room, for each of `count_in_rooms`."""
     for category, kind, number in count_in_rooms(view):
         place = to_word(ROOM_TYPES[kind])
         texts = (
@@ -97,7 +97,7 @@ def existence_questions(view: HouseView) -> Iterator[Question]:
 
 
 def count_questions(view: HouseView) -> Iterator[Question]:
-    """Yield questions about the number of objects of a category in a room."""
+    """Yield questions about the number of a category's objects in a room, where it is 1 to `MAX_COUNT`."""
     for category, kind, number in count_in_rooms(view):
         if 1 <= number <= MAX_COUNT:
             place, thing = to_word(ROOM_TYPES[kind]), to_word(category)
@@ -106,7 +106,7 @@ def count_questions(view: HouseView) -> Iterator[Question]:
 
 
 def comparison_questions(view: HouseView) -> Iterator[Question]:
-    """Yield questions that compare two objects by size or by colour."""
+    """Yield yes-no questions that compare two `unique_objects`, by clearly different volume or by main colour."""
     own = unique_objects(view.objects)
     for a, b in permutations(own, 2):
         ratio = volume(a) / volume(b)
@@ -127,7 +127,7 @@ def comparison_questions(view: HouseView) -> Iterator[Question]:
 
 
 def relation_questions(view: HouseView) -> Iterator[Question]:
-    """Yield questions about the objects on a support, and about the proximity of two objects."""
+    """Yield questions on what an object carries, and whether two `unique_objects` are near; not for doubtful gaps."""
     bearers = {thing.semantic(Semantic.SUPPORTER) for thing in view.objects}
     for thing in askable_objects(view.objects):
         if thing.object_id in bearers:
@@ -157,7 +157,7 @@ def _support_questions(view: HouseView, thing: HouseObject, words: dict[Attribut
 
 
 def definite_noun(thing: HouseObject) -> str:
-    """Return a noun phrase for an object that is the only one of its category.
+    """Return `the` and the category's word, for an object that is the only one of its category.
 
     Example:
         >>> definite_noun(thing)  # doctest: +SKIP
@@ -182,7 +182,7 @@ def volume(thing: HouseObject) -> float:
 
 
 def gap_between(a: HouseObject, b: HouseObject) -> float:
-    """Compute the gap between the bounds of two objects [m]."""
+    """Compute the minimum distance between the world bounds of two objects [m]; 0 if they touch or overlap."""
     return float(np.linalg.norm(np.maximum(np.maximum(a.box[0] - b.box[1], b.box[0] - a.box[1]), 0)))
 
 

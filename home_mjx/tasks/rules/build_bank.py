@@ -75,7 +75,7 @@ class TaskGenerator(Protocol):
         ...
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield the tasks of one house, in random order and as many as it has."""
+        """Yield the tasks of one house in random order, all or endlessly: the caller takes as many as it needs."""
         ...
 
 
@@ -222,7 +222,7 @@ def _filter_rows(generators: Sequence[TaskGenerator], columns: list[dict]) -> li
 def _drop_unused_fields(
     rows: list[FeasibleRow], fields: dict[int, np.ndarray]
 ) -> tuple[list[FeasibleRow], dict[int, np.ndarray]]:
-    """Drop distance fields that no row uses, and renumber the rows' `field` columns."""
+    """Return rows with renumbered `field` columns, grouped by house, and fields without those that no row uses."""
     found, kept = [], {}
     for house, field_ in fields.items():
         own = [row for row in rows if row.house == house]
@@ -252,7 +252,7 @@ def _feasible_rows(
     random: np.random.Generator,
     limits: tuple[float, float],
 ) -> tuple[list[FeasibleRow], np.ndarray]:
-    """Return the feasible rows of a house, and the distance fields of their descriptors."""
+    """Return the feasible rows of a house, and its distance fields (cells, fields), to which their `field` refers."""
     columns = [pack_program(row.selectors, row.stages) for _, row in rows]
     for _, row in rows:
         check_success(row.stages)
@@ -293,9 +293,10 @@ def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
 
 
 def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[np.ndarray, "c g"]:
-    """Compute the distance fields of a house's descriptors, and add the column `field` to its rows.
+    """Compute the distance fields (cells, fields) of a house's descriptors; add their index `field` to `columns`.
 
-    Descriptors with the same end cells share a field. -1 if a descriptor has no end cell, or is an agent or nothing.
+    This changes `columns` in place. Descriptors with the same end cells share a field. The index is -1 without end
+    cells, and for agents and descriptors of nothing.
     """
     if not columns:
         return view.graph.compute_fields([])
@@ -350,7 +351,7 @@ def _approach_purpose(
 def _draw_start(
     view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
 ) -> dict | None:
-    """Draw a random start cell whose path length to the goal is within limits; None if there is no such cell."""
+    """Draw `start`, `yaw`, `length`: a cell whose path to the goal is within limits [m], inclusive; None if none."""
     way = np.where(field_ == FIELD_UNREACHABLE, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
     if not len(fit):
@@ -361,7 +362,7 @@ def _draw_start(
 
 
 def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
-    """Return the sum of path lengths from the target of each field to that of the next [m]."""
+    """Return the sum of path lengths from each of `stops` (fields) to the next [m]; 0 for a single one."""
     ends = [int(np.argmin(fields[:, stop])) for stop in stops]
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 
@@ -369,7 +370,7 @@ def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) ->
 def _prescribed_start(
     view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]
 ) -> dict | None:
-    """Return the start that a row prescribes; None if no path leads from there to the goal."""
+    """Return `start`, `yaw`, `length` of a prescribed pose; None if no path leads from there to the goal."""
     place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
     cell = np.argmin(np.linalg.norm(view.graph.place - place, axis=1))
     if way[cell] == FIELD_UNREACHABLE or view.graph.cut_off[cell]:
@@ -378,7 +379,7 @@ def _prescribed_start(
 
 
 def _interleave_houses(drawn: list[FeasibleRow]) -> list[FeasibleRow]:
-    """Interleave the rows of different houses, so that the first rows cover as many houses as possible."""
+    """Return the rows, first one of each house, then a second, ...: the first ones cover as many houses as possible."""
     counts: dict[int, Iterator[int]] = {}
     turns = [next(counts.setdefault(row.house, itertools.count())) for row in drawn]
     return [drawn[i] for i in np.lexsort([[row.house for row in drawn], turns])]

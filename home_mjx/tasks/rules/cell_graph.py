@@ -83,7 +83,7 @@ class CellGraph:
         return found
 
     def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:
-        """Compute the distances of all cells to goals, ordered and quantized as `NavigationArrays.field`."""
+        """Compute distances of all cells to goals in `FIELD_UNIT`, ordered and stored as `NavigationArrays.field`."""
         home = self.compute_distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]
@@ -129,7 +129,7 @@ class CellGraph:
         return csr_matrix((ways, (begins, stops)), shape=(cells + len(ends),) * 2)
 
     def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
-        """Return the cells of a box's storey that are nearest to it in plan, at most `most`, and their distances [m].
+        """Return home cells (indices) of a box's storey, nearest in plan first, at most `most`, and distances [m].
 
         Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object behind
         it.
@@ -153,24 +153,24 @@ class CellGraph:
         return float(below[near, 2][np.argmin(np.where(rise > MAX_RISE, np.inf, abs(rise)))]) if near.any() else -np.inf
 
     def cells_in_rooms(self, rooms: Bool[np.ndarray, " r"]) -> EndCells:
-        """Return the cells of the given rooms, at distance 0, without those that are cut off."""
+        """Return the home cells (indices) in a mask of rooms, at distance 0, without those that are cut off."""
         cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)] & ~self.cut_off)
         return cells, np.zeros(len(cells))
 
     def nearest_cell(self, place: Float[np.ndarray, " 3"]) -> EndCells:
-        """Return the cell nearest to a point, and its plan distance [m]."""
+        """Return the home cell (index) nearest to a point, in 3D, and its plan distance [m]."""
         nearest = np.argmin(np.linalg.norm(self.place - place, axis=1))
         return np.array([nearest]), np.linalg.norm(self.place[[nearest], :2] - place[:2], axis=1)
 
     def has_turning_room(self, cells: Int[np.ndarray, " n"], wide: Bool[np.ndarray, " c"]) -> Bool[np.ndarray, " n"]:
-        """Return which cells are within `MAX_TURN_DISTANCE` of the largest connected set of wide cells."""
+        """Return which `cells` are within `MAX_TURN_DISTANCE` of the largest connected set in the mask `wide`."""
         out = self.place[~_is_cut_off(~wide, *self._edges[:2])]
         if not len(out):
             return np.zeros(len(cells), bool)
         return KDTree(out).query(self.place[cells])[0] <= MAX_TURN_DISTANCE
 
     def _ramp_edges(self) -> list[tuple[np.ndarray, ...]]:
-        """Return the edges from the top of a ramp, in the grid of the lower level, to the floor it leads to."""
+        """Return (sources, targets, lengths [m]) of edges from tops of ramps, on the lower level, to upper floors."""
         number = np.where(self._home, np.cumsum(self._home).reshape(self._home.shape) - 1, -1)
         ways = []
         for level in range(len(number) - 1):

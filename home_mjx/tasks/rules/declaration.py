@@ -96,7 +96,7 @@ class Column:
         return row
 
     def _place(self, values: Any, first_axis: int) -> tuple[slice, ...]:
-        """Return the slice of one axis that values fill, () without it; `ConfigError` beyond a capacity of `AXES`."""
+        """Return (slice that values fill,) for one axis, () if there is no such axis; `ConfigError` beyond capacity."""
         if first_axis == len(self.axes):
             return ()
         axis = self.axes[first_axis]
@@ -158,7 +158,7 @@ def pack_items(record: type[Pytree], axis: str, items: Sequence[Mapping[str, Any
     Args:
         record: Record that declares the columns.
         axis: Key of `AXES`.
-        items: Values of each item by field; missing ones are filled.
+        items: Values of each item by field; a field that an item lacks is filled in all items.
     """
     names = [name for name, column in columns_of(record).items() if column.axes[:1] == (axis,)]
     known = [name for name in names if all(name in item for item in items)]
@@ -167,10 +167,10 @@ def pack_items(record: type[Pytree], axis: str, items: Sequence[Mapping[str, Any
 
 
 def extract(record: type[R], columns: Mapping[str, Array]) -> R:
-    """Extract a record from the columns of one or many rows."""
+    """Extract a record from the columns, by key, of one or many rows; further columns are ignored."""
     return record(**{name: columns[column.key] for name, column in columns_of(record).items()})
 
 
 def row_columns(records: Iterable[type[Pytree]]) -> dict[str, Column]:
-    """Return all columns of some records by key."""
+    """Return the `Column` declarations of all fields of some records, by key."""
     return {column.key: column for record in records for column in columns_of(record).values()}

@@ -55,7 +55,7 @@ class Feature(NamedIntEnum):
     BESIDE = 6  # [m], minimum gap between an i and a j at their present places
     ON = 7  # 1: an i rests on a j
     OPEN = 8  # widest opening of the doors i, 0 shut to 1 wide
-    STOPPED = 9  # 1: the agent has chosen `stopped`
+    STOPPED = 9  # 1: the agent has chosen `stop`
     TIME = 10  # steps since the stage began
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
     CLEAR = 12  # 1: the line of sight to the nearest i is free, whatever the agent's heading

@@ -20,7 +20,7 @@ MAX_RISE_ON_STOREY = 1.0  # [m] places farther above or below the feet, and agen
 
 
 def current_boxes(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
-    """Return the current world bounds of all instances [m]."""
+    """Return the current world bounds (minimum, maximum) of all instances of the house [m]."""
     scene, geometry = snapshot.scene, snapshot.bank.geometry
     model = jnp.maximum(geometry.instance_model[scene.house], 0)
     placed = jax.vmap(transform_bounds)(geometry.instance_pose[scene.house], geometry.model_box[model])
@@ -127,7 +127,7 @@ def sound_positions(
 def path_distances(
     snapshot: Snapshot, program: TaskProgram, field: UInt16[Array, "cell f"], straight: Float[Array, "a d"]
 ) -> Float[Array, "a d"]:
-    """Return shortest-path distances to each descriptor [m]; straight distances where it has no field."""
+    """Return path lengths to each descriptor [m], at most `UNREACHABLE_DISTANCE`; `straight` where it has no field."""
     column = jnp.maximum(program.field, 0)
     way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.feet)
     return jnp.where(program.field < 0, straight, jnp.minimum(way, UNREACHABLE_DISTANCE))
@@ -147,7 +147,7 @@ def lines_of_sight(
 
 
 def is_in_view(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Array, "a d p"]:
-    """Return whether points are within each agent's field of view, regardless of occlusion."""
+    """Return whether points are in view of each agent's head camera, occluded or not; False if not finite."""
     config, pose = snapshot.config, snapshot.pose
     way = points - eye_position(config, pose)[:, None, None]
     known = jnp.all(jnp.isfinite(way), axis=-1)
@@ -175,7 +175,7 @@ def is_held(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
 
 
 def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
-    """Return whether each agent is in a target room of each descriptor."""
+    """Return whether each agent's feet are in a target room of each descriptor; False outside of rooms."""
     room = jax.vmap(lambda at: room_at_feet(snapshot.bank, snapshot.house, at))(snapshot.feet)
     return jnp.take(means.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
 
@@ -204,7 +204,7 @@ def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[A
 
 
 def door_openings(snapshot: Snapshot, means: ResolvedTargets) -> Float[Array, " d"]:
-    """Return the widest opening of each descriptor's doors: 0 closed or no door, 1 wide open."""
+    """Return the widest opening of each descriptor's doors, as a fraction: 0 closed or no door, 1 wide open."""
     physics, house = snapshot.bank.physics, snapshot.house
     closed, wide = physics.door_closed[house], physics.door_fully_open[house]
     part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)

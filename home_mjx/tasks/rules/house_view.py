@@ -104,13 +104,13 @@ class HouseView:
         return tuple(found)
 
     def instance_of(self, thing: HouseObject) -> int:
-        """Return the instance of an object; -1 if it has several parts."""
+        """Return the instance index of an object; -1 if it has several parts, or is not in the house."""
         parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
         return int(parts[0]) if len(parts) == 1 else -1
 
     @cached_property
     def rooms_by_type(self) -> dict[int, tuple[int, ...]]:
-        """Rooms that have each label, by index into ROOM_TYPES; a room with several labels is in several entries."""
+        """Room indices with each label, by index into ROOM_TYPES; a room with several labels is in several entries."""
         found: dict[int, tuple[int, ...]] = {}
         for room, labels in enumerate(np.asarray(self.bank.navigation.room_labels[self.house]).tolist()):
             for kind in room_types_in(labels):
@@ -167,7 +167,7 @@ class HouseView:
         return parts
 
     def plan_radius(self, instance: int) -> float:
-        """Return the plan radius of a movable object around its middle [m]; 0 if it is static."""
+        """Return the plan radius of a movable instance around its middle, in whole centimetres [m]; 0 if static."""
         body, physics = int(self.bank.geometry.instance_body[self.house, instance]), self.bank.physics
         if body < 0:
             return 0.0
@@ -261,7 +261,7 @@ class HouseView:
         return self._beside[instance]
 
     def is_visible(self, thing: HouseObject) -> bool:
-        """Return whether an object is visible from a cell beside it."""
+        """Return whether any part of an object has `view_cells`: it is visible from beside it."""
         parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
         return any(len(self.view_cells(part)[0]) for part in parts.tolist())
 
@@ -281,7 +281,7 @@ class HouseView:
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
-    """Create a view of each house."""
+    """Return a `HouseView` of each house, in the order of the bank; their arrays are on the host."""
     geometry = bank.geometry
     boxes = np.asarray(_instance_boxes(geometry.instance_pose, geometry.instance_model, geometry.model_box))
     host = bank.replace(geometry=bank.geometry.replace(gpu=None))

@@ -148,7 +148,7 @@ def _clip_number(clip: str) -> int:
 
 
 def unpack_sounds(columns: Columns) -> list[SoundEvent]:
-    """Unpack the sounds of a row; the inverse of `pack_sounds`."""
+    """Unpack the sounds of one row, without unused entries; the inverse of `pack_sounds`."""
     values = {name: columns[column.key].tolist() for name, column in columns_of(SoundEvents).items()}
     values["clip"] = [clip_name(number) for number in values["clip"]]
     rows = [dict(zip(values, row, strict=True)) for row in zip(*values.values(), strict=True)]
@@ -186,7 +186,7 @@ def pack_speech(
 
 
 def unpack_speech(columns: Columns) -> dict[str, Any]:
-    """Unpack the arguments of `pack_speech`; its inverse."""
+    """Return the arguments of `pack_speech` by name, from the columns of one row."""
     bits, oracle = int(columns["instructed_agents"]), columns["oracle"].tolist()
     everyone = bits == ALL_AGENTS
     return {

@@ -86,7 +86,7 @@ class Selector:
 
     @classmethod
     def objects(cls, **words: int) -> "Selector":
-        """Select the objects that have all of these words.
+        """Select the objects that have all of these values, by `Attribute` name in lower case; all without any.
 
         Example:
             >>> Selector.objects(coarse=3, color=1).attributes["coarse"]
@@ -96,17 +96,17 @@ class Selector:
 
     @classmethod
     def objects_with(cls, words: Mapping[Attribute, int]) -> "Selector":
-        """Select the objects that have all of these words, by `Attribute`."""
+        """Select the objects that have all of these values, by `Attribute`."""
         return cls.objects(**{word.name.lower(): value for word, value in words.items()})
 
     @classmethod
     def rooms(cls, **words: int) -> "Selector":
-        """Select the rooms that have all of these words."""
+        """Select the rooms that have all of these values, by `Attribute` name in lower case; all without any."""
         return cls({"kind": TargetKind.ROOM, **words})
 
     @classmethod
     def point(cls, place: Sequence[float]) -> "Selector":
-        """Select a point on the floor [m]."""
+        """Select a point (x, y, z) on the floor [m]."""
         x, y, z = (float(v) for v in place)
         return cls({"kind": TargetKind.PLACE}, (x, y, z))
 

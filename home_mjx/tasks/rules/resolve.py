@@ -78,7 +78,7 @@ def _filter_supported(
 
 
 def _has_label(labels: Int[Array, "..."], kind: Int[Array, "..."]) -> Bool[Array, "..."]:
-    """Return whether bit masks of `schema.categories.room_labels` have a label; a mask of 0 or -1 has none."""
+    """Return whether bit masks of `schema.categories.room_labels` have label number `kind`; 0 and -1 have none."""
     return (labels > 0) & ((labels >> jnp.maximum(kind, 0)) & 1 == 1)
 
 

@@ -72,7 +72,7 @@ class RowTask(Task):
         step_cost: Cost of every step.
         contact_cost: Cost of a step in which the agent touches anything but the floor.
         question_cost: Cost of each question that an oracle answers.
-        failure_cost: Cost of a mistake, such as a wrong `stopped` or answer; running out of time is not a mistake. At
+        failure_cost: Cost of a mistake, such as a wrong `stop` or answer; running out of time is not a mistake. At
             0, agents that still navigate poorly learn to stop at once.
         terminate_on_failure: A mistake ends the episode. False, for training: it costs, and the episode continues.
         store_features: States keep the feature values of conditions, so that experts need not compute them again;
@@ -101,12 +101,12 @@ class RowTask(Task):
 
     @property
     def stop_is_final(self) -> bool:
-        """True if mistakes end episodes."""
+        """True if agents stay idle after `stop`, because mistakes end episodes."""
         return self.terminate_on_failure
 
     @property
     def generators(self) -> tuple[TaskGenerator, ...]:
-        """Generators of the rows."""
+        """Generators of the rows; a subclass must implement it."""
         raise NotImplementedError
 
     @property
@@ -116,7 +116,7 @@ class RowTask(Task):
 
     @property
     def speech_observations(self) -> tuple[str, ...]:
-        """Speech observations of all generators, from `SPEECH_OBSERVATIONS`."""
+        """Names of the speech observations of all generators, from `SPEECH_OBSERVATIONS`, each once."""
         return tuple(
             dict.fromkeys(name for task in self._other_generators for name in getattr(task, "speech_observations", ()))
         )
@@ -239,7 +239,7 @@ class RowTask(Task):
         }
 
     def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
-        """Return the rewards of transition and progress, minus costs of steps, contacts, questions and failures."""
+        """Return rewards of transition and progress per agent, minus costs of steps, contacts, questions, mistakes."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -MAX_STEP_PROGRESS, MAX_STEP_PROGRESS))
@@ -278,7 +278,7 @@ class RowTask(Task):
 
 
 def _track_moving_sources(snapshot: Snapshot, state: RowState) -> TaskProgram:
-    """Return the program with the current positions of moving sound sources."""
+    """Return the program with `place` of descriptors that are moving sound sources at their present positions."""
     count = min(snapshot.sounds.clip.shape[0], state.sound_events.emitter.shape[0])
     speed, emitter = state.sound_events.speed[:count], state.sound_events.emitter[:count].astype(jnp.int32)
     place = snapshot.sounds.pos[:count].at[:, 2].add(-jnp.float32(snapshot.config.source_height))

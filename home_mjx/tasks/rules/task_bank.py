@@ -79,7 +79,7 @@ class TaskBank(Pytree):
         return new
 
     def check_weights(self) -> None:
-        """Raise `ConfigError` if rows cannot be drawn by their weights."""
+        """Raise `ConfigError` if weights are not one valid number per row, or all 0; in `jit` only count them."""
         weights = self.weights
         if weights is None:
             return
@@ -106,7 +106,7 @@ class TaskBank(Pytree):
         return jnp.any(_is_valid_weight(self.weights) & (self.weights >= MIN_WEIGHT))
 
     def draw(self, key: Array) -> Int[Array, ""]:
-        """Draw the number of a row by weight.
+        """Draw the index of a row by weight; uniformly without weights.
 
         Inside `jit`, where weights cannot be rejected, those that are negative or not finite count as 0. If no row has
         a weight, the draw is uniform and `State.status` of the reset has the flag `WEIGHTS`.
@@ -147,12 +147,12 @@ class TaskBank(Pytree):
 
 
 def _is_valid_weight(weights: Any) -> Any:
-    """Return which numbers are valid weights."""
+    """Return which numbers are valid weights: at least 0 and finite."""
     return (weights >= 0) & (weights < np.inf)
 
 
 def _as_weights(weights: Any) -> Float[Array, "..."]:
-    """Convert weights to an array.
+    """Convert weights to a float32 array of any shape; their values are not checked.
 
     Raises:
         ConfigError: They are not real numbers.

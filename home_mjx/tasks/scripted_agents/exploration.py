@@ -41,7 +41,7 @@ class ExplorationState(Pytree):
     collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Return the action towards the nearest uncovered tile; `stopped` if none is left."""
+        """Return all agents' actions towards their nearest uncovered tile; `stop` if none is left."""
         tiles = divide_in_tiles(snapshot.bank, snapshot.house)
         left = _expand_to_cells(~self.covered, snapshot.bank)
         return seek_nearest_cell(snapshot, tiles.middle & left, left)
@@ -97,7 +97,7 @@ class Exploration(Task):
         )
 
     def reward(self, snapshot: Snapshot, before: ExplorationState, state: ExplorationState) -> Float[Array, " a"]:
-        """Compute the reward for newly covered area minus costs."""
+        """Return `area_reward` times each agent's newly covered area, minus costs of step and contact."""
         costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32)
         return jnp.float32(self.area_reward) * state.gained - costs
 
@@ -159,7 +159,7 @@ def _group_by_tile(values: Array, count: int) -> Array:
 
 
 def _expand_to_cells(tiles: Bool[Array, "levels ty tx"], bank: HouseBank) -> Bool[Any, "levels rows columns"]:
-    """Expand tile values to cells."""
+    """Return the cells of a house's grids, each with the value of its tile."""
     rows, columns = bank.navigation.room.shape[2:]
     return jnp.repeat(jnp.repeat(tiles, _cells_per_edge(bank), axis=1), _cells_per_edge(bank), axis=2)[
         :, :rows, :columns

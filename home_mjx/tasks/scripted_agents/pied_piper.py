@@ -83,12 +83,12 @@ class PiedPiper(NavigationTask):
 
     @property
     def requires_stop(self) -> bool:
-        """Always False."""
+        """False: the task is to follow, not to stop."""
         return False
 
     @property
     def observation_spec(self) -> Specs:
-        """No observations: the agent must rely on its other sensors."""
+        """Empty: the task adds no observations, so that the agent must rely on its sensors."""
         return {}
 
     @property
@@ -175,7 +175,7 @@ class PiedPiper(NavigationTask):
         )
 
     def observe(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Array]:
-        """Return no observations."""
+        """Return an empty dictionary."""
         return {}
 
     def reward(self, snapshot: Snapshot, before: PiedPiperState, state: PiedPiperState) -> Float[Array, " a"]:
@@ -205,7 +205,7 @@ def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"
 
 
 def _route_columns(state: PiedPiperState) -> Int[Array, "2"]:
-    """Return the columns of the task bank's fields with distances to both ends of the piper's route."""
+    """Return the columns of `TaskBank.field` with distances to both ends of the piper's route."""
     return jnp.maximum(state.program.field[ROUTE_START : ROUTE_START + 2], 0).astype(jnp.int32)
 
 
@@ -234,7 +234,7 @@ def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2
 
 
 def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
-    """Return the path length from each scripted agent to the end that it heads for [m]."""
+    """Return the path length from each agent to the end that it heads for [m]; the follower's has no meaning."""
 
     def to(feet: Array, column: Array, field: Array | None) -> Array:
         return geodesic_distance(snapshot.bank, snapshot.house, column, feet, field)

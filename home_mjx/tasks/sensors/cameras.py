@@ -35,7 +35,7 @@ class Cameras(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return one entry per camera and kind."""
+        """Return the specs of one observation per camera and kind, see `observation_name`."""
         return {
             observation_name(view.name, kind): _spec(config, view, kind)
             for view in config.all_cameras
@@ -43,7 +43,7 @@ class Cameras(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Render all kinds of every camera from one cast."""
+        """Render all kinds of every camera from one cast, by observation name; with noise if the episode has any."""
         seen = render_images(config, snapshot.scene, snapshot.pose, snapshot.camera_offsets)
         return seen if snapshot.variation is None else _add_noise(config, snapshot, snapshot.variation, seen)
 
@@ -62,7 +62,7 @@ def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
 
 
 def eye_position(config: EnvConfig, pose: AgentPose) -> Float[Array, "a 3"]:
-    """Return the position of every agent's camera and ears [m]; the pose is the capsule's centre."""
+    """Return the world position of every agent's eyes, which are its camera and ears [m], from the capsule's centre."""
     rise = jnp.array([body.eye_height - body.height / 2 for body in config.agents], jnp.float32)
     return pose.pos.at[:, 2].add(rise)
 
@@ -75,7 +75,7 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
 def render_images(
     config: EnvConfig, scene: Scene, pose: AgentPose, mount: CameraOffsets | None = None
 ) -> dict[str, Array]:
-    """Render the images of every agent's cameras, without noise."""
+    """Render the images of every agent's cameras without noise, by observation name, with an agent axis first."""
     own = agent_ids(scene.bank, config.num_agents)
     obs: dict[str, Array] = {}
     for view in config.all_cameras:
@@ -106,7 +106,7 @@ def _add_noise(
 
 
 def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: CameraOffsets | None = None) -> Camera:
-    """Return one of the cameras of every agent, with a leading agent axis; `mount` has the offsets of the episode."""
+    """Return the camera `view` of every agent, with a leading agent axis; `mount`: offsets of the episode, None: 0."""
     mount = mount or CameraOffsets()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
     pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.follow_pitch else jnp.zeros_like(pose.pitch))
@@ -147,6 +147,6 @@ def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: C
 
 
 def observation_name(camera: str, kind: str) -> str:
-    """Return the name of a camera's observation."""
+    """Return `<folder>/<camera>_<kind>`: `pixels` for rgb, depth, normal; `camera` for its parameters; else `ids`."""
     folder = "pixels" if kind in PIXEL_KINDS else "camera" if kind in CAMERA_KINDS else "ids"
     return f"{folder}/{camera}_{kind}"

@@ -60,7 +60,7 @@ class EarLevels(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return all three specs.
+        """Return the specs of `ear_levels`, `ear_difference` and `ear_delay` by name.
 
         Raises:
             ConfigError: The receiver does not have two ears.
@@ -89,7 +89,7 @@ class EarLevels(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> EarLevelsState:
-        """Trace energy responses anew and compute the power at both ears."""
+        """Return the state after a step: energy responses traced anew, and the power that they yield at both ears."""
         time = jnp.where(snapshot.step == 0, 0, state.time + config.audio.frame)
         said = update_history(snapshot, state.tokens)
         left = source_power(config, snapshot, time)
@@ -106,7 +106,7 @@ class EarLevels(Sensor):
         return EarLevelsState(time, said, jnp.sum(power, axis=1), lead, is_inaudible(snapshot, loudest))
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> dict[str, Array]:
-        """Return levels, difference and delay of the last step."""
+        """Return `ear_levels`, `ear_difference` [dB], `ear_delay` [ms] of the last step, with a leading agent axis."""
         level = jnp.clip(10 * jnp.log10(jnp.maximum(state.power, 1e-12)), MIN_MEL_LEVEL, MAX_MEL_LEVEL)
         return {
             "ear_levels": level.reshape(level.shape[0], -1),
@@ -115,7 +115,7 @@ class EarLevels(Sensor):
         }
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> Int[Array, ""]:
-        """Return the flag of a clip that plays but reaches no agent."""
+        """Return the flag `UNHEARD` if a clip plays but reaches no agent; else 0."""
         return status_flags(UNHEARD=state.is_inaudible)
 
 

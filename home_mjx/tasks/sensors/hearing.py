@@ -47,9 +47,7 @@ from home_mjx.tasks.sounds.sound_events import VOICE_CLIP_NUMBER
 from home_mjx.tasks.sounds.word_sounds import NO_WORD, num_audible_frames, synthesize_voices
 
 MAX_PRESSURE = 1e6  # [pressure re the source at 1 m], bound of the observation
-MIN_AUDIBLE_ENERGY = (
-    1e-8  # energy of a response re 1 m below which any clip is under -100 dB, the minimum of spectra and levels
-)
+MIN_AUDIBLE_ENERGY = 1e-8  # energy of a response re 1 m below which any clip is under -100 dB, the minimum of levels
 
 
 class HearingState(Pytree):
@@ -70,7 +68,7 @@ class Hearing(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of one frame of sound."""
+        """Return the spec of `audio` (channels, samples): one frame of sound."""
         text = f"{describe_channels(config)}, pressure relative to the source's at 1 m"
         return {
             "audio": ArraySpec(
@@ -79,7 +77,7 @@ class Hearing(Sensor):
         }
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
-        """Return the late reverberation, if the options look it up."""
+        """Return the bake of late reverberation if `audio.late` is `Baked`; else none."""
         return (LateReverbBake(),) if isinstance(config.audio.late, Baked) else ()
 
     def init(self, config: EnvConfig) -> HearingState:
@@ -99,7 +97,7 @@ class Hearing(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> HearingState:
-        """Trace the responses anew and change over to them from the last ones within the frame."""
+        """Return the state after a step: responses traced anew, to which the frame changes over from the last ones."""
         clips = jnp.asarray(np.stack([clip_samples(name, config.audio) for name in clip_names(config)]))
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
@@ -123,7 +121,7 @@ class Hearing(Sensor):
         )
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
-        """Return the last step's frame."""
+        """Return `audio` (a, channels, samples): the last step's frame."""
         return {"audio": state.frame}
 
     def status(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> Int[Array, ""]:
@@ -160,7 +158,7 @@ class Stft(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
-        """Compute the spectrum of the last step's frame."""
+        """Compute `stft` of the last step's frame, with a leading agent axis."""
         return {"stft": stft_magnitude(state.frame, config.audio.sample_rate)}
 
 
@@ -189,25 +187,25 @@ class LogMel(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
-        """Compute the mel spectrum of the last step's frame."""
+        """Compute `log_mel` of the last step's frame [dB], with a leading agent axis."""
         rate = config.audio.sample_rate
         return {"log_mel": log_mel(stft_magnitude(state.frame, rate), rate)}
 
 
 def describe_channels(config: EnvConfig) -> str:
-    """Return a description of a receiver's channels."""
+    """Return the receiver's channels as text: "microphones", "W, Y, Z and X" or "left and right ear"."""
     names = {MicrophoneArray: "microphones", Ambisonics: "W, Y, Z and X"}
     return names.get(type(config.audio.receiver), "left and right ear")
 
 
 def scale_sounds(snapshot: Snapshot) -> SoundSources:
-    """Scale the sounds by the volume sampled for this episode."""
+    """Return the sounds with gains scaled by the volume sampled for this episode; unchanged if none was."""
     sounds, drawn = snapshot.sounds, snapshot.variation
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
 def scale_contact_sounds(snapshot: Snapshot) -> ContactSounds:
-    """Scale the contact sounds, which must exist, by the volume sampled for this episode."""
+    """Return the contact sounds with gains scaled by the volume sampled for this episode; they must exist."""
     noises, drawn = snapshot.contact_sounds, snapshot.variation
     assert noises is not None
     if drawn is None or drawn.contact_sound_volume is None:
@@ -217,7 +215,7 @@ def scale_contact_sounds(snapshot: Snapshot) -> ContactSounds:
 
 
 def clip_names(config: EnvConfig) -> tuple[str, ...]:
-    """Return the names of all clips that an environment may play."""
+    """Return the names of all clips that an environment may play, each once, `config.clip` first."""
     return tuple(dict.fromkeys((config.clip, *config.clips)))
 
 
@@ -229,12 +227,12 @@ def clip_indices(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
 
 
 def silent_history(config: EnvConfig) -> Int[Array, "k a"]:
-    """Return a silent history of spoken tokens, as long as a word is audible; empty if no agent can speak."""
+    """Return a history of tokens, all -1: a row per frame in which a word is audible; no rows if no agent can speak."""
     return jnp.full((num_audible_frames(config.audio) if config.speech else 0, config.num_agents), NO_WORD, jnp.int32)
 
 
 def update_history(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
-    """Update a history of spoken tokens after a step: the current ones come first."""
+    """Return a history of spoken tokens with the current ones first and the oldest dropped; a reset clears it."""
     before = jnp.where(snapshot.step == 0, NO_WORD, said)
     return jnp.concatenate([snapshot.spoken_token[None], before])[: said.shape[0]]
 
@@ -290,7 +288,7 @@ def all_sources(snapshot: Snapshot) -> SoundSource:
 
 
 def is_response_cut(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether a response ends before it has decayed by 30 dB from its loudest bin."""
+    """Return whether a response ends before its energy per time bin is 30 dB below that of its loudest bin."""
     if isinstance(response, ReceiverState):
         return is_truncated(response, config)
     energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))

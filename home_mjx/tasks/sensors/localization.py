@@ -36,7 +36,7 @@ class GpsCompass(Sensor):
     name = "gps_compass"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return both specs."""
+        """Return the specs of `gps` and `compass` by name."""
         return {
             "gps": ArraySpec((3,), "float32", -MAX_COORDINATE, MAX_COORDINATE, "forward, left and up of the start [m]"),
             "compass": ArraySpec((2,), "float32", -1.0, 1.0, "cosine and sine of the turn to the left since the start"),
@@ -49,7 +49,7 @@ class GpsCompass(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: GpsCompassState) -> GpsCompassState:
-        """Store the pose at a reset."""
+        """Return the present pose at a reset (step 0), else the stored one unchanged."""
         now = GpsCompassState(snapshot.pose.pos, snapshot.pose.yaw)
         return jax.tree.map(lambda new, old: jnp.where(snapshot.step == 0, new, old), now, state)
 
@@ -71,7 +71,7 @@ class Lidar(Sensor):
     casts_rays = True
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of `NUM_RAYS` distances."""
+        """Return the spec of `lidar`: `NUM_RAYS` distances [m]."""
         text = "from straight ahead to the left [m], clipped"
         return {"lidar": ArraySpec((NUM_RAYS,), "float32", 0.0, config.max_depth, text)}
 
@@ -94,7 +94,7 @@ class LocalMap(Sensor):
     name = "local_map"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of a square map."""
+        """Return the spec of `local_map`: a square of zeros and ones."""
         return {
             "local_map": ArraySpec((MAP_SIZE, MAP_SIZE), "uint8", 0, 1, f"1: free; {MAP_CELL} m a cell, ahead is up")
         }

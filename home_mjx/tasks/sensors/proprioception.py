@@ -26,7 +26,7 @@ class OwnState(Sensor):
     name = "state"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of ten numbers."""
+        """Return the spec of `state`: ten numbers."""
         high = (*[MAX_COORDINATE] * 3, 1.0, 1.0, math.pi / 2, *[MAX_VELOCITY] * 3, 1.0)
         low = (*[-x for x in high[:-1]], 0.0)
         text = "x, y, z [m], cos and sin of yaw, pitch [rad], forward and left speed [m/s], yaw rate [rad/s], contact"
@@ -49,7 +49,7 @@ class HeldObject(Sensor):
     name = "held_object"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of five words."""
+        """Return the spec of `held_object`: five indices."""
         text = "of the held object: fine, coarse, colour, material, size; -1 nothing, or unknown"
         return {"held_object": ArraySpec((len(HELD_COLUMNS),), "int32", -1, 32767, text)}
 
@@ -68,19 +68,19 @@ class HeldObject(Sensor):
 class PrevAction(Sensor):
     """`prev_action` (n,): the last action: its numbers, or one-hot for discrete actions; 0 at the start.
 
-    The action is as decoded: clipped, and `stopped` for agents that have stopped.
+    The action is as decoded: clipped, and `stop` for agents that have stopped.
     """
 
     name = "prev_action"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of one number per action element, or per discrete action."""
+        """Return the spec of `prev_action`: one number per action element, or per discrete action."""
         names = config.action_names
         low = -1.0 if config.discrete is None else 0.0
         return {"prev_action": ArraySpec((len(names),), "float32", low, 1.0, ", ".join(names))}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return the action in the state."""
+        """Return `prev_action` (a, n): the last action of each agent; 0 after a reset."""
         return {"prev_action": snapshot.action}
 
 
@@ -90,9 +90,9 @@ class PrevReward(Sensor):
     name = "prev_reward"
 
     def spec(self, config: EnvConfig) -> Specs:
-        """Return the spec of one number."""
+        """Return the spec of `prev_reward`: one number."""
         return {"prev_reward": ArraySpec((1,), "float32", text="reward of the last step")}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return the reward in the state."""
+        """Return `prev_reward` (a, 1): the last reward of each agent; 0 after a reset."""
         return {"prev_reward": snapshot.reward[:, None]}

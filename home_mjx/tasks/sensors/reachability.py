@@ -33,7 +33,7 @@ Distance = Float[Array, ""] | float  # [m]
 
 
 def plan_radius(size: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, ""]:
-    """Return the radius of a box about its centre in the plan, for any rotation about the vertical [m].
+    """Return an upper bound of a box's horizontal radius about its centre, for any rotation about the vertical [m].
 
     Args:
         size: Half extents [m].
@@ -55,7 +55,7 @@ def pick_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array
 
 
 def is_reachable(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Distance) -> Bool[Array, " p"]:
-    """Return which points a hand reaches from below an eye, looking down at most by `MAX_HAND_ANGLE`."""
+    """Return which points a hand reaches: at most `reach` away in plan, 0.1 m above the eye, `MAX_HAND_ANGLE` below."""
     offset = points - eye
     away = jnp.linalg.norm(offset[:, :2], axis=-1)
     steep = offset[:, 2] < -jnp.tan(jnp.float32(MAX_HAND_ANGLE)) * away
@@ -158,7 +158,7 @@ def can_pick_from(
     box: Float[Array, "2 3"],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
-    """Return below which eyes a hand can pick up an instance with these bounds; initial house, doors open."""
+    """Return at which eye positions [m] a hand can pick up an instance with these bounds; initial house, doors open."""
     scene = make_open_scene(bank, house)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
@@ -200,7 +200,7 @@ def can_place_from(
     radius: Float[Array, ""],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
-    """Return below which eyes a hand can put an object of a radius [m] on an instance, in the initial house."""
+    """Return at which eye positions [m] a hand can put an object of a radius [m] on an instance; initial house."""
     scene, nothing = make_open_scene(bank, house), jnp.full((), -1, jnp.int32)
     meant = jnp.arange(bank.spec.num_instances, dtype=jnp.int32) == instance
     points, free = free_spots(scene, box, meant, radius, nothing)
@@ -212,7 +212,7 @@ def can_place_from(
 
 
 def is_visible(scene: Scene, eye: Float[Array, "3"], points: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return which points of surfaces are visible; agents in the scene would block the view."""
+    """Return which points of surfaces [m] are visible from an eye; agents in the scene would block the view."""
     way = points - eye
     length = jnp.linalg.norm(way, axis=-1)
     hit = cast(scene, jnp.broadcast_to(eye, way.shape), way / length[:, None])

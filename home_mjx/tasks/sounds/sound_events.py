@@ -88,7 +88,7 @@ class SoundEvents(Pytree):
 
 
 def clip_name(number: int) -> str:
-    """Return the name of the clip with this number in an `SoundEvents`.
+    """Return the name of a clip by its number in `SoundEvents`: an index into CLIPS, or `VOICE_CLIP_NUMBER`.
 
     Example:
         >>> clip_name(0), clip_name(VOICE_CLIP_NUMBER)

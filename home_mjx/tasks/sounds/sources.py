@@ -95,7 +95,7 @@ def move_along_field(
     max_length: Float[Array, ""],
     height: Float[Array, ""],
 ) -> Float[Array, "3"]:
-    """Return the position of a point above the floor after a move along the shortest path.
+    """Return the position of a point above the floor after a move down a field; unchanged without a walkable cell.
 
     Args:
         bank: The houses.

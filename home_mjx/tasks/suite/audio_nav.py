@@ -78,16 +78,16 @@ class AudioNav(NavigationTask):
 
     @property
     def observation_spec(self) -> Specs:
-        """No observations: the instruction is the sound itself."""
+        """Empty: the task adds no observations, as the instruction is the sound itself."""
         return {}
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
-        """Return no observations."""
+        """Return an empty dictionary."""
         return {}
 
     @property
     def num_sources(self) -> int:
-        """Number of the target and the distractors."""
+        """Number of sound sources: the target and the distractors."""
         return 1 + self.num_distractors
 
     @property
@@ -97,7 +97,7 @@ class AudioNav(NavigationTask):
 
     @property
     def target_clips(self) -> tuple[str, ...]:
-        """Clips that are targets."""
+        """Clips that may be targets: those of `clip_split`, or the one that it names."""
         return SPLITS.get(self.clip_split, (self.clip_split,))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:

@@ -56,21 +56,21 @@ class NavigationTask(RowTask):
 
     @property
     def requires_stop(self) -> bool:
-        """True with `stop`."""
+        """True if agents must choose the action `stop`: the option `stop`."""
         return self.stop
 
     @property
     def name(self) -> str:
-        """Name of the task."""
+        """Name of the task: that of its class."""
         return type(self).__name__
 
     @property
     def generators(self) -> tuple[TaskGenerator, ...]:
-        """The task itself."""
+        """Generators of rows: the task itself."""
         return (self,)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield tasks of one house."""
+        """Yield rows of tasks of one house, possibly endlessly; a subclass must implement it."""
         raise NotImplementedError
 
 
@@ -129,7 +129,7 @@ class PointGoals(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row per cell of `num_points` random ones, endlessly, in a new random order each round."""
+        """Yield a row per point, centres of `num_points` random cells, endlessly, in a new random order each round."""
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
         stage = arrival_stage(
@@ -171,7 +171,7 @@ class HouseTasks(RowTask):
 
     @property
     def num_sources(self) -> int:
-        """Maximum over the tasks."""
+        """Number of simultaneous sound sources: the maximum over the tasks."""
         return max((getattr(task, "num_sources", 1) for task in self.tasks), default=1)
 
     @property

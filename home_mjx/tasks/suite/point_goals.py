@@ -24,7 +24,7 @@ NUM_START_SAMPLES = 64  # samples of a start per episode
 
 
 def pick_goal(snapshot: Snapshot, key: Array, min_distance: float, same_storey: bool = False) -> Int[Array, ""]:
-    """Sample a goal of the house.
+    """Sample a goal of the house uniformly, and return its index; conditions that no goal fulfils are dropped.
 
     Args:
         snapshot: The environment.
@@ -42,7 +42,7 @@ def pick_goal(snapshot: Snapshot, key: Array, min_distance: float, same_storey: 
 
 
 def is_on_storey(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Bool[Array, " goals"]:
-    """Return which goals of a house are on the storey of a point [m]."""
+    """Return a mask of the house's goals on the level of a point on a floor [m]."""
     goals = bank.navigation.goal[bank.clip_house_index(house)]
     levels = jax.vmap(lambda goal: cell_at_feet(bank, house, goal)[0])(goals)
     return levels == cell_at_feet(bank, house, feet)[0]
@@ -104,13 +104,13 @@ def is_solvable(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
 
 
 def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-    """Return the goal's position and the length of the shortest path."""
+    """Return JSON values: `goal`, the goal's position [m], and `length` of the shortest path [m]."""
     goal = np.asarray(bank.navigation.goal[house, int(columns["goal"])])
     return {"goal": goal.tolist(), "length": float(columns["length"])}
 
 
 def from_json(bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-    """Return the goal of the bank at the line's position, and the length.
+    """Return `goal`, the index of the bank's goal within `MAX_GOAL_OFFSET` of the line's position, and `length` [m].
 
     Raises:
         DatasetError: The house has no goal there.

@@ -27,7 +27,7 @@ class PointNavState(Pytree):
 
     goal: Int[Array, ""]  # index into the house's goals
     distance: Float[Array, " a"]  # [m], geodesic
-    reached: Bool[Array, " a"]  # has been within `success_distance` since the start; with `stopped`: has stopped there
+    reached: Bool[Array, " a"]  # has been within `success_distance` since the start; with `stop`: has stopped there
     arrived: Bool[Array, " a"]  # reached the goal in the last step
     length: Float[Array, " a"]  # [m], of the shortest path from the start
     path_length: Float[Array, " a"]  # [m], length of the path until arrival; 0 if it begins there
@@ -39,11 +39,11 @@ class PointNavState(Pytree):
 class PointNav(Task):
     """Reach the goal within `success_distance`; with several agents, all of them.
 
-    An episode ends when each agent has arrived or has chosen the discrete action `stopped`.
+    An episode ends when each agent has arrived or has chosen the discrete action `stop`.
 
     Attributes:
         success_distance: Maximum distance on arrival [m].
-        stop: Agents must choose `stopped` on arrival: only `stopped` within `success_distance` counts. With
+        stop: Agents must choose `stop` on arrival: only `stop` within `success_distance` counts. With
             `success_distance=0.2` this is PointNav as in Habitat.
         min_distance: Minimum distance of goals at the start, if there are such goals [m].
         same_storey: Goals are on the storey of the start, if it has one to which a path leads.
@@ -70,7 +70,7 @@ class PointNav(Task):
 
     @property
     def requires_stop(self) -> bool:
-        """True with `stopped`."""
+        """True if agents must choose the action `stop`: the option `stop`."""
         return self.stop
 
     @property
@@ -80,7 +80,7 @@ class PointNav(Task):
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Index of the goal, and length of the shortest path [m]."""
+        """Names of the columns: index of the goal, and length of the shortest path [m]."""
         return ("goal", "length")
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> PointNavState:
@@ -158,11 +158,11 @@ class PointNav(Task):
         return point_goals.sample_goal(bank, house, key, **limits)
 
     def to_json(self, bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-        """Return the goal's position, so that any bank of the houses can load it, and the path length."""
+        """Return `goal`, the position [m], so that any bank of the houses can load it, and `length` [m]."""
         return point_goals.to_json(bank, house, columns)
 
     def from_json(self, bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-        """Return the goal of the bank at the line's position, and the path length."""
+        """Return `goal`, the index of the bank's goal at the line's position, and `length`; raises as `point_goals`."""
         return point_goals.from_json(bank, house, line)
 
     def is_solvable(self, bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:

@@ -63,7 +63,7 @@ def is_receptacle(view: HouseView, thing: HouseObject, portable_ids: Collection[
 
 
 def is_on(thing: HouseObject, other: HouseObject) -> bool:
-    """Return whether an object is on another one, by the rule of `Feature.ON`."""
+    """Return whether `thing` is on `other` at their initial bounds, by the rule of `Feature.ON`."""
     middle, low, high = thing.box.mean(axis=0), other.box[0], other.box[1]
     over = np.all((middle[:2] >= low[:2]) & (middle[:2] <= high[:2]))
     bottom = thing.box[0, 2]
@@ -71,6 +71,6 @@ def is_on(thing: HouseObject, other: HouseObject) -> bool:
 
 
 def box_gap(thing: HouseObject, other: HouseObject) -> float:
-    """Return the gap between the bounds of two objects [m]; 0 for an object and itself."""
+    """Return the minimum distance between the initial bounds of two objects [m]; 0 if they touch or overlap."""
     apart = np.maximum(thing.box[0] - other.box[1], other.box[0] - thing.box[1])
     return float(np.linalg.norm(np.maximum(apart, 0)))

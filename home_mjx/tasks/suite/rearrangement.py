@@ -51,7 +51,7 @@ class ManipulationTask(NavigationTask):
         return True
 
     def _describe_portables(self, view: HouseView, random: np.random.Generator) -> list[tuple[PortableObject, Words]]:
-        """Return portable objects that words identify uniquely, with these words."""
+        """Return portable objects that attribute values identify uniquely, each with a smallest set of such values."""
         things = find_portable_objects(view, self.max_mass, self.max_size)
         told = [(thing, draw_identifying_words(view.objects, thing.object, random)) for thing in things]
         return [(thing, words) for thing, words in told if words is not None]
@@ -194,7 +194,7 @@ class Rearrange(ManipulationTask):
                     yield ObjectPlacement(portable, words, thing, others)
 
     def _combine_pairs(self, pairs: list[ObjectPlacement], count: int, random: np.random.Generator) -> TaskRow | None:
-        """Return the first `count` pairs without conflicts as one row; None if its instruction is too long."""
+        """Return at most `count` pairs without conflicts as one row; None if its instruction exceeds `NUM_TOKENS`."""
         chosen: list[ObjectPlacement] = []
         for pair in pairs:
             if len(chosen) < count and not any(_conflict(pair, other) for other in chosen):

@@ -109,7 +109,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
 def _distance_fields(
     path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
 ) -> UInt16[np.ndarray, "c g"]:
-    """Return distances of cells to targets, add the column `field` and correct `length`, in place.
+    """Return distances of cells to targets, add the column `field` and correct `length` in `rows`, in place.
 
     Raises:
         DatasetError: A task cannot be solved.
@@ -127,7 +127,7 @@ def _distance_fields(
 
 
 def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> TaskLine:
-    """Return a row of a task bank as a line."""
+    """Return the line of a row of a task bank, with names and words instead of indices and tokens."""
     selectors, stages = unpack_program(row)
     x, y, z = row["start"].tolist()
     speech = unpack_speech(row)

@@ -120,7 +120,7 @@ ATTRIBUTE_VALUES = {  # of the attributes of a descriptor that are not names of 
 
 @functools.cache
 def column_values() -> Mapping[str, str]:
-    """Return the name of each column's range; an attribute of descriptors is a column `selectors.<attribute>`.
+    """Return, by column, the name of its range; an attribute of descriptors is a column `selectors.<attribute>`.
 
     Example:
         >>> column_values()["guide"], column_values()["selectors.on"]
@@ -158,7 +158,7 @@ def values_range(values: str) -> Range:
 
 
 def feature_ranges(config: EnvConfig | None = None) -> Float[np.ndarray, "features 2"]:
-    """Return the minimum and maximum of each feature.
+    """Return the minimum and maximum of each feature's values, both inclusive; inf: no maximum.
 
     Args:
         config: Options of the environment; None: any environment.

@@ -148,7 +148,7 @@ def _schema(kind: Any, column: Column | None) -> Schema:
 
 
 def names_of(kind: type[IntEnum]) -> list[str]:
-    """Return the names of an enumeration as in files.
+    """Return the names of an enumeration's members as in files: in lower case.
 
     Example:
         >>> names_of(TargetKind)[:3]

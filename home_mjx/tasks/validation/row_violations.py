@@ -71,7 +71,7 @@ def find_violation(
 
 
 def host_columns(rows: Episodes) -> dict[str, np.ndarray]:
-    """Return the columns of rows by name as NumPy arrays, those of descriptors also by word."""
+    """Return the columns of rows by name as NumPy arrays, those of descriptors also as `selectors.<attribute>`."""
     host = jax.tree.map(np.asarray, rows)
     columns = {"house": host.house, "start": host.start, "yaw": host.yaw, **host.columns}
     if "descriptor" in columns:
@@ -80,7 +80,7 @@ def host_columns(rows: Episodes) -> dict[str, np.ndarray]:
 
 
 def _first_true(wrong: Bool[np.ndarray, "t ..."]) -> tuple[int, ...] | None:
-    """Return the index of the first true element; None if there is none."""
+    """Return the index, one number per axis, of the first true element in row-major order; None without one."""
     return tuple(int(i) for i in np.unravel_index(np.argmax(wrong), wrong.shape)) if wrong.any() else None
 
 
@@ -120,7 +120,7 @@ def blocked_start(row: int, start: Float[np.ndarray, "3"]) -> Violation:
 
 
 def is_same_length(given: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Return whether path lengths of a file are those of the shortest paths, up to the tolerance [m].
+    """Return whether path lengths of a file are those of the shortest paths, up to the tolerances [m].
 
     Example:
         >>> is_same_length(np.array([1.0, 7.5]), np.array([7.56, 7.56])).tolist()
@@ -204,7 +204,7 @@ def _sound_violations(columns: Columns, kind: np.ndarray) -> Iterator[Violation]
 
 
 def _used_conditions(numbers: np.ndarray) -> Bool[np.ndarray, "t c"]:
-    """Return which conditions are used by any transition."""
+    """Return which conditions have their bit in any mask of a row; negative masks have no bits."""
     asked = np.where(numbers < 0, 0, numbers).astype(int).reshape(len(numbers), -1)
     return (np.bitwise_or.reduce(asked, axis=1)[:, None] >> np.arange(NUM_CONDITIONS) & 1) == 1
 

@@ -122,7 +122,7 @@ def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, special: dic
 
 
 def _hint(config: EnvConfig, values: str) -> str | None:
-    """Return the hint for columns with values of this name."""
+    """Return the hint for columns whose range has this name; None if there is no special one."""
     if values in ("agent", "agents"):
         return f"There are {config.num_agents} agents: see num_agents=..."
     return OTHER_HOUSES_HINT if values in ("house", "field") else None

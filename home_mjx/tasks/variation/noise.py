@@ -54,12 +54,12 @@ def add_move_noise(
 def add_depth_noise(
     level: Float[Array, ""], key: Array, depth: Float[Array, "h w 1"], depth_max: float
 ) -> Float[Array, "h w 1"]:
-    """Add noise of a structured-light sensor to depth [m], see `kinect_depth`; `depth_max` and above stay."""
+    """Add Kinect noise to depth [m], see `kinect_depth`; values from `depth_max`, or all at level 0, stay."""
     read = kinect_depth(key, depth, near=0.0, far=depth_max, strength=level)
     read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
     return jnp.where(level > 0, read, depth)
 
 
 def add_rgb_noise(level: Float[Array, ""], key: Array, rgb: UInt8[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
-    """Add noise of an image sensor to colours, see `sensor_rgb`; the level multiplies both variances."""
+    """Add noise of an image sensor to colours, see `sensor_rgb`; `level` multiplies both variances, 0: unchanged."""
     return jnp.where(level > 0, sensor_rgb(key, rgb, 0.002 * level, 0.0001 * level), rgb)

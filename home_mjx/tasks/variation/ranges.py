@@ -142,7 +142,7 @@ def normalize_ranges(given: Any) -> dict[str, Any]:
 
 
 def to_variation(given: Any) -> Variation | None:
-    """Convert a form that `make` accepts: None, a `Variation`, or its ranges by name.
+    """Convert a form that `make` accepts: None (returned as is), a `Variation` (copied), or its ranges by name.
 
     Raises:
         ConfigError: Another type, or a range is invalid.

@@ -34,7 +34,7 @@ class VariationSample(Pytree):
     footstep_distance: Float[Array, ""] | None = None  # [m]
 
     def noise_key(self, step: Int[Array, ""], kind: int) -> Array:
-        """Return a key per step and kind of noise."""
+        """Return a typed key that differs per episode, step and kind of noise, such as `MOVE_NOISE`."""
         own = jax.random.wrap_key_data(self.key, impl="threefry2x32")
         return jax.random.fold_in(jax.random.fold_in(own, kind), step)
 
@@ -43,7 +43,7 @@ MOVE_NOISE, IMAGE_NOISE = range(2)  # kinds of noise, for `VariationSample.noise
 
 
 def sample_variation(variation: Variation | None, key: Array, num_lamps: int) -> VariationSample | None:
-    """Sample one episode from the ranges.
+    """Sample one episode from the ranges; None if there are none.
 
     Args:
         variation: Ranges; None: nothing varies.
@@ -91,7 +91,7 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
 def _sample_appearance(
     variation: Variation, key: Array, keys: dict[str, Array], gain: Float[Array, ""] | None, num_lamps: int
 ) -> AppearanceOverrides:
-    """Return appearance overrides: seed, lamps and textures."""
+    """Return appearance overrides with seed, lamps (num_lamps,) and textures only; None where these do not vary."""
     lamps = None if gain is None else jnp.full(num_lamps, gain)
     if variation.lamps is not None:
         on = (jax.random.uniform(keys["lamps"], (num_lamps,)) < variation.lamps).astype(jnp.float32)
