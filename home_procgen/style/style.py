@@ -122,6 +122,6 @@ class HomeStyle:
 
 
 def _name_material(material: Material, slot: str) -> Material:
-    """Return an opaque material with a slot's name; built field by field in a fifth of the time of `replace`."""
+    """Return a material named as a slot, which keeps the model's opacity (None); five times as fast as `replace`."""
     m = material
     return Material(slot, m.diffuse, m.texture, None, m.specular, m.shininess, m.missing_file)

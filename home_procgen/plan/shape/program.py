@@ -140,9 +140,8 @@ def draw_program(rng: np.random.Generator) -> RoomProgram:
     weights = np.array(list(ROOM_COUNT_WEIGHTS.values()), float)
     count = int(rng.choice(list(ROOM_COUNT_WEIGHTS), p=weights / weights.sum()))
     if storeys > 1 and count < MIN_ROOMS_WITH_STAIRS:
-        count = MIN_ROOMS_WITH_STAIRS + int(
-            rng.integers(NUM_COUNTS_WITH_STAIRS)
-        )  # a range, so that fewer homes are alike
+        # A range, so that fewer homes are alike.
+        count = MIN_ROOMS_WITH_STAIRS + int(rng.integers(NUM_COUNTS_WITH_STAIRS))
     return RoomProgram(draw_ground_types(rng, count, storeys), storeys)
 
 

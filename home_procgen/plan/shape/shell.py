@@ -125,7 +125,7 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
 def _take_block(
     rng: np.random.Generator, cells: list[RowCell], across: float, depths: Sequence[float]
 ) -> tuple[list[RowCell], tuple[RowCell, Rect] | None]:
-    """Move the living room or the garage to a block across the end of the hall, if it fits there."""
+    """Return the cells, and a block across the hall's end with the living room or garage taken from them, or None."""
     for kind, odds in (("Living_Room", 0.5), ("Garage", 0.5)):
         cell = next((cell for cell in cells if cell.type == kind), None)
         if cell is None or rng.random() > odds:
