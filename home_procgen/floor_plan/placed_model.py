@@ -64,7 +64,7 @@ class PlacedModel:
 
     @cached_property
     def box(self) -> Box:
-        """Bounding box in the scene [m]."""
+        """Lower and upper corner of the bounding box in the scene [m]."""
         return self._shape[2] + self.position
 
     @cached_property

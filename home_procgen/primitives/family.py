@@ -45,7 +45,7 @@ class FurnitureModel:
 
     @cached_property
     def box(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the bounding box [m]."""
+        """Lower and upper corner of the bounding box [m]."""
         return np.stack([self.parts[:, 0].min(0), self.parts[:, 1].max(0)])
 
     @cached_property

@@ -61,7 +61,7 @@ class Solid:
 
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the bounding box [m]."""
+        """Lower and upper corner of the bounding box [m]."""
         return np.stack([self.vertices.min(0), self.vertices.max(0)])
 
 

@@ -57,6 +57,6 @@ def repeat_around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> It
 
 
 def scale_solids(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
-    """Scale pieces about the origin by positive factors; drop movable parts, whose joints would no longer fit."""
+    """Generate the pieces, scaled about the origin by positive factors; drop movable parts, which would not fit."""
     for piece in pieces:
         yield replace(piece, vertices=piece.vertices * (x, y, z), part=None)

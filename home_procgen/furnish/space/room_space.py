@@ -137,7 +137,7 @@ class RoomSpace:
         return self.contains(x, z) and not (rug and self._flat.overlaps_any(extrude_footprint(box)[None]))
 
     def reserve(self, zone: Box) -> None:
-        """Keep a space free of later objects."""
+        """Keep a box [m] free of objects that are placed later."""
         self.clear.add(zone[None])
 
 

@@ -71,7 +71,7 @@ def draw_windows(
 
 
 def _bounds_rect(site: OpeningSite, rect: Rect) -> bool:
-    """Return whether a stretch of wall bounds a rectangle."""
+    """Return whether a stretch of wall is, at least in part, on a side of a rectangle."""
     axis = site.wall.axis
     at_line = min(abs(site.wall.line - rect[1 - axis]), abs(site.wall.line - rect[3 - axis])) < 0.05
     return at_line and site.span[0] < rect[axis + 2] and site.span[1] > rect[axis]

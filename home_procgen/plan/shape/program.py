@@ -129,7 +129,7 @@ class RoomProgram:
 
 
 def draw_program(rng: np.random.Generator) -> RoomProgram:
-    """Draw a random program.
+    """Draw a random program: number of storeys, and types of the ground floor's rooms.
 
     Example:
         >>> program = draw_program(np.random.default_rng(3))
@@ -176,7 +176,7 @@ def draw_ground_types(rng: np.random.Generator, count: int, storeys: int = 1) ->
 
 
 def draw_types(rng: np.random.Generator, options: Sequence[tuple[str, float]], count: int) -> list[str]:
-    """Draw types without replacement by weight."""
+    """Draw `count` types, or all if there are fewer, without replacement by weight."""
     weight = np.array([w for _, w in options])
     picks = rng.choice(len(options), size=min(count, len(options)), replace=False, p=weight / weight.sum())
     return [options[int(i)][0] for i in picks]

@@ -62,7 +62,7 @@ class RoomRow:
     step: tuple[float, float, float] | None = None
 
     def rect(self, a: float, b: float, near: float, far: float) -> Rect:
-        """Return the rectangle between two coordinates along the row and two depths [m]."""
+        """Return the rectangle between two coordinates along the row and two depths from the hall's edge [m]."""
         p, q = sorted((snap_to_grid(self.base + self.sign * near), snap_to_grid(self.base + self.sign * far)))
         a, b = snap_to_grid(a), snap_to_grid(b)
         return Rect(a, p, b, q) if self.axis == 0 else Rect(p, a, q, b)
