@@ -127,7 +127,7 @@ def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "Env[
     shown = is_progress_shown(progress)
 
     def get_bank(compile_options: "CompileOptions | None" = None, bakes: "tuple[Bake, ...]" = ()) -> "HouseBank":
-        """Load the houses; a bank in memory is taken as it is."""
+        """Return the bank of the houses with these options and bakes; a bank in memory is returned unchanged."""
         return _load(spec, houses, file, compile_options, bakes, shown)
 
     if is_task(entry_point):
@@ -148,7 +148,7 @@ def _load(
     bakes: "tuple[Bake, ...]",
     progress: bool,
 ) -> "HouseBank":
-    """Load the bank with its bakes; its houses are those of the file of episodes if there is one."""
+    """Return the bank of the houses, or of those that a file of episodes names; a `HouseBank` is returned unchanged."""
     from home_mjx.bank.bank import HouseBank
     from home_mjx.houses.load import load_bank
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
@@ -190,7 +190,7 @@ def _task_env(
 
 
 def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
-    """Return the functions of an environment, and the options with which its houses are compiled.
+    """Return an environment's functions, and compile options whose walkable area is for its agents' size.
 
     Raises:
         ConfigError: An option is unknown or cannot be used.
@@ -209,7 +209,7 @@ def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, Comp
 
 
 def _num_houses(houses: Any, given: int | None) -> int:
-    """Return the number of houses: the given one, else all of a name, else the default."""
+    """Return the number of houses: the given one, else all of a name such as `procedural:16`, else the default."""
     from home_mjx.datasets.registry import has_scheme, open_dataset
 
     known = len(open_dataset(houses).house_ids) if has_scheme(houses) else None
@@ -223,7 +223,7 @@ def _num_houses(houses: Any, given: int | None) -> int:
 
 
 def _is_chosen(houses: Any) -> bool:
-    """Return whether `houses` is a selection, to which `num_houses`, `split` and `filter` cannot apply."""
+    """Return whether `houses` is a bank or a `HouseSet`, to which `num_houses`, `split` and `filter` cannot apply."""
     from home_mjx.bank.bank import HouseBank
     from home_mjx.houses.house_set import HouseSet
 
@@ -231,14 +231,14 @@ def _is_chosen(houses: Any) -> bool:
 
 
 def _refuse(chosen: Mapping[str, Any], message: Callable[[str], str], reason: str | None = None) -> None:
-    """Raise `ConfigError` for the first choice that was made."""
+    """Raise `ConfigError` with `message(name)` for the first choice that is not None; no effect if all are."""
     for name, value in chosen.items():
         if value is not None:
             raise ConfigError(message(name), hint=reason and f"Leave `{name}` out: {reason}.")
 
 
 def _ranges(variation: Any) -> dict[str, Any]:
-    """Return the option with its ranges as plain numbers, checked; empty if nothing varies."""
+    """Return `{"variation": ranges}` with checked plain numbers by name; empty for None."""
     if variation is None:
         return {}
     from home_mjx.tasks.variation.ranges import normalize_ranges
@@ -247,7 +247,7 @@ def _ranges(variation: Any) -> dict[str, Any]:
 
 
 def _episode_rows(file: Path, bank: "HouseBank", task: Any) -> Any:
-    """Load the rows of a file of episodes; refuse a file that contains tasks of other environments only."""
+    """Load the rows of a file of episodes or tasks; `DatasetError` if all tasks are of other environments."""
     from home_mjx.tasks.env.episodes import load_episodes_or_tasks
     from home_mjx.tasks.rules.task_bank import TaskBank
 

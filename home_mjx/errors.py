@@ -119,7 +119,7 @@ class BackendError(HomeMjxError, RuntimeError):
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return a hint with the closest known name and at most `MAX_LISTED` known names.
+    """Return a hint with the closest known name, if one is similar, and at most `MAX_LISTED` known names, sorted.
 
     Example:
         >>> did_you_mean("deptth", ["rgb", "depth"])

@@ -169,13 +169,12 @@ class _GymnasiumFinder:
         return spec
 
 
-_LOCAL_ENTRY_POINTS: dict[
-    str, Callable[..., Any]
-] = {}  # entry points that cannot be imported, such as those of a notebook
+# Entry points that cannot be imported, such as those of a notebook.
+_LOCAL_ENTRY_POINTS: dict[str, Callable[..., Any]] = {}
 
 
 def list_envs() -> tuple[str, ...]:
-    """Return all environment ids.
+    """Return all registered environment ids, sorted.
 
     Example:
         >>> "PointNav-v0" in list_envs()
@@ -185,7 +184,7 @@ def list_envs() -> tuple[str, ...]:
 
 
 def task_names() -> frozenset[str]:
-    """Return the names of all tasks that are registered, as files of episodes have them."""
+    """Return the names of all registered entry points without module, such as `PointNav`, as in files of episodes."""
     return frozenset(spec.entry_point.rpartition(":")[2].rpartition(".")[2] for spec in _REGISTRY.values())
 
 
@@ -211,7 +210,7 @@ def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
 
 
 def load_entry_point(entry_point: str) -> Callable[..., Any]:
-    """Import an entry point; raise `ConfigError` if that fails."""
+    """Import the entry point `module:name`, or return a local one; raise `ConfigError` if that fails."""
     if entry_point in _LOCAL_ENTRY_POINTS:
         return _LOCAL_ENTRY_POINTS[entry_point]
     module, _, name = entry_point.partition(":")

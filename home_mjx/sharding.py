@@ -57,7 +57,7 @@ class EnvSharding:
 
     @property
     def params(self) -> PartitionSpec:
-        """Spec of `EnvParams` and banks: replicated, or a leading axis of devices."""
+        """Spec of `EnvParams` and banks: replicated; with `split_houses`, split over a leading axis of devices."""
         return BY_ENV if self.split_houses else REPLICATED
 
     def named(self, specs: Any) -> Any:
@@ -101,7 +101,7 @@ class EnvSharding:
         return self.put(stacked, BY_ENV)
 
     def local(self, params: T) -> T:
-        """Return the parameters of one device, inside a function of `map`."""
+        """Return the parameters of this device, inside a function of `map`, without the axis of `split_houses`."""
         return jax.tree.map(lambda x: x[0], params) if self.split_houses else params
 
     def map(self, function: Callable[..., Any], in_specs: Any, out_specs: Any) -> Any:
@@ -137,7 +137,7 @@ class EnvSharding:
 
 
 def env_index(num_local: int) -> Int[Array, ""]:
-    """Return the index of a device's first environment, inside `EnvSharding.map`, with `num_local` per device."""
+    """Return the global index of this device's first of `num_local` environments, inside `EnvSharding.map`."""
     return jax.lax.axis_index(ENV_AXIS) * num_local
 
 

@@ -69,7 +69,7 @@ def _check_seed(seed: object) -> int:
 
 
 def _claim_root(root: Path, version: int) -> None:
-    """Mark a new or empty folder as a generated dataset; raise `DatasetError` for any other unmarked folder."""
+    """Mark a new or empty folder as a generated dataset; `DatasetError` for other folders and other versions."""
     marker = {"generator": GENERATOR_NAME, "version": version}
     ours = root.parent == cache_folder().absolute()
     try:
@@ -100,7 +100,7 @@ def _claim_root(root: Path, version: int) -> None:
 
 
 def _other_version(root: Path, found: object, version: int, ours: bool) -> DatasetError:
-    """Return the error for a folder with the marker of another version, or of another program."""
+    """Return, without raising it, the error for a folder with the marker of another version, or of another program."""
     known = found.get("version") if isinstance(found, dict) and found.get("generator") == GENERATOR_NAME else None
     if not isinstance(known, int):
         hint = REMOVE_HINT if ours else "Choose another folder."
@@ -113,7 +113,7 @@ def _other_version(root: Path, found: object, version: int, ours: bool) -> Datas
 
 
 def _remove_leftovers(root: Path) -> None:
-    """Remove partial folders and markers of killed writers."""
+    """Remove partial folders and markers that are older than `MAX_WRITING_TIME`, left over from killed writers."""
     for path in (*root.glob(f"{PARTIAL_PREFIX}*"), *root.glob(f".{GENERATED_MARKER}.*")):
         with suppress(OSError):  # another process may be removing it
             if time.time() - path.stat().st_mtime > MAX_WRITING_TIME:

@@ -88,7 +88,7 @@ def _opening_objects(plan: LevelPlan) -> Iterator[OwnedObject]:
 def _assign_materials(
     objects: list[OwnedObject], style: HomeStyle, looks: dict[str, tuple[Material, ...]]
 ) -> Iterator[OwnedObject]:
-    """Assign materials to parts of the building; a model has the same materials all over the home."""
+    """Generate the objects with materials for their slots; a model has the same all over the home, kept in `looks`."""
     for placed, room in objects:
         if placed.model.id not in looks:
             looks[placed.model.id] = style.draw_materials(placed.model)

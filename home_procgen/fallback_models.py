@@ -97,7 +97,7 @@ def _make_box(path: Path, bounds: Bounds) -> Mesh:
 
 
 def _stretch_to_bounds(path: Path, mesh: Mesh, model: FurnitureModel, bounds: Bounds) -> Mesh:
-    """Stretch a generator's mesh into a box."""
+    """Return a generator's mesh stretched to fill a box, with plain colours instead of textures."""
     low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
     scale = (bounds[1] - bounds[0]) / np.maximum(high - low, 1e-9)
     return replace(
@@ -110,13 +110,13 @@ def _stretch_to_bounds(path: Path, mesh: Mesh, model: FurnitureModel, bounds: Bo
 
 
 def _replace_images(materials: Sequence[Material], slots: Mapping[str, str]) -> tuple[Material, ...]:
-    """Replace the textures of a generated dataset by plain colours."""
+    """Return the materials without textures, in their finish's plain colour if any; `slots` maps slots to finishes."""
     finishes = zip(materials, slots.values(), strict=True)
     return tuple(replace(m, texture=None, diffuse=PLAIN_COLORS.get(finish, m.diffuse)) for m, finish in finishes)
 
 
 def _make_opening(path: Path, fine: str, bounds: Bounds, closed: bool) -> Mesh:
-    """Build a door whose leaf swings to -z up to the side of the box; or only the frame, for an arch."""
+    """Build a door, open to -z up to the side of the box unless `closed`; for an arch, only its frame."""
     (x0, y0, z0), (x1, y1, _) = bounds.tolist()
     width, height = max(x1 - x0, 3 * JAMB), max(y1 - y0, 0.5)
     reach = np.clip((-z0 - HINGE_OFFSET) / (width - 2 * JAMB), 0.0, 1.0)

@@ -122,7 +122,7 @@ def _outdoor_railings(
 def _railing(
     at: tuple[float, float], length: float, facing: tuple[int, int], models: Sequence[FurnitureModel]
 ) -> PlacedModel:
-    """Return a railing of the given length, from the model that needs the least stretch."""
+    """Return a railing with its middle at (x, z) and a length [m], from the model that needs the least stretch."""
     model = min(models, key=lambda m: abs(np.log(length / m.size[0])))
     placed = PlacedModel(model, (0.0, 0.0, 0.0), 0, (round(length / float(model.size[0]), 4), 1.0, 1.0))
     return placed.moved_to(at[0], FLOOR_TOP, at[1], quarter_towards(*facing))

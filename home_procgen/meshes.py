@@ -82,7 +82,7 @@ def _wall_pieces(
 
 
 def _find_hole(side: tuple[Point, Point], opening: PlacedModel) -> Hole | None:
-    """Return the hole of an opening in a wall; None if the opening is not in this wall."""
+    """Return the hole of an opening in a straight or slanted wall, as `find_wall_hole`; None if it is elsewhere."""
     start, end = side
     if start[0] == end[0] or start[1] == end[1]:
         return None if isinstance(opening, SlantedWindow) else find_wall_hole(PlanWall(start, end), opening)
@@ -97,5 +97,5 @@ def _find_hole(side: tuple[Point, Point], opening: PlacedModel) -> Hole | None:
 
 
 def _round_coordinates(mesh: Mesh) -> Mesh:
-    """Round to a micrometre, so that files are identical on every machine."""
+    """Return the mesh with coordinates and UVs rounded to a micrometre, for identical files on every machine."""
     return replace(mesh, vertices=np.round(mesh.vertices, 6) + 0.0, uv=np.round(mesh.uv, 6) + 0.0)

@@ -83,12 +83,12 @@ def _intact_index(root: Path) -> DigestIndex:
 
 
 def _facts(names: Set[str] | None) -> FileFacts:
-    """Return the facts of an intact folder that names other files; the digest is empty if it is not intact."""
+    """Return the facts of an intact folder that names other files; None, not intact: the digest is empty."""
     return FileFacts(b"", ()) if names is None else FileFacts(b"intact", tuple(sorted(names)))
 
 
 def _stamp(*paths: Path) -> Stamp:
-    """Return the stamp of files, and of the files in folders: total size, last times, and sum of the inodes."""
+    """Return the stamp of files, or of files in folders: total size, last times, sum of inodes; all 0 if missing."""
     found = []
     for path in paths:
         try:
@@ -103,7 +103,7 @@ def _stamp(*paths: Path) -> Stamp:
 
 
 def _names_in_house(root: Path, house_id: str) -> Set[str] | None:
-    """Return the models and textures that a home names; None if a file is missing."""
+    """Return `object/<id>` and `texture/<stem>` of all that a home names; None if one of its files is missing."""
     try:
         text = read_text(root / "house" / house_id / "house.json")
         rooms = [read_text(path) for path in sorted((root / "room" / house_id).glob("*.mtl"))]

@@ -152,7 +152,7 @@ class ProceduralDataset(SuncgDataset):
         return ProceduralDataset, (self.name.partition(":")[2],)
 
     def _seeds(self, ids: Sequence[str]) -> list[int]:
-        """Return the seeds of ids, in their order."""
+        """Return the seeds of ids, in their order; raise `UnknownIdError` for an id of no seed."""
         known, last = range(self.parsed.seed, self.parsed.seed + self.parsed.count), len(self._by_id)
         for seed in known[last:]:
             if all(name in self._by_id for name in ids):

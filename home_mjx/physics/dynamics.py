@@ -44,8 +44,8 @@ def reset(
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
             None: the authored pose.
-        arrangement: Index into the house's settled poses of movable bodies, see `arrangements.with_arrangements`. -1 or
-            None: the authored poses.
+        arrangement: Index into the house's settled poses of movable bodies, see `arrangements.with_arrangements`. -1,
+            None, or a bank without settled poses: the authored poses.
         scale: Factors for the friction and mass of bodies in this episode. None: the house's values.
 
     Raises:
@@ -91,10 +91,8 @@ def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, doo
 def _awake_accelerations(layout: Layout) -> Float[Array, " v"]:
     """Return initial accelerations that keep bodies and doors awake: zero acceleration marks a sleeping body."""
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
-    agents, doors = (
-        jnp.zeros(4 * layout.num_agents, jnp.float32),
-        jnp.full(layout.num_doors, MIN_AWAKE_ACCELERATION, jnp.float32),
-    )
+    agents = jnp.zeros(4 * layout.num_agents, jnp.float32)
+    doors = jnp.full(layout.num_doors, MIN_AWAKE_ACCELERATION, jnp.float32)
     return jnp.concatenate([agents, bodies.reshape(-1), doors])
 
 
@@ -141,7 +139,7 @@ def with_agent_speed(template: Template, state: PhysicsState, action: Float[Arra
     Args:
         template: Model of the bank's capacity.
         state: Physics state.
-        action: As for `step`.
+        action: As for `step`, but not clipped.
     """
     fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
     forward, left, turn = (action * fastest).T
@@ -165,9 +163,10 @@ def is_unstable(state: PhysicsState) -> Bool[Array, ""]:
 def is_out_of_bounds(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState
 ) -> Bool[Array, " m"]:
-    """Return whether each agent and movable body is outside the lot's fence or below the ground floor.
+    """Return whether each agent's or movable body's centre is outside the lot's fence, or its bottom below the ground.
 
-    A body that falls through an upper floor and stays above the ground floor is not reported.
+    The bottom counts from `MIN_DEPTH_BELOW_FLOOR` below the ground floor on. Bodies that fell through an upper floor
+    only are not reported.
 
     Args:
         template: Model of the bank's capacity.
@@ -192,7 +191,7 @@ def is_out_of_bounds(
 
 
 def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:
-    """Return the centre of each agent's capsule [m] and its yaw [rad]."""
+    """Return the centre of each agent's capsule [m] in the world and its yaw, not wrapped [rad]."""
     agents = state.qpos[template.layout.agent_qpos].reshape(-1, 4)
     return agents[:, :3], agents[:, 3]
 
@@ -218,5 +217,5 @@ def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
 
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:
-    """Return whether each agent touched anything except the floor during the last control step."""
+    """Return whether each agent touched anything but what carries it (floors, ramps) in the last control step."""
     return state.num_contacts > 0

@@ -50,7 +50,7 @@ SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory p
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Step environments (e ...) by one control step; operands and results are ordered as in `numba.params`."""
+    """Step environments (e ...) by one control step on a GPU; operands and results are ordered as in `numba.params`."""
     houses, statics = operands[COLLIDER_POS].shape[:2]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
@@ -64,13 +64,13 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
 
 
 def _newton_words(mobiles: int) -> int:
-    """Return the words of memory for an island: lower triangle of its Hessian, gradient and search direction."""
+    """Return the 4-byte words for an island of `mobiles` bodies: half a Hessian, gradient and search direction."""
     size = BODY_DOFS * mobiles
     return size * (size + 1) // 2 + 2 * size
 
 
 def compile_kernel() -> str:
-    """Compile PTX that all GPUs of this process can run."""
+    """Return the PTX of the CUDA sources, compiled for all GPUs of this process."""
     return compile_sources(*SOURCES)
 
 
@@ -87,7 +87,7 @@ STEPS = {"cpu": functools.partial(call_native, KERNEL.name), "cuda": step_cuda}
 def step_fused(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
+    """Advance the state by one control step, by MJX where no kernel exists; see `dynamics.step_checked`. No gradient.
 
     Raises:
         BackendError: This is a forked child of a process that has already stepped.
@@ -122,7 +122,7 @@ def _step_native(
 def _keep_sleeping_contacts(
     template: Template, before: PhysicsState, rates: tuple[Array, Array], pushed: dict[str, Array]
 ) -> dict[str, Array]:
-    """Return contact reports in which sleeping bodies keep the values of their last awake step.
+    """Return contact reports in which bodies asleep after the step (`rates`: qvel, qacc) keep their last awake values.
 
     A body that woke within the step reports at least its earlier impulse, since the kernel covered only the rest of the
     step.
@@ -136,14 +136,14 @@ def _keep_sleeping_contacts(
 
 
 def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:
-    """Return whether each dynamic body sleeps; agents never do."""
+    """Return whether each dynamic body sleeps: all its velocities and accelerations are 0. Agents never do."""
     layout, moves = template.layout, (qvel != 0) | (qacc != 0)
     free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
     return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
 def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
-    """Return the house arrays in the order of `operands`; boxes not above the floor get a negative size."""
+    """Return the arrays of all houses, ordered as `numba.params`; boxes not above the floor get half extents of -1."""
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)

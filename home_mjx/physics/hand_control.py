@@ -47,7 +47,7 @@ class HandCommands(Pytree):
 
     @classmethod
     def idle(cls, num_agents: int) -> "HandCommands":
-        """Return commands that leave all hands unchanged."""
+        """Return commands that leave all hands and doors unchanged."""
         nothing, no = jnp.full(num_agents, -1, jnp.int32), jnp.zeros(num_agents, bool)
         nowhere = jnp.full((num_agents, 3), jnp.inf, jnp.float32)
         return cls(nothing, nowhere, no, jnp.zeros_like(nowhere), nothing, no)
@@ -56,7 +56,7 @@ class HandCommands(Pytree):
 def apply_hand_commands(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, commands: HandCommands
 ) -> PhysicsState:
-    """Apply hand commands; ignore commands that are not possible.
+    """Apply per agent drop or throw, then pick, place and door; ignore commands that are not possible.
 
     An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
     hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
@@ -75,7 +75,8 @@ def apply_hand_commands(
 def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
     """Update hands and door goals after a control step.
 
-    Hands release placed and torn-away bodies. Doors that have reached their goal are no longer driven.
+    Hands release placed and torn-away bodies, and carry on after `MAX_PLACE_STEPS` steps of placing. Doors that have
+    reached their goal are no longer driven.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -88,13 +89,13 @@ def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], sta
 
 
 def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
-    """Return the position and orientation of a movable body."""
+    """Return the position [m] and orientation (wxyz) of a movable body; those of body 0 for -1."""
     pos, quat = body_pose(template, state)
     return pos[jnp.maximum(body, 0)], quat[jnp.maximum(body, 0)]
 
 
 def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Array]:
-    """Return the position and yaw of an agent."""
+    """Return the position of an agent's centre [m] and its yaw [rad]."""
     pos, yaw = agent_pose(template, state)
     return pos[a], yaw[a]
 
@@ -167,14 +168,14 @@ def _distance(
 
 
 def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array, "3"]:
-    """Return an offset from an agent's centre, measured from the nearest point of its axis instead."""
+    """Return an offset from an agent's centre with z replaced by its vertical distance from the axis [m]."""
     return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
 
 
 def _carry_grip(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
-    """Return the grip to carry a body: in front of the agent, below its eyes, with orientation `turned`."""
+    """Return the grip to carry a body, in the agent's frame: ahead, below its eyes, with orientation `turned`."""
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
     ahead = jnp.float32(config.radius + CARRY_CLEARANCE) + jnp.linalg.norm(extent[:2])
@@ -185,7 +186,7 @@ def _carry_grip(
 def _start_place(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
-    """Start to place the held body at `spot` [m]; no effect if the hand is empty or the spot out of reach."""
+    """Start to place the held body at `spot` [m] if a hand holds one and reaches it; a running placement goes on."""
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
@@ -197,7 +198,7 @@ def _start_place(
 
 
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
-    """Return the target of a placed body's centre: the spot, raised by its half height and `PLACE_CLEARANCE` [m]."""
+    """Return the target of a placed body's centre [m]: the spot plus half height and `PLACE_CLEARANCE`; inf if none."""
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
     rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(PLACE_CLEARANCE)
@@ -205,7 +206,7 @@ def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState
 
 
 def _track_place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    """Update the grip of a placing hand as its agent moves: first above the spot, then down to it."""
+    """Update the grip of a placing hand as its agent moves: first above the spot, then down to it; else no change."""
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     target = _place_target(template, bodies, state, a)

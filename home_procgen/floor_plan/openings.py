@@ -26,12 +26,12 @@ class PlanOpening:
 
     @property
     def is_door(self) -> bool:
-        """True if an agent can walk through the opening."""
+        """True if an agent can walk through the opening; False for windows and garage doors."""
         return self.object.model.fine == "door"
 
     @property
     def passage(self) -> Box:
-        """Box on both sides of the opening that must stay free for walking [m]."""
+        """Box as wide as the opening and `PASSAGE_DEPTH` deep on both sides, which stays free for walking [m]."""
         x, y, z = self.object.position
         width, height, _ = self.object.model.size
         half = np.array([width / 2, PASSAGE_DEPTH])[:: 1 if self.object.quarter % 2 == 0 else -1]
@@ -72,6 +72,6 @@ def find_inner_sites(rooms: Sequence[RoomPlan]) -> list[OpeningSite]:
 
 
 def find_outer_sites(rooms: Sequence[RoomPlan], room: int) -> list[OpeningSite]:
-    """Return the stretches of a room's walls that no other room shares."""
+    """Return the stretches, of any length, of a room's walls that no other room shares."""
     others = [wall for i, other in enumerate(rooms) if i != room for wall in other.walls]
     return [OpeningSite(wall, span, (room,)) for wall in rooms[room].walls for span in outer_spans(wall, others)]

@@ -53,7 +53,7 @@ class PlacedModel:
         return moved
 
     def local_point(self, right: float, front: float) -> tuple[float, float]:
-        """Return the point (x, z) at `right` and `front` metres from the origin, in the object's own directions."""
+        """Return the point (x, z), `right` and `front` metres from the origin in the object's unmirrored directions."""
         x, z = FRONT_DIRECTIONS[self.quarter]
         return self.position[0] + z * right + x * front, self.position[2] - x * right + z * front
 
@@ -64,7 +64,7 @@ class PlacedModel:
 
     @cached_property
     def box(self) -> Box:
-        """Bounding box in the scene [m]."""
+        """Lower and upper corner of the bounding box in the scene [m]."""
         return self._shape[2] + self.position
 
     @cached_property
@@ -125,7 +125,7 @@ def _transform_shape(model: FurnitureModel, quarter: int, scale: Vector, mirrore
 
 
 def quarter_towards(x: float, z: float) -> int:
-    """Return the quarter turns that point a model's front along the axis direction (x, z).
+    """Return the quarter turns that point a model's front along a unit direction (x, z) of an axis.
 
     Example:
         >>> quarter_towards(1.0, 0.0)
@@ -151,7 +151,7 @@ def stack_boxes(boxes: Sequence[Box]) -> Boxes:
 
 
 def furniture_object(placed: PlacedModel, index: int) -> ObjectNode:
-    """Return the node of an object on the lowest level."""
+    """Return the node of an object on the lowest level, as the node number `index`."""
     transform = np.eye(4)
     transform[:3, :3], transform[:3, 3] = placed.linear, placed.position
     return ObjectNode(
@@ -167,7 +167,7 @@ def furniture_object(placed: PlacedModel, index: int) -> ObjectNode:
 
 
 def used_models(objects: Sequence[PlacedModel]) -> Mapping[str, Mesh]:
-    """Return the meshes of the objects: the base mesh of each model, and the closed variants in use."""
+    """Return the meshes by model key: the base mesh of each model, and the closed variants in use."""
     meshes = {placed.model.id: placed.model.mesh for placed in objects}
     closed = {variant_key(p.model.id, 1): p.model.closed for p in objects if p.closed and p.model.closed is not None}
     return meshes | closed
@@ -184,7 +184,7 @@ def yaw_to(item: PlacedModel, x: float, y: float, z: float, angle: float) -> Yaw
 
 
 def yaw_by(item: PlacedModel, angle: float) -> PlacedModel:
-    """Return the same object, turned by a further angle at its place [rad]."""
+    """Return the same object, turned at its place by a further angle from z towards x [rad]."""
     if isinstance(item, YawedObject):
         return replace(item, angle=round(item.angle + angle, 4))
     return yaw_to(item, *item.position, item.quarter * np.pi / 2 + angle)

@@ -34,12 +34,12 @@ class PlanWall:
 
     @cached_property
     def axis(self) -> int:
-        """0 along x, 1 along z."""
+        """0 if the wall runs along x, 1 if along z; index of the coordinate along it in (x, z)."""
         return int(self.start[0] == self.end[0])
 
     @cached_property
     def line(self) -> float:
-        """Coordinate across the wall [m]."""
+        """Coordinate of the centre-line: z of a wall along x, x of a wall along z [m]."""
         return self.start[1 - self.axis]
 
     @cached_property
@@ -50,17 +50,17 @@ class PlanWall:
 
     @cached_property
     def length(self) -> float:
-        """Length [m]."""
+        """Length along the centre-line [m]."""
         return self.span[1] - self.span[0]
 
     @cached_property
     def direction(self) -> Float[np.ndarray, " 2"]:
-        """Unit vector from start to end."""
+        """Unit vector (x, z) from start to end."""
         return np.sign(np.subtract(self.end, self.start))
 
     @cached_property
     def normal(self) -> Float[np.ndarray, " 2"]:
-        """Unit vector into the room: direction x up."""
+        """Unit vector (x, z) into the room: direction x up."""
         return np.array([-self.direction[1], self.direction[0]])
 
     def point(self, along: float, off: float = 0.0) -> tuple[float, float]:
@@ -85,7 +85,7 @@ class RoomPlan:
 
     @cached_property
     def walls(self) -> tuple[PlanWall, ...]:
-        """One wall per side of the polygon."""
+        """One wall per side of the polygon, in the order of its corners."""
         corners = [(float(x), float(z)) for x, z in self.polygon]
         return tuple(PlanWall(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True))
 
@@ -115,7 +115,7 @@ def outline(rects: Sequence[Rect]) -> Float[np.ndarray, "n 2"]:
 
 
 def shared_span(wall: PlanWall, other: PlanWall) -> tuple[float, float] | None:
-    """Return the common span of two coinciding walls of different rooms; None if they have none."""
+    """Return the common span (low, high) of two coinciding walls of different rooms [m]; None if they have none."""
     if wall.axis != other.axis or abs(wall.line - other.line) > LINE_TOLERANCE:
         return None
     low, high = max(wall.span[0], other.span[0]), min(wall.span[1], other.span[1])
@@ -123,7 +123,7 @@ def shared_span(wall: PlanWall, other: PlanWall) -> tuple[float, float] | None:
 
 
 def outer_spans(wall: PlanWall, others: Sequence[PlanWall]) -> list[tuple[float, float]]:
-    """Return the spans of a wall that no other room shares."""
+    """Return the spans (low, high) of a wall that none of the `others` shares [m], ascending; empty if none is left."""
     shared = sorted(span for other in others if (span := shared_span(wall, other)))
     spans, low = [], wall.span[0]
     for start, end in [*shared, (wall.span[1], wall.span[1])]:

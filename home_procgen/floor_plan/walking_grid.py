@@ -53,11 +53,11 @@ class WalkingGrid:
         return (i, j) if 0 <= i < len(self.x) and 0 <= j < len(self.z) else None
 
     def remove_blocked(self, boxes: Sequence[Box]) -> None:
-        """Remove the cells in which an agent would touch one of the boxes."""
+        """Mark as not free the cells in which an agent would touch one of the boxes."""
         self._free = self._without(boxes)
 
     def stays_connected(self, boxes: Sequence[Box]) -> bool:
-        """Return whether the doors and nearly all free floor stay connected with the boxes added."""
+        """Return whether all doors and nearly all free floor are connected with boxes added; False without doors."""
         free = self._without(boxes)
         label = np.empty(free.shape, np.int32)
         ndimage.label(free, CELL_CONNECTIVITY, output=label)

@@ -35,7 +35,7 @@ class RoomSurfaces:
 
 
 def find_wall_hole(wall: PlanWall, opening: PlacedModel) -> Hole | None:
-    """Return the hole that an opening cuts into a wall; None if the opening is not in this wall."""
+    """Return the hole of an opening: start and end from the wall's start, bottom, top [m]; None if it has none."""
     x, _, z = opening.position
     box = opening.box
     along = box[:, (0, 2)[wall.axis]]
@@ -52,7 +52,7 @@ def find_wall_hole(wall: PlanWall, opening: PlacedModel) -> Hole | None:
 
 
 def wall_box(wall: PlanWall, height: float) -> Box:
-    """Return the box of a wall, which includes both of its halves [m]."""
+    """Return the box of a wall from height 0 to `height`, which includes both of its halves [m]."""
     ends: Float[np.ndarray, "2 2"] = np.sort([wall.start, wall.end], axis=0)
     (x0, z0), (x1, z1) = ends + np.array([[-PRISM_THICKNESS], [PRISM_THICKNESS]])
     return np.array([[x0, 0.0, z0], [x1, height, z1]])

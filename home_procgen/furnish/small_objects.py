@@ -102,7 +102,7 @@ def is_small(item: PlacedModel) -> bool:
 
 
 def _low_surfaces(item: PlacedModel) -> list[tuple[int, float]]:
-    """Return the numbers and areas [m^2] of the surfaces of furniture that hands reach."""
+    """Return index and area [m^2] of large surfaces below `MAX_SURFACE_HEIGHT`; empty outside `SUPPORT_FAMILIES`."""
     if item.model.family not in SUPPORT_FAMILIES:
         return []
     tops = find_support_surfaces(item.model.id)[:MAX_SURFACES]

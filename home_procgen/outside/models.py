@@ -54,7 +54,7 @@ def gable_roof(length: float, across: float) -> Solid:
 
 
 def round_tree(height: float, wide: float) -> Iterator[Solid]:
-    """Generate a tree with a round crown, like an apple tree."""
+    """Generate a tree with a round crown, of a total height and a crown width [m], its trunk from y = 0 up."""
     low = 0.3 * height
     yield cylinder("bark", 0.05 * wide, low + 0.15 * height, top=0.03 * wide, sides=6)
     middle, half = (low + height) / 2, (height - low) / 2
@@ -67,7 +67,7 @@ def round_tree(height: float, wide: float) -> Iterator[Solid]:
 
 
 def fir(height: float, wide: float) -> Iterator[Solid]:
-    """Generate a fir as cones of branches, one above the other."""
+    """Generate a fir, of a height and a width [m], as cones of branches, one above the other."""
     yield cylinder("bark", 0.04 * wide, 0.25 * height, sides=6)
     for k in range(4):
         low, high = (0.12 + 0.2 * k) * height, min(0.12 + 0.2 * k + 0.36, 1.0) * height
@@ -75,14 +75,14 @@ def fir(height: float, wide: float) -> Iterator[Solid]:
 
 
 def bush(height: float, wide: float) -> Iterator[Solid]:
-    """Generate a bush with leaves from the ground up."""
+    """Generate a bush, of a height and a width [m], with leaves from the ground up."""
     for x, z, size in ((0.0, 0.0, 1.0), (0.28, 0.1, 0.7), (-0.22, 0.2, 0.75), (0.02, -0.3, 0.65)):
         part = [(0.32 * size * wide * np.sin(a), 0.5 * size * height * (1 - np.cos(a))) for a in (0.6, 1.4, 2.1, 2.8)]
         yield lathe("leaf", part, (x * wide, 0.0, z * wide), sides=8)
 
 
 def hedge(length: float, height: float) -> Iterator[Solid]:
-    """Generate a hedge as a box."""
+    """Generate a hedge along x as one box 0.6 m thick, of a length and a height [m]."""
     yield box("leaf", (length, height, 0.6))
 
 
@@ -99,7 +99,7 @@ def _model(
 
 @cache
 def outside_models() -> Mapping[str, tuple[FurnitureModel, ...]]:
-    """Return the models by family.
+    """Return the models by family; building them is cached.
 
     Example:
         >>> list(outside_models())

@@ -43,7 +43,7 @@ class NeighbourBlock:
 def draw_neighbours(
     rng: np.random.Generator, site: Plot, tiles: Sequence[Material]
 ) -> tuple[tuple[NeighbourBlock, ...], tuple[PlacedModel, ...]]:
-    """Return blocks on all sides, and their roofs.
+    """Draw neighbours on all sides: their walls, and their roofs; blocks of flats have none.
 
     Args:
         rng: Source of randomness.
@@ -62,7 +62,7 @@ def draw_neighbours(
 
 
 def _draw_row(rng: np.random.Generator, site: Plot, side: PlotSide, city: bool) -> list[NeighbourBlock]:
-    """Return houses in a row along one side of the plot."""
+    """Draw houses in a row along one side of the plot; they may be too close to those of other sides."""
     low, high = (site.home_rect[1], site.home_rect[3]) if side.direction[0] else (site.home_rect[0], site.home_rect[2])
     at, found = low - float(rng.uniform(0.0, 8.0)), []
     while at < high + 3.0:
@@ -97,7 +97,7 @@ def _roof(rng: np.random.Generator, block: NeighbourBlock, tiles: Sequence[Mater
 
 
 def build_block_node(block: NeighbourBlock, index: int) -> BoxNode:
-    """Return the node of a block on the lowest level."""
+    """Return the box node of a neighbour's walls on the lowest level, from height 0 up; `index` is its node number."""
     x0, z0, x1, z1 = block.rect
     transform = np.eye(4)
     transform[:3, 3] = (x0 + x1) / 2, block.height / 2, (z0 + z1) / 2

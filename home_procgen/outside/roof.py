@@ -23,7 +23,7 @@ def build_roofs(
     """Generate gables over rooms.
 
     Args:
-        rects: Rectangles of the rooms [m].
+        rects: Rectangles of the rooms [m]; joined to fewer, larger ones.
         height: Height of the walls [m].
         pitch: Rise per run.
         materials: Materials by slot of the models.
@@ -37,7 +37,7 @@ def build_roofs(
 def build_gable(
     x: float, z: float, sides: tuple[float, float], y: float, pitch: float, materials: tuple[Material, ...]
 ) -> PlacedModel:
-    """Return a gable with eaves around a rectangle of extents `sides` along x and z [m], its ridge along the longer."""
+    """Return a gable at height `y` over a rectangle at (x, z) of extents `sides` [m], its ridge along the longer."""
     long, short = max(sides), min(sides)
     fit = [abs(np.log(long / a)) + abs(np.log(short / b)) for a, b in ROOF_SIZES]
     number = int(np.argmin(fit))

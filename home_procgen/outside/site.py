@@ -31,7 +31,7 @@ class PlotSide:
     distance_from_home: float
 
     def coordinate_at(self, away: float) -> float:
-        """Return the coordinate across the side at a distance from the home [m]."""
+        """Return the x, or z on sides towards z, at a distance outward from this side of the home [m]."""
         x, z = self.direction
         edge = (
             (self.home_rect.x1 if x > 0 else self.home_rect.x0)
@@ -51,12 +51,12 @@ class PlotSide:
         return Rect(p, lawn.z0, q, lawn.z1) if self.direction[0] else Rect(lawn.x0, p, lawn.x1, q)
 
     def garden_line(self, garden: Rect) -> Rect:
-        """Return the line along the side of the garden, as a rectangle of zero width [m]."""
+        """Return the line of the hedge along the garden's side, as a rectangle of zero width [m]."""
         at = self.coordinate_at(self.distance_from_home)
         return Rect(at, garden.z0, at, garden.z1) if self.direction[0] else Rect(garden.x0, at, garden.x1, at)
 
     def distance(self, point: tuple[float, float]) -> float:
-        """Return the distance from a point to the line [m]."""
+        """Return the distance from a point (x, z) to the line of the hedge or the street's edge [m]."""
         return abs(self.coordinate_at(self.distance_from_home) - point[int(self.direction[0] == 0)])
 
 
@@ -93,7 +93,7 @@ class Plot:
 
     @property
     def street(self) -> PlotSide:
-        """The side of the street."""
+        """The side of the home that faces the street."""
         return self.sides[0]
 
     def draw_plant_spot(self, rng: np.random.Generator, radius: float) -> tuple[float, float] | None:

@@ -124,7 +124,7 @@ def _rects_overlap(a: Rect, b: Rect, gap: float = 0.0) -> bool:
 
 
 def _hedges(rng: np.random.Generator, site: Plot) -> Iterator[PlacedModel]:
-    """Generate hedges along the sides of the garden without the street."""
+    """Generate hedges along the three sides of the garden without the street; each side has one at random."""
     models, leaves = outside_models()["hedge"], (choose_random(LEAVES, rng),)
     tall = round(float(rng.uniform(0.8, 1.25)), 2)
     for side in site.sides[1:]:
@@ -143,7 +143,7 @@ def _hedges(rng: np.random.Generator, site: Plot) -> Iterator[PlacedModel]:
 
 
 def _plants(rng: np.random.Generator, site: Plot) -> Iterator[PlacedModel]:
-    """Generate trees, with crowns clear of the home, and bushes."""
+    """Generate trees, with crowns clear of the home, and bushes, in random numbers and sizes."""
     for kind, numbers in (("tree", TREE_COUNT_RANGE), ("bush", BUSH_COUNT_RANGE)):
         for _ in range(int(rng.integers(*numbers))):
             model, size = choose_random(outside_models()[kind], rng), round(float(rng.uniform(0.8, 1.2)), 3)

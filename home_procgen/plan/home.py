@@ -22,10 +22,8 @@ from home_procgen.things import get_model
 
 MAX_STOREY_ATTEMPTS = 6000  # maximum attempts to draw storeys; a few dozen are typical
 ATTEMPTS_PER_PROGRAM = 1500  # attempts before another program is drawn; only if the caller passed none
-WALL_HEIGHTS, WALL_HEIGHT_PROBABILITIES = (
-    (2.5, 2.6, 2.7, 2.8, 3.0),
-    (0.15, 0.15, 0.45, 0.15, 0.1),
-)  # [m], wall heights of one-storey homes
+# [m], wall heights of one-storey homes
+WALL_HEIGHTS, WALL_HEIGHT_PROBABILITIES = (2.5, 2.6, 2.7, 2.8, 3.0), (0.15, 0.15, 0.45, 0.15, 0.1)
 HALL_ENTRANCE_PROBABILITY = 0.9  # that the entrance must lead into the hall, if any, and not into the living room
 NUM_OPENING_ATTEMPTS = 5  # attempts to place doors and windows in the same rooms
 SOLID_DOOR_NUMBERS, GLAZED_DOOR_NUMBERS = (1, 2, 4, 5, 7, 8, 9, 10, 11, 13), (3, 6, 12)  # model numbers of doors

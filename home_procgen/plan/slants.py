@@ -13,7 +13,7 @@ from home_procgen.plan.shape.rows import snap_to_grid
 from home_procgen.plan.shape.storeys import Storey
 
 CUT_CORNER_PROBABILITY, BAY_PROBABILITY = 0.14, 0.12  # probabilities
-BAYED = ("Living_Room", "Dining_Room")
+BAYED_TYPES = ("Living_Room", "Dining_Room")
 MIN_REMAINING_WALL = 1.2  # [m], minimum remaining wall length next to a cut corner
 
 
@@ -68,9 +68,7 @@ def _is_outer_near_corner(wall: PlanWall, corner: Point, length: float, others: 
 
 def _add_bay(rng: np.random.Generator, rooms: tuple[RoomPlan, ...]) -> tuple[RoomPlan, ...]:
     """Return the rooms with a bay added to a living or dining room, if a site has space for it."""
-    hosts = [
-        i for i, room in enumerate(rooms) if room.type in ("Living_Room", "Dining_Room") and type(room) is RoomPlan
-    ]
+    hosts = [i for i, room in enumerate(rooms) if room.type in BAYED_TYPES and type(room) is RoomPlan]
     deep, wide = snap_to_grid(rng.uniform(0.7, 1.0)), snap_to_grid(rng.uniform(2.8, 3.6))
     sites = [s for i in hosts for s in find_outer_sites(rooms, i) if s.span[1] - s.span[0] >= wide + 0.8]
     if not sites:

@@ -45,7 +45,7 @@ class FurnitureModel:
 
     @cached_property
     def box(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the bounding box [m]."""
+        """Lower and upper corner of the bounding box [m]."""
         return np.stack([self.parts[:, 0].min(0), self.parts[:, 1].max(0)])
 
     @cached_property
@@ -137,7 +137,7 @@ def models_by_id(families: Iterable[ModelSource]) -> Mapping[str, FurnitureModel
 
 
 def models_by_family(models: Iterable[FurnitureModel]) -> Mapping[str, Sequence[FurnitureModel]]:
-    """Return models grouped by family name."""
+    """Return models by family name, in their order."""
     families: dict[str, list[FurnitureModel]] = defaultdict(list)
     for model in models:
         families[model.family].append(model)
@@ -145,7 +145,7 @@ def models_by_family(models: Iterable[FurnitureModel]) -> Mapping[str, Sequence[
 
 
 def make_variant(**parameters: Any) -> Mapping[str, Any]:
-    """Return one set of parameters of a design."""
+    """Return the keyword arguments as one set of parameters of a design."""
     return parameters
 
 

@@ -10,7 +10,7 @@ BOARD_THICKNESS = 0.02  # [m], thickness of boards and doors
 def make_legs(
     material: str, width: float, depth: float, height: float, thickness: float = 0.05, turned: bool = False
 ) -> Iterator[Solid]:
-    """Generate four legs whose outer sides span width x depth, square or turned (tapering downwards)."""
+    """Generate four legs on y = 0, whose outer sides span width (x) by depth (z) [m]; `turned`: round, tapering."""
     for x in (-1, 1):
         for z in (-1, 1):
             at = (x * (width - thickness) / 2, 0.0, z * (depth - thickness) / 2)
@@ -64,7 +64,7 @@ def make_fronts(
 def make_case(
     material: str, width: float, height: float, depth: float, shelves: int, columns: int = 1, back: bool = True
 ) -> Iterator[Solid]:
-    """Generate an open case of boards: sides, uprights, `shelves` besides bottom and top, and a back."""
+    """Generate an open case of boards on y = 0 [m]: sides, uprights, `shelves` besides bottom and top, and a back."""
     for column in range(columns + 1):
         x = -width / 2 + BOARD_THICKNESS / 2 + column * (width - BOARD_THICKNESS) / columns
         yield box(material, (BOARD_THICKNESS, height, depth), (x, 0.0, 0.0))

@@ -24,12 +24,12 @@ def rgb(code: str) -> Color:
 
 
 def textured(name: str, tint: str = "#ffffff", slot: str = "") -> Material:
-    """A material with a texture of the library, multiplied by `tint`."""
+    """Return an opaque material with a texture of the library, multiplied by `tint` (`#rrggbb`)."""
     return Material(slot, rgb(tint), Path("texture") / f"{name}.png", 1.0)
 
 
 def plain(color: str, opacity: float = 1.0, slot: str = "") -> Material:
-    """Return a material of one colour."""
+    """Return a material of one colour (`#rrggbb`), without a texture."""
     return Material(slot, rgb(color), None, opacity)
 
 
@@ -77,5 +77,5 @@ CUT_MATERIAL = plain("#808080")  # SUNCG's grey of cut wall faces
 
 
 def choose_random(options: Sequence[T], rng: np.random.Generator) -> T:
-    """Draw one of the options."""
+    """Draw one of the options with equal probabilities."""
     return options[int(rng.integers(len(options)))]

@@ -61,7 +61,7 @@ class Solid:
 
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
-        """Corners of the bounding box [m]."""
+        """Lower and upper corner of the bounding box [m]."""
         return np.stack([self.vertices.min(0), self.vertices.max(0)])
 
 
@@ -86,7 +86,7 @@ def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]
 
 
 def picture_uv(piece: Solid) -> Solid:
-    """Return a solid with UVs that show the texture exactly once on its front and back."""
+    """Return a solid whose UVs are x and y over its box, 0..1, so that front and back show the texture once."""
     low, high = piece.box[:, :2]
     return replace(piece, uv=(piece.vertices[piece.faces][..., :2] - low) / (high - low))
 
@@ -119,7 +119,7 @@ def cushion(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), bevel: fl
 
 
 def box(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """Return a box; `at` is the centre of its bottom face [m].
+    """Return a box of extents `size` along x, y, z [m]; `at` is the centre of its bottom face [m].
 
     Example:
         >>> box("wood", (1, 0.5, 2)).box.tolist()
@@ -165,12 +165,12 @@ def lathe(
 def cylinder(
     material: str, radius: float, height: float, at: Vector = (0.0, 0.0, 0.0), top: float | None = None, sides: int = 16
 ) -> Solid:
-    """Return an upright cylinder, or a cone's frustum with radius `top` at its upper end."""
+    """Return an upright cylinder on `at`, or a cone's frustum with radius `top` at its upper end [m]."""
     return lathe(material, [(radius, 0.0), (radius if top is None else top, height)], at, sides)
 
 
 def _band(low: int, low_size: int, high: int, high_size: int, sides: int) -> Int[np.ndarray, "f 3"]:
-    """Return triangles between two rings; a ring of one vertex is a tip."""
+    """Return triangles between two rings of vertices, given by first index and size (`sides`, or 1 for a tip)."""
     j = np.arange(sides)
     a, b = low + j % low_size, low + (j + 1) % low_size
     c, d = high + (j + 1) % high_size, high + j % high_size
@@ -189,7 +189,7 @@ def move(piece: Solid, by: Vector | Float[np.ndarray, " 3"]) -> Solid:
 
 
 def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Solid:
-    """Rotate a solid and its part about a coordinate axis through `pivot` by `angle` [rad]; its UVs are unchanged."""
+    """Rotate a solid and its part, not its UVs, about axis 0, 1 or 2 (x, y, z) through `pivot`, right-handed [rad]."""
     turn = np.eye(3)
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)

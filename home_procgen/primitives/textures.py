@@ -59,13 +59,13 @@ def grid(rows: int, columns: int, shift: float = 0.0) -> tuple[np.ndarray, Float
 
 
 def wood(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """Draw straight grain along the rows."""
+    """Draw wood with straight grain along the rows."""
     bands = 0.5 + 0.22 * noise(rng, 60, 3) + 0.10 * noise(rng, 20, 1)
     return blend(dark, light, bands)
 
 
 def planks(rng: np.random.Generator, dark: Color, light: Color, rows: int = 8, columns: int = 2) -> Rgb:
-    """Draw boards of slightly different tone with dark joints."""
+    """Draw `rows` rows of `columns` staggered boards of slightly different tone with dark joints."""
     cell, edge = grid(rows, columns, shift=0.5)
     tone = 0.5 + 0.13 * rng.standard_normal(rows * columns)[cell] + 0.12 * noise(rng, 50, 2)
     joint = np.where(edge.min(-1) < 0.004, 0.72, 1.0)
@@ -73,7 +73,7 @@ def planks(rng: np.random.Generator, dark: Color, light: Color, rows: int = 8, c
 
 
 def tiles(rng: np.random.Generator, dark: Color, light: Color, count: int = 4, checker: bool = False) -> Rgb:
-    """Draw square tiles with pale grout, of one colour or as a checkerboard."""
+    """Draw count x count square tiles with pale grout, of similar tones or as a checkerboard."""
     cell, edge = grid(count, count)
     odd = (cell // count + cell % count) % 2
     tone = odd if checker else 0.6 + 0.15 * rng.standard_normal(count * count)[cell]
@@ -89,32 +89,32 @@ def bricks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
 
 
 def stripes(rng: np.random.Generator, dark: Color, light: Color, count: int = 8) -> Rgb:
-    """Draw upright wallpaper stripes."""
+    """Draw `count` pairs of upright dark and light wallpaper stripes with soft edges."""
     u = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
     wave = np.tile(0.5 + 0.5 * np.tanh(6 * np.sin(2 * np.pi * count * u)), (TEXTURE_SIZE, 1))
     return blend(dark, light, wave + 0.04 * noise(rng))
 
 
 def rosettes(rng: np.random.Generator, dark: Color, light: Color, count: int = 6) -> Rgb:
-    """Draw wallpaper with staggered soft dots."""
+    """Draw wallpaper with soft light and dark dots in turn, 2 x `count` of each per side."""
     v, u = np.meshgrid(np.arange(TEXTURE_SIZE) / TEXTURE_SIZE, np.arange(TEXTURE_SIZE) / TEXTURE_SIZE, indexing="ij")
     wave = np.cos(2 * np.pi * count * (u + v)) * np.cos(2 * np.pi * count * (u - v))
     return blend(dark, light, 0.5 + 0.35 * wave + 0.04 * noise(rng))
 
 
 def grain(rng: np.random.Generator, dark: Color, light: Color, size: float = 1.0, contrast: float = 0.2) -> Rgb:
-    """Draw isotropic speckle: carpet, leather, stone or stucco, by size and contrast."""
+    """Draw isotropic speckle with grains of `size` [pixels]: carpet, leather, stone or stucco."""
     return blend(dark, light, 0.5 + contrast * noise(rng, size, size) + 0.5 * contrast * noise(rng, 5 * size, 5 * size))
 
 
 def weave(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """Draw woven threads."""
+    """Draw woven threads, each two pixels wide."""
     rows, columns = np.indices((TEXTURE_SIZE, TEXTURE_SIZE)) // 2
     return blend(dark, light, 0.4 + 0.25 * ((rows + columns) % 2) + 0.08 * noise(rng, 6, 1) + 0.08 * noise(rng, 1, 6))
 
 
 def landscape(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
-    """Draw a picture: sky, sun and rows of hills."""
+    """Draw a picture: light sky, sun and three rows of dark hills."""
     v, u = np.meshgrid(
         (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE, (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE, indexing="ij"
     )

@@ -57,7 +57,7 @@ def arc(
 
 
 def loop(width: float, height: float, steps: int = 16, power: float = 2.0) -> Float[np.ndarray, "_ 2"]:
-    """Sample a closed oval outline around the origin; a `power` above 2 makes it squarer (a superellipse).
+    """Sample an oval outline around the origin, first point not repeated [m]; a `power` above 2 makes it squarer.
 
     Example:
         >>> loop(2.0, 1.0, 4).round(6).tolist()
@@ -89,7 +89,7 @@ def fillet(points: Points, radius: float, steps: int = 3, closed: bool = False) 
 
 
 def star(outer: float, inner: float, tips: int) -> Float[np.ndarray, "_ 2"]:
-    """Return the outline of a star with its first tip up [m]."""
+    """Return the 2 x `tips` points of a star, tips at radius `outer`, notches at `inner`, the first tip up [m]."""
     angle = np.pi / 2 + np.pi * np.arange(2 * tips) / tips
     radius = np.where(np.arange(2 * tips) % 2 == 0, outer, inner)[:, None]
     return np.stack([np.cos(angle), np.sin(angle)], -1) * radius

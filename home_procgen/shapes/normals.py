@@ -3,9 +3,8 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-SMOOTH_EDGE_COSINE = np.cos(
-    np.deg2rad(47.0)
-)  # cosine of the maximum angle across a smooth edge; an eight-sided rod is smooth
+# Cosine of the maximum angle across a smooth edge; an eight-sided rod is smooth.
+SMOOTH_EDGE_COSINE = np.cos(np.deg2rad(47.0))
 _DECIMALS = 4  # enough for shading, with far fewer distinct lines in a file
 
 

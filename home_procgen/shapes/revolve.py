@@ -13,7 +13,7 @@ Profile = Sequence[tuple[float, float]]
 def revolve(
     material: str, points: Profile, at: Vector = (0.0, 0.0, 0.0), sides: int = 16, steps: int = 3, stretch: float = 1.0
 ) -> Solid:
-    """Return a solid of revolution whose profile is a curve through (radius, height) [m], from the bottom up."""
+    """Return a solid of revolution about y; its profile is a spline through (radius, height) [m] from the bottom up."""
     return lathe(material, _pairs(spline(points, steps)), at, sides, stretch=stretch)
 
 
@@ -47,12 +47,12 @@ def vessel(
 def shade(
     material: str, points: Profile, at: Vector = (0.0, 0.0, 0.0), wall: float = 0.005, sides: int = 20, steps: int = 1
 ) -> Solid:
-    """Return a thin wall around the axis, open at the top and bottom; the profile is its outside [m]."""
+    """Return a wall of thickness `wall` around the y axis, open at top and bottom; the profile is its outside [m]."""
     outer = spline(points, steps)
     inner = [(r - wall, h) for r, h in outer.tolist()]
     return lathe(material, [*_pairs(outer), *inner[::-1]], at, sides, closed=True)
 
 
 def _pairs(points: np.ndarray) -> list[tuple[float, float]]:
-    """Return points as pairs, with positive radii."""
+    """Return points as pairs, with radii of at least 0.1 mm."""
     return [(max(float(r), 1e-4), float(h)) for r, h in points]

@@ -52,7 +52,7 @@ def rounded_box(
 
 
 def _grid_ball(material: str, rows: Float[np.ndarray, "r c 3"]) -> Solid:
-    """Join and cap rows of points around the vertical axis."""
+    """Return the solid of rings of points around the vertical axis, from the bottom up, with both ends capped."""
     count, around = rows.shape[:2]
     i = np.arange(around)
     first = np.arange(count - 1)[:, None] * around
@@ -112,7 +112,7 @@ def pillow(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), steps: int
 
 
 def join_grids(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.ndarray, "n m 3"]) -> Solid:
-    """Return the solid between two grids of points, closed around their rims."""
+    """Return the solid between two grids of corresponding points [m], closed around their rims."""
     n, m = under.shape[:2]
     cells = np.arange(n * m).reshape(n, m)
     a, b, c, d = cells[:-1, :-1], cells[1:, :-1], cells[1:, 1:], cells[:-1, 1:]

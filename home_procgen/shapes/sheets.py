@@ -66,7 +66,7 @@ def leaf(
 
 
 def _leaf(material: str, vertices: Float[np.ndarray, "v 3"], count: int) -> Solid:
-    """Join the rows of the left rim, right rim, upper and lower middle; all meet at both tips."""
+    """Return the leaf of `count` points each on left rim, right rim, upper and lower middle, which meet at the tips."""
     left, right, top, under = (np.arange(count) + k * count for k in range(4))
     left, right, under = (np.concatenate([top[:1], row[1:-1], top[-1:]]) for row in (left, right, under))
     strips = []

@@ -14,7 +14,7 @@ MIN_CHAMFER_HALF_WIDTH = 0.018  # [m], minimum half thickness of bars with chamf
 
 
 def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
-    """Triangulate a simple polygon by ear clipping.
+    """Triangulate a simple polygon, of either winding, by ear clipping; return indices of its points.
 
     Example:
         >>> triangulate(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])).tolist()
@@ -25,7 +25,7 @@ def triangulate(outline: Float[np.ndarray, "n 2"]) -> Int[np.ndarray, "_ 3"]:
 
 @cache
 def _ears(outline_bytes: bytes, dtype: str) -> Int[np.ndarray, "_ 3"]:
-    """Return the triangles; cached, because sections of bars repeat thousands of times."""
+    """Return the read-only triangles of `triangulate`; cached, since sections of bars repeat thousands of times."""
     outline = np.frombuffer(outline_bytes, dtype).reshape(-1, 2)
     x, y = outline.T
     turn = 1.0 if (x * np.roll(y, -1) - np.roll(x, -1) * y).sum() > 0 else -1.0
@@ -124,7 +124,7 @@ def sweep(
 
 
 def _frames(p: np.ndarray, up: Vector | None, closed: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Return unit vectors across a path, transported along it with minimal rotation."""
+    """Return unit vectors across a path at its points, sideways and up, transported with minimal rotation."""
     before, after = (
         (np.roll(p, 1, 0), np.roll(p, -1, 0)) if closed else (p[[0, *range(len(p) - 1)]], p[[*range(1, len(p)), -1]])
     )
@@ -156,12 +156,12 @@ def tube(
 def rod(
     material: str, start: Vector, end: Vector, radius: float, end_radius: float | None = None, sides: int = 8
 ) -> Solid:
-    """Return a straight round bar between two points, tapering to `end_radius` [m]."""
+    """Return a straight round bar between two points, tapering to `end_radius` [m]; None: of constant `radius`."""
     return tube(material, [start, end], [radius, radius if end_radius is None else end_radius], sides)
 
 
 def beam(material: str, start: Vector, end: Vector, width: float, height: float | None = None) -> Solid:
-    """Return a straight bar, chamfered unless thin; `height` is along up, or forward for a vertical bar [m]."""
+    """Return a straight bar, chamfered unless thin; `height` (None: `width`) is along up, or +z if vertical [m]."""
     w, h = width / 2, (width if height is None else height) / 2
     c = 0.12 * min(w, h) if min(w, h) > MIN_CHAMFER_HALF_WIDTH else 0.0
     cut = [(-w, c - h), (c - w, -h), (w - c, -h), (w, c - h), (w, h - c), (w - c, h), (c - w, h), (-w, h - c)]

@@ -13,13 +13,13 @@ Piece = Solid | Bulb
 
 
 def translate(pieces: Iterable[Piece], x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Iterator[Piece]:
-    """Translate pieces by a vector [m]."""
+    """Generate the pieces, translated by a vector [m]."""
     for piece in pieces:
         yield move(piece, (x, y, z)) if isinstance(piece, Solid) else _bulb(piece, np.eye(3), (x, y, z))
 
 
 def rotate_pieces(pieces: Iterable[Piece], axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0)) -> Iterator[Piece]:
-    """Rotate pieces about a coordinate axis through `pivot` [rad]."""
+    """Generate the pieces, rotated about axis 0, 1 or 2 (x, y, z) through `pivot` by the right-hand rule [rad]."""
     for piece in pieces:
         if isinstance(piece, Solid):
             yield rotate(piece, axis, angle, pivot)
@@ -36,7 +36,7 @@ def _bulb(bulb: Bulb, turn: np.ndarray, by: Vector | np.ndarray) -> Bulb:
 
 
 def add_mirror_images(pieces: Iterable[Solid]) -> Iterator[Solid]:
-    """Yield the pieces, then their copies with left and right swapped."""
+    """Yield the pieces, then their copies mirrored at x = 0."""
     kept = list(pieces)
     yield from kept
     for piece in kept:
@@ -50,13 +50,13 @@ def repeat_around(pieces: Iterable[Solid], count: int, start: float = 0.0) -> It
 @overload
 def repeat_around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]: ...
 def repeat_around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> Iterator[Piece]:
-    """Yield copies of pieces rotated about the vertical axis in equal steps from a start angle [rad]."""
+    """Yield `count` copies of pieces, rotated about the y axis in equal steps of one turn from a start angle [rad]."""
     kept = list(pieces)
     for i in range(count):
         yield from rotate_pieces(kept, 1, start + 2 * np.pi * i / count)
 
 
 def scale_solids(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
-    """Scale pieces about the origin by positive factors; drop movable parts, whose joints would no longer fit."""
+    """Generate the pieces, scaled about the origin by positive factors; drop movable parts, which would not fit."""
     for piece in pieces:
         yield replace(piece, vertices=piece.vertices * (x, y, z), part=None)

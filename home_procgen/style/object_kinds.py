@@ -120,7 +120,7 @@ _KINDS: Mapping[str, tuple[str, str]] = {
 
 
 def resolve_kind(kind: str) -> tuple[str, tuple[int, ...]]:
-    """Return the family of a kind and its model numbers; a family's own name selects all of its models.
+    """Return the family of a kind and its model numbers; a family's own name selects all; `KeyError` for other names.
 
     Example:
         >>> resolve_kind("low_stool")

@@ -60,7 +60,7 @@ class HomeSurfaces:
         )
 
     def draw_room_surfaces(self, kind: str) -> RoomSurfaces:
-        """Return the surfaces of a room of a type."""
+        """Draw the surfaces of a room of a type, mostly materials that the home shares; wet rooms have no skirting."""
         board = None if kind in (*WET_TYPES, *HARD_FLOOR_TYPES) else self._board
         return RoomSurfaces(self._floor(kind), self._ceiling, self._walls(kind), self._facade, board)
 

@@ -54,7 +54,7 @@ class HomeStyle:
 
     @classmethod
     def draw(cls, rng: np.random.Generator) -> "HomeStyle":
-        """Draw a random style."""
+        """Draw a random style, which draws from the same source of randomness later."""
         materials = {finish: choose_random(options, rng) for finish, options in FINISHES.items()}
         metal = choose_random(FINISHES[choose_random(METAL_FINISHES, rng)], rng)
         materials |= {finish: metal for finish in ("chrome", "brass") if rng.random() < 0.75}
@@ -67,7 +67,7 @@ class HomeStyle:
         return {**self.materials, **own}
 
     def draw_object(self, kind: str, look: FinishMaterials | None = None) -> PlacedModel:
-        """Draw an object of a kind at the origin, usually of a favourite model."""
+        """Draw an object of a kind at the origin, usually of a favourite model; see `make_object`."""
         family, numbers = resolve_kind(kind)
         if kind not in self._favourites:
             self._favourites[kind] = tuple(self.rng.permutation(numbers)[:MAX_FAVOURITES].tolist())
@@ -83,7 +83,7 @@ class HomeStyle:
             yield self.make_object(model, look)
 
     def make_object(self, model: FurnitureModel, look: FinishMaterials | None = None) -> PlacedModel:
-        """Return a model at the origin with materials. Families with a left and a right side are mirrored at random."""
+        """Return a model at the origin with materials of `look` or the home; some families are mirrored at random."""
         mirrored = model.family in MIRRORED_FAMILIES and bool(self.rng.random() < 0.5)
         return PlacedModel(model, (0.0, 0.0, 0.0), mirrored=mirrored, materials=self.draw_materials(model, look))
 
@@ -122,6 +122,6 @@ class HomeStyle:
 
 
 def _name_material(material: Material, slot: str) -> Material:
-    """Return an opaque material with a slot's name; built field by field in a fifth of the time of `replace`."""
+    """Return a material named as a slot, which keeps the model's opacity (None); five times as fast as `replace`."""
     m = material
     return Material(slot, m.diffuse, m.texture, None, m.specular, m.shininess, m.missing_file)

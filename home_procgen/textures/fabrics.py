@@ -12,7 +12,7 @@ def _thread(rng: Rng) -> Gray:
 
 
 def plaid(rng: Rng, ground: Color, stripe: Color, line: Color, count: int = 4) -> Rgb:
-    """Draw a tartan: broad bands and thin lines in both directions."""
+    """Draw a tartan: `count` broad bands and thin lines per side, in both directions."""
     u, v = pixels()
     image = np.tile(np.asarray(ground, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
     for t in (u, v):
@@ -23,14 +23,14 @@ def plaid(rng: Rng, ground: Color, stripe: Color, line: Color, count: int = 4) -
 
 
 def gingham(rng: Rng, dark: Color, light: Color, count: int = 10) -> Rgb:
-    """Draw checks of two crossing bands."""
+    """Draw checks of `count` crossing bands per side."""
     u, v = pixels()
     share = 0.5 * ((u * count) % 1 < 0.5) + 0.5 * ((v * count) % 1 < 0.5)
     return blend(dark, light, 1 - share + _thread(rng))
 
 
 def houndstooth(rng: Rng, dark: Color, light: Color, count: int = 16) -> Rgb:
-    """Draw broken checks with teeth."""
+    """Draw `count` broken checks with teeth per side."""
     u, v = pixels()
     x, y = (u * count) % 1, (v * count) % 1
     teeth = ((x + y) * 4 % 1 < 0.5) & ((x < 0.5) != (y < 0.5))
@@ -38,7 +38,7 @@ def houndstooth(rng: Rng, dark: Color, light: Color, count: int = 16) -> Rgb:
 
 
 def dots(rng: Rng, ground: Color, dot: Color, count: int = 12, size: float = 0.26) -> Rgb:
-    """Draw staggered dots."""
+    """Draw staggered rows of `count` dots; `size` is their radius over their spacing."""
     u, v = pixels()
     row = (v * count).astype(int)
     x, y = (u * count + 0.5 * (row % 2)) % 1 - 0.5, (v * count) % 1 - 0.5
@@ -47,7 +47,7 @@ def dots(rng: Rng, ground: Color, dot: Color, count: int = 12, size: float = 0.2
 
 
 def bands(rng: Rng, colors: tuple[Color, ...], count: int = 3, upright: bool = True) -> Rgb:
-    """Draw stripes of several colours and widths."""
+    """Draw `count` repeats of stripes of all colours, the later ones wider, upright or level."""
     u, v = pixels()
     t = ((u if upright else v) * count) % 1
     edges = np.cumsum(np.linspace(1.0, 2.2, len(colors)))
@@ -56,7 +56,7 @@ def bands(rng: Rng, colors: tuple[Color, ...], count: int = 3, upright: bool = T
 
 
 def knit(rng: Rng, dark: Color, light: Color, count: int = 20) -> Rgb:
-    """Draw rows of V-shaped stitches."""
+    """Draw `count` rows of `count` V-shaped stitches."""
     u, v = pixels()
     x = np.abs((u * count) % 1 - 0.5)
     wave = np.sin(2 * np.pi * (v * count + 1.4 * x))
@@ -64,7 +64,7 @@ def knit(rng: Rng, dark: Color, light: Color, count: int = 20) -> Rgb:
 
 
 def cord(rng: Rng, dark: Color, light: Color, count: int = 32) -> Rgb:
-    """Draw upright ribs, as of corduroy."""
+    """Draw `count` upright ribs, as of corduroy."""
     u, _ = pixels()
     return blend(dark, light, 0.5 + 0.35 * np.sin(2 * np.pi * count * u) + 0.08 * noise(rng, 1, 8))
 
@@ -84,7 +84,7 @@ def melange(rng: Rng, dark: Color, light: Color) -> Rgb:
 
 
 def petals(rng: Rng, ground: Color, bloom: Color, green: Color, count: int = 16, size: float = 0.05) -> Rgb:
-    """Draw scattered flowers with leaves."""
+    """Draw `count` scattered flowers with leaves; `size` is about their radius [m]."""
     u, v = pixels()
     image = np.asarray(ground) * (0.98 + 0.01 * noise(rng, 2, 2)[..., None])
     for x, y, turn, scale, tips in rng.uniform(0, 1, (count, 5)):
@@ -98,7 +98,7 @@ def petals(rng: Rng, ground: Color, bloom: Color, green: Color, count: int = 16,
 
 
 def vines(rng: Rng, ground: Color, green: Color, count: int = 4) -> Rgb:
-    """Draw upright winding stems with pairs of leaves."""
+    """Draw `count` upright winding stems with pairs of leaves."""
     u, v = pixels()
     image = np.asarray(ground) * (0.98 + 0.01 * noise(rng, 2, 2)[..., None])
     for column in range(count):
@@ -112,7 +112,7 @@ def vines(rng: Rng, ground: Color, green: Color, count: int = 4) -> Rgb:
 
 
 def damask(rng: Rng, dark: Color, light: Color, count: int = 3) -> Rgb:
-    """Draw large symmetric staggered ornaments."""
+    """Draw large symmetric ornaments, `count` per side and as many between them."""
     u, v = pixels()
     total = np.zeros((TEXTURE_SIZE, TEXTURE_SIZE))
     for shift in (0.0, 0.5):
@@ -124,7 +124,7 @@ def damask(rng: Rng, dark: Color, light: Color, count: int = 3) -> Rgb:
 
 
 def diamonds(rng: Rng, dark: Color, light: Color, line: Color, count: int = 6) -> Rgb:
-    """Draw argyle lozenges under thin crossing lines."""
+    """Draw argyle lozenges, `count` pairs per side, under thin crossing lines."""
     u, v = pixels()
     a, b = (u * count + v * count / 1.5 * 1.5) % 2, (u * count - v * count) % 2
     image = blend(dark, light, np.where((a < 1) == (b < 1), 0.1, 0.9) + _thread(rng))
@@ -133,7 +133,7 @@ def diamonds(rng: Rng, dark: Color, light: Color, line: Color, count: int = 6) -
 
 
 def fans(rng: Rng, dark: Color, light: Color, count: int = 6) -> Rgb:
-    """Draw overlapping scallops of rings in art deco style."""
+    """Draw overlapping scallops of rings, `count` side by side, in art deco style."""
     u, v = pixels()
     image = np.zeros((TEXTURE_SIZE, TEXTURE_SIZE))
     for row in range(-1, 2 * count + 2):
@@ -145,7 +145,7 @@ def fans(rng: Rng, dark: Color, light: Color, count: int = 6) -> Rgb:
 
 
 def triangles(rng: Rng, palette: tuple[Color, ...], count: int = 6) -> Rgb:
-    """Draw triangles of several colours."""
+    """Draw two triangles in each of count x count cells, in random colours."""
     u, v = pixels()
     x, y = u * count, v * count
     key = (x.astype(int) * 2 + ((x % 1) + (y % 1) > 1)) * 64 + y.astype(int)
@@ -153,7 +153,7 @@ def triangles(rng: Rng, palette: tuple[Color, ...], count: int = 6) -> Rgb:
 
 
 def leaves(rng: Rng, ground: Color, greens: tuple[Color, ...], count: int = 40, size: float = 0.12) -> Rgb:
-    """Draw large overlapping leaves, as of a jungle."""
+    """Draw `count` large overlapping leaves, as of a jungle; `size` is about half their length [m]."""
     u, v = pixels()
     image = np.tile(np.asarray(ground, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
     for x, y, turn, scale, kind in rng.uniform(0, 1, (count, 5)):
@@ -168,7 +168,7 @@ def leaves(rng: Rng, ground: Color, greens: tuple[Color, ...], count: int = 40, 
 
 
 def cane(rng: Rng, dark: Color, light: Color, count: int = 32) -> Rgb:
-    """Draw woven rattan with dark holes."""
+    """Draw woven rattan, `count` strips per side, with dark holes."""
     u, v = pixels()
     x, y = (u * count) % 1 - 0.5, (v * count) % 1 - 0.5
     row, column = (v * count).astype(int), (u * count).astype(int)

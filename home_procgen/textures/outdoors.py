@@ -9,7 +9,7 @@ PANE_COLOR, FRAME_COLOR = (0.26, 0.32, 0.38), (0.93, 0.93, 0.91)
 
 
 def front(rng: Rng, wall: Color, storeys: int = 2, columns: int = 3, door: bool = False) -> Rgb:
-    """Draw a whole front with rows of windows, some with curtains."""
+    """Draw a front with `columns` windows per storey, some with curtains, and if `door` a door below the middle."""
     u, v = pixels()
     tone = 1.0 + 0.025 * noise(rng, 2, 2) + 0.02 * noise(rng, 14, 30)
     image = np.asarray(wall)[None, None] * tone[..., None]
@@ -39,7 +39,7 @@ def _window(image: Rgb, place: tuple[np.ndarray, np.ndarray], is_door: bool, rng
 
 
 def foliage(rng: Rng, dark: Color, light: Color, size: float = 4.0) -> Rgb:
-    """Draw leaves in light and shade, as seen from a distance."""
+    """Draw distant leaves in light and shade, in clumps of a few times `size` [pixels]."""
     clumps, leaves = noise(rng, 3 * size, 3 * size), noise(rng, size, size)
     return blend(dark, light, 0.5 + 0.2 * clumps + 0.28 * leaves + 0.1 * noise(rng, 1.5, 1.5))
 

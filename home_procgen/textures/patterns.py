@@ -8,14 +8,14 @@ Rng = np.random.Generator
 
 
 def pixels() -> tuple[Gray, Gray]:
-    """Return the coordinates of pixels, u to the right and v down, in 0..1."""
+    """Return the coordinates (row, column) of pixel centres, u to the right and v down, in 0..1."""
     line = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
     v, u = np.meshgrid(line, line, indexing="ij")
     return u, v
 
 
 def knotty(rng: Rng, dark: Color, light: Color, knots: int = 3, bands: int = 7) -> Rgb:
-    """Draw wood with a strong grain that flows around knots."""
+    """Draw wood with a strong level grain of `bands` periods that flows around knots."""
     u, v = pixels()
     flow = v + 0.03 * noise(rng, 50, 14)
     for x, y in rng.uniform(0, 1, (knots, 2)):
@@ -25,7 +25,7 @@ def knotty(rng: Rng, dark: Color, light: Color, knots: int = 3, bands: int = 7) 
 
 
 def herringbone(rng: Rng, dark: Color, light: Color, count: int = 4) -> Rgb:
-    """Draw parquet of blocks that meet at right angles."""
+    """Draw parquet of blocks that meet at right angles, each 1 / (4 count) wide."""
     u, v = pixels()
     x, y = (u * 4 * count).astype(int), (v * 4 * count).astype(int)
     step = (x - y) % 8
@@ -37,7 +37,7 @@ def herringbone(rng: Rng, dark: Color, light: Color, count: int = 4) -> Rgb:
 
 
 def basket(rng: Rng, dark: Color, light: Color, count: int = 4, slats: int = 4) -> Rgb:
-    """Draw parquet squares whose slats run across those of their neighbours."""
+    """Draw count x count parquet squares whose slats run across those of their neighbours."""
     u, v = pixels()
     cell, edge = grid(count, count)
     odd = (cell // count + cell % count) % 2 == 1
@@ -49,7 +49,7 @@ def basket(rng: Rng, dark: Color, light: Color, count: int = 4, slats: int = 4) 
 
 
 def chevron(rng: Rng, dark: Color, light: Color, count: int = 4, rows: int = 10) -> Rgb:
-    """Draw zigzag bands."""
+    """Draw `rows` level zigzag bands, alternately dark and light, with `count` peaks."""
     u, v = pixels()
     zig = np.abs((u * count) % 1 - 0.5) * 2
     band = ((v * rows + zig * rows / count / 1.5) % rows).astype(int)
@@ -58,21 +58,21 @@ def chevron(rng: Rng, dark: Color, light: Color, count: int = 4, rows: int = 10)
 
 
 def subway(rng: Rng, dark: Color, light: Color, rows: int = 10, columns: int = 5, grout: float = 0.9) -> Rgb:
-    """Draw oblong wall tiles in running bond."""
+    """Draw oblong wall tiles in running bond; `grout` is the grey of the joints."""
     cell, edge = grid(rows, columns, shift=0.5)
     face = blend(dark, light, 0.6 + 0.14 * rng.standard_normal(rows * columns)[cell] + 0.03 * noise(rng, 5, 5))
     return np.where((edge.min(-1) < 0.005)[..., None], grout, face)
 
 
 def mosaic(rng: Rng, palette: tuple[Color, ...], count: int = 20, grout: float = 0.88) -> Rgb:
-    """Draw small square tiles of several colours."""
+    """Draw count x count square tiles in random colours; `grout` is the grey of the joints."""
     cell, edge = grid(count, count)
     face = np.asarray(palette)[rng.integers(0, len(palette), count * count)][cell]
     return np.where((edge.min(-1) < 0.005)[..., None], grout, face * (1 + 0.03 * noise(rng, 2, 2)[..., None]))
 
 
 def hexagons(rng: Rng, dark: Color, light: Color, count: int = 6, line: float = 0.06) -> Rgb:
-    """Draw a honeycomb of tiles."""
+    """Draw a honeycomb of tiles, `count` side by side; `line` is the joint width over a tile."""
     u, v = pixels()
     x, y = u * count, v * count
     near = []
@@ -102,7 +102,7 @@ def cement(rng: Rng, dark: Color, light: Color, accent: Color, count: int = 4) -
 
 
 def terrazzo(rng: Rng, ground: Color, chips: tuple[Color, ...], count: int = 260) -> Rgb:
-    """Draw stone chips in cement."""
+    """Draw `count` stone chips in random colours in cement."""
     u, v = pixels()
     image = np.asarray(ground) + 0.012 * noise(rng, 1, 1)[..., None]
     for x, y, size, turn, kind in rng.uniform(0, 1, (count, 5)):
@@ -113,14 +113,14 @@ def terrazzo(rng: Rng, ground: Color, chips: tuple[Color, ...], count: int = 260
 
 
 def marble(rng: Rng, dark: Color, light: Color, veins: float = 3.0) -> Rgb:
-    """Draw polished stone with veins."""
+    """Draw polished stone with dark veins; about 2 x `veins` cross each row."""
     u, v = pixels()
     wave = np.sin(2 * np.pi * (np.round(veins) * u + 2 * v) + 1.6 * noise(rng, 18, 18) + 0.5 * noise(rng, 5, 5))
     return blend(dark, light, 1 - 0.8 * np.exp(-((wave / 0.12) ** 2)) - 0.15 * np.clip(noise(rng, 22, 22), 0, 1))
 
 
 def flagstones(rng: Rng, dark: Color, light: Color, count: int = 14, joint: Color = (0.45, 0.43, 0.40)) -> Rgb:
-    """Draw irregular slabs."""
+    """Draw `count` irregular slabs: Voronoi cells of random points."""
     u, v = pixels()
     points = rng.uniform(0, 1, (count, 2))
     dx = np.abs((u[..., None] - points[:, 0] + 0.5) % 1 - 0.5)
@@ -133,12 +133,12 @@ def flagstones(rng: Rng, dark: Color, light: Color, count: int = 14, joint: Colo
 
 
 def brushed(rng: Rng, dark: Color, light: Color, length: float = 60.0) -> Rgb:
-    """Draw metal with fine scratches along the rows."""
+    """Draw metal with fine level scratches of a `length` [pixels]."""
     return blend(dark, light, 0.5 + 0.16 * noise(rng, length, 1) + 0.08 * noise(rng, 40, 20))
 
 
 def boards(rng: Rng, dark: Color, light: Color, count: int = 8, upright: bool = True) -> Rgb:
-    """Draw panelling: boards side by side with dark grooves."""
+    """Draw panelling: `count` boards side by side, upright or level, with dark grooves."""
     u, v = pixels()
     along = u if upright else v
     board = (along * count).astype(int)

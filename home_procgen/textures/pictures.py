@@ -21,7 +21,7 @@ def _sky(rng: Rng, top: Color, low: Color) -> Rgb:
 
 
 def hills(rng: Rng, top: Color, low: Color, ground: Color, rows: int = 5) -> Rgb:
-    """Draw ranges of hills, paler with distance."""
+    """Draw `rows` ranges of hills, paler with distance, under a sky."""
     u, v = pixels()
     image = _sky(rng, top, low)
     for i in range(rows):
@@ -34,7 +34,7 @@ def hills(rng: Rng, top: Color, low: Color, ground: Color, rows: int = 5) -> Rgb
 
 
 def sea(rng: Rng, top: Color, low: Color, water: Color, boat: bool = True) -> Rgb:
-    """Draw the sea under the sun, with a sail."""
+    """Draw the sea under the sun, with a sailing boat if `boat`."""
     u, v = pixels()
     image = _sky(rng, top, low)
     x = rng.uniform(0.3, 0.7)
@@ -64,7 +64,7 @@ def mountains(rng: Rng, top: Color, low: Color, rock: Color) -> Rgb:
 
 
 def forest(rng: Rng, mist: Color, trunk: Color, count: int = 16) -> Rgb:
-    """Draw tree trunks in mist."""
+    """Draw `count` tree trunks in mist."""
     u, v = pixels()
     image = blend(mist, (1.0, 1.0, 0.97), 0.7 - 0.4 * v)
     for i in range(count):
@@ -94,7 +94,7 @@ def city(rng: Rng, top: Color, low: Color, tower: Color, lit: Color) -> Rgb:
 
 
 def bouquet(rng: Rng, wall: Color, jug: Color, blooms: int = 22) -> Rgb:
-    """Draw flowers in a jug on a table."""
+    """Draw `blooms` flowers in a jug on a table."""
     u, v = pixels()
     image = blend(wall, (1.0, 1.0, 1.0), 0.12 * noise(rng, 14, 14))
     image[v > 0.84] = np.asarray(wall) * 0.55
@@ -158,7 +158,7 @@ def atlas(rng: Rng, water: Color, land: Color) -> Rgb:
 
 
 def grid_art(rng: Rng, palette: tuple[Color, ...], lines: int = 5) -> Rgb:
-    """Draw coloured fields between black bars."""
+    """Draw fields, half of the first colour, between `lines` black bars each way."""
     u, v = pixels()
     xs, ys = (np.sort(rng.uniform(0.08, 0.92, lines)) for _ in range(2))
     color = rng.choice(len(palette), (lines + 1) ** 2, p=_mostly_first(len(palette)))
@@ -174,7 +174,7 @@ def _mostly_first(count: int) -> np.ndarray:
 
 
 def circles(rng: Rng, ground: Color, palette: tuple[Color, ...], count: int = 14) -> Rgb:
-    """Draw discs and rings of many sizes."""
+    """Draw `count` discs and rings of many sizes on a ground."""
     u, v = pixels()
     image = _canvas(ground)
     for x, y, size, kind in rng.uniform(0, 1, (count, 4)):
@@ -196,7 +196,7 @@ def fields(rng: Rng, upper: Color, lower: Color, ground: Color) -> Rgb:
 
 
 def strokes(rng: Rng, ground: Color, palette: tuple[Color, ...], count: int = 26) -> Rgb:
-    """Draw broad crossing brush strokes."""
+    """Draw `count` broad crossing brush strokes on a ground."""
     u, v = pixels()
     image = _canvas(ground)
     for x, y, turn, long, kind in rng.uniform(0, 1, (count, 5)):
@@ -225,7 +225,7 @@ def sprig(rng: Rng, paper: Color, green: Color, pairs: int = 7) -> Rgb:
 
 
 def poster(rng: Rng, ground: Color, shape: Color, ink: Color, sides: int = 0) -> Rgb:
-    """Draw a poster: one bold shape over lines of print."""
+    """Draw a poster: a regular polygon of `sides`, or a disc for 0, over lines of print."""
     u, v = pixels()
     image = _canvas(ground)
     x, y = u - 0.5, v - 0.4
@@ -256,7 +256,7 @@ def photo(rng: Rng, tint: Color) -> Rgb:
 
 
 def animal(rng: Rng, ground: Color, coat: Color, ears: float = 0.1) -> Rgb:
-    """Draw a child's picture: the face of an animal."""
+    """Draw a child's picture: the face of an animal; `ears` lengthens its ears."""
     u, v = pixels()
     x, y = u - 0.5, v - 0.55
     image = _canvas(ground)

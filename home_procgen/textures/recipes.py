@@ -289,7 +289,7 @@ RECIPES: Mapping[str, Recipe] = dict(_named())
 
 
 def texture_names(family: str, kind: Callable[..., Rgb] | None = None) -> tuple[str, ...]:
-    """Return the names of the new textures of a family, or only of those drawn by one function.
+    """Return the names of the new textures of a family, or only of those drawn by the function `kind`.
 
     Example:
         >>> texture_names("marble")

@@ -11,7 +11,7 @@ def _pile(rng: Rng, image: Rgb) -> Rgb:
 
 
 def _inward(u: np.ndarray, v: np.ndarray) -> np.ndarray:
-    """Return the distance from the edge, 0..0.5."""
+    """Return the distance from the edge of the image, 0..0.5."""
     return np.minimum(np.minimum(u, 1 - u), np.minimum(v, 1 - v))
 
 
@@ -34,7 +34,7 @@ def persian(rng: Rng, field: Color, border: Color, accent: Color, light: Color) 
 
 
 def kilim(rng: Rng, colors: tuple[Color, ...], rows: int = 7) -> Rgb:
-    """Draw rows of stepped lozenges."""
+    """Draw `rows` rows of four stepped lozenges of rings in all colours."""
     u, v = pixels()
     row = (v * rows).astype(int)
     x = np.floor(np.abs((u * 4) % 1 - 0.5) * 16) / 16
@@ -44,7 +44,7 @@ def kilim(rng: Rng, colors: tuple[Color, ...], rows: int = 7) -> Rgb:
 
 
 def framed(rng: Rng, field: Color, border: Color, lines: int = 2) -> Rgb:
-    """Draw a plain field with a broad border and thin lines."""
+    """Draw a plain field with a broad border and `lines` thin lines inside it."""
     u, v = pixels()
     edge = _inward(u, v)
     image = np.where((edge < 0.1)[..., None], border, field) * np.ones((TEXTURE_SIZE, TEXTURE_SIZE, 1))
@@ -54,7 +54,7 @@ def framed(rng: Rng, field: Color, border: Color, lines: int = 2) -> Rgb:
 
 
 def steps(rng: Rng, colors: tuple[Color, ...], across: int = 11) -> Rgb:
-    """Draw broad stripes of several colours."""
+    """Draw `across` level stripes in random colours."""
     _, v = pixels()
     order = rng.integers(0, len(colors), across)
     return _pile(rng, np.asarray(colors)[order[(v * across).astype(int)]])
@@ -70,7 +70,7 @@ def berber(rng: Rng, ground: Color, line: Color) -> Rgb:
 
 
 def abstract(rng: Rng, colors: tuple[Color, ...], blobs: int = 7) -> Rgb:
-    """Draw large overlapping shapes."""
+    """Draw `blobs` large overlapping shapes on a ground of the first colour."""
     u, v = pixels()
     image = np.tile(np.asarray(colors[0], float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
     for i, (x, y, size) in enumerate(rng.uniform(0, 1, (blobs, 3))):
@@ -80,7 +80,7 @@ def abstract(rng: Rng, colors: tuple[Color, ...], blobs: int = 7) -> Rgb:
 
 
 def rings(rng: Rng, colors: tuple[Color, ...], count: int = 9) -> Rgb:
-    """Draw circles around the middle, for round rugs."""
+    """Draw `count` rings of all colours in turn around the middle, for round rugs."""
     u, v = pixels()
     ring = (np.hypot(u - 0.5, v - 0.5) * 2 * count).astype(int)
     return _pile(rng, np.asarray(colors)[ring % len(colors)])

@@ -152,7 +152,7 @@ class PhysicsSetup(PhysicsConfig):
 
     @classmethod
     def compose(cls, config: PhysicsConfig, body: AgentBody, timing: Timing) -> "PhysicsSetup":
-        """Return the setup of these options.
+        """Return a setup with all options of `config`; a setup loses its own body and timing.
 
         Example:
             >>> PhysicsSetup.compose(PhysicsConfig(friction=0.5), AgentBody(), Timing()).friction
@@ -163,7 +163,7 @@ class PhysicsSetup(PhysicsConfig):
 
     @property
     def agents(self) -> tuple[AgentBody, ...]:
-        """The body of each agent.
+        """Body of each agent: `bodies`, or the common `body` `num_agents` times.
 
         Example:
             >>> len(PhysicsSetup(num_agents=2).agents)

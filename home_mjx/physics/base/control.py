@@ -11,7 +11,7 @@ RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, 
 
 
 def agent_table(config: PhysicsSetup, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
-    """Pack the physical parameters of each agent, in the order of the columns above; SI units."""
+    """Pack radius, half length of the axis, mass, yaw inertia, maximum speeds (3) and push force of each agent [SI]."""
     rows = [
         (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.max_push_force)
         for b, inertia in zip(config.agents, yaw_inertia, strict=True)
@@ -30,7 +30,7 @@ def motor_forces(
 
     In velocity control, `f = m (v_target - v) / response_time`. The length of its horizontal part is clipped to
     `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left
-    separately. This force, against friction, limits which objects an agent can push.
+    separately. In both, the torque is `yaw_inertia (rate_target - rate) / response_time`, without a limit.
 
     Args:
         config: Options.

@@ -53,13 +53,13 @@ class DoorLeaves(Pytree):
 
     @property
     def box_inertia(self) -> Float[Array, "*h 3"]:
-        """Moments of inertia of a solid box about its own axes [kg m^2]."""
+        """Moments of inertia of each leaf, a solid box, about the box's axes through its centre [kg m^2]."""
         x, y, z = (self.size[..., k] ** 2 for k in range(3))
         return self.mass[..., None] / 3 * jnp.stack([y + z, x + z, x + y], axis=-1)
 
     @property
     def hinge_distance_sq(self) -> Float[Array, "*h"]:
-        """Squared distance from the hinge to the leaf's centre [m^2]."""
+        """Squared horizontal distance from the hinge to the leaf's centre [m^2]; 0 for a sliding leaf."""
         return jnp.sum(self.arm * self.arm, axis=-1)
 
     @property
@@ -78,7 +78,7 @@ class DoorLeaves(Pytree):
         return self.hinge_mask / self.inertia / 3
 
     def pose_at(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
-        """Return the centre [m] and orientation (wxyz) of each leaf at the given joint coordinate."""
+        """Return the centre [m] and orientation (wxyz), in the world, of each leaf at a joint coordinate [rad], [m]."""
         angle = self.hinge_mask * coordinate
         cos, sin = jnp.cos(angle), jnp.sin(angle)
         x = self.pivot[..., 0] + cos * self.arm[..., 0] - sin * self.arm[..., 1] + self.slide[..., 0] * coordinate

@@ -25,7 +25,7 @@ class Layout:
 
     @property
     def num_slots(self) -> int:
-        """Number of contact slots of all owners."""
+        """Number of contact slots of all agents and movable bodies."""
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property
@@ -67,12 +67,12 @@ class Layout:
 
     @property
     def bodies(self) -> slice:
-        """Slice of the movable bodies among the bodies."""
+        """Slice of the movable bodies among the template's bodies, of which 0 is the world."""
         return slice(1 + self.num_agents, 1 + self.num_agents + self.num_bodies)
 
     @property
     def doors(self) -> slice:
-        """Slice of the doors among the bodies."""
+        """Slice of the doors among the template's bodies, of which 0 is the world."""
         return slice(1 + self.num_agents + self.num_bodies, 1 + self.num_dynamic)
 
     @property

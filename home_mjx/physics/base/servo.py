@@ -93,7 +93,7 @@ def door_acceleration(
 ) -> Float[Array, "h"]:
     """Compute the drive acceleration of doors towards their goals [rad/s^2], or [m/s^2] of sliding doors.
 
-    Hinge drag is not included.
+    It is limited by `MAX_DOOR_TORQUE`, and 0 for doors that are not driven. Hinge drag is not included.
 
     Args:
         place: Joint coordinate [rad], of sliding doors [m].
@@ -110,7 +110,7 @@ def door_acceleration(
 def ramp_acceleration(
     ramps: Float[Array, "r 8"], agent: Float[Array, "8"], pos: Float[Array, "3"]
 ) -> Float[Array, "2"]:
-    """Compute the acceleration that keeps an agent from sliding down a ramp [m/s^2].
+    """Compute the acceleration (world x, y) that keeps an agent from sliding down a ramp [m/s^2]; 0 off ramps.
 
     Contacts of agents are frictionless. On a ramp, `g tan(slope)` uphill balances the ramp's normal force. Of
     overlapping ramps, as on turning stairs, the highest applies. Landings have no slope and are ignored.
@@ -133,7 +133,7 @@ def ramp_acceleration(
 
 
 def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's coordinates over each ramp: uphill, across, and the height of the surface there [m]."""
+    """Return a point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m]."""
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
     across = (pos[1] - y) * up_x - (pos[0] - x) * up_y
@@ -145,7 +145,7 @@ def _length(vector: Array) -> Array:
 
 
 def _approach_rate(gap: Array, fastest: float, time: Array) -> Array:
-    """Return the speed per distance towards a goal [1/s], which limits the speed to `fastest`."""
+    """Return the gain `1 / (2 time)` [1/s], reduced where gain times length of `gap` exceeds the speed `fastest`."""
     return jnp.minimum(1.0, jnp.float32(fastest) * 2 * time / _length(gap)) / (2 * time)
 
 

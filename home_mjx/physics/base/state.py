@@ -20,7 +20,7 @@ class BodyScale(Pytree):
 
     @property
     def factors(self) -> Float[Array, "2"]:
-        """Friction factor and mass factor."""
+        """Friction factor, then mass factor; None counts as 1."""
         one = jnp.ones((), jnp.float32)
         return jnp.stack([one if x is None else x for x in (self.friction, self.mass)])
 
@@ -39,7 +39,7 @@ class PhysicsState(Pytree):
     grip: Float[Array, "*batch a 7"]  # target pose of the held body in the agent's frame: position [m], quaternion
     place_target: Float[Array, "*batch a 3"]  # [m], surface point on which the hand places its body; inf: none
     hand_steps: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
-    door_goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.FREE`: not driven
+    door_goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.NOT_DRIVEN`: not driven
     num_contacts: Int[Array, "*batch a"]  # contact points per agent; floors do not count, see `MIN_SUPPORT_NORMAL`
     contact_impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step
     contact_pos: Float[Array, "*batch m 3"]  # [m], position of its strongest contact

@@ -11,14 +11,14 @@ MIN_PUSH_LEVER = 0.1  # [m], minimum distance from the hinge at which a leaf can
 
 
 def leaf_boxes(leaves: DoorLeaves, angle: Float[Array, " h"]) -> OrientedBoxes:
-    """Return the boxes of the leaves at their joint coordinates."""
+    """Return the boxes of the leaves in the world at joint coordinates [rad], [m]."""
     return OrientedBoxes(*leaves.pose_at(angle), leaves.size)
 
 
 def drive_doors(
     leaves: DoorLeaves, angle: Float[Array, " h"], goal: Float[Array, " h"], dt: float
 ) -> Float[Array, " h"]:
-    """Return joint coordinates after a time `dt` [s]; only leaves that have a goal move."""
+    """Return joint coordinates after `dt` [s]; leaves with a goal move towards it by at most `MAX_DOOR_SPEED * dt`."""
     most = jnp.float32(MAX_DOOR_SPEED * dt)
     way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
     return jnp.where(goal < NOT_DRIVEN, angle + way, angle)

@@ -24,7 +24,7 @@ class Footprints(Pytree):
     top: Float[Array, "*n"]
 
     def without_boxes_below(self, height: Float[Array, ""]) -> "Footprints":
-        """Disable boxes that end at or below a height [m]."""
+        """Return the boxes with those disabled (`bottom` is inf) whose top is at or below a height [m]."""
         return self.replace(bottom=jnp.where(self.top <= height, jnp.inf, self.bottom))
 
     @classmethod
@@ -84,7 +84,7 @@ def move_and_slide(
 
 
 def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
-    """Return the penetration depth of an agent in each box and each other agent [m]; negative outside."""
+    """Return the depth of the moving agent at `pos` in each box, then each agent [m]; negative outside or in itself."""
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
@@ -98,7 +98,7 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 
 
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return the distance from the sides of boxes [m], negative inside, and its direction along u and v."""
+    """Return a point's horizontal distance from each box [m], negative inside, and its direction along u and v."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     beyond_u, beyond_v = jnp.abs(u) - boxes.half_u, jnp.abs(v) - boxes.half_v

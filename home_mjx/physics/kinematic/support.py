@@ -10,9 +10,8 @@ from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.physics.mjx.template import Template
 
-MAX_SUPPORT_OVERLAP = (
-    0.05  # [m], maximum height of a support above the bottom of what it carries; also the step height of agents
-)
+# [m], maximum height of a support above the bottom of what it carries; also the step height of agents
+MAX_SUPPORT_OVERLAP = 0.05
 
 
 def drop_released_bodies(

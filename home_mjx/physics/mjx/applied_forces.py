@@ -67,7 +67,7 @@ def _add_hand_force(
     now: tuple[Float[Array, " q"], Float[Array, " v"]],
     applied: Float[Array, " v"],
 ) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
-    """Add the force of one agent's hand to the applied forces; also return the reaction on the agent."""
+    """Add the force of one agent's hand to the applied forces; return them and the reaction on it (x, y) [N]."""
     layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
     agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]

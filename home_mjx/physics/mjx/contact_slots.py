@@ -33,7 +33,7 @@ class OrientedBoxes(Pytree):
 
     @property
     def axes(self) -> list[Vector]:
-        """The three box axes in the world frame, by component."""
+        """The three box axes in the world frame, each as a list of its x, y and z arrays."""
         w, x, y, z = (self.quat[..., i] for i in range(4))
         one = jnp.ones_like(w)
         return [
@@ -91,7 +91,7 @@ def fill_slots(
         num: Number of slots.
 
     Returns:
-        The boxes in the slots, their indices in `static`, and whether more than `num` boxes touch the owner.
+        The boxes in the slots, their indices in `static` (also if parked), and whether more than `num` boxes touch it.
     """
     gap = separation(owner, static)
     _, index = jax.lax.top_k(-gap, num)
@@ -104,7 +104,7 @@ def fill_slots(
 
 
 def parked_boxes(num: int) -> OrientedBoxes:
-    """Return boxes that nothing can touch."""
+    """Return small boxes `PARKED_HEIGHT` below the ground, which nothing touches."""
 
     def rows(*row: float) -> Array:
         return jnp.tile(jnp.array([row], jnp.float32), (num, 1))
@@ -115,7 +115,7 @@ def parked_boxes(num: int) -> OrientedBoxes:
 
 
 def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> OrientedBoxes:
-    """Return the part of each box inside a cube of half extent `radius` that is aligned with the box."""
+    """Return the part of each box in a cube around `center`, aligned with the box, of half extent `radius` [m]."""
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]
     middle, half = [], []

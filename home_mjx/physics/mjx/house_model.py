@@ -151,9 +151,8 @@ def with_surfaces(
     own = none.at[layout.num_agents : layout.num_agents + layout.num_bodies].set(surfaces)
     both = own[pairs[rows]]  # (r, 2, 5)
     friction, stiffness, damping, _, _ = both.max(axis=1).T
-    count = (
-        (both[..., IMPEDANCE_LOW:] > 0).astype(jnp.float32).sum(axis=1)
-    )  # doors and the world have no impedance of their own
+    # Doors and the world have no impedance of their own.
+    count = (both[..., IMPEDANCE_LOW:] > 0).astype(jnp.float32).sum(axis=1)
     impedance = both[..., IMPEDANCE_LOW:].sum(axis=1) / count
     return model.replace(
         pair_friction=model.pair_friction.at[rows, :2].set(friction[:, None]),

@@ -38,12 +38,12 @@ class Overflow(Pytree):
 
 
 def numeric_limit(model: Any, name: str) -> int:
-    """Return a numeric limit of MJX from a `mujoco.MjModel`."""
+    """Return a `mujoco.MjModel`'s custom numeric, such as `max_geom_pairs`, as an integer."""
     return int(model.numeric(name).data[0])
 
 
 def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
-    """Return whether touching bodies use all contact points of a dimension that has at least `most`."""
+    """Return whether all contact points of a contact dimension (`condim`) that has at least `most` of them touch."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]

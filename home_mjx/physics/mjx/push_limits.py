@@ -85,7 +85,7 @@ def _contact_sides(
 
 
 def _owner_codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
-    """Return the owner code of each geom: a dynamic body, the floor or a static box."""
+    """Return each geom's owner: its dynamic body, `FLOOR`, or `STATIC - c` for a slot that contains static box c."""
     mobile = jnp.asarray(template.geom_body).at[0].set(FLOOR)
     return mobile.at[template.layout.slots].set(STATIC - slot_box)
 

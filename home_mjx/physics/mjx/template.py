@@ -64,7 +64,7 @@ class Template:
 
     @functools.cached_property
     def data(self) -> mjx.Data:
-        """Initial MJX data."""
+        """MJX data of the model at its initial pose, created on first use."""
         return run_untraced(lambda: mjx.make_data(self.model))
 
 

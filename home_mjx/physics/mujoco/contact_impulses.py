@@ -24,7 +24,7 @@ def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt
 
     Args:
         data: A `mujoco.MjData`.
-        owner: Owner of each geom: a dynamic body, or a code of `base.touch`.
+        owner: Owner of each geom: a dynamic body, or a code of `base.state`.
         layout: Layout of the state.
         dt: Length of the step [s].
     """

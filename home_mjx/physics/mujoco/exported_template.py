@@ -87,7 +87,7 @@ def build_exported_model(
 
 
 def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
-    """Map each static geom to its static box; a convex piece maps to the first box of its object."""
+    """Map static geoms by name to the index of their static box; a convex piece maps to the first box of its object."""
     found = {}
     for name in filter(None, (model.geom(geom).name for geom in range(model.ngeom))):
         kind, number = name.rstrip("0123456789_"), name.lstrip("abcdefghijklmnopqrstuvwxyz").split("_")[0]

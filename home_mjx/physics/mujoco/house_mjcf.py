@@ -30,7 +30,7 @@ AGENT = {"contype": "3", "conaffinity": "11"}
 
 
 class HouseRows(NamedTuple):
-    """One house's rows of `bank.pack_instances.Physics`, under the same names."""
+    """One house's rows of `bank.records.Physics`, under the same names."""
 
     floor: Float[np.ndarray, ""]
     collider_pos: Float[np.ndarray, "c 3"]

@@ -91,7 +91,7 @@ class MujocoHouse:
             self._spare.append(data)
 
     def initial_poses(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
-        """Return the poses, with all bodies of the house at their model's initial poses."""
+        """Return a copy of `qpos` with the house's agents, bodies and doors at the model's `qpos0`."""
         after = qpos.copy()
         after[self._qpos] = self.model.qpos0
         return after

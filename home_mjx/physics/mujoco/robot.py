@@ -82,7 +82,7 @@ def _read(robot: Any) -> Any:
 
 
 def _enable_leaf_contacts(house: Any, robot: Any) -> None:
-    """Let door leaves, which otherwise collide with moving bodies only, collide with the robot."""
+    """Let door leaves, which otherwise collide with movable bodies only, collide with the robot; change both specs."""
     for geom in house.geoms:
         if str(geom.contype) == COLLIDES_WITH_MOVABLES["contype"] and not geom.conaffinity:
             geom.contype |= LEAF_CONTACT_BIT

@@ -57,12 +57,9 @@ def step_mujoco(
     length = template.config.timing.substeps
     (qpos, qvel, qacc), (count, pushes, full) = jax.lax.scan(substep, first, None, length=length)
     whole, no = combine_substeps(pushes), jnp.zeros((), bool)
-    pushed = {
-        "contact_impulse": whole.impulse,
-        "contact_pos": whole.contact_pos,
-        "contact_partner": whole.contact_partner,
-    }
-    after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, num_contacts=count.max(axis=0), **pushed)
+    pushed = {name: getattr(whole, name) for name in ("contact_pos", "contact_partner")}
+    pushed |= {"contact_impulse": whole.impulse, "num_contacts": count.max(axis=0)}
+    after = state.replace(qpos=qpos, qvel=qvel, qacc=qacc, **pushed)
     return after, Overflow(static_boxes=no, contact_pairs=no, contact_points=jnp.any(full))
 
 
@@ -97,9 +94,8 @@ def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
         given = (number, *(x.astype(jnp.float32) for x in state))
         return call_host(houses.step_target, given, _results(houses.layout, given[1:4]))
 
-    return batch_kernel(find, len(HouseRows._fields), 1), forbid_gradient(
-        batch_kernel(move, 0, NUM_RESULTS), "C MuJoCo"
-    )
+    step = forbid_gradient(batch_kernel(move, 0, NUM_RESULTS), "C MuJoCo")
+    return batch_kernel(find, len(HouseRows._fields), 1), step
 
 
 def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:

@@ -21,10 +21,8 @@ MAX_PAIR_POINTS = 16  # maximum number of contact points of a pair of shapes
 
 MIN_CROSS_LENGTH = 1e-15  # minimum length of the cross product of edge directions; shorter: parallel edges
 MAX_EDGE_OVERLAP_RATIO = 1 - 1e-12  # maximum overlap of an edge axis over that of the best face axis
-ALIGNED_COSINE, ALIGNED_OVERLAP_RATIO = (
-    0.99,
-    0.95,
-)  # cosine to the face normal from which on that maximum is `ALIGNED_OVERLAP_RATIO`
+# Cosine to the face normal from which on that maximum is `ALIGNED_OVERLAP_RATIO`.
+ALIGNED_COSINE, ALIGNED_OVERLAP_RATIO = 0.99, 0.95
 APART, NO_EDGE = -2, -1
 EDGE = 6  # codes from here on: EDGE + 3 * axis of the first box + axis of the second one
 
@@ -80,7 +78,8 @@ def sum3(x, y, z, end, start):
 def _least_overlap(between, cosine, half1, half2, axis):
     """Find the axis of least overlap; return its code and that of the best face, -1 if the boxes are apart.
 
-    An edge axis is written to `axis`, in the first box's frame, from the first box to the second one.
+    Codes 0..2 are faces of the first box, 3..5 of the second one. An edge axis is written to `axis`, in the first box's
+    frame, towards the second one.
     """
     least, code = np.inf, -1
     for i in range(3):
@@ -147,7 +146,7 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 @compiled
 @no_type_check
 def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
-    """Clip box 2's nearest face by the face of box 1 across its axis `up`; write and count the contact points."""
+    """Clip box 2's facing face by box 1's face `up`; write points and `sign` times its normal, return their count."""
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0
     frame = matrix()

@@ -98,7 +98,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 @compiled
 @no_type_check
 def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals, count):
-    """Add the contact, if any, of the sphere at t of the axis, in world coordinates; return the new number."""
+    """Add the contact, if any, of the sphere at t (-1..1) of the axis, in world coordinates; return the new number."""
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
     if not sphere_box(x, y, z, radius, half, point, normal):

@@ -177,7 +177,7 @@ def _operand_dim(frame, index, axis):
 @compiled
 @no_type_check
 def _floats(frame, index, row):
-    """Return a row of a float32 operand."""
+    """Return a pointer to row `row` of the float32 operand `index`."""
     return float_pointer(ffi.row(frame, ffi.OPERANDS, index, row))
 
 
@@ -190,12 +190,12 @@ def _results(frame, index, row):
 @compiled
 @no_type_check
 def _flags(frame, index, row):
-    """Return a row of an int32 result."""
+    """Return a pointer to row `row` of the int32 result `index`."""
     return int_pointer(ffi.row(frame, ffi.RESULTS, index, row))
 
 
 @compiled
 @no_type_check
 def _numbers(given):
-    """Convert an array to the `StepParams` record."""
+    """Convert a pointer to `NUM_NUMBERS` float32 numbers to the `StepParams` record of float64."""
     return StepParams(*to_fixed_tuple(carray(given, NUM_NUMBERS).astype(np.float64), NUM_NUMBERS))

@@ -22,7 +22,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def make_rows(work, numbers):
-    """Compute `jacobian`, `friction`, `weight` and `target` of all contacts."""
+    """Write `jacobian`, `friction`, `weight` and `target` of all contacts to `work`."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         _jacobian(work, n, 0, a, -1.0)
@@ -48,14 +48,14 @@ def make_rows(work, numbers):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def num_rows(friction):
-    """Return the number of rows of a contact."""
+    """Return the number of constraint rows of a contact: 4 with friction, 1 without."""
     return 4 if friction > 0 else 1
 
 
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def edge_value(row, friction, normal, first, second):
-    """Project a vector in the contact frame on edge `row` of the pyramid."""
+    """Return `normal ± friction * tangent`, with the first tangent in rows 0 (+) and 1 (-), else with the second."""
     tangent = first if row < 2 else second
     return normal + (friction * tangent if row % 2 == 0 else -friction * tangent)
 
@@ -86,7 +86,7 @@ def contact_velocity(work, n, values):
 @compiled
 @no_type_check
 def _jacobian(work, n, side, m, sign):
-    """Write the contact frame's Jacobian for one body's six velocities; agents have no rotational part."""
+    """Write `sign` times the contact frame's Jacobian for one body's six velocities; agents have no rotational part."""
     if m >= work.num_free:
         _door_jacobian(work, n, side, m, sign)
         return

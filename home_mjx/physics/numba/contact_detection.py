@@ -23,7 +23,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def find_contacts(work, numbers, floor):
-    """Write all contacts of an environment; set `wakes` of sleeping bodies that are touched."""
+    """Write all contacts of an environment to `work`; set `wakes` of sleeping bodies that are touched."""
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
         if work.used[m]:
@@ -252,7 +252,7 @@ def _add_box_contacts(work, m, other, pos, rot, half):
 @compiled
 @no_type_check
 def _add_agent_contacts(work, a, b, count):
-    """Add contact points of an agent, each with its own normal."""
+    """Add `count` contacts of agent `a` with `b`, from `work.points` and as many `work.normals`."""
     for i in range(count):
         _add_contact(work, a, b, offset_pointer(work.points, 4 * i), offset_pointer(work.normals, 3 * i))
 

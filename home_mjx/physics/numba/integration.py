@@ -83,7 +83,7 @@ def _move_agent(work, numbers, a):
 @compiled
 @no_type_check
 def _move_body(work, numbers, m):
-    """Integrate a body; its pose follows the velocity before the speed limit, as in `dynamics`."""
+    """Integrate a body in place; its pose follows the velocity before the speed limit, as in `apply_state_limits`."""
     dt = numbers.sim_dt
     for k in range(6):
         work.vel[6 * m + k] += dt * work.acc[6 * m + k]
@@ -97,7 +97,7 @@ def _move_body(work, numbers, m):
 @compiled
 @no_type_check
 def _rotate_quat(quat, x, y, z, dt):
-    """Rotate a quaternion by an angular velocity [rad/s] about its own axes."""
+    """Rotate a quaternion in place for `dt` [s] by an angular velocity [rad/s] about its own axes."""
     rate = sqrt(x * x + y * y + z * z)
     if rate < 1e-15:
         return

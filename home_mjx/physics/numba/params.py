@@ -42,7 +42,7 @@ class StepParams(NamedTuple):
     sim_dt: float
     substeps: float
     gravity: float
-    control: float  # BY_FORCE, or 0 for velocity control
+    control: float  # FORCE_CONTROL, or 0 for velocity control
     response_time: float
     max_body_speed: float
     max_body_spin: float
@@ -74,7 +74,7 @@ class StepParams(NamedTuple):
 
 
 def step_params(config: PhysicsSetup) -> StepParams:
-    """Return the parameters of a template."""
+    """Return the parameters of the fused step for these options."""
     dt = config.timing.sim_dt
     constant = max(TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
     return StepParams(

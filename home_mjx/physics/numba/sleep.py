@@ -59,7 +59,7 @@ def _wake(work, m):
 @compiled
 @no_type_check
 def wake_touched_bodies(work):
-    """Mark touched sleeping bodies as awake."""
+    """Mark the sleeping bodies that `wakes` flags as awake, and clear their flags."""
     for m in range(work.num_agents, work.num_dynamic):
         if work.wakes[m]:
             _wake(work, m)
@@ -98,7 +98,7 @@ def _is_near(work, m, other, reach):
 @compiled
 @no_type_check
 def mark_moving(work, numbers):
-    """Mark bodies that move as not calm, after a physics step."""
+    """Set `calm` to 0 for awake bodies above the speeds or acceleration of rest, after a physics step."""
     for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] and work.calm[m]:
             speed, acceleration = offset_pointer(work.vel, 6 * m), offset_pointer(work.acc, 6 * m)

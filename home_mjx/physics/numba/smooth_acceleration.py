@@ -19,7 +19,7 @@ def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
     """Compute `smooth`, the accelerations without contact.
 
     Args:
-        work: Arrays, see `work.Workspace`.
+        work: Arrays, see `workspace.Workspace`.
         numbers: See `params.StepParams`.
         control: Actions (a, 3), bodies held by the agents (a) or -1, grips (a, 7), goals of the doors (h).
         ramp: Ramps (num_ramps, RAMP_COLUMNS), see `bank.physics.ramp`.
@@ -127,7 +127,7 @@ def _pull_held_body(work, numbers, a, m, grip):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _approach_rate(numbers, far, fastest):
-    """Return the velocity per distance, or per angle, towards the grip [1/s]."""
+    """Return the velocity per distance, or per angle, towards the grip [1/s]; it limits the velocity to `fastest`."""
     return min(1.0, fastest * 2 * numbers.hand_time / (far + 1e-12)) / (2 * numbers.hand_time)
 
 
@@ -151,7 +151,7 @@ def _rotation_error(work, a, m, grip):
 @compiled
 @no_type_check
 def _rotate_held_body(work, numbers, m, miss, spin):
-    """Compute the angular acceleration of a held body whose holder rotates at `spin`."""
+    """Compute the angular acceleration of a held body from `_rotation_error` and its holder's yaw rate [rad/s]."""
     pull = _approach_rate(numbers, sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]), numbers.hand_spin)
     smooth = offset_pointer(work.smooth, 6 * m)
     square = 0.0

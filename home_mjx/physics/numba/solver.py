@@ -21,9 +21,8 @@ from home_mjx.physics.numba.workspace import NEWTON_STEPS, NUM_CONTACTS, num_con
 
 LINE_SEARCH_TOLERANCE = 1e-9  # line-search tolerance: final slope of the cost over that at its start
 MAX_LINE_STEPS = 40  # maximum number of line-search iterations
-NEWTON_TOLERANCE = (
-    1e-22  # Newton tolerance: remaining decrease over the cost's scale, the square of a relative error of 1e-11
-)
+# Newton tolerance: remaining decrease over the cost's scale, the square of a relative error of 1e-11
+NEWTON_TOLERANCE = 1e-22
 MIN_PIVOT = 1e-12  # minimum Cholesky pivot before its square root [kg] or [kg m^2]
 
 compiled = njit(error_model="numpy")

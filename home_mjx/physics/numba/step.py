@@ -26,7 +26,7 @@ def load_house(work, static, bodies, door):
     """Copy a house's numbers to `work`; negative half extents mark missing boxes and doors.
 
     Args:
-        work: Arrays, see `work.Workspace`.
+        work: Arrays, see `workspace.Workspace`.
         static: Position, quaternion and half extents of its static boxes.
         bodies: Validity, half extents, mass, inertia and `reference_surfaces` of its movable bodies.
         door: Rows of `door_table`.
@@ -110,7 +110,7 @@ def step_env(work, numbers, ground, state, control, result, report):
     """Step one environment whose house and agents are loaded in `work`.
 
     Args:
-        work: Arrays, see `work.Workspace`.
+        work: Arrays, see `workspace.Workspace`.
         numbers: See `params.StepParams`.
         ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and their number.
         state: qpos, qvel and the last accelerations, flat as in the template.
@@ -118,7 +118,7 @@ def step_env(work, numbers, ground, state, control, result, report):
         result: State after the step, like `state`.
         report: Contacts of each agent except with the floor (a), the maximum over physics steps; overflow flags of
             static boxes and contact points (2); each body's total impulse [N s] and the position of its strongest
-            contact [m] (m, 4); the partner in that contact (m), see `limits`.
+            contact [m] (m, 4); the partner in that contact (m), a code of `base.state`.
     """
     floor, ramp, num_ramps = ground
     qpos, qvel, qacc = state

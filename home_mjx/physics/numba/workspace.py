@@ -61,11 +61,11 @@ class Workspace(NamedTuple):
     static_pos: Pointer  # (c, 3)
     static_rot: Pointer  # (c, 3, 3)
     static_half: Pointer  # (c, 3)
-    near: Pointer  # (m, NEAR) static boxes near a body
+    near: Pointer  # (m, MAX_NEAR_BOXES) static boxes near a body
     num_near: Pointer  # (m) number of them; -1 if the list is invalid
     near_from: Pointer  # (m, 12) pose of the body when they were listed
     first: Pointer  # (n) first body of a contact
-    second: Pointer  # (n) second body, or a code, see `limits`
+    second: Pointer  # (n) second body, or a code of `base.state`
     place: Pointer  # (n, 4) position and distance of a contact
     frame: Pointer  # (n, 3, 3) rows: normal from first to second, two tangents
     friction: Pointer  # (n) 0: frictionless
@@ -82,7 +82,7 @@ class Workspace(NamedTuple):
     hessian: Pointer  # (d, d) of an island, lower triangle
     gradient: Pointer  # (d)
     search: Pointer  # (d)
-    points: Pointer  # (MOST_POINTS, 4) contact points of the current pair
+    points: Pointer  # (MAX_PAIR_POINTS, 4) contact points of the current pair
     normals: Pointer  # (2, 3) their normals
     counts: Pointer  # (4) number of contacts, overflow flags, Newton steps; see the names above
 
@@ -218,5 +218,5 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
 @njit(error_model="numpy")
 @no_type_check
 def free_workspace(work):
-    """Release the memory."""
+    """Release the memory of a workspace, which must not be used afterwards."""
     release(address_of(work.pos))

@@ -22,7 +22,7 @@ ON_BASIN = (
 
 
 def furnish_bathroom(room: RoomSpace) -> None:
-    """Place a tub or a shower first, then a toilet, a basin under a mirror, towels and a washing machine."""
+    """Place a tub or shower, a toilet and a basin if they fit; at random towels, a washing machine, bins and others."""
     kinds = room.rng.permutation(["plain_bathtub", "shower"]).tolist()
     if room.plan.area > 7.5 and room.draw_chance(0.1):
         kinds = ["corner_bathtub", *kinds]
@@ -53,14 +53,14 @@ def furnish_bathroom(room: RoomSpace) -> None:
 
 
 def _place_bath(room: RoomSpace, item: PlacedModel) -> PlacedModel | None:
-    """Place a shower or a corner tub in a corner, its open sides away from the walls; other tubs at a wall."""
+    """Place a shower or a corner tub in a corner, open sides to the room, other tubs at a wall; None without a fit."""
     if item.model.family == "shower" or item.model in list_models("corner_bathtub"):
         return place_in_corner(room, item, 0.45)
     return place_against_wall(room, item, 0.45, corners=0.2)
 
 
 def furnish_toilet(room: RoomSpace) -> None:
-    """Place a toilet, paper and a small basin."""
+    """Place a toilet and a small basin if they fit; at random a bin, a towel hanger, a curtain and a picture."""
     place_toilet(room)
     place_basin(room, "small_basin")
     add_at_wall(room, "paper_bin", 0.0, 0.3)
@@ -104,7 +104,7 @@ def place_basin(room: RoomSpace, kind: str) -> None:
 
 
 def _place_mat(room: RoomSpace, anchor: PlacedModel) -> None:
-    """Place a mat in front of a tub, a shower or a basin."""
+    """Place a mat in front of a tub, a shower or a basin, if it fits."""
     mat = room.draw_object("mat")
     x, z = anchor.local_point(0.0, float(anchor.size[2] + mat.size[2]) / 2 + 0.06)
     place_object(room, mat.moved_to(x, FLOOR_TOP, z, anchor.quarter))

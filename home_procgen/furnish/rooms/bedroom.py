@@ -74,7 +74,7 @@ def place_television(room: RoomSpace) -> None:
 
 
 def place_bedroom_extras(room: RoomSpace) -> None:
-    """Place small furniture, baskets and pictures."""
+    """Place small furniture, clothes on the floor, wall objects and pictures, each at random and if it fits."""
     odds = (
         ("armchair", 0.25),
         ("bookshelf", 0.2),
@@ -125,7 +125,7 @@ def _nightstand_places(bed: PlacedModel, stand: PlacedModel, sides: Sequence[int
 
 
 def _place_beside_bed(room: RoomSpace, placed: PlacedModel, stands: Sequence[PlacedModel]) -> None:
-    """Place lamps and objects on nightstands, a rug at the foot of the bed, and a picture above its head."""
+    """Place lamps and objects on nightstands; at random a rug at the foot of the bed and a picture above its head."""
     lamp, on_wall = room.draw_object("bedside_lamp"), room.draw_chance(0.15)
     for item in stands:
         if on_wall:
@@ -153,7 +153,7 @@ def place_dresser(room: RoomSpace, probability: float) -> None:
 
 
 def place_dressing_table(room: RoomSpace) -> None:
-    """Place a dressing table with a stool."""
+    """Place a dressing table with a stool and objects, if both fit."""
     stool = room.draw_object(str(room.rng.choice(["ottoman", "low_stool"])))
 
     def companions(table: PlacedModel) -> Iterator[PlacedModel]:
@@ -184,7 +184,7 @@ def furnish_guest_room(room: RoomSpace) -> None:
 
 
 def furnish_child_room(room: RoomSpace) -> None:
-    """Place a bed, a wardrobe, a desk, shelves with toys, and toys on the floor."""
+    """Place a bed (or bunk) and a wardrobe; at random a baby bed, a desk, shelves with toys, and toys on the floor."""
     furnish_windows(room, ("long_curtain", "short_curtain"), 0.5)
     baby = room.draw_chance(0.2)
     if not baby and room.draw_chance(0.25):

@@ -58,7 +58,7 @@ def place_corner_desk(room: RoomSpace) -> PlacedModel | None:
 
 
 def _place_on_desk(room: RoomSpace, placed: PlacedModel) -> PlacedModel:
-    """Place a computer and small objects on a desk."""
+    """Place a computer and random small objects on a desk, and at random a paper bin beside it; return the desk."""
     machine = "computer" if room.draw_chance(0.4) else "laptop"
     if place_on_top(room, placed, machine, straight=machine == "computer", middle=True) and machine == "computer":
         _place_computer_tower(room, placed)
@@ -79,7 +79,7 @@ def _place_computer_tower(room: RoomSpace, placed: PlacedModel) -> None:
 
 
 def place_paper_bin(room: RoomSpace, placed: PlacedModel) -> None:
-    """Place a paper bin beside a desk."""
+    """Place a paper bin on the left or else the right of a desk, if it fits."""
     item = room.draw_object("paper_bin")
     for side in (-1, 1):
         x, z = placed.local_point(side * float(placed.size[0] / 2 + item.size[0] / 2 + 0.05), 0.0)

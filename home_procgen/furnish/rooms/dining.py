@@ -63,7 +63,7 @@ def _normalize_weights(weights: Sequence[float]) -> list[float]:
 
 
 def furnish_dining_room(room: RoomSpace) -> None:
-    """Place a table for four to eight, a sideboard, a glass cabinet and pictures."""
+    """Place a table for four to eight; at random a sideboard, cabinets, seats, plants, lamps and pictures."""
     furnish_windows(room, ("long_curtain", "short_curtain", ""), 0.5)
     place_dining_set(room, int(room.rng.choice([4, 6, 6, 8])))
     place_several_on_top(room, add_at_wall(room, "dresser", 0.5, 0.85), ON_SIDEBOARD, 4)

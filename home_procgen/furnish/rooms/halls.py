@@ -10,7 +10,7 @@ from home_procgen.furnish.space.wall_placement import furnish_windows, hang_abov
 
 
 def furnish_hallway(room: RoomSpace) -> None:
-    """Place a shoe cabinet, coat hooks or a coat stand, shoes, mirrors and a runner."""
+    """Place a shoe cabinet if it fits; at random coat hooks or a stand, a console, shoes, mirrors and a runner."""
     furnish_windows(room, ("short_curtain", "long_curtain", ""), 0.4)
     cabinet = add_at_wall(room, "shoes_cabinet", 0.35)
     place_several_on_top(room, cabinet, (("table_vase", 0.4), ("telephone", 0.3), ("ornament", 0.3), ("photo", 0.3)), 2)
@@ -38,14 +38,14 @@ def furnish_hallway(room: RoomSpace) -> None:
 
 
 def _place_shoes(room: RoomSpace) -> None:
-    """Place a pair of shoes at a wall, at random."""
+    """Place a pair of shoes at a wall, at random by the clutter and if it fits."""
     item = room.draw_object("shoes")
     if item and room.draw_clutter(0.7):
         add_at_wall(room, "shoes")
 
 
 def place_runner(room: RoomSpace) -> None:
-    """Place a rug along a part of a hall, at random."""
+    """Place, with a probability of 0.45, a runner along a part of a hall, if it fits in four attempts."""
     if not room.draw_chance(0.45):
         return
     for _ in range(4):
@@ -57,7 +57,7 @@ def place_runner(room: RoomSpace) -> None:
 
 
 def furnish_lounge_hall(room: RoomSpace) -> None:
-    """Place the objects of a hallway, and more furniture as space allows."""
+    """Place the objects of a hallway, and at random shelves, a dresser, an armchair, a clock and plants."""
     furnish_hallway(room)
     add_at_wall(room, "bookshelf", 0.5, 0.3)
     place_several_on_top(room, add_at_wall(room, "dresser", 0.5, 0.3), ON_CHEST, 4)
@@ -73,7 +73,7 @@ def furnish_lounge_hall(room: RoomSpace) -> None:
 
 
 def furnish_dressing_room(room: RoomSpace) -> None:
-    """Place wardrobes, rails, a mirror, shoes and a stool."""
+    """Place up to three wardrobes; at random a rail, a dresser, mirrors, shoes and a stool."""
     for probability in (1.0, 0.8, 0.4):
         add_at_wall(room, "plain_wardrobe", 0.5, probability)
     add_at_wall(room, "clothes_rail", 0.4, 0.5)

@@ -32,10 +32,8 @@ from home_procgen.furnish.space.wall_placement import (
 )
 from home_procgen.style.object_kinds import list_models
 
-WALL_CABINET_HEIGHT, RAIL_HEIGHT = (
-    1.45,
-    1.2,
-)  # [m], undersides of wall cabinets, and height of rails between them and the counter
+# [m], undersides of wall cabinets, and height of rails between them and the counter
+WALL_CABINET_HEIGHT, RAIL_HEIGHT = 1.45, 1.2
 MAX_CORNER_OFFSET = 0.25  # [m], maximum distance between the sides of a corner cabinet and of the unit below it
 MAX_LOW_UNIT = 1.25  # [m], height of units with cabinets above them
 MIN_HOOD_HEIGHT = 1.55  # [m], minimum height of the undersides of hoods above the floor
@@ -158,7 +156,7 @@ def _units(room: RoomSpace, kinds: Sequence[str]) -> list[PlacedModel]:
 
 
 def _place_side_by_side(items: Sequence[PlacedModel], wall: PlanWall, along: float) -> Iterator[PlacedModel]:
-    """Generate objects side by side at a wall, from a coordinate along it."""
+    """Generate objects, left to right as seen from the room, backs to a wall, from a coordinate along it [m]."""
     for item in items if wall.normal[1 - wall.axis] * (1 if wall.axis == 0 else -1) > 0 else items[::-1]:
         yield back_against(item, wall, along + float(item.size[0]) / 2)
         along += float(item.size[0])
@@ -182,7 +180,7 @@ def _place_wall_units(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
 
 
 def _place_hood(room: RoomSpace, stove: PlacedModel) -> None:
-    """Place a hood over a stove, its shaft up to the ceiling."""
+    """Place the tallest hood over a stove whose shaft reaches the ceiling and whose underside is high enough."""
     ceiling = ceiling_height(room)
     hoods = (room.draw_object(kind) for kind in HOOD_KINDS)
     if hood := next((hood for hood in hoods if ceiling - float(hood.size[1]) >= MIN_HOOD_HEIGHT), None):
@@ -190,7 +188,7 @@ def _place_hood(room: RoomSpace, stove: PlacedModel) -> None:
 
 
 def _place_corner_cabinet(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
-    """Place a wall cabinet in the corner at the end of a row, over one of its units."""
+    """Place a wall cabinet in each corner at an end of a row that is over one of its units, if it fits."""
     item = room.draw_object("corner_wall_cabinet")
     for spot in corner_spots(room, item, FLOOR_TOP + WALL_CABINET_HEIGHT, HANGING_GAP):
         placed = item.moved_to(*spot)
@@ -200,7 +198,7 @@ def _place_corner_cabinet(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
 
 
 def _place_on_counters(room: RoomSpace, row: Sequence[PlacedModel], bases: Sequence[PlacedModel]) -> None:
-    """Place objects on the counters, and rails above them."""
+    """Place random objects on sinks and stoves of the row and on base cabinets, and rails above the latter."""
     for unit in row:
         if unit.model.family == "kitchen_sink":
             for kind, probability in (("soap_dispenser", 0.5), ("plates", 0.25), ("cup", 0.3)):

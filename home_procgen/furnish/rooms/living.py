@@ -37,10 +37,8 @@ from home_procgen.furnish.space.wall_placement import (
 )
 from home_procgen.style.object_kinds import list_models
 
-MIN_SOFA_DISTANCE, MAX_SOFA_DISTANCE = (
-    2.1,
-    4.3,
-)  # [m], range from the television's wall to the back of a sofa at the opposite wall
+# [m], range from the television's wall to the back of a sofa at the opposite wall
+MIN_SOFA_DISTANCE, MAX_SOFA_DISTANCE = 2.1, 4.3
 FREE_SOFA_DISTANCES = (2.9, 3.2, 2.7, 3.5)  # [m], distances to try for a sofa in the middle of the room
 SOFA_TABLE_GAP = 0.38  # [m], gap between sofa and table
 ON_TABLE = (
@@ -74,7 +72,7 @@ ON_CHEST = (
 
 
 def furnish_living_room(room: RoomSpace) -> None:
-    """Place a television, a sofa that faces it and a table; then books, plants, and objects by interest."""
+    """Place a sofa and, if they fit, a television opposite and a table; at random a fireplace, books and others."""
     furnish_windows(room, ("long_curtain", "long_curtain", "short_curtain", ""), 0.45)
     if room.draw_chance(0.14):
         fire = add_at_wall(room, "mantel", 0.7) if room.draw_chance(0.7) else _place_stove(room)
@@ -100,7 +98,7 @@ def _place_stove(room: RoomSpace) -> PlacedModel | None:
 
 
 def place_living_extras(room: RoomSpace) -> None:
-    """Place shelves, instruments, plants and pictures."""
+    """Place shelves, instruments, toys, pets, lamps, plants and pictures, each at random, some by interest."""
     for probability in (0.75, 0.4):
         add_at_wall(room, "bookshelf", 0.5, probability * (1.3 if "books" in room.style.interests else 0.7))
     place_several_on_top(room, add_at_wall(room, "dresser", 0.5, 0.35), ON_CHEST, 4)
@@ -134,7 +132,7 @@ def place_living_extras(room: RoomSpace) -> None:
 
 
 def place_plants(room: RoomSpace, probability: float, max_plants: int) -> None:
-    """Place plants at walls."""
+    """Place at most `max_plants` plants at walls, each with a probability, halved unless plants are an interest."""
     for _ in range(max_plants):
         if room.draw_chance(probability if "plants" in room.style.interests else 0.5 * probability):
             add_at_wall(room, str(room.rng.choice(["plant", "slim_plant", "slim_plant", "floor_vase"])))
@@ -250,7 +248,7 @@ def _sofa_opposite(
 
 
 def _television_on(room: RoomSpace, stand: PlacedModel, hung: bool) -> PlacedModel | None:
-    """Return a television on a stand, or on the wall above it; None if no model fits on the stand."""
+    """Return a television, not placed yet, on a stand or, if `hung`, on the wall above; None if none fits the stand."""
     x, z = stand.position[0], stand.position[2]
     if hung:
         screen = room.draw_object("wall_television")
@@ -276,7 +274,7 @@ def place_television_stand(room: RoomSpace, stand: PlacedModel) -> PlacedModel |
 
 
 def furnish_around_sofa(room: RoomSpace, sofa: PlacedModel, table: PlacedModel) -> None:
-    """Place a rug, armchairs, a lamp, a side table and a picture around a sofa, and objects on the tables."""
+    """Place, each at random, a rug, armchairs, a lamp, a side table and a picture around a sofa, and table objects."""
     x, _, z = table.position
     if room.draw_chance(0.8):
         place_object(room, room.draw_object("large_rug").moved_to(x, FLOOR_TOP, z, sofa.quarter))
@@ -301,7 +299,7 @@ def furnish_around_sofa(room: RoomSpace, sofa: PlacedModel, table: PlacedModel) 
 
 
 def _place_armchair(room: RoomSpace, table: PlacedModel, side: int) -> None:
-    """Place an armchair beside a table, turned towards it."""
+    """Place an armchair on the left (`side` -1) or right (1) of a table, turned towards it, if it fits."""
     chair = room.draw_object("armchair")
     for away, front in ((0.35, 0.1), (0.5, 0.3), (0.5, -0.1)):
         x, z = table.local_point(side * (float(table.size[0] + chair.size[2]) / 2 + away), front)

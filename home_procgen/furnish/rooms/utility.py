@@ -15,7 +15,7 @@ ON_OUTDOOR_TABLE = (("small_plant", 0.5), ("glass", 0.4), ("bottle", 0.3), ("fru
 
 
 def furnish_garage(room: RoomSpace) -> None:
-    """Place a car if it fits, bicycles, tools, and shelves along the walls."""
+    """Place a random choice of a car, a bicycle, a motorcycle, racks, tools and garden equipment."""
     if room.draw_chance(0.8):
         place_freely(room, room.draw_object("car"), quarters=range(4))
     add_at_wall(room, "bicycle", 0.0, 0.6)
@@ -40,7 +40,7 @@ def furnish_garage(room: RoomSpace) -> None:
 
 
 def furnish_storage(room: RoomSpace) -> None:
-    """Place racks and household appliances."""
+    """Place one to three racks, and a random choice of household appliances."""
     for probability in (1.0, 0.8, 0.5):
         place_several_on_top(
             room,
@@ -56,7 +56,7 @@ def furnish_storage(room: RoomSpace) -> None:
 
 
 def furnish_boiler_room(room: RoomSpace) -> None:
-    """Place a washing machine, a dryer, and laundry equipment."""
+    """Place a washing machine; at random a dryer, racks and laundry equipment."""
     place_several_on_top(room, add_at_wall(room, "washer", 0.4), ON_WASHER, 2)
     place_several_on_top(room, add_at_wall(room, "dryer", 0.4, 0.7), ON_WASHER, 1)
     for probability in (0.9, 0.5):
@@ -66,7 +66,7 @@ def furnish_boiler_room(room: RoomSpace) -> None:
 
 
 def furnish_gym(room: RoomSpace) -> None:
-    """Place machines, a mirror and a mat; sometimes a pool table."""
+    """Place one to four machines, a mirror and a mat if they fit; at random a pool table and seats."""
     furnish_windows(room, ("short_curtain", ""), 0.4)
     hang(room, room.draw_object("tall_mirror"), 0.4)
     if room.draw_chance(0.2):
@@ -104,7 +104,7 @@ def furnish_terrace(room: RoomSpace) -> None:
 
 
 def furnish_balcony(room: RoomSpace) -> None:
-    """Place seats, a small table and plants."""
+    """Place a random choice of a small table, seats and plants."""
     if room.draw_chance(0.7) and (table := add_at_wall(room, "side_table")):
         place_several_on_top(room, table, ON_OUTDOOR_TABLE, 2)
     for kind, probability in (("garden_chair", 0.7), ("garden_chair", 0.5), ("garden_bench", 0.3), ("chair", 0.3)):

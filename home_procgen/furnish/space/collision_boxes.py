@@ -25,31 +25,31 @@ OPEN_FAMILIES = {
 
 
 def collision_boxes(item: PlacedModel) -> Boxes:
-    """Return the collision boxes of an object: one per part for open families, else its bounding box."""
+    """Return the collision boxes of an object [m]: one per part for open families, else its bounding box."""
     if item.model.family in OPEN_FAMILIES and len(item.model.parts) <= MAX_OPEN_PARTS:
         return item.parts
     return item.box[None]
 
 
 def is_flat(box: Box) -> bool:
-    """Return whether a box is thin enough for a rug."""
+    """Return whether the height of a box is below `MAX_RUG_THICKNESS`."""
     return float(box[1, 1]) - float(box[0, 1]) < MAX_RUG_THICKNESS
 
 
 def boxes_overlap(boxes: Boxes, others: Boxes, tolerance: float = MAX_TOUCH_OVERLAP) -> bool:
-    """Return whether any of the boxes overlaps any of the others."""
+    """Return whether any of the boxes overlaps any of the others by more than `tolerance` on every axis [m]."""
     return overlap_kernels().any_overlap(boxes, others, len(others), -np.inf, tolerance)
 
 
 def are_disjoint(item: PlacedModel, other: PlacedModel) -> bool:
-    """Return whether the bounding boxes of two objects are disjoint."""
+    """Return whether the bounding boxes of two objects are disjoint; touching ones are not."""
     (ax, ay, az), (bx, by, bz) = item.box.tolist()
     (cx, cy, cz), (dx, dy, dz) = other.box.tolist()
     return bx < cx or dx < ax or bz < cz or dz < az or by < cy or dy < ay
 
 
 def extrude_footprint(box: Box) -> Box:
-    """Return a box of 1 m height over the same floor area."""
+    """Return a box from height 0 to 1 m over the same floor area."""
     return np.array([[box[0, 0], 0.0, box[0, 2]], [box[1, 0], 1.0, box[1, 2]]])
 
 
@@ -62,11 +62,11 @@ class BoxStore:
 
     @property
     def boxes(self) -> Boxes:
-        """All boxes."""
+        """View of all stored boxes, in the order of addition [m]."""
         return self._data[: self._count]
 
     def add(self, boxes: Boxes) -> None:
-        """Append boxes."""
+        """Append boxes (n, 2, 3) [m]; no effect if there are none."""
         end = self._count + len(boxes)
         if end > len(self._data):
             more = max(end, len(self._data))
@@ -75,5 +75,5 @@ class BoxStore:
         self._count = end
 
     def overlaps_any(self, boxes: Boxes, tolerance: float = MAX_TOUCH_OVERLAP) -> bool:
-        """Return whether any of the given boxes overlaps one of the stored boxes."""
+        """Return whether a given box overlaps a stored box by more than `tolerance` on every axis [m]."""
         return overlap_kernels().any_overlap(boxes, self._data, self._count, tolerance, tolerance)

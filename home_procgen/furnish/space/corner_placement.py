@@ -31,7 +31,7 @@ def _corners(plan: RoomPlan) -> Iterator[tuple[PlanWall, int]]:
 
 
 def _is_convex_corner(wall: PlanWall, along: float, other: PlanWall) -> bool:
-    """Return whether another wall begins at the end of a wall and continues on the room's side of it."""
+    """Return whether another wall begins at the end of a wall, at `along`, and continues on the room's side of it."""
     if other.axis == wall.axis or abs(other.line - along) > CORNER_TOLERANCE:
         return False
     reach = np.subtract(other.span, wall.line) * float(wall.normal[1 - wall.axis])

@@ -53,7 +53,7 @@ def add_at_wall(room: RoomSpace, kind: str, front: float = 0.0, probability: flo
 
 
 def front_zone(item: PlacedModel, depth: float) -> Box:
-    """Return the box of the floor in front of an object, of a depth and the object's width [m]."""
+    """Return the box in front of an object, of a depth and the object's width, from the floor to 1.2 m [m]."""
     x, z = item.local_point(0.0, float(item.size[2]) / 2 + depth / 2)
     half = np.array([item.size[0] / 2 - 0.02, depth / 2 - 0.02])[:: 1 if item.quarter % 2 == 0 else -1]
     return np.array([[x - half[0], FLOOR_TOP + 0.03, z - half[1]], [x + half[0], 1.2, z + half[1]]])
@@ -84,7 +84,7 @@ def place_object(
 
 
 def _views_of(item: PlacedModel) -> list[Box]:
-    """Return the space that must stay free to see an object: that in front of a picture, mirror or clock on a wall."""
+    """Return the space in front of a picture, mirror or clock on a wall, to be kept free; empty for other objects."""
     hangs = item.model.fine in VIEWED_CLASSES and item.box[0, 1] > FLOOR_TOP + MIN_VIEWED_HEIGHT
     return [view_zone(item, VIEW_DEPTH)] if hangs and item.model.family not in STANDING_FAMILIES else []
 
@@ -125,21 +125,21 @@ def _free_spots(room: RoomSpace, spots: Sequence[Spot], turned: Mapping[int, Box
 
 
 def _largest_boxes(boxes: Boxes) -> Boxes:
-    """Return the `NUM_CORE_BOXES` largest boxes of an object."""
+    """Return the at most `NUM_CORE_BOXES` largest boxes of an object by volume."""
     return boxes if len(boxes) == 1 else boxes[np.argsort(-(boxes[:, 1] - boxes[:, 0]).prod(axis=1))[:NUM_CORE_BOXES]]
 
 
 def back_against(
     item: PlacedModel, wall: PlanWall, along: float, y: float = FLOOR_TOP, gap: float = WALL_GAP
 ) -> PlacedModel:
-    """Return an object with its back to a wall, its middle at a coordinate along the wall."""
+    """Return an object, not placed yet, with its back to a wall, its middle at a coordinate along the wall [m]."""
     return item.moved_to(*wall_spots(item, wall, [along], y, gap)[0])
 
 
 def wall_spots(
     item: PlacedModel, wall: PlanWall, along: Sequence[float], y: float = FLOOR_TOP, gap: float = WALL_GAP
 ) -> list[Spot]:
-    """Return the spots of an object with its back to a wall, its middle at the given coordinates along the wall."""
+    """Return the spots of an object with its back to a wall, its middle at given coordinates along the wall [m]."""
     off = wall.line + float(wall.normal[1 - wall.axis]) * (PRISM_THICKNESS + gap + float(item.size[2]) / 2)
     quarter = quarter_towards(*wall.normal)
     return [(a, y, off, quarter) if wall.axis == 0 else (off, y, a, quarter) for a in along]
@@ -148,7 +148,7 @@ def wall_spots(
 def room_wall_spots(
     room: RoomSpace, item: PlacedModel, y: float = FLOOR_TOP, gap: float = WALL_GAP, step: float = 0.25
 ) -> tuple[list[Spot], Bool[np.ndarray, " n"]]:
-    """Return the spots of an object at the walls of a room, and a mask of those in corners."""
+    """Return the spots of an object at a room's walls, at most `step` apart [m], and a mask of those in corners."""
     spots: list[Spot] = []
     corner: list[bool] = []
     for wall in room.plan.walls:
@@ -211,7 +211,7 @@ def place_freely(
 
 
 def random_point(room: RoomSpace, inset: float) -> tuple[float, float, Rect]:
-    """Return a random point in one of the rectangles of a room, and the rectangle.
+    """Return a random point x, z in one of the rectangles of a room [m], and the rectangle.
 
     Args:
         room: The room.
@@ -224,7 +224,7 @@ def random_point(room: RoomSpace, inset: float) -> tuple[float, float, Rect]:
 
 
 def scatter(room: RoomSpace, kind: str, tries: int = 6) -> PlacedModel | None:
-    """Place a small object anywhere on the floor at a random angle; None if it does not fit."""
+    """Place an object of a kind anywhere on the floor at a random angle; None if it fits in none of `tries` places."""
     for _ in range(tries):
         x, z, _ = random_point(room, 0.3)
         item = yaw_by(room.draw_object(kind).moved_to(x, FLOOR_TOP, z), float(room.rng.uniform(-np.pi, np.pi)))
@@ -241,14 +241,14 @@ def place_next_to(room: RoomSpace, anchor: PlacedModel, item: PlacedModel, side:
 
 
 def free_distance(room: RoomSpace, x: float, z: float, way: tuple[int, int], max_distance: float = 8.0) -> float:
-    """Return the distance from a point to the end of the room in a direction, at most `max_distance` [m]."""
+    """Return the distance from a point to the end of the room along a unit direction, at most `max_distance` [m]."""
     far = np.arange(0.0, max_distance, 0.05)
     out = [not room.contains(x + way[0] * d, z + way[1] * d) for d in far.tolist()]
     return float(far[int(np.argmax(out))]) if any(out) else max_distance
 
 
 def front_direction(item: PlacedModel) -> tuple[int, int]:
-    """Return the direction (x, z) of an object's front."""
+    """Return the direction (x, z) of an object's front by its quarter turns, without the angle of a yawed object."""
     return FRONT_DIRECTIONS[item.quarter]
 
 

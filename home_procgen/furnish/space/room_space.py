@@ -67,11 +67,11 @@ class RoomSpace:
         return self.draw_chance(yes if interest in self.style.interests else no)
 
     def draw_clutter(self, probability: float) -> bool:
-        """Draw True with a probability that scales with the style's amount of clutter."""
+        """Draw True with `probability` times the style's amount of clutter (1 is average), at most 1."""
         return self.draw_chance(min(1.0, probability * self.style.clutter))
 
     def draw_object(self, kind: str) -> PlacedModel:
-        """Return an object of a kind at the origin, with the materials of the room."""
+        """Draw an object of a kind of `object_kinds` at the origin, not placed yet, with the materials of the room."""
         return _flatten_rug(self.style.draw_object(kind, self.look))
 
     def object_candidates(self, kind: str) -> Iterator[PlacedModel]:
@@ -80,7 +80,7 @@ class RoomSpace:
 
     @property
     def blocked_boxes(self) -> Boxes:
-        """All boxes that are solid or kept free."""
+        """Boxes of walls, openings and objects, then those kept free [m]."""
         return np.concatenate([self.solid.boxes, self.clear.boxes])
 
     def try_place(
@@ -120,15 +120,15 @@ class RoomSpace:
         return True
 
     def is_on_floor(self, item: PlacedModel) -> bool:
-        """Return whether an object is low enough to obstruct the floor."""
+        """Return whether the bottom of an object is less than 0.35 m above the floor."""
         return bool(item.box[0, 1] < FLOOR_TOP + 0.35)
 
     def contains(self, x: float, z: float) -> bool:
-        """Return whether a point is in the plan of the room."""
+        """Return whether a point (x, z) [m] is inside a rectangle of the room's plan; False on its border."""
         return any(r.x0 < x < r.x1 and r.z0 < z < r.z1 for r in self.plan.rects)
 
     def _holds(self, box: Box) -> bool:
-        """Return whether a box is inside the room; a rug must also be clear of walls, passages and other rugs.
+        """Return whether a box has its centre in the room; a rug must also be clear of walls, passages and other rugs.
 
         Rugs have a test of their own because they are too thin for box tests.
         """
@@ -137,12 +137,12 @@ class RoomSpace:
         return self.contains(x, z) and not (rug and self._flat.overlaps_any(extrude_footprint(box)[None]))
 
     def reserve(self, zone: Box) -> None:
-        """Keep a space free of later objects."""
+        """Keep a box [m] free of objects that are placed later."""
         self.clear.add(zone[None])
 
 
 def _flatten_rug(item: PlacedModel) -> PlacedModel:
-    """Scale rugs and mats to the thickness at which other objects can be placed on them."""
+    """Return a rug or mat scaled to `RUG_THICKNESS`, so that objects can be on it; other objects are unchanged."""
     if item.model.fine != "rug":
         return item
     return PlacedModel(

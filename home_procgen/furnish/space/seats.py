@@ -18,14 +18,14 @@ PULLED_OUT_PROBABILITY = 0.12  # probability that a chair is pulled out, as afte
 
 @cache
 def is_round(model_id: str) -> bool:
-    """Return whether the top of a table is round."""
+    """Return whether the largest level surface of a table covers less than 0.9 of its rectangle, as round ones do."""
     top = find_support_surfaces(model_id)[0]
     width, depth = np.ptp(top.triangles.reshape(-1, 2), axis=0).tolist()
     return top.area < MAX_ROUND_AREA_RATIO * width * depth
 
 
 def seat_places(table: PlacedModel, count: int) -> list[tuple[float, float, float]]:
-    """Return at most `count` seats at a table: a point (x, z) of its edge [m], and the outward direction [rad]."""
+    """Return at most `count` seats at a table: x, z of a point of its edge [m], outward angle from +z to +x [rad]."""
     wide, deep = float(table.size[0]) / 2, float(table.size[2]) / 2
     if is_round(table.model.id):
         turns = 2 * np.pi * np.arange(count) / count

@@ -12,10 +12,8 @@ from home_procgen.things import library_model
 MIN_TOP_HEIGHT, MIN_TOP_AREA = 0.15, 0.015  # minimum height [m] and minimum area [m^2] of a surface
 BASE_HEIGHT = 0.006  # [m], height above an object's lowest point below which its vertices form its base
 EDGE_TOLERANCE = 1e-6
-LEVEL_TOLERANCE, FREE_TEST_HEIGHT = (
-    1e-6,
-    0.004,
-)  # [m], maximum height range of a level triangle, and height of the test for space above
+# [m], maximum height range of a level triangle, and height of the test for space above
+LEVEL_TOLERANCE, FREE_TEST_HEIGHT = 1e-6, 0.004
 
 
 class SupportSurface(NamedTuple):
@@ -60,7 +58,7 @@ def _covered_mask(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 
 
 @cache
 def base_points(model_id: str) -> Float[np.ndarray, "9 3"]:
-    """Return the corners, the side middles and the centre of the rectangle around a model's base [m]."""
+    """Return the corners, side middles and centre, at height 0, of the rectangle around a model's base [m]."""
     vertices = library_model(model_id).mesh.vertices
     low = vertices[vertices[:, 1] < vertices[:, 1].min() + BASE_HEIGHT][:, [0, 2]]
     (x0, z0), (x1, z1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
@@ -78,6 +76,6 @@ def can_support(anchor: PlacedModel, top: SupportSurface, item: PlacedModel) -> 
 def _inside_mask(
     x: Float[np.ndarray, " p"], z: Float[np.ndarray, " p"], top: SupportSurface
 ) -> Bool[np.ndarray, "t p"]:
-    """Return a mask of the points in each triangle of a surface."""
+    """Return a mask (triangle, point) of the points in each triangle of a surface, edges included."""
     inner = top.edges[1] * (x - top.starts[0]) - top.edges[0] * (z - top.starts[1]) >= -EDGE_TOLERANCE
     return inner[0] & inner[1] & inner[2]

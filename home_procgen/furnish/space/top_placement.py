@@ -109,7 +109,7 @@ def place_on_burner(room: RoomSpace, stove: PlacedModel, kind: str) -> PlacedMod
 def place_several_on_top(
     room: RoomSpace, anchor: PlacedModel | None, kinds: Iterable[tuple[str, float]], max_objects: int = 5
 ) -> None:
-    """Place at most `max_objects` objects on another, each kind with its probability; none if `anchor` is None."""
+    """Place at most `max_objects` objects on another, each kind with its probability times clutter; none on None."""
     if anchor is None:
         return
     pairs, left = list(kinds), max_objects

@@ -44,6 +44,6 @@ def _between(item: PlacedModel, other: PlacedModel) -> Float[np.ndarray, " 2"]:
 
 
 def _facing(item: PlacedModel, other: PlacedModel) -> float:
-    """Return the cosine between an object's front and the direction to another."""
+    """Return the cosine, in the plan, between an object's front and the direction to another."""
     front, away = item.linear[[0, 2], 2], _between(item, other)
     return float(front @ away / (np.linalg.norm(front) * np.linalg.norm(away)))

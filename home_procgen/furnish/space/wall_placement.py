@@ -37,7 +37,7 @@ def hang(room: RoomSpace, item: PlacedModel, y: float) -> PlacedModel | None:
 
 
 def hang_kind(room: RoomSpace, kind: str, y: float, probability: float = 1.0) -> PlacedModel | None:
-    """Hang an object of a kind on a wall with a probability; None if it is not placed."""
+    """Hang an object of a kind, its bottom at `y` above the floor [m], with a probability; None if it is not placed."""
     return hang(room, room.draw_object(kind), y) if room.draw_chance(probability) else None
 
 
@@ -73,7 +73,7 @@ def ceiling_height(room: RoomSpace) -> float:
 
 
 def hang_from_ceiling(room: RoomSpace, item: PlacedModel, x: float, z: float) -> PlacedModel | None:
-    """Hang an object from the ceiling; None if it does not fit."""
+    """Hang an object from the ceiling at (x, z) [m]; None if it does not fit."""
     return place_object(room, item.moved_to(x, room.height - CEILING_DROP - float(item.size[1]), z))
 
 
@@ -111,7 +111,7 @@ def _place_switch(room: RoomSpace, door: PlacedModel) -> PlacedModel | None:
 
 
 def place_sockets(room: RoomSpace) -> None:
-    """Place up to two sockets near the floor."""
+    """Place a random number of sockets, at most two, on walls near the floor."""
     for _ in range(int(room.rng.integers(0, 3))):
         hang(room, room.draw_object("socket"), 0.28)
 
@@ -139,12 +139,12 @@ def _curtain_width(window: PlacedModel) -> float:
 
 
 def _suits_width(model: FurnitureModel, window: PlacedModel) -> bool:
-    """Return whether the curtain is neither stretched nor compressed too much at the window."""
+    """Return whether the curtain needs a stretch between 0.72 and 1.35 in width for the window."""
     return 0.72 < _curtain_width(window) / float(model.size[0]) < 1.35
 
 
 def _curtain_span(room: RoomSpace, model: FurnitureModel, window: PlacedModel) -> tuple[float, float]:
-    """Return the heights of a curtain's edges [m]; the rod of a café curtain is below half the window."""
+    """Return the heights of a curtain's lower and upper edge [m]; a café curtain's rod is below half the window."""
     sill, head = window.box[:, 1].tolist()
     if model in list_models("cafe_curtain"):
         return sill - CAFE_DROP, sill + CAFE_SHARE * (head - sill)
@@ -180,7 +180,7 @@ def furnish_windows(room: RoomSpace, kinds: tuple[str, ...], heated: float) -> N
 
 
 def _curtain_options(room: RoomSpace, kind: str, windows: Sequence[PlacedModel]) -> list[FurnitureModel]:
-    """Return curtains of a kind and then short ones in random order, those first that suit most of the windows."""
+    """Return curtains of a kind, then short ones, those first that suit most windows, else at random; none for ""."""
     found: list[FurnitureModel] = []
     for one in (kind, "short_curtain") if kind else ():
         models = list_models(one)
@@ -190,7 +190,7 @@ def _curtain_options(room: RoomSpace, kind: str, windows: Sequence[PlacedModel])
 
 
 def hang_pictures(room: RoomSpace, max_pictures: int) -> None:
-    """Place pictures and other ornaments on the walls at eye height."""
+    """Hang a random number, at most `max_pictures`, of pictures and other ornaments on walls at eye height."""
     for _ in range(int(room.rng.integers(0, max_pictures + 1))):
         item = room.draw_object("picture" if room.draw_chance(0.88) else "wall_ornament")
         hang(room, item, float(np.clip(1.6 - float(item.size[1]) / 2, 0.9, 1.5)))

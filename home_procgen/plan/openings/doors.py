@@ -41,7 +41,7 @@ class OpeningModels(NamedTuple):
 
 
 def privacy_rank(kind: str) -> int:
-    """Return the privacy rank of a room type; the hall has the lowest."""
+    """Return the privacy rank of a room type: 0 for a hallway, `PRIVATE_RANK` for rooms that connect no others."""
     return CONNECTING_TYPES.index(kind) if kind in CONNECTING_TYPES else PRIVATE_RANK
 
 
@@ -64,7 +64,7 @@ class StoreyDoors:
     stairs: Stairwell | None
 
     def room_type(self, room: int) -> str:
-        """Return the type of a room."""
+        """Return the type of the room with an index."""
         return self.rooms[room].type
 
     def add_door(self, sites: Sequence[OpeningSite]) -> bool:
@@ -169,7 +169,7 @@ def _other_room(site: OpeningSite, room: int) -> int:
 
 
 def _join_common(plan: StoreyDoors, sites: Sequence[OpeningSite], common: Sequence[int]) -> bool:
-    """Connect the common rooms by a tree of doors from the hall, and some extra doors; return whether it succeeded."""
+    """Connect the `common` rooms by a tree of doors from the hall, and some extra ones; return whether it succeeded."""
     ranked = sorted(
         (sum(privacy_rank(plan.room_type(r)) for r in site.rooms) + plan.rng.uniform(0, 1.5), i, site)
         for i, site in enumerate(sites)

@@ -40,7 +40,7 @@ def cut_corner_boxes(room: RoomPlan, height: float) -> Iterator[Box]:
 
 
 def stairwell_box(stairs: Stairwell, before: float, height: float) -> Box:
-    """Return the box of a stairwell, extended towards the hall by `before` [m]."""
+    """Return the box of a stairwell from height 0 to `height`, extended towards the hall by `before` [m]."""
     x0, z0, x1, z1 = stairs.rect
     low, high = np.array([x0, 0.0, z0]), np.array([x1, height, z1])
     for axis, way in zip((0, 2), stairs.direction, strict=True):
@@ -50,7 +50,7 @@ def stairwell_box(stairs: Stairwell, before: float, height: float) -> Box:
 
 
 def landing_points(stairs: Stairwell) -> list[tuple[float, float]]:
-    """Return the points (x, z) in front of the foot and of the head of stairs [m]."""
+    """Return the two points (x, z) in front of the foot and of the head of stairs, in either order [m]."""
     middle = np.array([(stairs.rect.x0 + stairs.rect.x1) / 2, (stairs.rect.z0 + stairs.rect.z1) / 2])
     size, way = np.array(stairs.rect.extents), np.array(stairs.direction, float)
     edge = middle - way * (size @ abs(way)) / 2

@@ -71,7 +71,7 @@ def draw_windows(
 
 
 def _bounds_rect(site: OpeningSite, rect: Rect) -> bool:
-    """Return whether a stretch of wall bounds a rectangle."""
+    """Return whether a stretch of wall is, at least in part, on a side of a rectangle."""
     axis = site.wall.axis
     at_line = min(abs(site.wall.line - rect[1 - axis]), abs(site.wall.line - rect[3 - axis])) < 0.05
     return at_line and site.span[0] < rect[axis + 2] and site.span[1] > rect[axis]
@@ -82,7 +82,8 @@ def _fit_windows(
 ) -> Iterator[PlanOpening]:
     """Generate evenly spaced windows of one size in a stretch of wall.
 
-    Wet rooms and garages have small high ones, kitchens low ones above their worktops.
+    Wet rooms and garages have small high ones, kitchens low ones above their worktops. Those that would overlap an
+    opening are omitted.
     """
     low, high = site.span
     small = kind in (*WET_TYPES, "Garage")
@@ -118,7 +119,7 @@ class SlantedWindow(RotatedObject):
 
     @cached_property
     def linear(self) -> Float[np.ndarray, "3 3"]:
-        """Rotation."""
+        """Rotation that points the front along `facing`."""
         x, z = self.facing
         return np.array([[z, 0, x], [0, 1, 0], [-x, 0, z]])
 

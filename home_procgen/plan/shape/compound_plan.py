@@ -29,7 +29,7 @@ U_SHAPE_PROBABILITY = 0.6  # share of U-shaped homes; the others are T-shaped
 
 
 def draw_winged(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> StoreyDraft | None:
-    """Try to draw an L- or T-shaped ground floor; None if the attempt fails."""
+    """Try to draw an L- or T-shaped ground floor: halls, rooms of `types` and stairs; None if the attempt fails."""
     across, aside = (snap_to_grid(rng.uniform(1.3, 1.7)) for _ in range(2))
     depths = [
         snap_to_grid(rng.uniform(3.4, 4.6)),
@@ -84,7 +84,7 @@ def _complete_winged(known: Sequence[PlacedRow], across: float, gap: tuple[float
 
 
 def draw_split(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> StoreyDraft | None:
-    """Try to draw a U- or T-shaped ground floor; None if the attempt fails."""
+    """Try to draw a U- or T-shaped ground floor: halls, rooms of `types` and stairs; None if the attempt fails."""
     across = snap_to_grid(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
     deep, shallow = snap_to_grid(rng.uniform(*DEEP_DEPTH_RANGE)), snap_to_grid(rng.uniform(*SHALLOW_DEPTH_RANGE))
     depths = (deep, shallow, deep) if rng.random() < U_SHAPE_PROBABILITY else (shallow, deep, shallow)

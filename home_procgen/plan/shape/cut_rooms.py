@@ -39,7 +39,7 @@ class CutRoom(RoomPlan):
 
     @property
     def area(self) -> float:
-        """Floor area [m^2]."""
+        """Floor area without the cut-off corners [m^2]."""
         return super().area - sum(size**2 / 2 for _, _, size in self.cuts)
 
 

@@ -23,7 +23,7 @@ SIMILAR_LENGTH_TOLERANCE = 0.18  # relative difference up to which a row is as l
 
 
 def draw_hub(rng: np.random.Generator, types: Sequence[str]) -> StoreyDraft | None:
-    """Try to draw a flat with its rooms around the living room; None if the attempt fails."""
+    """Try to draw a flat with rooms of `types` around the living room; None if the attempt fails."""
     across = snap_to_grid(rng.uniform(3.5, 6.0))
     length = snap_to_grid(rng.uniform(MIN_LIVING_AREA, MAX_LIVING_AREA) / across)
     if not is_suitable("Living_Room", length, across):

@@ -129,7 +129,7 @@ class RoomProgram:
 
 
 def draw_program(rng: np.random.Generator) -> RoomProgram:
-    """Draw a random program.
+    """Draw a random program: number of storeys, and types of the ground floor's rooms.
 
     Example:
         >>> program = draw_program(np.random.default_rng(3))
@@ -140,9 +140,8 @@ def draw_program(rng: np.random.Generator) -> RoomProgram:
     weights = np.array(list(ROOM_COUNT_WEIGHTS.values()), float)
     count = int(rng.choice(list(ROOM_COUNT_WEIGHTS), p=weights / weights.sum()))
     if storeys > 1 and count < MIN_ROOMS_WITH_STAIRS:
-        count = MIN_ROOMS_WITH_STAIRS + int(
-            rng.integers(NUM_COUNTS_WITH_STAIRS)
-        )  # a range, so that fewer homes are alike
+        # A range, so that fewer homes are alike.
+        count = MIN_ROOMS_WITH_STAIRS + int(rng.integers(NUM_COUNTS_WITH_STAIRS))
     return RoomProgram(draw_ground_types(rng, count, storeys), storeys)
 
 
@@ -177,7 +176,7 @@ def draw_ground_types(rng: np.random.Generator, count: int, storeys: int = 1) ->
 
 
 def draw_types(rng: np.random.Generator, options: Sequence[tuple[str, float]], count: int) -> list[str]:
-    """Draw types without replacement by weight."""
+    """Draw `count` types, or all if there are fewer, without replacement by weight."""
     weight = np.array([w for _, w in options])
     picks = rng.choice(len(options), size=min(count, len(options)), replace=False, p=weight / weight.sum())
     return [options[int(i)][0] for i in picks]

@@ -35,7 +35,7 @@ PlacedRoom = tuple[str, tuple[Rect, ...]]
 
 
 def snap_to_grid(value: float) -> float:
-    """Round a coordinate to the grid [m]."""
+    """Round a coordinate to the nearest multiple of `GRID_STEP` [m]."""
     return round(round(value / GRID_STEP) * GRID_STEP, 6)
 
 
@@ -62,7 +62,7 @@ class RoomRow:
     step: tuple[float, float, float] | None = None
 
     def rect(self, a: float, b: float, near: float, far: float) -> Rect:
-        """Return the rectangle between two coordinates along the row and two depths [m]."""
+        """Return the rectangle between two coordinates along the row and two depths from the hall's edge [m]."""
         p, q = sorted((snap_to_grid(self.base + self.sign * near), snap_to_grid(self.base + self.sign * far)))
         a, b = snap_to_grid(a), snap_to_grid(b)
         return Rect(a, p, b, q) if self.axis == 0 else Rect(p, a, q, b)
@@ -88,7 +88,7 @@ class RoomRow:
 
 
 def is_suitable(kind: str, width: float, depth: float) -> bool:
-    """Return whether a rectangle satisfies the requirements of a room type [m]."""
+    """Return whether a rectangle [m] meets a type's limits of sides and area; a foyer only needs a width of 1.3."""
     if kind == FOYER:
         return width > 1.3
     want, (short, long) = ROOM_REQUIREMENTS[kind], sorted((width, depth))

@@ -98,7 +98,7 @@ def distribute_cells(
 
 
 def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) -> StoreyDraft | None:
-    """Try to draw a ground floor with one hall; None if the attempt fails."""
+    """Try to draw a ground floor with one hall, rooms of `types` and stairs; None if the attempt fails."""
     across = snap_to_grid(rng.uniform(1.3, 1.7) if not stairs else rng.uniform(1.4, 2.0))
     depths = [
         snap_to_grid(rng.uniform(3.4, 4.8)),
@@ -125,7 +125,7 @@ def draw_straight(rng: np.random.Generator, types: Sequence[str], stairs: bool) 
 def _take_block(
     rng: np.random.Generator, cells: list[RowCell], across: float, depths: Sequence[float]
 ) -> tuple[list[RowCell], tuple[RowCell, Rect] | None]:
-    """Move the living room or the garage to a block across the end of the hall, if it fits there."""
+    """Return the cells, and a block across the hall's end with the living room or garage taken from them, or None."""
     for kind, odds in (("Living_Room", 0.5), ("Garage", 0.5)):
         cell = next((cell for cell in cells if cell.type == kind), None)
         if cell is None or rng.random() > odds:
@@ -150,7 +150,7 @@ def _lengths(rows: Sequence[Sequence[RowCell]], depths: Sequence[float]) -> list
 
 
 def _step(rng: np.random.Generator, length: float, depth: float) -> tuple[float, float, float] | None:
-    """Draw a step of the facade, forwards or back, at one end of the row or in its middle; None if there is none."""
+    """Draw a step (start, end, depth) [m] of the facade, at one end of the row or in its middle; None for none."""
     if rng.random() > FACADE_STEP_PROBABILITY or length < 6:
         return None
     shift = float(rng.choice([-1, 1])) * rng.uniform(0.5, 1.3)

@@ -43,7 +43,7 @@ class Stairwell:
 
     @property
     def area(self) -> float:
-        """Area [m^2]."""
+        """Area of the rectangle [m^2]."""
         width, depth = self.rect.extents
         return width * depth
 
