@@ -95,7 +95,7 @@ def check_number(
 
 
 def _is_number(value: object, whole: bool) -> TypeGuard[float]:
-    """Return whether a value is a finite number; integers must also fit 64 bits, unlike Python's."""
+    """Return whether a value is a finite number, not a boolean; if `whole`, an integer within 64 bits, not 3.0."""
     if isinstance(value, bool) or not isinstance(value, numbers.Integral if whole else numbers.Real):
         return False
     try:

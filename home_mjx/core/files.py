@@ -271,9 +271,10 @@ def _decode(data: bytes, path: Path, first: int = 1) -> str:
 
 
 def resolve_below(root: Path, folder: Path, relative: str) -> Path | None:
-    """Return the normalized path `relative` to `folder`, which need not exist; None if it leads out of `root`.
+    """Return the normalized path `relative` to `folder`; None if it leads out of `root`. No path needs to exist.
 
-    Backslashes separate as well. Only the text is checked, so folders of a dataset may be symbolic links.
+    Backslashes separate as well. Only the text is checked, so folders of a dataset may be symbolic links. `root`
+    must be absolute and normalized; below `Path(".")` even `../x` is accepted.
 
     Example:
         >>> resolve_below(Path("/data"), Path("/data/object/122"), "../../texture//wood_8.jpg").as_posix()

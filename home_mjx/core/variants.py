@@ -49,7 +49,10 @@ def check_variants(record: Any) -> None:
 
 
 def nested_names(record: Any, name: str) -> tuple[str, ...]:
-    """Return the field names of a field's record, or of all its variants, without repeats; () if it holds no record."""
+    """Return the field names, without repeats, of the record in field `name` of an instance; () if it has none there.
+
+    If the field has variants, the names of all of them are returned, whatever its value.
+    """
     value, kinds = getattr(record, name), variants_of(record, name)
     found: tuple[Any, ...] = _types(kinds) or ((type(value),) if dataclasses.is_dataclass(value) else ())
     return tuple(dict.fromkeys(field.name for kind in found for field in dataclasses.fields(kind)))

@@ -85,7 +85,7 @@ class Dataset(ABC):
     equal, and a dataset can be pickled if its name opens it again.
 
     Attributes:
-        root: Folder that paths of textures are relative to.
+        root: Absolute folder that paths of textures are relative to.
         name: Text that opens the dataset again with `open_dataset`.
         shares_root: Whether `root` may hold houses that are not part of this dataset.
         reader: Name of the code that reads the houses, a part of the keys of compiled houses; default: the class.
@@ -99,7 +99,7 @@ class Dataset(ABC):
         ...     def load_house(self, house_id, options=DEFAULT_OPTIONS): ...
         ...     def inputs(self):
         ...         return FileDigests(self.root, lambda house_id: ())
-        >>> register_dataset("boxes", lambda name: Boxes(Path("."), f"boxes:{name}"))  # doctest: +SKIP
+        >>> register_dataset("boxes", lambda name: Boxes(Path.cwd(), f"boxes:{name}"))  # doctest: +SKIP
     """
 
     categories: ClassVar[Mapping[str, tuple[str, str, str]]] = {}

@@ -85,7 +85,10 @@ def _tighten(
 
 
 def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
-    """Return whether the layer of cells next to a box's side (0 low, 1 high) has surface; False beyond the grid."""
+    """Return whether any cell adjacent to a box's `side` (0 low, 1 high) along `axis` is occupied.
+
+    No cell beyond the grid is. `box` is one of `cover_cells`.
+    """
     start, stop = box.copy()
     start[axis] = box[1, axis] if side else box[0, axis] - 1
     stop[axis] = start[axis] + 1

@@ -127,7 +127,10 @@ def _bound(bounds, rows, out):
 @njit(cache=True)
 @no_type_check
 def _split(bounds, order, cost, is_left, leaf_size, depth):
-    """Partition a range in place in all three orders; return the first part's size; -1, unchanged, if it is a leaf."""
+    """Partition a range in place in all three orders; return the first part's size; -1, unchanged, if it is a leaf.
+
+    `order` is that of `_cheapest`; `cost` and `is_left` are overwritten.
+    """
     n = order.shape[1]
     leaves = (n + leaf_size - 1) // leaf_size
     balanced_depth = int(np.ceil(np.log2(max(leaves, 1))))
@@ -150,6 +153,7 @@ def _cheapest(bounds, order, cost):
     """Return the axis, left count and cost of the best split, and half the surface area of the range.
 
     The cost is the sum of count times half area over both parts. Ties are resolved in favour of the most even split.
+    Rows of `order` are the range's primitives, sorted by their centres along x, y and z; `cost` is overwritten.
     """
     n = order.shape[1]
     best, best_axis, best_count, area = np.inf, 0, n // 2, 0.0

@@ -135,7 +135,7 @@ def extrude_grid(
 ) -> tuple[Float[np.ndarray, "p 3"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
     """Extrude the kept cells of a rectangular grid: rectangles with rectangular holes, and rectilinear polygons.
 
-    The whole grid is used, which avoids T-junctions, so the solid is watertight.
+    Faces are cut along all grid lines, which avoids T-junctions, so the solid is watertight.
 
     Args:
         us: Grid lines along u, ascending.
@@ -144,7 +144,7 @@ def extrude_grid(
         depth: Extent along w, where (u, v, w) is right-handed.
 
     Returns:
-        Points (u, v, w), outward triangles, and the mask of triangles on large faces (the others are cut faces).
+        Corners (u, v, w), outward triangles, and the mask of triangles on large faces (the others are cut faces).
     """
     used, faces, large = _topology(keep.shape, keep.tobytes())
     grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)

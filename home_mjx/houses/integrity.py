@@ -58,7 +58,7 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
 def check_trees(trees: Sequence[BVH], num_primitives: Sequence[int]) -> None:
     """Validate that trees have a root, at most `MAX_DEPTH` levels, only existing nodes and primitives, and no cycle.
 
-    All trees are checked at once, since houses have many small ones.
+    No node may have two parents. All trees are checked at once, since houses have many small ones.
 
     Args:
         trees: Trees with arrays of the right shapes.

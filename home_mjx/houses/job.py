@@ -71,7 +71,7 @@ def compile_dataset(
         DatasetError: There is no dataset, or it does not have one of the houses.
         ConfigError: The cache folder or the report is not writable, or another file has the report's name. `workers` is
             below 1. The scheduler does not answer or its extra is not installed. The `HouseSet` has a `filter`, which
-            needs compiled houses.
+            needs compiled houses, or is combined with another choice. No house is chosen.
 
     Example:
         >>> compile_dataset("datasets/demo", workers=2).failed  # doctest: +SKIP

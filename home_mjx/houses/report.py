@@ -30,7 +30,7 @@ class CompileOutcome:
         status: `compiled`, `cached` (it was in the cache already) or `failed`.
         seconds: Wall-clock time [s].
         error: Type, message, file, element and hint of the error; None unless it failed.
-        entry: Path below the cache folder; None if it failed.
+        entry: Path relative to the cache folder; None if it failed.
         fallbacks: Descriptions of the fallbacks for missing parts of the dataset.
         fixed: Number of movable objects that stay fixed because they exceed `MovableOptions.max_bodies`.
     """
@@ -79,7 +79,7 @@ def find_done_houses(lines: list[dict[str, Any]]) -> set[str]:
 
 
 def _is_there(entry: str) -> bool:
-    """Return whether an entry, a path below the cache folder, is a zip archive with an intact end (not truncated)."""
+    """Return whether `entry`, relative to the cache folder, is a zip archive with an intact end (not truncated)."""
     try:
         return is_zipfile(cache_folder() / entry)
     except ValueError:  # not a valid file name

@@ -52,7 +52,7 @@ def contact_properties(kind: str, coarse: str, mass: float) -> ContactProperties
 
     Args:
         kind: Kind of material with the largest surface, one of `MATERIAL_KINDS`; other names have `DEFAULT_CONTACT`.
-        coarse: Coarse category.
+        coarse: Coarse category, which overrides `kind`: a toy is of rubber, `ON_WOODEN_FEET` have the friction of wood.
         mass: Mass [kg]; above `MAX_BOUNCING_MASS` the restitution is 0.
 
     Example:

@@ -62,10 +62,11 @@ def pack_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE)
 
     Args:
         houses: At least one house; all compiled for the same navigation cell and agents.
-        texture_size: Edge of the square texture layers [px].
+        texture_size: Edge of the square texture layers [px], a power of two.
 
     Raises:
-        ConfigError: There is no house, houses were compiled differently, or an id is not short ASCII.
+        ConfigError: There is no house, houses were compiled differently, an id is not short ASCII, or `texture_size`
+            is not a power of two.
         CapacityError: There are more triangles than leaf codes can address.
         DatasetError: A texture file is missing or is not an image.
     """
@@ -107,10 +108,11 @@ def pack_house_slots(
         library: All models and textures of all houses that may ever be exchanged.
         capacity: Lengths of the axes of `AXES`, see `capacity_of`.
         stride: Maximum rows of each kind per house.
-        texture_size: Edge of the square texture layers [px].
+        texture_size: Edge of the square texture layers [px], a power of two.
 
     Raises:
         CapacityError: A house needs more, or there are more triangles than leaf codes can address.
+        ConfigError, DatasetError: As in `pack_bank`.
     """
     for house in houses:
         check_house_fits(house, capacity, stride)

@@ -63,9 +63,10 @@ def mip_sizes(size: int) -> list[int]:
 
 
 def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
-    """Return a texture's mip levels, largest first, row by row; a texel is the mean of four in linear light.
+    """Return a texture's mip levels, largest first, row by row; its edge is a power of two.
 
-    Texels are weighted by opacity, so that colours of transparent texels do not bleed into visible ones.
+    A texel is the mean of four in linear light, weighted by opacity, so that colours of transparent texels do not
+    bleed into visible ones.
     """
     color, alpha = decode_srgb(image[..., :3] / 255.0), image[..., 3:] / 255.0
     levels = [image.reshape(-1, 4)]
@@ -89,7 +90,7 @@ def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
 
 
 def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
-    """Return the bytes of the layers of `count` images, with the bits of their cut-outs."""
+    """Return the bytes of the layers for `count` images, as many as in `texture_shape`, with their cut-out bits."""
     layers, texels = texture_shape(count, size)
     rows, words = cutout_shape(size)
     return layers * (texels + rows * words) * 4

@@ -23,7 +23,11 @@ ID_LENGTH = 32  # [bytes], axis "id_bytes" of house_id
 
 
 def ascii_id(at: HouseOwner) -> UInt8[np.ndarray, " id_bytes"]:
-    """Encode the house's id as `ID_LENGTH` ASCII bytes, padded with zeros; raise `ConfigError` for others."""
+    """Encode the house's id as `ID_LENGTH` bytes, padded with zeros.
+
+    Raises:
+        ConfigError: The id does not have 1 to `ID_LENGTH` ASCII characters.
+    """
     data = at.house.id.encode()
     if not at.house.id.isascii() or not 0 < len(data) <= ID_LENGTH:
         raise ConfigError(f"house id `{at.house.id}` must be 1 to {ID_LENGTH} ASCII characters")
