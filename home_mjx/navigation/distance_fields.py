@@ -53,7 +53,10 @@ def distance_field(
 def _sweep(
     free: Bool[Array, "ny nx"], distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]
 ) -> Float[Array, "ny nx"]:
-    """Return distances lowered row by row from the first: from the row before and then along the row itself."""
+    """Return distances lowered row by row from the first: from the row before and then along the row itself.
+
+    `step` is the length of a straight step into each cell [m]. Cells that are not free get inf.
+    """
 
     def row(
         above: tuple[Bool[Array, " nx"], Float[Array, " nx"]], here: tuple[Array, Array, Array]
@@ -81,7 +84,7 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
 def _along(
     open_: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
 ) -> Float[Array, " nx"]:
-    """Lower distances along a row in both directions by steps into open cells; blocked cells keep theirs."""
+    """Lower distances along a row in both directions; `length` is that of steps into a cell. Blocked cells have inf."""
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
         # (length of the segment, inf if it is blocked; minimum distance at its end)

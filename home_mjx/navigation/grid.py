@@ -213,7 +213,7 @@ def stored_distance(
 ) -> Float[Array, "n ..."]:
     """Return distances from cells (entries of `NavigationArrays.cell`) to one, several or all (None) goals [m].
 
-    Unreachable cells have the distance of the nearest reachable one; it is inf if there is no path.
+    Unreachable cells, with negative entries, have that of the nearest reachable one. It is inf if there is no path.
     """
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]

@@ -33,7 +33,7 @@ class PathFollower:
     visited: int = field(default=0)
 
     def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
-        """Return the next action, see `steer`; count a target within 0.4 m as visited and head for the next."""
+        """Return the next action, see `steer`; count a target within 0.4 m by path as visited and head for the next."""
         cell = self._free_cell(self._cell(pos))
         if self._field[cell] < 0.4:
             self.visited += 1

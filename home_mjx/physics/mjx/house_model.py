@@ -136,13 +136,13 @@ def house_surfaces(
 def with_surfaces(
     model: mjx.Model, layout: Layout, pairs: Int[np.ndarray, "p 2"], surfaces: Float[Array, "k 5"]
 ) -> mjx.Model:
-    """Return the model with the contact parameters of a house's bodies.
+    """Return the model with the contact parameters of a house's bodies, combined per pair as in `base.surfaces`.
 
     Args:
         model: Template model.
         layout: Layout of the template.
-        pairs: Dynamic bodies of each of the template's geom pairs; -1 is the world.
-        surfaces: Contact parameters of the bodies.
+        pairs: Dynamic bodies of each of the template's geom pairs; -1 is the world. Pairs with agents are unchanged.
+        surfaces: Rows of `base.surfaces`, one per movable body; agents, doors and the world have none.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:
@@ -220,7 +220,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Mode
 
 
 def with_slots(model: mjx.Model, layout: Layout, slots: OrientedBoxes) -> mjx.Model:
-    """Return the model with the given static boxes in its contact slots."""
+    """Return the model with its contact slots filled: one static box per slot, in the order of `Layout.slots`."""
     at = layout.slots
     aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)
     return model.replace(

@@ -61,7 +61,7 @@ def slot_names(layout: Layout) -> list[str]:
 
 
 def _add_agent(world: ET.Element, config: PhysicsSetup, a: int) -> None:
-    """Add an agent. Only its foot touches the floor plane, its capsule everything else."""
+    """Add an agent without contacts: `_add_pairs` pairs its foot with the floor plane, its capsule with all else."""
     shape = config.agents[a]
     body = add_agent(world, shape, f"agent{a}", contype="0", conaffinity="0")
     foot, pos = _no_mask(f"agent{a}_foot"), f"0 0 {-shape.half_length}"

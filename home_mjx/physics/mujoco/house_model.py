@@ -112,7 +112,7 @@ def _state_sizes(layout: Layout, mobile: int) -> tuple[int, int]:
 
 
 def _has_overflow(data: Any) -> bool:
-    """Return whether contacts were dropped, and reset MuJoCo's warnings."""
+    """Return whether contacts were dropped, and reset the counters of `OVERFLOW_WARNINGS`."""
     warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in OVERFLOW_WARNINGS]  # pyright: ignore[reportAttributeAccessIssue]
     full = any(warning.number for warning in warnings)
     for warning in warnings:

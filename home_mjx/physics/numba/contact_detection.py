@@ -262,6 +262,7 @@ def _add_agent_contacts(work, a, b, count):
 def _add_contact(work, a, b, place, normal):
     """Add a contact, or set `POINT_OVERFLOW` if there are `most_points` already.
 
+    `place` is its position and distance (4), `normal` points from body `a` to `b`, a body or code (`Workspace.second`).
     Its frame is MuJoCo's: the first tangent is close to y, or to z if the normal is close to y.
     """
     n = work.counts[NUM_CONTACTS]

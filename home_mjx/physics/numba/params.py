@@ -114,9 +114,9 @@ def step_params(config: PhysicsSetup) -> StepParams:
 
 
 def reference_surfaces(surfaces: Values) -> Values:
-    """Convert rows of `base.surfaces` to reference accelerations.
+    """Convert stiffness and damping in rows of `base.surfaces`; other columns are unchanged.
 
-    Stiffness becomes an acceleration per depth and impedance, damping one per velocity.
+    The reference acceleration is then `stiffness * impedance * depth - damping * velocity`.
     """
     factor = np.array([1, SOLIMP[1] ** -2, 1 / SOLIMP[1], 1, 1], surfaces.dtype)
     return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))

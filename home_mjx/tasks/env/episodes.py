@@ -44,12 +44,12 @@ def sample_episodes(
         num: Number of episodes.
         seed: Random seed.
         task: Task that samples the episodes.
-        min_length: Minimum length of the shortest path [m].
+        min_length: Minimum length of the shortest path [m]; tasks without a column `length` ignore both lengths.
         max_length: Maximum length of the shortest path [m].
-        same_storey: Sample start and goal on the same storey; for PointNav. False: as the task's own option has it.
+        same_storey: Sample start and goal on the same storey. False: as the option of PointNav has it.
 
     Raises:
-        ConfigError: No path of such a length was found for one of them.
+        ConfigError: No path of such a length was found for one of them, or `same_storey` is True for another task.
 
     Example:
         >>> episodes = sample_episodes(env.bank, 1000, min_length=2.0)  # doctest: +SKIP

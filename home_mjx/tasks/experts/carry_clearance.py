@@ -59,7 +59,7 @@ def pick_distance(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Arra
 
 
 def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
-    """Return the horizontal radius of an agent's carried object, plus `OBSTACLE_CLEARANCE` [m]; 0 if there is none."""
+    """Return a carried object's horizontal radius plus `OBSTACLE_CLEARANCE` [m]; 0 if none. Requires `has_hands`."""
     body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
     radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
     return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(OBSTACLE_CLEARANCE), 0.0)

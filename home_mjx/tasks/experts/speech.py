@@ -33,8 +33,8 @@ def insert_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feat
 def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"]) -> Int[Array, " a"]:
     """Return the token that each agent should say now; -1 none.
 
-    The answer comes when the agent has seen all that it needs, clarifying questions come before anything else. Informed
-    agents repeat the answer for those without the instruction.
+    All agents say the answer once `has_answer` is True. Before that, informed agents repeat it every `REPEAT_PERIOD`
+    steps if others lack the instruction. Else agent 0 asks the identifying questions that the oracle has not answered.
     """
     talk, agents = state.speech, values.shape[1]
     told = is_instructed(talk, agents)

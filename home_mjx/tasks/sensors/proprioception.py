@@ -33,7 +33,7 @@ class OwnState(Sensor):
         return {"state": ArraySpec((10,), "float32", low, high, text)}
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return `state` (a, 10): pose, velocity and contact flag, as in `spec`."""
+        """Return `state` (a, 10): position, cosine and sine of yaw, pitch, velocity (3), contact flag; see `spec`."""
         pose = snapshot.pose
         angles = jnp.stack([jnp.cos(pose.yaw), jnp.sin(pose.yaw), pose.pitch], axis=-1)
         contact = snapshot.in_contact.astype(jnp.float32)[:, None]

@@ -40,7 +40,7 @@ class TrajectoryWriter:
         folder: Output folder.
         env: Environment of the episodes.
         agent: Name of the policy, for the metadata.
-        omit: Names of observations to omit.
+        omit: Names of observations to omit from the metadata; episodes must not contain them.
         resume: Continue the dataset in the folder.
 
     Attributes:
@@ -79,6 +79,9 @@ class TrajectoryWriter:
         Args:
             episode: T + 1 `observations` by name; T `actions`, `rewards`, `terminations` and `truncations`.
             notes: Additional metadata of the episode.
+
+        Raises:
+            ConfigError: A queued episode could not be written; raised on waiting, at the latest on exit.
         """
         number, num_steps = self.episodes, len(episode["rewards"])
         notes = {"id": number, "total_steps": num_steps, **notes}
