@@ -79,9 +79,10 @@ class BatchVecEnv(VecEnv):
 
         Returns:
             Observations, rewards (N,) float32, whether episodes ended (N,), and an info per environment. Where an
-            episode ended, the observations are the first ones of the next.
+            episode ended, the observations are the first ones of the next, and the info has `terminal_observation`.
 
         Raises:
+            gymnasium.error.ResetNeeded: `reset` was never called.
             ConfigError: There are no actions, or they are not in the action space.
         """
         if self._actions is None:

@@ -118,7 +118,8 @@ def selected_houses(args: argparse.Namespace) -> "HouseSet":
 def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
     """Return the dataset and the id of the selected house, by default the dataset's first.
 
-    A name such as `procedural:1?seed=40` selects the first of its houses.
+    A name such as `procedural:1?seed=40` selects the first of its houses. Such a default house is generated if it is
+    not on disk yet. A given id is not checked.
 
     Raises:
         DatasetError: The dataset cannot be read.

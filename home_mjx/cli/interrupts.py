@@ -41,7 +41,7 @@ def watch_interrupts() -> None:
 
 
 def exit_interrupted() -> NoReturn:
-    """Flush the output and end this process with code 130, without destroying any object."""
+    """Flush the output, report the interrupt on stderr, and end this process with code 130; destroy no object."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

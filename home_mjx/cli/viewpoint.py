@@ -95,7 +95,10 @@ def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpo
 
 
 def _lowest_ceiling(rooms: RoomTable, here: Int[np.ndarray, " n"]) -> float:
-    """Return z of the lowest ceiling of rooms `here` [m], balconies ignored; eye height if no room has a ceiling."""
+    """Return z of the lowest ceiling of rooms `here` [m]; eye height over the highest floor if no room has a ceiling.
+
+    Ceilings less than eye height over their floor are ignored, as on balconies and terraces.
+    """
     roofed = here[rooms.ceiling[here] > rooms.floor[here] + EYE_HEIGHT]
     return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
 

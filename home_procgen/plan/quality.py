@@ -40,7 +40,7 @@ def _is_compact(rooms: Sequence[RoomPlan]) -> bool:
 
 
 def _has_near_tables(rooms: Sequence[RoomPlan]) -> bool:
-    """Return whether every kitchen is next to a room with a table, or at most 5.5 m from it."""
+    """Return whether each kitchen adjoins a dining or living room, or their centres are less than 5.5 m apart."""
     tables = [room for room in rooms if room.type in TABLE_ROOM_TYPES]
     kitchens = [room for room in rooms if room.type == "Kitchen"]
     return all(

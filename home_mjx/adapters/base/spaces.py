@@ -26,7 +26,7 @@ class DiscreteSpace:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of an element."""
+        """Shape of an element, always `()`."""
         return ()
 
     def sample(self, key: Array) -> Array:

@@ -78,7 +78,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _make_env(args: argparse.Namespace, origin: "StateOrigin") -> "Env":
-    """Make the environment of the arguments or the file, in the file's houses if it names them."""
+    """Make the environment of `--task`, else that of the file, with the file's house ids if it has any.
+
+    The houses are from `--dataset`, else from the dataset of the environment's spec.
+    """
     from home_mjx.env_factory import make
     from home_mjx.houses.load import house_set
 

@@ -206,7 +206,7 @@ def _describe_task(env: Env[HouseholdEnv], state: State) -> str:
 
 
 def _describe_agent(bank: HouseBank, house: int, facts: _Facts, agent: int) -> list[str]:
-    """Return the lines of one agent: pose, motion, contact, hand."""
+    """Return the lines of one agent: pose, room, motion, contact, things beside it, and the object in its hand."""
     forward, left, turn = facts.velocity[agent]
     pose = f"feet at {_point(facts.feet[agent])} m, yaw {np.rad2deg(facts.yaw[agent]):.0f}°"
     pose += f", pitch {np.rad2deg(facts.pitch[agent]):.0f}°"

@@ -59,7 +59,7 @@ def fit_image(image: RgbImage, width: int, height: int) -> RgbImage:
 
 
 def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: int, width: int) -> None:
-    """Draw a line of text at `top` [px], in a smaller font, down to 8, if it is wider than the image."""
+    """Draw text from the left margin at `top` [px]; the font shrinks, down to 8, until the text fits `width` [px]."""
     while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * PANEL_GAP:
         size -= 1
     draw.text((PANEL_GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))

@@ -155,7 +155,7 @@ _SHOWERS: dict[str, tuple[Callable[[float], Iterator[Solid]], bool, float]] = {
 
 
 def shower(kind: str = "square", size: float = 0.9) -> Iterator[Solid]:
-    """Build a shower: square, quarter-round, walk-in screen, curtained or with a glass-block wall."""
+    """Build a shower: `square`, `round` (a quarter), walk-in `screen`, `curtain`, or `blocks` (a glass-block wall)."""
     walls, rain, high = _SHOWERS[kind]
     yield from walls(size)
     yield from _head(-size / 2 + 0.06, -size / 2 + 0.06, high, rain)

@@ -116,12 +116,17 @@ _SPEAKER_KINDS = {
 
 
 def speaker(kind: str = "tower") -> Iterator[Solid]:
-    """Build a loudspeaker, a sound bar, a radio, a smart speaker, a boom box or a gramophone."""
+    """Build a loudspeaker or a similar device.
+
+    Args:
+        kind: `tower`, `flat`, `pillar`, `small`, `ball`, `smart`, `bar` (sound bar), `radio`, `boom` (boom box) or
+            `horn` (gramophone).
+    """
     yield from _SPEAKER_KINDS[kind]()
 
 
 def stereo(kind: str = "rack") -> Iterator[Solid]:
-    """Build a hi-fi rack with a record player, or a turntable alone."""
+    """Build a hi-fi `rack` with a record player, or a `turntable` alone."""
     if kind == "rack":
         for i, high in enumerate((0.14, 0.1, 0.12)):
             y = 0.01 + sum((0.15, 0.11, 0.13)[:i])
@@ -141,7 +146,7 @@ def stereo(kind: str = "rack") -> Iterator[Solid]:
 
 
 def console(kind: str = "upright") -> Iterator[Solid]:
-    """Build a game console with its pad."""
+    """Build a game console, `upright` or `flat`, with its pad."""
     slot = "black" if kind == "upright" else "white"
     if kind == "upright":
         yield rounded_box(slot, (0.1, 0.32, 0.22), (0.0, 0.01, 0.0), 0.02, 2)

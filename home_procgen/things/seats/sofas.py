@@ -15,7 +15,14 @@ from home_procgen.things.joinery import LegKind, legs
 
 
 def upright_pillow(material: str, size: tuple[float, float, float], at: Vector, lean: float = 0.25) -> Solid:
-    """Build a pillow on its edge at `at` [m], tilted back by `lean` [rad]."""
+    """Build a pillow on its edge, tilted back by `lean` [rad].
+
+    Args:
+        material: Slot name.
+        size: Width, height and thickness before the tilt [m].
+        at: Point below the centre, at the height of the lowest vertex [m].
+        lean: Angle of the tilt towards -z [rad].
+    """
     upright = rotate(pillow(material, (size[0], size[2], size[1]), (0.0, -size[2] / 2, 0.0), 6), 0, np.pi / 2 - lean)
     lift = np.asarray(at) - (0.0, float(upright.box[0, 1]), 0.0)
     return move(upright, lift)

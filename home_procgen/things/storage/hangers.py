@@ -75,7 +75,7 @@ def _coat() -> Solid:
 
 
 def hook_board(width: float = 0.8, shelf: bool = False) -> Iterator[Solid]:
-    """Build a wall board with hooks, a hat, a bag and a scarf."""
+    """Build a wall board with hooks, a scarf and a bag; `shelf` adds a shelf with a basket above."""
     yield rounded_box("wood", (width, 0.12, 0.02), (0.0, 0.62, -0.08), 0.006, 1)
     for i in range(5):
         x = (i - 2) * width / 5.5
@@ -157,7 +157,7 @@ def peg_rail(width: float = 0.9) -> Iterator[Solid]:
 
 
 def scissors(width: float = 0.8) -> Iterator[Solid]:
-    """Build an expanding rack of crossed laths with a knob at each joint."""
+    """Build an expanding rack of crossed laths with knobs at their ends, and a bag."""
     step, half = width / 4, 0.14
     for i in range(4):
         x = (i + 0.5) * step - width / 2
@@ -194,7 +194,7 @@ def panel(width: float = 0.9) -> Iterator[Solid]:
 
 
 def ringed() -> Iterator[Solid]:
-    """Build a post with a ring of hooks above and an umbrella ring below."""
+    """Build a post with a ring of hooks and a coat above, and an umbrella ring below."""
     yield revolve("iron", [(0.19, 0.0), (0.18, 0.025), (0.03, 0.04)], sides=24, steps=1)
     yield rod("iron", (0.0, 0.03, 0.0), (0.0, 1.72, 0.0), 0.014, sides=12)
     for y, r in ((1.66, 0.15), (1.42, 0.12), (0.55, 0.15)):

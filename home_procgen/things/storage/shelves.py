@@ -14,7 +14,7 @@ from home_procgen.things.storage.bookshelves import shelf_contents, zigzag
 
 
 def wall_shelf(width: float = 0.8, count: int = 2, kind: str = "bracket") -> Iterator[Solid]:
-    """Build wall-mounted boards on brackets or ropes, with objects on them."""
+    """Build `count` wall-mounted boards with objects on them; `kind` of support: `bracket` or `rope`."""
     for i in range(count):
         y = 0.36 * i + 0.12
         yield rounded_box("wood", (width, 0.026, 0.22), (0.0, y, 0.0), 0.006, 1)
