@@ -98,7 +98,7 @@ def channel_filters(
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame.
-        distance: Path lengths [m].
+        distance: Path lengths [m], for near-field effects; filters are without the factor 1 / distance.
         config: Options.
         head: Measured HRTFs; None: a rigid sphere.
     """

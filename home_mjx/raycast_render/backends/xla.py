@@ -276,7 +276,7 @@ def _is_cut_out(
     v: Float[Array, "n k"],
     layer: Int[Array, "n k"],
 ) -> Bool[Array, "n k"]:
-    """Return whether the nearest texel at barycentric weights u and v is cut out; `layer` counts from 1."""
+    """Return whether the nearest texel at barycentric weights u and v is cut out; `layer` is at least 1 (0: as 1)."""
     uv, edge = geometry.triangle_uv[triangle], geometry.cutout.shape[1]
     weight = jnp.stack([1 - u - v, u, v], axis=-1)
 

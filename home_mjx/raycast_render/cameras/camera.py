@@ -125,7 +125,10 @@ def check_camera(camera: Camera, lens: Lens) -> None:
 
 
 def _is_valid_fovy(fovy: Any, lens: Lens) -> Any:
-    """Return whether a number, or an array, is a valid `fovy`; lenses other than pinhole and orthographic ignore it."""
+    """Return whether a number, or an array, is a valid `fovy`: an angle [rad] (pinhole) or a height [m] (orthographic).
+
+    Other lenses ignore it: all numbers but NaN are valid.
+    """
     if lens.model == "pinhole":
         return (fovy > 0) & (fovy < np.pi)
     return fovy > 0 if lens.model == "orthographic" else fovy == fovy
@@ -231,7 +234,10 @@ def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
 def _plane_coordinates(
     column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens, half: Float[Array, ""]
 ) -> tuple[Float[Array, "h w"], Float[Array, "h w"]]:
-    """Return coordinates to the right and up from the centre of an image of half height `half`, of points in pixels."""
+    """Convert pixel coordinates to ones to the right and up from the centre of an image of half height `half`.
+
+    The origin of pixel coordinates is the image's top left corner.
+    """
     x, y = column * (2 / lens.width) - 1, 1 - row * (2 / lens.height)
     return x * half * (lens.width / lens.height), y * half
 

@@ -85,7 +85,7 @@ def select(condition: Bool[Array, "*rays"], yes: Vec, no: Vec) -> Vec:
 
 
 def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Shaped[Array, "*rays"]:
-    """Return table[index, *place] for non-negative indices, without copying a column of the table first."""
+    """Return table[index, *place] without copying a column of the table first; undefined for indices outside 0..n-1."""
     row = table.shape[1:]
     if row:
         index = index * math.prod(row) + int(np.ravel_multi_index(place, row))
@@ -93,7 +93,7 @@ def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int
 
 
 def take_vec(table: Float[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Vec:
-    """Return the vectors table[index, *place, :3]."""
+    """Return the vectors table[index, *place, :3]; undefined for indices outside 0..n-1."""
     return Vec(*(take(table, index, *place, i) for i in range(3)))
 
 

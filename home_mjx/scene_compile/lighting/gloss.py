@@ -57,9 +57,9 @@ def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
 
 
 def _mirrors(item: PlacedObject) -> list[int]:
-    """Return the reflecting slots of a mirror: those named so, else the largest opaque one without texture.
+    """Return the reflecting slots of a mirror; slots with a texture or opacity below 1 do not reflect.
 
-    Empty for other objects.
+    Of the others, those with `mirror` in their name reflect, else the largest. Empty for other objects.
     """
     if item.info.coarse != "mirror":
         return []

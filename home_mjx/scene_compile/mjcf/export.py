@@ -209,9 +209,10 @@ def _add_instance(
     exact: bool,
     touches: Sequence[dict[str, str]],
 ) -> None:
-    """Add the body of one instance with its visuals; and with colliders, unless it is static and not (`exact`) solid.
+    """Add the body of one instance with its visuals and colliders.
 
-    `touches` has the contact attributes of each movable body, by its row.
+    A leaf has a box. A movable body has a box or, if `exact`, convex pieces. Other instances have pieces if `exact`
+    and their object is solid, else no colliders. `touches` has the contact attributes of each movable body, by its row.
     """
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
     name = instance_name(house, instance)
@@ -304,7 +305,10 @@ def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
 
 
 def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape: AgentBody) -> None:
-    """Add an agent without friction, and a keyframe with the agent at the first start point."""
+    """Add an agent without friction, with camera and motors, and a keyframe with it at the first start point.
+
+    The instances must be in `world` already, since the keyframe has their poses.
+    """
     body = add_agent(world, shape, "agent0", group=COLLIDER_GROUP, **FRICTIONLESS_CONTACT, **COLLIDES_WITH_LEAVES)
     eye = f"0 0 {shape.eye_height - shape.height / 2:.9g}"
     ET.SubElement(body, "camera", _looking_along_x(), name="agent0_eye", pos=eye)

@@ -165,7 +165,7 @@ def _assign_stair_cells(
 def _grid(
     polygons: Sequence[Float[np.ndarray, "_ 2"]], cell: float
 ) -> tuple[Float[np.ndarray, "2"], Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]]:
-    """Return the minimum corner of a grid around polygons, a multiple of `cell`, and x and y of the cells [m]."""
+    """Return the minimum corner of a grid around polygons, a multiple of `cell`, and x and y of cell centres [m]."""
     points = np.concatenate(list(polygons))
     origin = np.floor(points.min(axis=0) / cell) * cell
     nx, ny = np.ceil((points.max(axis=0) - origin) / cell).astype(int)

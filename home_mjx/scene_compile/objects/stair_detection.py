@@ -261,7 +261,10 @@ def _plan_cells(points: Float[np.ndarray, "n 3"]) -> tuple[Int[np.ndarray, " u"]
 
 
 def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> StraightFlights | None:
-    """Return straight flights with landings; None if there are no flights, or they are not straight or not joined."""
+    """Return straight flights with landings; None if there are no flights, or they are not straight or not joined.
+
+    `steps` has the sample points of each tread in the order of `_steps`, `middle` their means [m].
+    """
     area = _areas(steps)
     large = np.flatnonzero(area > MIN_LANDING_AREA_RATIO * np.median(area))
     between = [k for k in large.tolist() if 0 < k < len(steps) - 1]
@@ -280,7 +283,10 @@ def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray
 
 
 def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> CurvedFlight | None:
-    """Return a curve of less than a full turn, its circle by least squares (Kåsa, 1976); None if it does not fit."""
+    """Return a curve of less than a full turn, its circle by least squares (Kåsa, 1976); None if it does not fit.
+
+    Arguments as in `_flights`.
+    """
     x, y = middle[:, :2].T
     (a, b, _), *_ = np.linalg.lstsq(np.c_[2 * x, 2 * y, np.ones(len(x))], x * x + y * y, rcond=None)
     center = np.array([a, b])

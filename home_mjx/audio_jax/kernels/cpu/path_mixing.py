@@ -107,7 +107,10 @@ def _delays(way, ear, rate, places, begin, count, size, base, rest):
 @compiled
 @no_type_check
 def _read_run(signal, place, rest, count, heard):
-    """Interpolate `count` samples, two half samples apart from half sample `place` plus `rest` on, into `heard`."""
+    """Interpolate `count` samples into `heard`: sample k from the `NUM_READ` half samples from `place` + 2 k on.
+
+    `signal`: results of `upsample`; `rest`: fraction between the fourth and the fifth of them, per sample.
+    """
     on, between = signal
     odd, i = place & 1, place >> 1
     if odd:

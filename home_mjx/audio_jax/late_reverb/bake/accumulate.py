@@ -35,8 +35,8 @@ def propagate_portals(
 
     Args:
         gates: Flights from each portal state up to the next one.
-        transfer: Energy from portal state to portal state.
-        first: Portal states into which cells emit.
+        transfer: Energy from portal state (axis 0) to portal state (axis 2), by octave and time bin.
+        first: Portal states into which cells emit, and of which energy is returned.
         count: Number of cells.
     """
     # NumPy reads the arrays, because JAX operations in another thread do not inherit the default device.
@@ -67,7 +67,7 @@ def fill_accumulator(
         cells: Flights from cells up to the first portal state.
         gates: Flights from each portal state up to the next one.
         emitted: Energy from cells into each portal state.
-        transfer: Energy from portal state to portal state.
+        transfer: Energy from portal state (axis 0) to portal state (axis 2), by octave and time bin.
         unterminated: Flights from the first portal states without termination at others.
         portal_energy: Energy received from these states.
     """

@@ -44,6 +44,6 @@ def portal_ratio(
 
 
 def _sum_rooms(heard: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
-    """Sum energies over the cells of each room and between edges."""
+    """Sum energies over the cells of each room, and over the bins between `INTERVAL_EDGES`; later bins are omitted."""
     parts = np.add.reduceat(heard[..., :RECORDED_BINS], INTERVAL_EDGES[:-1], axis=3)
     return np.einsum("bgne,nr->bgre", parts, member)

@@ -109,7 +109,7 @@ def solve_renewal(
     """Compute the energy over time that cells receive from some states, including transfer through others.
 
     Args:
-        transfer: Energy from state to state.
+        transfer: Energy from state (axis 0) to state (axis 1), by time bin.
         received: Energy that cells receive from each state before the next one.
         states: Indices of the states.
     """

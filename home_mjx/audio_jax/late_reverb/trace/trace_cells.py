@@ -346,7 +346,11 @@ def _record(
 def _reservoir_update(
     kept: PortalRays, ray: RayBatch, entered: Int[Array, " n"], chance: Float[Array, " n"]
 ) -> PortalRays:
-    """Keep one ended ray per slot, drawn by energy, with the sum of energies: reservoir sampling (Chao 1982)."""
+    """Keep one ended ray per slot, drawn by energy, with the sum of energies: reservoir sampling (Chao 1982).
+
+    Element i of each argument is of slot i; the energy in `ray` is 0 if its ray does not end. `entered` is the room
+    entered, and `chance` is uniform in [0, 1).
+    """
     total = kept.ray.energy + ray.energy
     taken = chance * total < ray.energy
     new = PortalRays(ray, entered)

@@ -197,7 +197,7 @@ def read_json(path: Path, hint: str | None = None) -> JsonValue:
 
 
 def preserved_fields(value: JsonValue, known: set[str]) -> dict[str, Any]:
-    """Return the fields of a JSON object that only writing needs: unknown ones and `PRESERVED_FIELDS`, unchanged."""
+    """Return the unknown fields and `PRESERVED_FIELDS` of a JSON object, unchanged, for writing; {} otherwise."""
     return unknown_fields(value, known - PRESERVED_FIELDS)
 
 

@@ -94,7 +94,7 @@ def read_box(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> B
 
 
 def read_room(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> RoomNode:
-    """Read a room with its meshes, None if hidden or missing; `members` are unchecked indices from the file."""
+    """Read a room; each mesh is None if hidden or missing, and `members` are unchecked indices from the file."""
     members = node.member("nodeIndices")
     return RoomNode(
         **common,

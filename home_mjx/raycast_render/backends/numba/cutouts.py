@@ -48,7 +48,7 @@ def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
 @njit(error_model="numpy")
 @no_type_check
 def _is_cut_out(world, triangle, layer, u, v):
-    """Return whether the nearest texel at barycentric weights u and v is cut out; `layer` counts from 1."""
+    """Return whether the nearest texel at barycentric weights u and v is cut out; `layer` is at least 1 (0: as 1)."""
     edge = world.sizes.edge
     column = _texel(world.triangle_uv, 6 * triangle, u, v, edge)
     row = edge - 1 - _texel(world.triangle_uv, 6 * triangle + 1, u, v, edge)
