@@ -23,6 +23,7 @@ from home_mjx.audio_jax import BakeOptions, LateReverbBake, Listener, SoundSourc
 from home_mjx.audio_jax.base.options import Baked
 from home_mjx.audio_jax.parameters import edt, t30
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records.acoustics import LATE_REVERB
 from home_mjx.houses import add_bakes
 from home_mjx.houses.house_set import HouseSet
 
@@ -84,10 +85,11 @@ def tight(bank):
     """Return a bank whose walls and door leaves transmit no sound, as for rays."""
     solid = bank.materials.replace(transmission=jnp.zeros_like(bank.materials.transmission))
     bank = bank.replace(materials=solid)
-    if bank.late is None:
+    if LATE_REVERB not in bank.bakes:
         return bank
-    nothing = {name: jnp.zeros_like(getattr(bank.late, name)) for name in ("wall", "portal_leak")}
-    return bank.replace(late=bank.late.replace(**nothing))
+    late = bank.bakes[LATE_REVERB]
+    late = late.replace(**{name: jnp.zeros_like(getattr(late, name)) for name in ("wall", "portal_leak")})
+    return bank.replace(bakes=bank.bakes | {LATE_REVERB: late})
 
 
 def straight(scene, source, listener, config):
@@ -235,7 +237,7 @@ def main():
             add_bakes(bank, [house], LateReverbBake(BakeOptions(rays=args.rays, seed=seed)))
             for seed in range(1 + ("walks" in args.parts))
         ]
-        cells = banks[0].late.level.shape[1]
+        cells = banks[0].bakes[LATE_REVERB].level.shape[1]
         print(f"baked {cells} cells {len(banks)} times in {time.perf_counter() - start:.0f} s", flush=True)
     found = []
     if "decays" in args.parts and args.truth:

@@ -26,11 +26,11 @@ config = PPOConfig(
 ppo, tasks = PPO(env.core, config), env.params.tasks
 length = tasks.rows.columns["length"]
 limit = float(jnp.quantile(length, 0.1))
-params = env.params.replace(tasks=tasks.weighted(length <= limit))
+params = env.params.replace(tasks=tasks.with_weights(length <= limit))
 state = ppo.init(params, jax.random.key(0))
 for update in range(1, config.num_updates + 1):
     state, metrics = ppo.update(params, state)
     success = float(metrics["episode/success"]) / max(float(metrics["episode/episodes"]), 1)
     print(f"{update * config.batch_size:6d} steps, paths up to {limit:.1f} m, success {success:.2f}")
     limit *= LONGER if success >= WANTED else 1
-    params = params.replace(tasks=tasks.weighted(length <= limit))
+    params = params.replace(tasks=tasks.with_weights(length <= limit))

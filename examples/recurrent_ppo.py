@@ -93,7 +93,7 @@ def compute_loss(agent: Agent, data: dict[str, torch.Tensor], memory: Memory) ->
 torch.manual_seed(0)
 home_mjx.use_compile_cache()
 env = home_mjx.make(
-    "PointNav-v0", num_houses=2, sensors=("depth", "goal"), actions="discrete", stop=True, success_radius=0.2,
+    "PointNav-v0", num_houses=2, sensors=("depth", "goal"), actions="discrete", stop=True, success_distance=0.2,
     episode_length=60, width=32, height=32, impl="kinematic",
 )  # fmt: skip
 batch = AutoReset(env.core)

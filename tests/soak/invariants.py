@@ -142,7 +142,7 @@ class Soak:
         drawn = self.rng.uniform(-1, 1, self.actions.shape).astype(np.float32)
         held = np.where(self.at % 20 == 0, np.sign(drawn), self.actions)
         drives = np.zeros_like(drawn)
-        touching = self.now["contact_impulse"].any(axis=-1)
+        touching = self.now["num_contacts"].any(axis=-1)
         drives[:, 0] = np.where(touching, np.sign(drawn[:, 0]), 1)
         drives[:, 2] = np.where(touching, np.sign(drawn[:, 2]), 0)
         self.actions = np.stack([np.zeros_like(drawn), drawn, held, drives])[self.kind, np.arange(len(drawn))]
@@ -156,7 +156,7 @@ class Soak:
             "agents": np.asarray(state.qpos[:, layout.agent_qpos], float).reshape(n, -1, 4)[..., :3],
             "walks": np.asarray(state.qvel[:, layout.agent_qpos], float).reshape(n, -1, 4)[..., :3],
             "bodies": np.asarray(state.qpos[:, layout.body_qpos], float).reshape(n, -1, 7),
-            "speed": speeds[..., :3], "spin": speeds[..., 3:], "contact_impulse": np.asarray(state.contact_impulse),
+            "speed": speeds[..., :3], "spin": speeds[..., 3:], "num_contacts": np.asarray(state.num_contacts),
             "house": np.asarray(found[1]), "status": np.asarray(found[2]), "done": np.asarray(found[3]),
         }  # fmt: skip
 
@@ -204,7 +204,7 @@ class Soak:
         self.fault("an agent is in a wall", (depth > DEEP).any(axis=-1), own)
         # Contacts are found where a physics step begins: what the last one has led into something is not among them.
         way = np.linalg.norm(now["walks"][own], axis=-1) * self.substep
-        unnoticed = (np.maximum(was, depth - way) > NOTICED) & (now["contact_impulse"][own] == 0)
+        unnoticed = (np.maximum(was, depth - way) > NOTICED) & (now["num_contacts"][own] == 0)
         self.fault("an agent in something counts no contact", unnoticed.any(axis=-1), own)
         self.fault("an agent is outdoors", house.outdoors(agents).any(axis=-1), own)
         self.fault("an agent went through a wall", house.passed(before["agents"][own], agents).any(axis=-1), own)

@@ -76,7 +76,7 @@ def soak(folder: Path, args: argparse.Namespace) -> dict[str, object]:
             if time.monotonic() - told > TOLD:
                 told = time.monotonic()
                 print(json.dumps({"env_steps": steps, "bytes": looks[-1]}), file=sys.stderr, flush=True)
-        swaps = stream.swaps
+        swaps = stream.num_swaps
     counts = {"case": "memory", "seed": args.seed, "env_steps": steps, "swaps": swaps}
     return {**counts, **judged(looks), "seconds": round(time.monotonic() - begun, 1)}
 

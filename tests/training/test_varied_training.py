@@ -30,8 +30,9 @@ def test_updates_go_on_while_weights_and_ranges_change(generated_bank):
     ppo, tasks = PPO(core, SMALL, jax.devices()[:1]), env.params.tasks
     length = np.asarray(tasks.rows.columns["length"])
     middle = float(np.median(length))
-    easy = env.params.replace(tasks=tasks.weighted(length <= middle))
-    hard = easy.replace(tasks=tasks.weighted(length > middle), variation=Variation.of(**RANGES | {"exposure": (3, 4)}))
+    easy = env.params.replace(tasks=tasks.with_weights(length <= middle))
+    variation = Variation.of(**RANGES | {"exposure": (3, 4)})
+    hard = easy.replace(tasks=tasks.with_weights(length > middle), variation=variation)
     state, programs = ppo.init(easy, jax.random.key(0)), []
     for params, is_wanted in ((easy, length <= middle), (hard, length > middle)):
         for _ in range(2):
