@@ -10,6 +10,7 @@ from home_procgen.floor_plan.walking_grid import AGENT_HEIGHT, MAX_STEP_HEIGHT
 from home_procgen.floor_plan.walls import FLOOR_TOP, window_view_box
 from home_procgen.furnish.space.collision_boxes import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
 from home_procgen.furnish.space.use_rules import keeps_rules
+from home_procgen.plan.openings.doors import STAIR_PROTRUSION
 from home_procgen.plan.openings.passage import boundary_boxes, build_floor_grid, stairwell_box
 from home_procgen.plan.openings.windows import SlantedWindow
 from home_procgen.plan.shape.storeys import Stairwell
@@ -50,7 +51,8 @@ class RoomSpace:
         self.doors = [o.object for o in self.openings if o.is_door]
         walls = boundary_boxes(self.plan, plan.height, stairs)
         parts = [part for opening in self.openings for part in opening.object.parts]
-        self.solid = BoxStore([*walls, *parts])
+        steps = [] if stairs is None else [stairwell_box(stairs, STAIR_PROTRUSION, plan.height)]
+        self.solid = BoxStore([*walls, *steps, *parts])
         before = [] if stairs is None else [stairwell_box(stairs, STAIR_ACCESS_DEPTH, STAIR_ACCESS_HEIGHT)]
         passages = [o.passage for o in self.openings if o.is_door]
         self.clear = BoxStore([*passages, *before])
