@@ -47,6 +47,8 @@ class RowState(Pytree):
     stage_start: Int[Array, ""]  # step in which the stage began
     transition_reward: Float[Array, ""]  # reward of the last transition
     distance: Float[Array, "a d"]  # [m], to the nearest target of each descriptor
+    goal: Int[Array, ""]  # descriptor of the present goal, see `present_goal`; of the last one after the final stage
+    later_legs: Float[Array, ""]  # [m], of the shortest path beyond the present goal; 0 for the last one
     position: Float[Array, "a 3"]  # [m], position of each agent
     path_length: Float[Array, " a"]  # [m], length of each agent's path; 0 if the task is fulfilled at the start
     is_fulfilled_at_start: Bool[Array, ""]  # success holds at the start, so the first step's way does not count
@@ -161,6 +163,10 @@ class RowTask(Task):
         meant = resolve_targets(snapshot.bank, snapshot.house, program.descriptor)
         looked = compute_features(snapshot, program, meant, snapshot.tasks.field, zero)
         first_stage = take_transition(program, zero, evaluate_conditions(program, looked.values))[0]
+        distance = looked.values[Feature.DISTANCE, :, :, 0]
+        goal = present_goal(program, zero, zero)
+        has_more = jnp.any((program.guide >= 0) & (program.guide != goal))
+        later = jnp.maximum(columns["length"] - jnp.min(distance[:, goal]), 0.0)
         return RowState(
             program=program,
             targets=meant,
@@ -171,7 +177,9 @@ class RowTask(Task):
             stage=zero,
             stage_start=zero,
             transition_reward=jnp.zeros((), jnp.float32),
-            distance=looked.values[Feature.DISTANCE, :, :, 0],
+            distance=distance,
+            goal=goal,
+            later_legs=jnp.where(has_more & jnp.isfinite(later), later, 0.0),
             position=snapshot.pose.pos,
             path_length=jnp.zeros(agents, jnp.float32),
             is_fulfilled_at_start=first_stage == SUCCESS,
@@ -203,11 +211,15 @@ class RowTask(Task):
         is_done_at_once = (snapshot.step <= 1) & state.is_fulfilled_at_start & (stage == SUCCESS)
         moved = jnp.where(is_done_at_once, 0.0, moved)
         reply = oracle_replies(state.speech, snapshot.spoken_token)
+        distance = looked.values[Feature.DISTANCE, :, :, 0]
+        goal = present_goal(state.program, stage, state.goal)
         return state.replace(
+            goal=goal,
+            later_legs=_pass_goal(state, stage, goal, distance),
             stage=stage.astype(jnp.int32),
             stage_start=jnp.where(taken, snapshot.step, state.stage_start),
             transition_reward=gained,
-            distance=looked.values[Feature.DISTANCE, :, :, 0],
+            distance=distance,
             position=snapshot.pose.pos,
             path_length=state.path_length + moved,
             collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
@@ -255,12 +267,12 @@ class RowTask(Task):
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Return Habitat's metrics (success, SPL, soft SPL, distance to the goal [m], collisions) and the stage.
 
-        See `path_scores`; path lengths are those of the first agent. Tasks with speech add `answered`, whether the
-        row's question was answered, rightly or wrongly, and `questions`, the number of questions asked.
+        The distance is that of the agent nearest to the present goal, plus the legs to later goals. See `path_scores`;
+        path lengths are those of the first agent. Tasks with speech add `answered`, whether the row's question was
+        answered, rightly or wrongly, and `questions`, the number of questions asked.
         """
         success = (state.stage == SUCCESS).astype(jnp.float32)
-        goal = jnp.maximum(state.program.guide[0], 0)
-        left = jnp.min(state.distance[:, goal])
+        left = jnp.min(state.distance[:, state.goal]) + state.later_legs
         return {
             "success": success,
             **path_scores(success, state.length, state.path_length[0], left),
@@ -275,6 +287,23 @@ class RowTask(Task):
             return {}
         answered = (state.num_words > 0) & (state.speech.answer >= 0)
         return {"answered": answered.astype(jnp.float32), "questions": state.num_questions.astype(jnp.float32)}
+
+
+def present_goal(program: TaskProgram, stage: Int[Array, ""], last: Int[Array, ""]) -> Int[Array, ""]:
+    """Return the descriptor to which a stage leads; `last` for final stages and stages that lead nowhere."""
+    guide = program.guide[jnp.maximum(stage, 0)].astype(jnp.int32)
+    return jnp.where((stage >= 0) & (guide >= 0), guide, last)
+
+
+def _pass_goal(
+    state: RowState, stage: Int[Array, ""], goal: Int[Array, ""], distance: Float[Array, "a d"]
+) -> Float[Array, ""]:
+    """Return `later_legs` at a new stage: less the leg to its goal, or plus the leg that is due again; 0 on success."""
+    leg, old_leg = jnp.min(distance[:, goal]), jnp.min(distance[:, state.goal])
+    change = jnp.where(stage > state.stage, -leg, old_leg)
+    is_passed = (goal != state.goal) & jnp.isfinite(change)
+    later = jnp.maximum(jnp.where(is_passed, state.later_legs + change, state.later_legs), 0.0)
+    return jnp.where(stage == SUCCESS, 0.0, later)
 
 
 def _track_moving_sources(snapshot: Snapshot, state: RowState) -> TaskProgram:

@@ -340,10 +340,21 @@ def reset(env):
     return begun(env)
 
 
+def test_the_distance_at_the_start_has_all_legs(reset):
+    np.testing.assert_allclose(reset.metrics["distance"], reset.task.length, atol=0.1)
+    assert (np.asarray(reset.task.later_legs) > 0.1).mean() > 0.9
+
+
 @pytest.mark.slow
 def test_experts_bring_things_and_put_them_down(env, reset):
     done = played(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0], MOST_STEPS)
-    success = np.asarray(done.metrics["success"])
+    success, left = np.asarray(done.metrics["success"]), np.asarray(done.metrics["distance"])
+    assert left[success > 0].max() < 2.0  # it was that to the first thing, however far from its destination
+    progress = 1 - left / np.asarray(done.task.length)
+    ratio = np.asarray(done.metrics["spl"])[success > 0]
+    np.testing.assert_allclose(
+        np.asarray(done.metrics["soft_spl"])[success > 0], (progress[success > 0] * ratio).clip(0), atol=1e-5
+    )
     for number, name in enumerate(env.params.tasks.names):
         own = np.asarray(done.task.task) == number
         assert own.sum() >= 12
