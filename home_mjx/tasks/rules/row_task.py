@@ -111,7 +111,7 @@ class RowTask(Task):
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """Speech actions of all generators."""
+        """Speech actions of all generators, each once; a task that is its own generator overrides this."""
         return tuple(dict.fromkeys(word for task in self._other_generators for word in getattr(task, "speech", ())))
 
     @property
@@ -255,8 +255,9 @@ class RowTask(Task):
     def metrics(self, snapshot: Snapshot, state: RowState) -> dict[str, Float[Array, ""]]:
         """Return Habitat's metrics (success, SPL, soft SPL, distance to the goal [m], collisions) and the stage.
 
-        See `path_scores`; path lengths are those of the first agent. Tasks with speech add `answered`, whether the
-        row's question was answered, rightly or wrongly, and `questions`, the number of questions asked.
+        See `path_scores`; path lengths are those of the first agent, distances those of the nearest one to the first
+        stage's guide. Tasks with speech add `answered`, whether the row's question was answered, rightly or wrongly,
+        and `questions`, the number of questions asked.
         """
         success = (state.stage == SUCCESS).astype(jnp.float32)
         goal = jnp.maximum(state.program.guide[0], 0)
