@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code.
 
     Bad input ends with one message on stderr and code 2; a traceback is shown only with `--debug`. Without `argv`, the
-    arguments of this process are used, and an interrupt ends the process.
+    arguments of this process are used, and an interrupt ends it with code 130; with `argv`, 130 is returned.
     """
     is_process = argv is None
     argv = list(sys.argv[1:] if argv is None else argv)

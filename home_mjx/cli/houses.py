@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def add_dataset_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--dataset ROOT`, and its old name `--suncg`."""
+    """Add `--dataset ROOT` and its hidden old name `--suncg`; by default `dataset_root()`, which may be None."""
     parser.add_argument(
         "--dataset",
         type=parse_dataset,
@@ -36,13 +36,13 @@ def add_dataset_option(parser: argparse.ArgumentParser) -> None:
 def add_house_arguments(
     parser: argparse.ArgumentParser, text: str = "id of the house (default: the dataset's first)"
 ) -> None:
-    """Add the optional positional `HOUSE` with help `text`, and `--dataset ROOT`."""
+    """Add the optional positional `HOUSE` (`house`, None by default) with help `text`, and `--dataset ROOT`."""
     parser.add_argument("house", nargs="?", metavar="HOUSE", help=text)
     add_dataset_option(parser)
 
 
 def add_strict_option(parser: argparse.ArgumentParser) -> None:
-    """Add the flag `--strict`, see `read_options`."""
+    """Add the flag `--strict`: reject a house with missing files, instead of using fallbacks."""
     parser.add_argument(
         "--strict", action="store_true", help="reject a house with missing files, instead of using fallbacks"
     )
@@ -56,7 +56,7 @@ def read_options(args: argparse.Namespace) -> "ReadOptions":
 
 
 def add_movable_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--max-bodies N`; None by default, see `compile_options`."""
+    """Add `--max-bodies N`, the maximum number of movable objects per house, from 0; None (32) by default."""
     parser.add_argument(
         "--max-bodies",
         type=parse_natural,
@@ -76,7 +76,7 @@ def compile_options(args: argparse.Namespace) -> "CompileOptions":
 
 
 def selected_root(args: argparse.Namespace) -> str | Path:
-    """Return the folder or name of the dataset that the arguments select, by default of one generated house."""
+    """Return the folder or name of the dataset: `HOUSE` if it is one, else `--dataset`, else `DEFAULT_DATASET`."""
     if is_dataset_root(args):
         return args.house
     return str(args.dataset or DEFAULT_DATASET)
@@ -90,7 +90,10 @@ def is_dataset_name(args: argparse.Namespace) -> bool:
 
 
 def is_dataset_root(args: argparse.Namespace) -> bool:
-    """Return whether `HOUSE` is a dataset: a name, a path with `/`, or a folder that is no house of `--dataset`."""
+    """Return whether `HOUSE` is a dataset; False for None.
+
+    It is if it is a name with a scheme, any path with `/`, or a folder that is no house of `--dataset`.
+    """
     from home_mjx.datasets.registry import has_scheme
 
     name = args.house
@@ -101,7 +104,7 @@ def is_dataset_root(args: argparse.Namespace) -> bool:
 
 
 def open_selected_dataset(args: argparse.Namespace) -> "Dataset":
-    """Open the selected dataset, by default one of generated houses."""
+    """Open the dataset of `selected_root`; errors as in `open_dataset`."""
     from home_mjx.datasets.registry import open_dataset
 
     return open_dataset(selected_root(args))

@@ -19,7 +19,8 @@ def watch_interrupts() -> None:
     """Install a handler that ends this process on Ctrl-C; call it in the main thread.
 
     The first interrupt raises `KeyboardInterrupt`, as always. If Python has not raised it within a second, or is
-    interrupted again, the process ends at once with code 130. An ignored SIGINT (`nohup command &`) stays ignored.
+    interrupted again, the process ends at once with code 130. Any handler other than Python's default stays, as does an
+    ignored SIGINT (`nohup command &`).
 
     Example:
         >>> watch_interrupts()  # doctest: +SKIP

@@ -10,7 +10,7 @@ _created: list[Path] = []  # folders created by this process, innermost first
 
 
 def make_folder(path: Path) -> Path:
-    """Create a folder if it is missing, check that files can be written there, and return it.
+    """Create a folder and its parents if missing, check that files can be written there, and return `path`.
 
     Raises:
         ConfigError: The folder cannot be created or written.

@@ -24,7 +24,7 @@ class Parser(argparse.ArgumentParser):
         self.add_argument("--debug", action="store_true", help="show the traceback of an error")
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:
-        """Parse arguments.
+        """Parse arguments; None: those of this process.
 
         Raises:
             UnknownNameError: An option is unknown.
@@ -49,7 +49,9 @@ class Parser(argparse.ArgumentParser):
 
 
 def parse_seed_range(text: str) -> range:
-    """Parse seeds from `A:B` (B excluded) or one seed; raise `ArgumentTypeError` if invalid or over `MAX_HOUSES`.
+    """Parse one seed, or seeds `A:B` with 0 <= A < B <= 2**63, B excluded; raise `ArgumentTypeError` otherwise.
+
+    It is also raised for more than `MAX_HOUSES` seeds.
 
     Example:
         >>> list(parse_seed_range("3:6")), list(parse_seed_range("7"))
@@ -69,7 +71,7 @@ def parse_seed_range(text: str) -> range:
 
 
 def parse_path(text: str) -> Path:
-    """Parse a path; raise `ArgumentTypeError` if it is empty, such as an unset shell variable. It may not exist.
+    """Parse a path; raise `ArgumentTypeError` if it is empty, such as an unset shell variable. The file may not exist.
 
     Example:
         >>> parse_path("houses").name
@@ -81,7 +83,7 @@ def parse_path(text: str) -> Path:
 
 
 def parse_dataset(text: str) -> Path | str:
-    """Parse the root of a dataset: a path, or a name such as `procedural:16?seed=0`, which stays a text.
+    """Parse the root of a dataset: a name with a known scheme such as `procedural:16?seed=0` stays a text, else a path.
 
     Example:
         >>> parse_dataset("procedural:16"), parse_dataset("houses").name
@@ -106,7 +108,7 @@ def parse_names(text: str) -> tuple[str, ...]:
 
 
 def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
-    """Return an argument type of numbers from `low` to `high`, both included.
+    """Return a parser of numbers from `low` to `high`, both included; it raises `ArgumentTypeError` for other texts.
 
     Example:
         >>> number_type(low=0)("2.5")
@@ -145,7 +147,7 @@ def parse_natural(text: str) -> int:
 
 
 def whole_number_type(maximum: int) -> Callable[[str], int]:
-    """Return an argument type of whole numbers from 1 to `maximum`, included.
+    """Return a parser of whole numbers from 1 to `maximum`, included; it raises `ArgumentTypeError` for others.
 
     Example:
         >>> whole_number_type(100)("25")

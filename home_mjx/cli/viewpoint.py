@@ -36,7 +36,7 @@ class Viewpoint:
 
 
 def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `HOUSE`, `--dataset`, `--at` and `--yaw`."""
+    """Add `HOUSE`, `--dataset`, `--at X Y` [m] and `--yaw` [degrees]; the last two are None by default."""
     add_house_arguments(parser)
     parser.add_argument(
         "--at",
@@ -51,11 +51,11 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
-    """Load the selected house onto the device and place a head at `--at`, else at a start; eyes at their usual height.
+    """Load the selected house onto the device and place a head at `--at`, else at its first start, at eye height.
 
     Args:
         args: The parsed options.
-        pitch: Elevation of the view [degrees].
+        pitch: Elevation of the view [degrees], up positive.
 
     Raises:
         ConfigError: The head would be outside of the house.
@@ -70,14 +70,14 @@ def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
 
 
 def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
-    """Load the selected house and place a downward camera below the ceilings of a storey; image up is +y.
+    """Load the selected house and place a downward camera at a storey's centre, below its ceilings; image up is +y.
 
     Args:
         args: The parsed options.
         storey: Index of a level that has rooms, from 0 at the bottom.
 
     Returns:
-        The viewpoint, and the extent of the storey's rooms along x and y [m].
+        The viewpoint, and the extent (2,) of the storey's rooms along x and y [m].
 
     Raises:
         ConfigError: There is no such storey.
@@ -97,7 +97,7 @@ def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpo
 def _lowest_ceiling(rooms: RoomTable, here: Int[np.ndarray, " n"]) -> float:
     """Return z of the lowest ceiling of rooms `here` [m]; eye height over the highest floor if no room has a ceiling.
 
-    Ceilings less than eye height over their floor are ignored, as on balconies and terraces.
+    Ceilings at most eye height over their floor are ignored, as on balconies and terraces.
     """
     roofed = here[rooms.ceiling[here] > rooms.floor[here] + EYE_HEIGHT]
     return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
@@ -122,7 +122,7 @@ def _quat(yaw: float, pitch: float) -> np.ndarray:
 
 
 def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
-    """Raise `ConfigError` if a `point` (3,) is outside the x and y extents of the rooms of the first house [m]."""
+    """Raise `ConfigError`, naming `option`, if `point` (3,) [m] is outside the first house's extent in x and y."""
     navigation = bank.navigation
     rows, columns = np.nonzero((np.asarray(navigation.room[0]) >= 0).any(0))
     cells, origin = np.stack([columns, rows], -1), np.asarray(navigation.origin[0])
@@ -133,7 +133,10 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
 
 
 def longest_free_direction(bank: HouseBank, feet: np.ndarray) -> float:
-    """Return the direction from +x [rad] of the longest straight walkable path from `feet` in the first house."""
+    """Return the direction from +x [rad], of 72, of the longest straight walkable path from `feet` (3,) [m].
+
+    It is measured in the lowest storey of the first house; -pi if no direction is free.
+    """
     navigation, cell = bank.navigation, bank.spec.cell
     free, origin = np.asarray(navigation.region[0, 0] == 0), np.asarray(navigation.origin[0])
     yaw = np.linspace(-np.pi, np.pi, 72, endpoint=False)

@@ -47,7 +47,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _film_line(out: Path, search: list[dict[str, Any]] | str) -> str:
-    """Return a line with the path of the film, or the reason why there is none."""
+    """Return a line with path and successes of the film, or with the reason (`search` as text) why there is none."""
     if isinstance(search, str):
         return f"No film: {search}"
     found = sum(one["success"] > 0 for one in search)

@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print the findings; return 1 if something is broken."""
+    """Print one line per finding, as JSON with `--json`; return 1 if something is broken, else 0."""
     broken = False
     for finding in run_checks():
         broken |= finding.status == BROKEN
@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def run_checks() -> Iterator[CheckResult]:
-    """Yield all findings, quick checks first; a check that raises yields a finding of its own."""
+    """Yield all findings, quick checks first; a check that raises yields a finding `BROKEN`."""
     checks = (_python, _packages, _extras, _known_bad_pairs, _devices, _backends, _ffmpeg, _caches, _dataset)
     for check in checks:
         try:

@@ -56,7 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write the WAV files, and maps with `--map`; print their paths and the room acoustic parameters; return 0."""
+    """Write `heard.wav`, `response.wav`, maps with `--map`; print paths and room acoustic parameters; return 0."""
     import jax
     import jax.numpy as jnp
     import numpy as np

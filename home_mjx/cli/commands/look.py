@@ -96,7 +96,7 @@ def _find_spec(args: argparse.Namespace, origin: "StateOrigin") -> "EnvSpec":
     """Return the spec of the arguments, else that of the file.
 
     Raises:
-        ConfigError: There is neither, or the file names an environment that is not registered.
+        ConfigError: There is neither, `--option` or `--houses` lacks `--task`, or the id in the file is not registered.
     """
     from home_mjx.registry import EnvSpec
 

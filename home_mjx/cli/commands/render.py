@@ -124,7 +124,7 @@ def _place_camera(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
 
 
 def _add_bakes(args: argparse.Namespace, view: Viewpoint, names: tuple[str, ...]) -> "Scene":
-    """Return the scene with the bakes that the shader needs, cached or computed now."""
+    """Return the scene with the named bakes, cached or computed now; unchanged without names."""
     from home_mjx.houses.bakes import add_bakes
 
     if not names:
@@ -139,7 +139,10 @@ def _parse_storey(text: str) -> int:
 
 
 def _to_colours(kind: str, image: np.ndarray) -> np.ndarray:
-    """Convert an image of a kind to colours (H, W, 3) uint8; the faces of a cube map are stacked vertically."""
+    """Convert an image to colours (H, W, 3) uint8: (H, W, c) of rgb, depth and normals, (H, W) of ids.
+
+    A cube map has its faces on one more leading axis; they are stacked vertically.
+    """
     if image.ndim > len(IMAGE_AXES.get(kind, "hw")):
         image = np.concatenate(image)
     if kind == "rgb":

@@ -21,7 +21,7 @@ PACKAGED_AGENT = "demo"  # name of the packaged agent; use `./demo` for a folder
 
 
 def add_import_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--import MODULE`, a list `modules` for `import_modules`."""
+    """Add the repeatable `--import MODULE`: a list `modules` for `import_modules`, empty by default."""
     parser.add_argument(
         "--import", dest="modules", action="append", default=[], metavar="MODULE",
         help="import a module first, such as one that registers your tasks or shaders",
@@ -29,12 +29,12 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_sensors_option(parser: argparse.ArgumentParser, text: str) -> None:
-    """Add `--sensors A,B`, a tuple of names, with help `text`; None by default."""
+    """Add `--sensors A,B`, a tuple of names that are not checked, with help `text`; None by default."""
     parser.add_argument("--sensors", type=parse_names, metavar="A,B", help=text)
 
 
 def add_episode_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--episode-file FILE`; None by default."""
+    """Add `--episode-file FILE`, a path of episodes or tasks to use, which may not exist; None by default."""
     parser.add_argument(
         "--episode-file", type=parse_path, metavar="FILE",
         help="use the episodes of a file of save_episodes or save_tasks, in order, in the houses that it names",
@@ -42,7 +42,7 @@ def add_episode_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_observe_option(parser: argparse.ArgumentParser, example: str) -> None:
-    """Add `--observe NAME`, a list `observers`, with an `example` of a name in its help."""
+    """Add the repeatable `--observe NAME`: a list `observers`, empty by default; its help has the name `example`."""
     parser.add_argument(
         "--observe", dest="observers", action="append", default=[], metavar="NAME",
         help=f"add an observer that is registered under this name, such as {example}; see --import",
@@ -102,7 +102,7 @@ def newest_version(task: str) -> str:
 
 
 def parse_checkpoint_path(text: str) -> Path:
-    """Convert an argument to a path; `demo` selects the packaged agent.
+    """Convert an argument to a path, which may not exist; `demo` selects the packaged agent, an empty text raises.
 
     Example:
         >>> parse_checkpoint_path("demo").name

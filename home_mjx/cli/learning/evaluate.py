@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Evaluate a checkpoint, film episodes with `--films`, print the metrics, and return 0."""
+    """Evaluate a checkpoint, film episodes with `--films`, print the metrics (JSON with `--json`), and return 0."""
     import_modules(args.modules)
     path = find_checkpoint(args.checkpoint)
     from home_mjx.training import evaluate_checkpoint
@@ -69,7 +69,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def format_evaluation(report: dict[str, Any]) -> str:
-    """Format the report of `evaluate_checkpoint` as a table of means and standard errors.
+    """Format the report of `evaluate_checkpoint` as a table: means ± standard errors of the trained and a random agent.
 
     Example:
         >>> figures = {"success": {"mean": 0.5, "stderr": 0.01}}

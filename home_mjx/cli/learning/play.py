@@ -124,9 +124,9 @@ def _has_sounds(spec: "EnvSpec") -> bool:
 
 
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
-    """Return the spec of the named task, or of a checkpoint's, with houses and options from the arguments.
+    """Return the spec of a checkpoint, else of the named task, with houses and options from the arguments.
 
-    `sensors` replaces its sensors; None: unchanged.
+    `sensors` replaces its sensors; None: unchanged. `--env` precedes `sensors`; `--episode-file` precedes both.
 
     Raises:
         ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task.

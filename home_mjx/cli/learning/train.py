@@ -93,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
-    """Raise ConfigError before training if the dataset has no house for the evaluation."""
+    """Raise ConfigError before training if the dataset has no house in the evaluation's split."""
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.training.evaluation import evaluation_spec
 
@@ -111,7 +111,7 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 
 
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
-    """Return the spec of the named task with sensors and options of the arguments, in houses of split `train`."""
+    """Return the named task's spec with `--sensors` (by default `TRAINED_SENSORS`) and `--env`, for split `train`."""
     import dataclasses
 
     options = {"sensors": args.sensors or TRAINED_SENSORS, **parse_assignments(args.env)}
@@ -123,7 +123,7 @@ def env_spec(args: argparse.Namespace) -> "EnvSpec":
 
 
 def ppo_config(args: argparse.Namespace) -> "PPOConfig":
-    """Return the training options: defaults for a CPU or an accelerator, overridden by the arguments."""
+    """Return the training options: defaults of the platform, overridden by `--num-envs` and `--steps`, then `--ppo`."""
     import jax
 
     from home_mjx.tasks.base.options import override_options

@@ -114,7 +114,7 @@ def _replace_arrangements(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> Ho
 
 
 def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
-    """Return the path of the cache entry: a hash of the bank's arrays, the count, the key's `words` and the backend."""
+    """Return the cache file, which may not exist: a hash of the bank's arrays, count, the key's `words` and backend."""
     name = hashlib.sha256(repr((VERSION, num_arrangements, words.tolist(), jax.default_backend())).encode())
     read = (bank.physics, bank.navigation, bank.semantics, bank.geometry.triangle, bank.geometry.instance_pose)
     for array in jax.tree.leaves(jax.device_get(read)):
@@ -123,7 +123,10 @@ def _entry(bank: HouseBank, num_arrangements: int, words: np.ndarray) -> Path:
 
 
 def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | None) -> tuple[Array, ArrangementCounts]:
-    """Place objects, settle, restore those that moved, repeat; return poses (houses, num, bodies, 7), counts."""
+    """Place objects, settle, restore to initial poses those that do not rest as placed, repeat; return poses, counts.
+
+    Poses are (houses, num, bodies, 7): position [m], quaternion wxyz. `words` are the words of the random key.
+    """
     placed = jnp.concatenate([bank.physics.body_pos, bank.physics.body_quat], axis=-1)
     placed = jnp.repeat(placed[:, None], num, axis=1)
     put, moved, kept = _place(bank, num, words, progress)
@@ -146,7 +149,10 @@ def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | Non
 def _place(
     bank: HouseBank, num: int, words: np.ndarray, progress: bool | None
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
-    """Return unsettled poses without overlaps, and masks: bodies at new poses, selected bodies left in place."""
+    """Return unsettled poses without overlaps, and masks: bodies at new poses, selected bodies left in place.
+
+    Padding (k) keeps its poses and is in no mask.
+    """
     host = jax.device_get(bank)
     placed = np.concatenate([host.physics.body_pos, host.physics.body_quat], axis=-1)
     poses = np.repeat(placed[:, None], num, axis=1)

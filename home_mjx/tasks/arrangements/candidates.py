@@ -52,7 +52,10 @@ def _on_floor(house: HouseLayout, body: int, rng: np.random.Generator) -> Float[
 def _on_furniture(
     house: HouseLayout, stay: BoxSet, body: int, yaw: Float[np.ndarray, " n"], rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n 3"], Bool[np.ndarray, " n"]]:
-    """Sample centres of a body on box tops in its room [m], and whether it fits at `yaw`; False if there is no top."""
+    """Sample centres of a body on tops of boxes `stay` in its room [m], one per heading `yaw`; return whether it fits.
+
+    Without such a top, all are its present centre and False.
+    """
     room, half = int(house.room[body]), house.bodies.half[body]
     level = house.level_of(room)
     high = stay.top - house.floor[level]

@@ -110,7 +110,7 @@ def _matrices(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
 
 
 def _is_support(bodies: BoxSet) -> Bool[np.ndarray, " k"]:
-    """Return which bodies have another on top: bottom within `MAX_SUPPORT_GAP` of their top, footprints overlapping."""
+    """Return which bodies support another: its bottom is within `MAX_SUPPORT_GAP` of their top, footprints overlap."""
     found = np.zeros(len(bodies), bool)
     for i in range(len(bodies)):
         over = abs(bodies.bottom - bodies.top[i]) < MAX_SUPPORT_GAP

@@ -48,7 +48,7 @@ def _move_box(boxes: BoxSet, rows: Bool[np.ndarray, " k"], box: BoxSet) -> BoxSe
 
 
 def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
-    """Return whether a box is horizontally clear of `around` and of door sweeps, where these overlap it in height."""
+    """Return whether one box has `MIN_HORIZONTAL_CLEARANCE` from boxes and door sweeps that overlap it in height."""
     meets = (around.bottom < box.top[0] - TOUCH_TOLERANCE) & (around.top > box.bottom[0] + TOUCH_TOLERANCE)
     if (penetration_depth(box, around[meets]) > -MIN_HORIZONTAL_CLEARANCE).any():
         return False
@@ -60,7 +60,10 @@ def _is_free(house: HouseLayout, box: BoxSet, around: BoxSet) -> bool:
 def _home_after_placement(
     house: HouseLayout, box: BoxSet, room: int, home: Bool[np.ndarray, "l ny nx"]
 ) -> Bool[np.ndarray, "l ny nx"] | None:
-    """Return `home` less cells near a box; None if it leaves its room, blocks a portal or goal, or splits `home`."""
+    """Return the home region `home` less cells within `agent_clearance` of one box.
+
+    None if the box leaves its room, blocks a portal or goal, or splits the region.
+    """
     level = house.level_of(room)
     if (house.room_at(footprint(box, 0), level) != room).any():
         return None

@@ -72,7 +72,10 @@ def _is_level(
     high: Float[Array, "p k n"],
     lies: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Return whether rays from `high` [m] above all spots end there, on furniture if `lies`; `gone` is absent."""
+    """Return whether downward rays from `high` [m] above all spots end at these, on furniture if `lies`.
+
+    The tolerance is `LEVEL_TOLERANCE`; bodies in the mask `gone` are absent.
+    """
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)

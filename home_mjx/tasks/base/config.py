@@ -238,7 +238,7 @@ class EnvConfig:
             )
 
     def _share_timing(self) -> None:
-        """Copy `timing` into `audio`, in place; raise `ConfigError` if `audio` has one that is not the default."""
+        """Copy `timing` into `audio`, in place; raise `ConfigError` if `audio` has another one, not the default."""
         if self.audio.timing not in (self.timing, Timing()):
             raise ConfigError(
                 f"`audio.timing` is {self.audio.timing}, but the environment's `timing` is {self.timing}",
@@ -253,7 +253,7 @@ class EnvConfig:
 
     @property
     def agents(self) -> tuple[AgentBody, ...]:
-        """The body of each agent."""
+        """The body of each agent: those of `physics.bodies`, else `body` for all."""
         return self.physics.bodies or (self.body,) * self.num_agents
 
     @property
@@ -263,7 +263,7 @@ class EnvConfig:
 
     @property
     def num_traced_sources(self) -> int:
-        """Number of traced sources: clips first, then contact sounds."""
+        """Number of traced sources: `num_sources` that play clips, then those of contact sounds, if any."""
         return self.num_sources + (0 if self.contact_sounds is None else self.contact_sounds.num_sounds)
 
     def select_agents(self, num_agents: int) -> "EnvConfig":

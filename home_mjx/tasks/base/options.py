@@ -57,7 +57,7 @@ Records = Mapping[str, Any]  # frozen dataclasses by prefix; "" is the environme
 
 
 def override_options(records: Records, given: Mapping[str, Any], accepted: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the records with some of their fields replaced.
+    """Return the records, by prefix, with some of their fields replaced.
 
     Args:
         records: By prefix; "" is the environment's, whose own fields need no prefix.
@@ -109,7 +109,10 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Yield `prefix` (unless empty) and dotted paths of all nested fields; of nested `timing` only the outermost."""
+    """Yield `prefix` (unless empty) and dotted paths of all nested fields, of all variants of a field.
+
+    Of nested `timing` only the outermost one is a path; `DERIVED_OPTIONS` are left out.
+    """
     if prefix:
         yield prefix
     own = {field.name for field in dataclasses.fields(record)}
@@ -128,7 +131,10 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
 
 
 def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
-    """Return the full path that an option name refers to; `ConfigError` if it is unknown or ambiguous."""
+    """Return the full path that an option name refers to; `ConfigError` if it is unknown or ambiguous.
+
+    The keys of `known` are all paths; `others` are further names to suggest.
+    """
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
         return name
@@ -178,7 +184,10 @@ def _replace_field(record: Any, name: str, changes: Mapping[str, Any], full: str
 
 
 def _check_like(name: str, value: Any, default: Any) -> None:
-    """Raise `ConfigError` if a value is not of the type of a bool, int, float or str `default`; floats accept ints."""
+    """Raise `ConfigError` if a value lacks the type of a bool, int, float or str `default`; other defaults accept all.
+
+    Floats accept integers; numbers do not accept booleans.
+    """
     wanted = type(default)
     taken = {bool: bool, int: numbers.Integral, float: numbers.Real, str: str}.get(wanted)
     if taken is None:

@@ -45,11 +45,11 @@ class Sensor:
         raise NotImplementedError
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
-        """Return the bakes (precomputed house data) that the sensor reads; `make` adds missing ones."""
+        """Return the bakes (precomputed house data) that the sensor reads, by default none; `make` adds them."""
         return ()
 
     def init(self, config: EnvConfig) -> Any:
-        """Return the sensor state before the first `update`; `update` must return the same structure."""
+        """Return the sensor state before the first `update`, by default (); `update` must return the same structure."""
         return ()
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: Any) -> Any:

@@ -30,7 +30,7 @@ class AgentPose(Pytree):
 
 
 def map_agents(function: Callable[..., Any], *args: Any) -> Any:
-    """Map a function of one agent over the first axis of `args` with `vmap`; without it for a single agent: faster."""
+    """Map a function of one agent over the first axis of `args`, kept in results; a single agent needs no `vmap`."""
     if jax.tree.leaves(args)[0].shape[0] > 1:
         return jax.vmap(function)(*args)
     return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], args)))
@@ -149,7 +149,10 @@ def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> Co
 def _static_semantic_rows(
     bank: HouseBank, house: Int[Array, ""], other: Int[Array, " m"], box: Float[Array, "m 2 3"]
 ) -> Int[Array, " m"]:
-    """Return rows of `bank.semantics` for contact partners `other` with static geometry or floor; -1 for any others."""
+    """Return rows of `bank.semantics` for contact partners `other` (codes of `BodyContacts`) that are static; -1 else.
+
+    `box` has the bounds of each body [m]. Floor and walls are those of the room below its middle; -1 outdoors.
+    """
     physics, number = bank.physics, jnp.maximum(STATIC - other, 0)
     static, item = other <= STATIC, physics.collider_object[house, number]
     top = physics.collider_pos[house, number, 2] + physics.collider_size[house, number, 2]

@@ -36,7 +36,7 @@ class Episodes(Pytree):
         Inside `jit`, an out-of-range index selects the nearest row.
 
         Raises:
-            OutOfRangeError: An index is out of range; it is an `IndexError`, too.
+            OutOfRangeError: An index is out of range, as negative ones are; it is an `IndexError`, too.
             ConfigError: An index is not an integer.
         """
         if not isinstance(index, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
@@ -49,7 +49,10 @@ class Episodes(Pytree):
 
 
 def check_rows(index: Any, count: int, kind: str = "episodes") -> None:
-    """Raise `ConfigError` unless `index` has integers only, `OutOfRangeError` unless all are from 0 to `count` - 1."""
+    """Raise `ConfigError` unless `index` has integers only, `OutOfRangeError` unless all are from 0 to `count` - 1.
+
+    `kind` names the rows in the message.
+    """
     array = np.asarray(index)
     if array.dtype.kind not in "biu":
         hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."

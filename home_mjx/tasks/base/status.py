@@ -54,7 +54,7 @@ class StatusError(HomeMjxError, RuntimeError):
 
 
 def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
-    """Return the flags, as one integer, whose condition holds anywhere in its array.
+    """Return the flags, as one integer, whose condition (by flag name) holds anywhere in its array.
 
     Example:
         >>> int(status_flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))

@@ -110,11 +110,13 @@ def sliding_sounds(
 def door_sounds(
     config: EnvConfig, before: Float[Array, " h"], snapshot: Snapshot
 ) -> tuple[TransientSounds, Int[Array, " h"], Float[Array, " h"]]:
-    """Return impacts of leaves at end stops; rows of `SUSTAINED` and gains of moving leaves: speeds, 0 if silent.
+    """Return impacts of leaves that reach an end stop (gain: speed, else 0); each leaf's row of `SUSTAINED`, its gain.
+
+    The gain of a moving leaf is its speed [rad/s], or [m/s] if it slides; 0 below `MIN_LEAF_SPEED`.
 
     Args:
         config: Options.
-        before: Opening of each leaf before the step [rad], or [m] if it slides.
+        before: `Snapshot.door_angle` before the step [rad], or [m] if it slides.
         snapshot: The environment after the step.
     """
     physics, house, angle = snapshot.bank.physics, snapshot.house, snapshot.door_angle

@@ -64,7 +64,10 @@ def action_names(config: EnvConfig) -> tuple[str, ...]:
 
 
 def action_spec(config: EnvConfig) -> ArraySpec:
-    """Return the spec of actions of all agents: one number per name, or the index of a discrete action."""
+    """Return the spec of actions of all agents: one number per name, or the index of a discrete action.
+
+    A single agent has no agent axis.
+    """
     names = action_names(config)
     text = ", ".join(names)
     if config.discrete is None:

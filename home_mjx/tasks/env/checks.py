@@ -98,7 +98,7 @@ def _as_array(action: Any) -> Array:
 
 
 def _add_agent_axis(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
-    """Return the action with the agent axis, which is optional for a single agent.
+    """Return the action with the agent axis, which is optional for a single agent; `shape` is that of one action.
 
     Raises:
         ConfigError: The action has another shape, such as that of a batch of environments.

@@ -156,7 +156,7 @@ def load_episodes_or_tasks(path: str | Path, bank: HouseBank, task: Task) -> Epi
 
 
 def _wrong_kind(path: Path, task: Task, is_bank: bool) -> DatasetError:
-    """Return the error about a file of the other kind than `load_episodes_or_tasks` reads for a task."""
+    """Return the error about a file of the wrong kind for a task; `is_bank`: it takes rows, the file has episodes."""
     name = type(task).__name__
     if is_bank:
         message = "file holds what `save_episodes` writes: episodes of a `goal`, without `stages`"

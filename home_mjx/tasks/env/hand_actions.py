@@ -56,7 +56,10 @@ def decode_hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Ar
 
 
 def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
-    """Return unit directions of hands in the world frame: view centre first, then by angle; see `max_aim_angle`."""
+    """Return unit directions of hands in the world frame: view centre first, then by angle from it.
+
+    n is 1, or `NUM_AIM_ANGLES` squared with a `max_aim_angle`.
+    """
     angle = math.radians(config.max_aim_angle)
     offsets = np.linspace(-angle, angle, NUM_AIM_ANGLES) if angle else np.zeros(1)
     turn, tilt = (x.reshape(-1) for x in np.meshgrid(offsets, offsets))
@@ -68,7 +71,7 @@ def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
 
 
 def is_in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
-    """Return which world points [m] are within each agent's reach of the vertical axis of its body, inclusive."""
+    """Return which world points [m] are within each agent's reach of its body's axis, from feet to top, inclusive."""
     half, reach = jnp.array([(body.height / 2, body.reach) for body in config.agents], jnp.float32).T
     offset = point - snapshot.pose.pos[:, None]
     beyond = jnp.maximum(jnp.abs(offset[..., 2]) - half[:, None], 0.0)

@@ -239,7 +239,7 @@ class HouseholdEnv:
         return state, snapshot.replace(sounds=sounds)
 
     def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, Snapshot]:
-        """Return the next state with observations of the last one, and its snapshot."""
+        """Return the next state, with observations and sensor states of the last one, and its snapshot."""
         bank, template = params.bank, self.template(params.bank)
         check_state(template.layout, params, state)
         moves, start = self._apply_action(params, state, action)
@@ -293,7 +293,7 @@ class HouseholdEnv:
         return state.replace(obs=self._observations(state, snapshot))
 
     def _update_sensors(self, state: State, snapshot: Snapshot) -> State:
-        """Return the state with updated sensor states and their status flags."""
+        """Return the state with updated sensor states; their flags are added to its status."""
         own, config = snapshot.select_agents(self.num_agents), self.acting_config
         kept, lost = dict(state.world.sensor_states), state.status
         for sensor in state_owners(self.sensors):
@@ -302,7 +302,7 @@ class HouseholdEnv:
         return state.replace(world=state.world.replace(sensor_states=kept), status=lost)
 
     def _observations(self, state: State, snapshot: Snapshot, *, cast_rays: bool = True) -> dict[str, Array]:
-        """Return the observations of sensors and task; without `cast_rays` only of sensors that cast no rays."""
+        """Return the observations of sensors and task; without `cast_rays`, sensors that cast rays are left out."""
         obs: dict[str, Array] = {}
         own, config = snapshot.select_agents(self.num_agents), self.acting_config
         for sensor in self.sensors:

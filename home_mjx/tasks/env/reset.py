@@ -57,8 +57,8 @@ def init_physics_and_world(
         ConfigError: `house` is given although `params.tasks` has rows, or `episode` although it has none.
 
     Returns:
-        The physics state; the world, with the house's own sounds; the episode's row, if it comes from `params.tasks`;
-        the task's key.
+        The physics state; the world, with the house's own sounds; the episode's row, None without `params.tasks`; the
+        task's key.
     """
     bank, agents = params.bank, config.num_agents
     keep, chance, start_key, yaw_key, goal_key, source_key = split_key(to_raw_key(key), 6)

@@ -8,7 +8,7 @@ from home_mjx.tasks.env.env import Env
 
 
 def observation_space(env: Env) -> gymnasium.spaces.Dict:
-    """Return a dictionary space with one box per observation."""
+    """Return a dictionary space with one box per observation; with several agents, each has a leading agent axis."""
     return gymnasium.spaces.Dict({name: make_gym_box(spec) for name, spec in env.observation_spec.items()})
 
 

@@ -84,14 +84,14 @@ def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Ar
 
 
 def would_collide(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether an agent's carried object would be too close to obstacles at positions; False if it has none.
+    """Return whether an agent's carried object, centred at a position, would be too close to obstacles; False if none.
 
     Its height stays as it is now.
 
     Args:
         snapshot: The environment; agents have hands.
         agent: Index of the agent.
-        place: The positions [m].
+        place: Positions of the object's centre [m]; z is unused.
     """
     held, radius = snapshot.held[agent], carried_radius(snapshot, agent)
     body = jnp.maximum(held, 0)

@@ -33,7 +33,7 @@ def turns_to_nearest_cell(
     unvisited: Bool[Array, "levels rows columns"],
     num_agents: int = -1,
 ) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
-    """Return turns of agents towards the nearest cell of `targets` [rad, to the left], and whether there is none.
+    """Return turns of agents towards the nearest cell of `targets` [rad, to the left]; True if there is no place to go.
 
     On the agent's level the path follows a distance field computed for the purpose, past door leaves at their current
     angles. Without such a path, an agent goes to the nearest of the house's goals in `unvisited`.

@@ -41,7 +41,10 @@ def leaf_distances(
 def _leaf_offsets(
     snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
-    """Return distances of feet to leaves as high as the agent [m] (inf if not selected), and offsets in plan."""
+    """Return plan distances of feet to leaves as high as the agent [m], inf for others, and offsets to them (x, y) [m].
+
+    An offset leads from the feet to the nearest point of the leaf. `which` is a mask of leaves; None: all.
+    """
     leaves = _house_leaves(snapshot)
     pos, quat = leaves.pose_at(snapshot.door_angle)
     yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
@@ -71,7 +74,7 @@ def _is_as_high(
 
 
 def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether the body of an agent at each position [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
+    """Return whether an agent with its feet at each position [m] would have a leaf within `MIN_LEAF_CLEARANCE`."""
     return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
 
 
@@ -105,14 +108,14 @@ def cost_factors(
 
 
 def is_shut(snapshot: Snapshot) -> Bool[Array, " h"]:
-    """Return which leaves of the house are less than half open."""
+    """Return which leaves of the house are less than half open; False for padding."""
     physics, house = snapshot.bank.physics, snapshot.house
     wide, closed = physics.door_fully_open[house], physics.door_closed[house]
     return physics.door_valid[house] & (jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2)
 
 
 def is_facing_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:
-    """Return whether a leaf that is less than half open is directly ahead of each agent.
+    """Return whether a leaf less than half open is within half of `OPEN_DISTANCE` of the point so far ahead.
 
     Args:
         snapshot: The environment.
@@ -127,7 +130,7 @@ def is_swept(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array
 
     Args:
         snapshot: The environment.
-        place: Centres of the discs [m].
+        place: Centres of the discs [m], z at the feet of the agent.
         radius: Radii of the discs [m].
     """
     away, turn, arc = _hinge_coordinates(snapshot, place)
@@ -182,9 +185,9 @@ def _swing_angles(snapshot: Snapshot, leaves: DoorLeaves) -> tuple[Float[Array, 
 def _hinge_coordinates(
     snapshot: Snapshot, place: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h"], Float[Array, " h"]]:
-    """Return distances of positions to hinges [m], and angles by which leaves open [rad].
+    """Return plan distances of positions to hinges [m], and two angles by which leaves open from now [rad].
 
-    The first angles end where the leaf points at the position, the second ones where it is wide open.
+    The first one, negative behind the leaf, ends where it points at the position; the second where it is wide open.
     """
     leaves = _house_leaves(snapshot)
     offset = place[:, None, :2] - leaves.pivot[None]

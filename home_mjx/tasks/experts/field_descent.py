@@ -34,7 +34,7 @@ def descend_field(
     min_distance: float = 0.0,
     tolerance: Float[Array, ""] | float = 0.0,
 ) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
-    """Return a waypoint down a field [m] that an agent can walk to in a straight line, and whether the path ends here.
+    """Return a waypoint (x, y) [m] down a field, which an agent can walk straight to, and whether the path ends here.
 
     The path follows the field, but around door leaves and other agents at their current poses. The waypoint is the
     farthest of its next `MAX_LOOK_AHEAD` cells with a free straight segment, or the next one after a collision. With
@@ -67,7 +67,7 @@ def descend_field(
 def circle_distance(
     snapshot: Snapshot, places: Int[Array, "n 3"], point: Float[Array, "3"], radius: Float[Array, ""]
 ) -> Float[Array, " n"]:
-    """Return distances of cells to a circle around a point in the plan [m]: a field for points without a stored one.
+    """Return unsigned plan distances of cells to a circle around a point [m]: a field for points without a stored one.
 
     Args:
         snapshot: The environment.
@@ -120,7 +120,10 @@ def step_aside(
 
 
 def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFunction) -> Int[Array, "k 3"]:
-    """Return the agent's cell and the next `MAX_LOOK_AHEAD` cells down the field, from level to level on stairs."""
+    """Return the agent's cell and the next `MAX_LOOK_AHEAD` cells down the field: level, row, column.
+
+    The path changes levels on stairs; where it ends, its last cell is repeated.
+    """
     bank, house = snapshot.bank, snapshot.house
     numbers = bank.navigation.cell[house]
     at = cell_at_feet(bank, house, snapshot.feet[agent])

@@ -84,7 +84,7 @@ def plan_retreat(
 
 
 def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: Bool[Array, " a"]) -> Array:
-    """Return actions with hand commands, which replace discrete moves; others stay.
+    """Return actions with hand commands: these replace discrete moves, or set the element `pick` (0 without command).
 
     Args:
         config: Options.
@@ -119,7 +119,10 @@ def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
 def _pending_commands(
     state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
 ) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
-    """Return whether the stage needs its guide's (descriptor index) object picked up, or the held object put down."""
+    """Return whether the stage needs a target of descriptor `guide` picked up, and whether the held object put down.
+
+    Never both; False where the stage goes on without.
+    """
     program, stage = state.program, state.stage
 
     def leads_on(values: Array) -> Bool[Array, ""]:
@@ -139,7 +142,10 @@ def _pending_commands(
 def _pick_candidates(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Return points of the nearest object [m], and which are visible and in reach; none if too few of it are."""
+    """Return points of the nearest object [m], and which are visible and in reach.
+
+    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these.
+    """
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
     points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
     way = points - eyes[:, None]
@@ -184,6 +190,7 @@ def _best_aim(
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
     """Return turn and tilt to the best aim point [rad], and whether a usable point has an error of at most `most`.
 
+    `fits` marks usable points; `tried`, the number of attempts before, varies the choice.
     Discrete actions turn and tilt by whole steps: the usable point with the smallest remaining error is preferred.
     """
     config, pose = snapshot.config, snapshot.pose
@@ -207,7 +214,7 @@ def _best_aim(
 def _round_to_steps(
     config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
-    """Round turns and tilts to the nearest ones that actions can produce [rad]."""
+    """Round turns and tilts (relative to now) to the nearest ones that actions can produce within `max_pitch` [rad]."""
     most, pitch = jnp.float32(config.max_pitch + PITCH_TOLERANCE), pitch[:, None]
     if config.discrete is None:
         return turn, jnp.clip(pitch + tilt, -most, most) - pitch

@@ -22,7 +22,10 @@ OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
 
 
 def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Array, "n 3"], Bool[Array, " n"]]:
-    """Return (level, row, column) of `WIDTH` x `WIDTH` cells around `at`, clipped to the grid, and which are inside."""
+    """Return (level, row, column) of `WIDTH` x `WIDTH` cells around `at`, clipped to the grid, and which are inside.
+
+    They are in row-major order, as are all arguments of n cells here.
+    """
     y, x = (
         a.reshape(-1)
         for a in np.meshgrid(
@@ -87,8 +90,9 @@ def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
 
 
 def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
-    """Return row and column, in the window, of the walkable cell nearest to its centre.
+    """Return row and column, from the window's corner, of the walkable cell nearest to its centre.
 
+    Cells in `elsewhere`, or far from the end, count as farther away.
     An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside.
 
     Args:
@@ -110,7 +114,7 @@ def descend_window(
     Args:
         far: The distances [m].
         height: Height of each cell [m].
-        begin: Row and column of the first cell if no neighbour of the centre has a finite distance.
+        begin: Row and column, from the corner, of the first cell if no neighbour of the centre has a finite distance.
         steps: Number of cells after the centre.
     """
     middle, height = jnp.full(2, HALF_WIDTH, jnp.int32), height.reshape(WIDTH, WIDTH)

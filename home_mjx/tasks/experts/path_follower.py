@@ -152,7 +152,7 @@ def plan_view(
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only a look or a `stop` of each agent."""
+    """Return whether a transition of the current stage needs only a look or a `stop` of each agent; same for all."""
     turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
     after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, turned))
     return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
@@ -195,7 +195,10 @@ def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only `stop` of each agent, and none is taken now."""
+    """Return whether a transition of the current stage needs only `stop` of each agent, and none is taken now.
+
+    It is the same for all agents.
+    """
     program = state.program
     said = values.at[Feature.STOPPED].set(1.0)
     after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
@@ -265,7 +268,11 @@ def to_actions(
     hold: Bool[Array, " a"],
     stop: Bool[Array, " a"],
 ) -> Array:
-    """Return actions that turn left by `error`, tilt up by `tilt` [rad] and, unless `hold` or `stop`, walk forward."""
+    """Return actions that turn left by `error`, tilt up by `tilt` [rad] and, unless `hold` or `stop`, walk forward.
+
+    A discrete action is the first that is needed: `stop`, a turn, a look (only with `hold`), or `move_forward`.
+    Continuous actions do not move with `stop`.
+    """
     if config.discrete is None:
         return _continuous(config, error, tilt, hold, stop)
     return _discrete(config, error, tilt, hold, stop)

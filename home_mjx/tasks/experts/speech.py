@@ -14,7 +14,7 @@ REPEAT_PERIOD = 4  # [steps] between words of an informed agent, which walks out
 
 
 def insert_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
-    """Return actions, with the speech action (index) of its next word for each agent that should speak now.
+    """Return actions, with the speech action (index) of its next word for each agent that should speak; others stay.
 
     Args:
         snapshot: The environment.

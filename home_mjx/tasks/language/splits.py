@@ -31,7 +31,7 @@ def mask_words(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
     """Return a mask of the rows whose instruction has any of these words.
 
     Raises:
-        ConfigError: The vocabulary lacks a word.
+        ConfigError: The vocabulary lacks a word, or `words` is no sequence of words, such as a single string.
 
     Example:
         >>> held_out = mask_words(tasks, ("bed", "sofa"))  # doctest: +SKIP

@@ -14,7 +14,7 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 def chance_accuracy(tasks: TaskBank) -> float:
-    """Return the accuracy of drawing uniformly among the answers of each question here; `ConfigError` without any."""
+    """Return the accuracy of uniform draws among the answers that each question has here; `ConfigError` without any."""
     texts, answers = _questions_and_answers(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)
     for text, answer in zip(texts, answers.tolist(), strict=True):

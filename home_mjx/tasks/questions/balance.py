@@ -62,7 +62,10 @@ def _group_rows(drawn: list[FeasibleRow]) -> dict[tuple[str, str], list[Feasible
 
 
 def _split_blocks(rows: list[FeasibleRow], random: np.random.Generator) -> list[Block]:
-    """Split a question's rows into blocks of its k most frequent answers, k keeping most rows; [] for one answer."""
+    """Return blocks of k rows of a question, one per answer of its k most frequent ones; [] if it has one answer.
+
+    The k that keeps most rows is chosen; further rows are dropped.
+    """
     by_answer: dict[int, list[FeasibleRow]] = defaultdict(list)
     for i in random.permutation(len(rows)):
         by_answer[rows[i].row.answer].append(rows[i])

@@ -277,7 +277,7 @@ def _feasible_rows(
 
 
 def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
-    """Return whether all guide descriptors are reachable, as closely as the distance conditions require.
+    """Return whether all guides but agents are reachable, as closely (`GOAL_TOLERANCE`) as distance conditions require.
 
     Args:
         column: Columns of one row, with `field`.
@@ -337,7 +337,10 @@ def _keep_close_ends(column: dict, d: int, ends: EndCells) -> EndCells:
 def _approach_purpose(
     view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]
 ) -> tuple[Purpose, float]:
-    """Return the purpose of going to descriptor `d`, and the plan radius of an object to be put there [m]."""
+    """Return the purpose of going to descriptor `d`, and the largest plan radius of objects to put there [m]; else 0.
+
+    `instance` has the target instances of the row's descriptors.
+    """
     feature, first, second = (column[name].tolist() for name in ("feature", "first", "second"))
     conditions = list(zip(feature, first, second, strict=True))
     put = [i for feature, i, j in conditions if feature == Feature.ON and j == d]
@@ -351,7 +354,10 @@ def _approach_purpose(
 def _draw_start(
     view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
 ) -> dict | None:
-    """Draw `start`, `yaw`, `length`: a cell whose path to the goal is within limits [m], inclusive; None if none."""
+    """Draw `start`, `yaw`, `length`: a cell off door leaves with a path within limits [m], inclusive; None if none.
+
+    `field_` has the goal's distances from the home cells in `FIELD_UNIT`.
+    """
     way = np.where(field_ == FIELD_UNREACHABLE, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
     if not len(fit):
@@ -362,7 +368,7 @@ def _draw_start(
 
 
 def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
-    """Return the sum of path lengths from each of `stops` (fields) to the next [m]; 0 for a single one."""
+    """Return the sum of path lengths from each of `stops` (columns of `fields`) to the next [m]; 0 for a single one."""
     ends = [int(np.argmin(fields[:, stop])) for stop in stops]
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 
@@ -370,7 +376,10 @@ def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) ->
 def _prescribed_start(
     view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]
 ) -> dict | None:
-    """Return `start`, `yaw`, `length` of a prescribed pose; None if no path leads from there to the goal."""
+    """Return `start`, `yaw`, `length` of a prescribed pose; None if no path leads there, or its cell is cut off.
+
+    `way` has the goal's distances from the home cells in `FIELD_UNIT`; the nearest cell counts.
+    """
     place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
     cell = np.argmin(np.linalg.norm(view.graph.place - place, axis=1))
     if way[cell] == FIELD_UNREACHABLE or view.graph.cut_off[cell]:
@@ -388,7 +397,7 @@ def _interleave_houses(drawn: list[FeasibleRow]) -> list[FeasibleRow]:
 def pack_task_bank(
     bank: HouseBank, rows: list[dict], fields: dict[int, UInt16[np.ndarray, "c g"]], names: tuple[str, ...]
 ) -> TaskBank:
-    """Pack the columns of rows and the distance fields of their houses into a task bank."""
+    """Pack the columns of rows, by key, and the distance fields of houses, by index, into a task bank."""
     arrays = {name: jnp.asarray(np.stack([row[name] for row in rows])) for name in rows[0]}
     count = max(1, *(f.shape[1] for f in fields.values()))  # at least one column, even if no row has a field
     whole = np.full((bank.navigation.field.shape[0], count), FIELD_UNREACHABLE, np.uint16)

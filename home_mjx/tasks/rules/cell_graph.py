@@ -70,7 +70,7 @@ class CellGraph:
         self._edges = sources, targets, np.maximum(slow[sources], slow[targets]) * lengths
 
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
-        """Return the plan distance from each cell to the nearest leaf at an agent's height, doors open [m]."""
+        """Return plan distances of home cells to the nearest leaf at an agent's height, doors open [m]; inf if none."""
         leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(jax.tree.map(jnp.asarray, bank.physics)))
         pos, quat = (np.asarray(x) for x in leaves.pose_at(jnp.asarray(bank.physics.door_fully_open[house])))
         found, tall = np.full(len(self.place), np.inf), bank.spec.agent_height
@@ -83,7 +83,10 @@ class CellGraph:
         return found
 
     def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:
-        """Compute distances of all cells to goals in `FIELD_UNIT`, ordered and stored as `NavigationArrays.field`."""
+        """Compute distances of all cells to goals in `FIELD_UNIT`, ordered as `NavigationArrays.field`.
+
+        They are `FIELD_UNREACHABLE` where no path leads.
+        """
         home = self.compute_distances(ends)
         parts = [(np.argwhere(self._home), home)]
         around = [self._rank <= rank for rank in (1, 2)]
@@ -129,7 +132,9 @@ class CellGraph:
         return csr_matrix((ways, (begins, stops)), shape=(cells + len(ends),) * 2)
 
     def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
-        """Return home cells (indices) of a box's storey, nearest in plan first, at most `most`, and distances [m].
+        """Return home cells (indices) of the storey of a box (corners `low`, `high`), and their plan distances [m].
+
+        They are the nearest ones, at most `most`, in ascending order.
 
         Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object behind
         it.

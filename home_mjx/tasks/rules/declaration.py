@@ -172,5 +172,5 @@ def extract(record: type[R], columns: Mapping[str, Array]) -> R:
 
 
 def row_columns(records: Iterable[type[Pytree]]) -> dict[str, Column]:
-    """Return the `Column` declarations of all fields of some records, by key."""
+    """Return the `Column` declarations of all fields of record classes, by `Column.key`."""
     return {column.key: column for record in records for column in columns_of(record).values()}

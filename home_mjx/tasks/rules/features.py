@@ -81,7 +81,10 @@ def compute_features(
 def nearest_targets(
     snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
-    """Return distances of agents' middles to nearest targets [m], `UNREACHABLE_DISTANCE` if none; and their bounds."""
+    """Return distances of agents' middles to nearest targets [m], `UNREACHABLE_DISTANCE` if none; and their bounds.
+
+    Distances to objects are to their bounds, those to points and agents horizontal, on the same storey only.
+    """
     pos, kind = snapshot.pose.pos, program.descriptor[:, Attribute.KIND]
     away = jax.vmap(
         lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
@@ -127,7 +130,7 @@ def sound_positions(
 def path_distances(
     snapshot: Snapshot, program: TaskProgram, field: UInt16[Array, "cell f"], straight: Float[Array, "a d"]
 ) -> Float[Array, "a d"]:
-    """Return path lengths to each descriptor [m], at most `UNREACHABLE_DISTANCE`; `straight` where it has no field."""
+    """Return path lengths from feet to descriptors [m], at most `UNREACHABLE_DISTANCE`; `straight` without a field."""
     column = jnp.maximum(program.field, 0)
     way = jax.vmap(lambda at: geodesic_distance(snapshot.bank, snapshot.house, column, at, field))(snapshot.feet)
     return jnp.where(program.field < 0, straight, jnp.minimum(way, UNREACHABLE_DISTANCE))
@@ -181,7 +184,10 @@ def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array,
 
 
 def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
-    """Return the minimum gap between targets of each pair of descriptors [m]; `UNREACHABLE_DISTANCE` if none."""
+    """Return the minimum gap between two different targets of each pair of descriptors [m].
+
+    It is `UNREACHABLE_DISTANCE` if there are none.
+    """
     gap = jnp.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1])
     away = jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
     away = jnp.where(jnp.eye(len(boxes), dtype=bool), UNREACHABLE_DISTANCE, away)

@@ -52,7 +52,7 @@ class HouseObject:
 
     @property
     def coarse(self) -> str:
-        """Name of the coarse category."""
+        """Name of the coarse category; `unknown` if it has none."""
         return COARSE[self.semantic(Semantic.COARSE)] if self.semantic(Semantic.COARSE) >= 0 else "unknown"
 
 
@@ -204,7 +204,7 @@ class HouseView:
         return np.logical_or(free[:, : NUM_HEADINGS + 1].all(axis=1), free[:, NUM_HEADINGS:].all(axis=1))
 
     def _carry_gaps(self, instance: int, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-        """Return the plan gap from floor points to the nearest box at the height of a carried instance [m]."""
+        """Return the plan gap from floor points to the nearest other box at the height of a carried instance [m]."""
         half = np.float32(np.diff(self._boxes[instance, :, 2]).item() / 2)
         own, eyes = jnp.int32(self.bank.geometry.instance_object[self.house, instance]), self._eyes(places)
         blocks = np.full((-len(eyes) % CELLS_PER_BATCH + len(eyes), 3), np.inf, np.float32)
@@ -231,7 +231,10 @@ class HouseView:
         return jnp.int32(self.house)
 
     def _cells_at_hand(self, key: tuple[int, float], there: Callable[[Array], Array]) -> EndCells:
-        """Return every `CELL_STRIDE`-th cell within reach of an instance whose eyes pass a test; cached by `key`."""
+        """Return every `CELL_STRIDE`-th cell within reach of an instance at which eyes (n, 3) pass the test `there`.
+
+        `key`, under which they are cached, begins with the instance.
+        """
         if key not in self._at_hand:
             box = self._boxes[key[0]]
             cells, away = self.graph.nearest_cells(box[0], box[1], CELL_STRIDE * NUM_CELLS)

@@ -113,7 +113,7 @@ class RowTask(Task):
 
     @property
     def speech(self) -> tuple[str, ...]:
-        """Speech actions of all generators."""
+        """Speech actions of all generators, each once; a task that is its own generator overrides this."""
         return tuple(dict.fromkeys(word for task in self._other_generators for word in getattr(task, "speech", ())))
 
     @property

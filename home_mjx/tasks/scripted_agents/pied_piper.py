@@ -210,12 +210,15 @@ def _route_columns(state: PiedPiperState) -> Int[Array, "2"]:
 
 
 def _destination_columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[Array, " a"]]:
-    """Return each agent's destination: column of the task bank's fields for the piper, of the house's for others."""
+    """Return each agent's destination twice: as column of the task bank's fields, and of the house's fields.
+
+    The first is valid for the piper, the second for the others.
+    """
     return _route_columns(state)[state.route_end], state.others_route[state.route_end]
 
 
 def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
-    """Return the point that the follower walks straight to on its way to the piper [m].
+    """Return the point (x, y) that the follower walks straight to on its way to the piper [m].
 
     That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the
     path to one end of the piper's route. The follower takes the end that the piper heads for if it is farther from
@@ -246,7 +249,7 @@ def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array
 
 
 def _next_points(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:
-    """Return the point that each agent walks straight to on its path [m]."""
+    """Return the point (x, y) that each agent walks straight to on its path [m]; the follower's has no meaning."""
     own, stray = _destination_columns(state)
     fields_ = snapshot.tasks.field, snapshot.bank.navigation.field
 

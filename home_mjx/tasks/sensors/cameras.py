@@ -68,7 +68,7 @@ def eye_position(config: EnvConfig, pose: AgentPose) -> Float[Array, "a 3"]:
 
 
 def agent_ids(bank: HouseBank, num_agents: int) -> Array:
-    """Return the object id of every agent; they follow the ids of the houses' instances."""
+    """Return the object ids of agents: `num_instances` of the bank's spec, and those that follow."""
     return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
 
 
@@ -129,7 +129,7 @@ def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: 
 
 
 def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array) -> dict[str, Array]:
-    """Render one camera of one agent, by observation name."""
+    """Render one camera of one agent, whose object id `own` rays ignore; by observation name, without agent axis."""
     images = render(
         scene,
         camera,

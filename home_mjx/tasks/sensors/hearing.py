@@ -238,7 +238,7 @@ def update_history(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k
 
 
 def source_tokens(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k e"]:
-    """Return the history of tokens of each source; silence unless the source is an agent's voice."""
+    """Return the history of tokens of each source of clips; -1 unless the source is an agent's voice."""
     agents, sounds = said.shape[1], snapshot.sounds
     number = sounds.body - agent_ids(snapshot.bank, agents)[0]
     speaks = (sounds.clip == VOICE_CLIP_NUMBER) & (number >= 0) & (number < agents)
@@ -248,7 +248,8 @@ def source_tokens(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k 
 def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
     """Trace from all sources to every agent, with axes (a, e).
 
-    By default the result is the response that `HearingState` stores; another `response` uses the same rays.
+    By default the result is the response that `HearingState` stores; another `response`, a function of
+    scene, source, listener, key and options, uses the same rays.
     """
     response = response or (render_receiver_state if config.audio.motion is not None else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents

@@ -44,7 +44,10 @@ def plan_radius(size: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array
 
 
 def pick_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
-    """Return aim points on an object with these bounds: on the vertical plane through its centre facing the eye [m]."""
+    """Return 5 x 5 aim points [m] on an object with these bounds, at most 0.85 half extents from its centre.
+
+    They are on the vertical plane through the centre that faces the eye.
+    """
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
     way = middle - eye
     across = jnp.stack([-way[1], way[0]])
@@ -55,7 +58,10 @@ def pick_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array
 
 
 def is_reachable(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Distance) -> Bool[Array, " p"]:
-    """Return which points a hand reaches: at most `reach` away in plan, 0.1 m above the eye, `MAX_HAND_ANGLE` below."""
+    """Return which points a hand reaches: at most `reach` away in plan, 0.1 m above the eye, `MAX_HAND_ANGLE` below.
+
+    Points that are not finite are out of reach.
+    """
     offset = points - eye
     away = jnp.linalg.norm(offset[:, :2], axis=-1)
     steep = offset[:, 2] < -jnp.tan(jnp.float32(MAX_HAND_ANGLE)) * away
@@ -200,7 +206,10 @@ def can_place_from(
     radius: Float[Array, ""],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
-    """Return at which eye positions [m] a hand can put an object of a radius [m] on an instance; initial house."""
+    """Return at which eye positions [m] a hand can put an object of a radius [m] on an instance.
+
+    At least `MIN_SPOTS` free spots on its top must be visible and within `reach`; initial house, doors open.
+    """
     scene, nothing = make_open_scene(bank, house), jnp.full((), -1, jnp.int32)
     meant = jnp.arange(bank.spec.num_instances, dtype=jnp.int32) == instance
     points, free = free_spots(scene, box, meant, radius, nothing)

@@ -72,7 +72,7 @@ def is_unobstructed(
 def is_visible_from(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
 ) -> Bool[np.ndarray, " n"]:
-    """Return from which positions, and from all offsets around each, an object with these bounds is visible.
+    """Return from which eye positions [m], and from all `EYE_OFFSETS` around each, any look point of a box is visible.
 
     The house is in its initial state, doors open. Agents do not stop exactly at a position. A view that exists only
     there, past an edge, would be visible by chance only.

@@ -86,7 +86,7 @@ def sample_goal(
 
 
 def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[Array, "3"]:
-    """Sample a position beside the centre of the cell of a random start of the house [m]."""
+    """Sample a position within `MAX_START_OFFSET` in x and y of the centre of the cell of a random start [m]."""
     which, shift = jax.random.split(key)
     known = bank.navigation.start[bank.clip_house_index(house)]
     point = known[jax.random.randint(which, (), 0, known.shape[0])]

@@ -31,7 +31,7 @@ def find_portable_objects(view: HouseView, max_mass: float, max_size: float) -> 
     Args:
         view: The house.
         max_mass: Maximum mass [kg].
-        max_size: Maximum extent [m].
+        max_size: Maximum extent along x, y or z [m].
     """
     physics = view.bank.physics
     below = {thing.semantic(Semantic.SUPPORTER) for thing in view.objects} | {

@@ -111,6 +111,8 @@ def _distance_fields(
 ) -> UInt16[np.ndarray, "c g"]:
     """Return distances of cells to targets, add the column `field` and correct `length` in `rows`, in place.
 
+    `rows` are pairs of a line's index, from 0, and its columns.
+
     Raises:
         DatasetError: A task cannot be solved.
     """

@@ -151,7 +151,7 @@ def column_ranges(special: Mapping[str, Range] = MappingProxyType({})) -> dict[s
 
 @functools.cache
 def values_range(values: str) -> Range:
-    """Return the range with this name; for an attribute with a vocabulary, its indices and -1 for any."""
+    """Return the range of this name in `RANGES`; for an attribute with a vocabulary, its indices and -1 for any."""
     if values in RANGES:
         return RANGES[values]()
     return index_range(len(vocabularies()[SEMANTIC_COLUMN[Attribute[values.upper()]]]))

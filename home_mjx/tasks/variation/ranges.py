@@ -131,7 +131,7 @@ RANGE_NAMES = tuple(Variation.__dataclass_fields__)
 
 
 def normalize_ranges(given: Any) -> dict[str, Any]:
-    """Return ranges in any form that `make` accepts, validated, as plain numbers by name.
+    """Return ranges in any form that `make` accepts, validated, as plain numbers by name; {} for None.
 
     Example:
         >>> normalize_ranges({"lamps": 0.5, "volume": 2})

@@ -23,7 +23,7 @@ class WalkRecord:
     sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
 
     def most_varied_observation(self, view: int) -> dict[str, np.ndarray]:
-        """Return all environments' observations at the step in which environment `view` observes most instances.
+        """Return all drawn environments' observations at the step in which environment `view` observes most instances.
 
         Each view has its own share of the steps: agents of one house would otherwise all be drawn at the same place.
         """

@@ -152,7 +152,10 @@ def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> Sta
 def record_walk(
     env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, observer: Observer
 ) -> tuple[State, WalkRecord]:
-    """Walk environments along paths; return the last states, and the observations and positions after each step."""
+    """Walk environments along paths with the compiled `step`; return the last states and the record of each step.
+
+    Positions are those of each environment's first agent.
+    """
     pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
     place = pose(env.params, states)
     walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
@@ -176,7 +179,10 @@ def make_walkers(env: Env[HouseholdEnv], states: State, pos: np.ndarray) -> list
 
 
 def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
-    """Return environment steps/s by name (`all` sensors, `physics`, each sensor alone), compile times by name [s]."""
+    """Return environment steps/s by name, and compile times by name [s].
+
+    `all` is a step with all sensors, `physics` one without; others of `SENSORS_ALONE` are observations without step.
+    """
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)

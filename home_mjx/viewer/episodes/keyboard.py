@@ -31,7 +31,7 @@ TERMINAL_COLUMNS = 100  # width of an image in a terminal [characters]
 
 
 def key_actions(config: EnvConfig) -> dict[str, Any]:
-    """Map keys to actions of one agent: indices of discrete actions, or arrays of all components.
+    """Map keys (one character each) to actions of one agent: indices of discrete actions, or arrays of all components.
 
     Example:
         >>> key_actions(EnvConfig(actions="discrete"))["w"]

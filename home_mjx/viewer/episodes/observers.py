@@ -63,7 +63,7 @@ class FilmObserver(Observer):
         self.shots, self.name = shots, name
 
     def on_run_start(self, start: RunStart) -> None:
-        """Create the video writer, with sound if the environment has the sensor `audio`."""
+        """Create the video writer, with sound if the environment has the sensor `audio` or spectra of it."""
         assert start.env is not None
         self.env, self.agent = start.env, start.name
         self.has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(self.env.core.sensors)}
@@ -121,7 +121,7 @@ class TerminalObserver(Observer):
         self.stream = stream or sys.stdout
 
     def on_run_start(self, start: RunStart) -> None:
-        """Store the environment, whose state is printed."""
+        """Store the environment, whose state is printed, and the agent's name."""
         assert start.env is not None
         self.env, self.name = start.env, "you" if self.has_keys else start.name
 
@@ -130,7 +130,7 @@ class TerminalObserver(Observer):
         self.instruction = start.instruction
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Print view (in a terminal), instruction and status; nothing for the last step of an episode."""
+        """Print view (in a terminal), keys (once, with `has_keys`), instruction, status; nothing in a final state."""
         if step.state.done:
             return
         in_terminal = self.stream.isatty()

@@ -107,7 +107,7 @@ def run_play(
 
 
 def _own_observers(options: PlayOptions, print_line: Callable[[str], Any]) -> Iterator[Observer]:
-    """Yield the observers that the options ask for; film and terminal share their images."""
+    """Yield observers: film with `out`, terminal for a human, results, progress; the first two share their images."""
     shots = ShotCache(options.width, options.height, options.samples)
     if options.out is not None:
         yield FilmObserver(shots, options.file_name)
@@ -121,7 +121,7 @@ def film_checkpoint(
     checkpoint: Path, out: Path, episodes: int, split: str = "val", num_houses: int = 4, seed: int = 0,
     greedy: bool = False, *, episode_file: str | Path | None = None, dataset: str | Path | None = None,
 ) -> list[EpisodeResult]:  # fmt: skip
-    """Film episodes of a trained agent.
+    """Film episodes of a trained agent; files are those of `run_play`.
 
     Args:
         checkpoint: Checkpoint of the agent.

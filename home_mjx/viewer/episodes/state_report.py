@@ -119,12 +119,14 @@ def draw_state(env: Env[HouseholdEnv], state: State, width: int = 480, height: i
 def shortest_path(
     bank: HouseBank, house: int, feet: Float[np.ndarray, " 3"], goals: GoalMarkers
 ) -> Float[np.ndarray, "n 3"]:
-    """Return points on the floor along the shortest path to the nearest goal [m]; none without a goal or a path.
+    """Return points on the floor along the shortest path to goal rooms, else to the nearest goal point [m].
+
+    There are no points without a goal or a path.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        feet: Lowest point of the agent [m].
+        feet: Lowest point of the agent, at which the path begins [m].
         goals: Places and rooms of the goal.
     """
     graph = CellGraph(bank, house)
@@ -170,7 +172,10 @@ def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
 
 
 def _surroundings(core: HouseholdEnv, snapshot: Snapshot) -> tuple[Array, Array]:
-    """Return free distances beyond agents' bodies (A, H, D) [m]; inf over `MAX_GAP`; and semantics of things there."""
+    """Return free distances beyond agents' bodies (A, H, D) [m]; inf over `MAX_GAP`; and semantics of things there.
+
+    Axis H is `RAY_HEIGHTS`; axis D has directions from ahead counter-clockwise. Semantics are (A, H, D, columns).
+    """
     agents = core.config.agents
     half = jnp.array([body.height / 2 for body in agents], jnp.float32)
     radius = jnp.array([body.radius for body in agents], jnp.float32)
@@ -293,7 +298,7 @@ def _describe_goals(bank: HouseBank, state: State, facts: _Facts) -> list[str]:
 
 
 def _describe_not_a_number(state: State) -> list[str]:
-    """Return one line that names the arrays of a state with NaN; no line without NaN."""
+    """Return one line that names the arrays with NaN in a state, except its `info`; no line without NaN."""
     leaves = jax.tree_util.tree_leaves_with_path(state.replace(info={}))
     found = [
         jax.tree_util.keystr(place)

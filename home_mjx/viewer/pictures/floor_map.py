@@ -64,7 +64,10 @@ def _paint_cells(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
 
 
 def _arrow(at: tuple[float, float], yaw: float, radius: float) -> list[tuple[float, float]]:
-    """Return the four corners of a notched arrow head [px] that points along a yaw [rad]; image y is down."""
+    """Return the four corners of a notched arrow head around `at` [px] along a yaw [rad]; its tip is 1.6 `radius` away.
+
+    Image y is down, and yaw counter-clockwise from image x.
+    """
     turns = (0.0, 2.5, math.pi, -2.5)
     sizes = (1.6, 1.2, 0.5, 1.2)
     return [
@@ -88,7 +91,7 @@ def draw_sound_map(
     """Draw values over a floor plan, low ones dark and high ones bright, north (+y) up, with a ring around the source.
 
     Args:
-        values: Values of the cells; NaN where unknown.
+        values: Values of the cells, row 0 in the south; NaN where unknown, drawn grey in rooms.
         room: True for cells in a room.
         source: Row and column of the source, fractions allowed.
         caption: Name of the quantity; its range is appended.

@@ -43,7 +43,7 @@ def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -
 
 
 def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav: Path | None = None) -> None:
-    """Write a video, with the sound of `wav` if it is not None.
+    """Write an H.264 video of frames with even sides, with the sound of `wav` if it is not None.
 
     Raises:
         HomeMjxError: ffmpeg failed, such as on a full disk; the message quotes it. No partial file is left.

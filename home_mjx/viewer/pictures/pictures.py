@@ -12,7 +12,7 @@ TEXT_COLOUR = (235, 235, 235)
 
 
 def colour_depth(depth: Float[np.ndarray, "h w"], max_depth: float) -> UInt8[np.ndarray, "h w 3"]:
-    """Map depth to colours: 0 is warm and bright, `max_depth` and more is dark blue."""
+    """Map depth, in the unit of `max_depth`, to colours: 0 is bright yellow, `max_depth` and more (inf) dark blue."""
     near = 1 - np.clip(depth / max_depth, 0, 1)
     ramp = np.array([[10, 12, 40], [60, 40, 120], [180, 60, 110], [245, 140, 60], [252, 250, 190]], float)
     place = near * (len(ramp) - 1)
@@ -42,7 +42,7 @@ def enlarge(image: UInt8[np.ndarray, "h w 3"], size: int) -> UInt8[np.ndarray, "
 
 
 def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarray, "h2 w 3"]:
-    """Return an image with a line of text in 18 more rows above; long text is cut off."""
+    """Return a copy with 18 more rows above, which have one line of text; text beyond the width is cut off."""
     height, width = image.shape[:2]
     canvas = Image.new("RGB", (width, height + 18), BACKGROUND)
     canvas.paste(Image.fromarray(image), (0, 18))

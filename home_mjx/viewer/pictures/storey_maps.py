@@ -55,7 +55,10 @@ def reduce_rays(config: AudioConfig) -> AudioConfig:
 
 
 def _receiver_grid(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return masks (y, x) of receivers in a room and of walkable ones, and ears (y, x, 3) [m], on a point's storey."""
+    """Return masks (y, x) of receivers in rooms, of walkable ones, and ears (y, x, 3) [m], on the storey of `source`.
+
+    Rows and columns are cropped to the rooms and about `RECEIVER_SPACING` apart.
+    """
     navigation, cell = bank.navigation, bank.spec.cell
     floor = np.asarray(navigation.floor[0])
     level = max(int(np.sum(floor <= source[2])) - 1, 0)

@@ -61,7 +61,7 @@ class TopView:
     def draw_markers(
         self, marks: Sequence[Marker], path: Float[np.ndarray, "t 3"] | None = None
     ) -> UInt8[np.ndarray, "s s 3"]:
-        """Return a copy of the image with dots, and a path [m] below them."""
+        """Return a copy of the image with a line along the path [m], unless it is one point, and dots over it."""
         canvas = Image.fromarray(self.image)
         draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
         if path is not None and len(path) > 1:
@@ -84,7 +84,10 @@ class TopView:
 
 
 def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]:
-    """Return lower corner (x, y) of a square around the rooms, extent (x, y) of rooms and margin, the side [m]."""
+    """Return lower corner (x, y) of a square around the lowest storey's rooms, their extent (x, y), and its side [m].
+
+    The extent includes `VIEW_MARGIN` on each side.
+    """
     inside = np.argwhere(np.asarray(bank.navigation.room[house, 0]) >= 0)
     low, high = inside.min(0)[::-1] * bank.spec.cell, (inside.max(0)[::-1] + 1) * bank.spec.cell
     size = high - low + 2 * VIEW_MARGIN
