@@ -187,7 +187,7 @@ def continue_levels(
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return ranks of entries of `cell`: `HOME_RANK`, 1 free near obstacles, 2 in a movable, `UNREACHABLE_RANK`."""
+    """Rank entries of `NavigationArrays.cell`: 0 home region, 1 free near obstacles, 2 in a movable, 3 negative."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
@@ -224,7 +224,7 @@ def stored_distance(
 def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
     """Return the geodesic distance of every cell of a house's lowest grid to each goal [m], on the host.
 
-    It is inf outside the home region, where agents cannot be unless an object is moved.
+    It is inf outside the home region, where agents cannot be unless an object is moved. `house` is not clipped.
     """
     cell = bank.navigation.cell[house, 0]
     stored = np.asarray(stored_distance(bank.navigation.field, cell.ravel(), None))

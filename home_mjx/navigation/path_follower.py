@@ -33,7 +33,10 @@ class PathFollower:
     visited: int = field(default=0)
 
     def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
-        """Return the next action, see `steer`; count a target within 0.4 m by path as visited and head for the next."""
+        """Return the next action, see `steer`; count a target within 0.4 m by path as visited and head for the next.
+
+        After the last target the first one follows. A `pos` [m] without free cell counts as in the nearest free cell.
+        """
         cell = self._free_cell(self._cell(pos))
         if self._field[cell] < 0.4:
             self.visited += 1

@@ -16,7 +16,7 @@ def sample_starts(
     """Sample `num` start points of a house, each at least `min_distance` [m] from earlier ones if possible.
 
     Returns:
-        Indices into the house's start points, and the points [m].
+        Indices into the start points of `house`, which is not clipped, and the points [m].
     """
     points = bank.navigation.start[house]
     gumbel = jax.random.gumbel(key, (num, points.shape[0]))
@@ -33,7 +33,7 @@ def sample_starts(
 
 
 def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Array) -> Float[Array, "3"]:
-    """Sample uniformly one of a house's start points, which are on the floor, raised by `height` [m]."""
+    """Sample uniformly one of a house's start points, on the floor, raised by `height` [m]; `house` is not clipped."""
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))

@@ -89,7 +89,7 @@ def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, doo
 
 
 def _awake_accelerations(layout: Layout) -> Float[Array, " v"]:
-    """Return initial accelerations that keep bodies and doors awake: zero acceleration marks a sleeping body."""
+    """Return the initial `qacc`, not 0 for bodies and doors: those with zero velocity and acceleration are asleep."""
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
     agents = jnp.zeros(4 * layout.num_agents, jnp.float32)
     doors = jnp.full(layout.num_doors, MIN_AWAKE_ACCELERATION, jnp.float32)
@@ -132,7 +132,7 @@ def step_checked(
 
 
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
-    """Return the state with each agent's velocity set to the action's target; vertical velocity is kept.
+    """Return the state with each agent's velocity and yaw rate set to the action's target; vertical velocity is kept.
 
     In free space, a step with the same action then moves the agents by exactly that velocity.
 

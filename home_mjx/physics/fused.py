@@ -50,7 +50,7 @@ SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory p
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Step environments (e ...) by one control step on a GPU; operands and results are ordered as in `numba.params`."""
+    """Run the GPU kernel on operands as in `numba.params`, (e, ...) after the shared ones; return the results."""
     houses, statics = operands[COLLIDER_POS].shape[:2]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
@@ -64,7 +64,7 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
 
 
 def _newton_words(mobiles: int) -> int:
-    """Return the 4-byte words for an island of `mobiles` bodies: half a Hessian, gradient and search direction."""
+    """Return the 4-byte words for an island of `mobiles` bodies: triangle of the Hessian, gradient and search."""
     size = BODY_DOFS * mobiles
     return size * (size + 1) // 2 + 2 * size
 
@@ -122,10 +122,10 @@ def _step_native(
 def _keep_sleeping_contacts(
     template: Template, before: PhysicsState, rates: tuple[Array, Array], pushed: dict[str, Array]
 ) -> dict[str, Array]:
-    """Return contact reports in which bodies asleep after the step (`rates`: qvel, qacc) keep their last awake values.
+    """Return contact reports in which bodies asleep after the step keep those of `before` if their impulse is 0.
 
     A body that woke within the step reports at least its earlier impulse, since the kernel covered only the rest of the
-    step.
+    step. `rates` is (qvel, qacc) after the step, `pushed` has the contact fields of `PhysicsState` by name.
     """
     slept, sleeps = _is_asleep(template, before.qvel, before.qacc), _is_asleep(template, *rates)
     kept = sleeps & (pushed["contact_impulse"] == 0)
@@ -159,7 +159,7 @@ def _batched(platform: str) -> Step:
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
-    """Step environments (e ...) with compiled code; return zeros if there are no environments or agents."""
+    """Call `step` on operands as in `numba.params`; return results, zeros if there are no environments or agents."""
     _, qpos, qvel, qacc, action, _, _, goal, _ = operands[NUM_SHARED:]
     envs, agents = action.shape[:2]
     mobiles = agents + operands[BODY_VALID].shape[1] + goal.shape[1]

@@ -75,8 +75,8 @@ def apply_hand_commands(
 def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
     """Update hands and door goals after a control step.
 
-    Hands release placed and torn-away bodies, and carry on after `MAX_PLACE_STEPS` steps of placing. Doors that have
-    reached their goal are no longer driven.
+    Hands release placed and torn-away bodies. A body that is not placed within `MAX_PLACE_STEPS` steps is carried
+    again. Doors that have reached their goal are no longer driven.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -103,7 +103,7 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Open a hand that is commanded to drop or to throw; a thrown body gets the agent's velocity plus the throw's."""
+    """Open a hand commanded to drop or throw; a thrown body has the agent's velocity plus up to `MAX_THROW_SPEED`."""
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
@@ -125,7 +125,7 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
-    """Release the held body if `opens`, with a small downward speed, which starts its fall in kinematic physics."""
+    """Empty a hand, which holds a body, if `opens`; add `RELEASE_SPEED` downwards, which kinematic physics needs."""
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
         qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0)),
@@ -168,14 +168,14 @@ def _distance(
 
 
 def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array, "3"]:
-    """Return an offset from an agent's centre with z replaced by its vertical distance from the axis [m]."""
+    """Return an offset from an agent's centre with z replaced by its distance beyond the axis' ends, 0 between [m]."""
     return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
 
 
 def _carry_grip(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
-    """Return the grip to carry a body, in the agent's frame: ahead, below its eyes, with orientation `turned`."""
+    """Return the carrying grip (xyz, wxyz) in the agent's frame: ahead, below the eyes, with orientation `turned`."""
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
     ahead = jnp.float32(config.radius + CARRY_CLEARANCE) + jnp.linalg.norm(extent[:2])
@@ -186,7 +186,7 @@ def _carry_grip(
 def _start_place(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
-    """Start to place the held body at `spot` [m] if a hand holds one and reaches it; a running placement goes on."""
+    """Start to place the held body on `spot` [m] if one is held and `spot` in reach; else go on with an earlier one."""
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
@@ -243,7 +243,7 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
 def _command_door(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Set the goal of the commanded door to fully open or closed; no effect if it is out of reach or unused."""
+    """Set the goal of the commanded door to fully open or closed; no effect if it is out of reach, unused or -1."""
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
     middle, quat = jax.tree.map(lambda x: x[door], leaves.pose_at(door_angle(template, state)))

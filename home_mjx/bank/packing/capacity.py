@@ -106,12 +106,12 @@ def model_rows(models: Iterable[Model]) -> dict[str, int]:
 
 
 def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np.ndarray) -> dict[str, int]:
-    """Count the rows, by `ROW_KINDS`, that precede those of all houses: library models, and the agent's other rows."""
+    """Count the rows by `ROW_KINDS` that precede all houses': of library models and of the agent's two tables."""
     return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics), "cell": 0}
 
 
 def slot_stride(houses: Sequence[CompiledHouse], capacity_factor: float) -> dict[str, int]:
-    """Return rows by `ROW_KINDS` that hold any one house, up to `capacity_factor` times the largest of these."""
+    """Return rows by kind that hold a house `capacity_factor` times the largest: `ragged_class`es, and 1 `model`."""
     found = [house_rows(house) for house in houses]
     largest = {kind: max(rows[kind] for rows in found) for kind in found[0]}
     return {k: 1 if k == "model" else ragged_class(int(n * capacity_factor)) for k, n in largest.items()}
@@ -150,7 +150,7 @@ def size_class(count: int, smallest: int) -> int:
 
 
 def ragged_class(count: int) -> int:
-    """Return the capacity of a concatenated table: at least four classes per octave, so at most a quarter is unused.
+    """Return the capacity of a concatenated table: `count` rounded up to a multiple of 64, by at most 25 % from 256 on.
 
     Example:
         >>> ragged_class(1000), ragged_class(102_076)

@@ -125,7 +125,7 @@ def pack_house_slots(
 def pack_house_slot(
     house: CompiledHouse, library: Library, capacity: Counts, stride: Counts, house_slot: int
 ) -> tuple[Arrays, dict[Key, int]]:
-    """Pack one house for a slot of a `pack_house_slots` bank: return its rows, padded, and where each array's begin.
+    """Pack a house for a slot of a `pack_house_slots` bank: return its own arrays, padded, and first rows, by key.
 
     Raises:
         CapacityError: The house does not fit `capacity` or `stride`, see `pack_house_slots`.

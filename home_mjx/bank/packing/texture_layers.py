@@ -85,7 +85,7 @@ def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
 
 
 def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Return the layers for `count` images, a power of two, and the texels per layer with all mip levels."""
+    """Return the layers for `count` images, rounded up to a power of two, and the texels per layer with mip levels."""
     return size_class(count, 1), sum(mip_sizes(size))
 
 

@@ -62,7 +62,7 @@ def first_semantic(at: HouseOwner) -> Int[np.ndarray, " i"]:
 
 
 def ray_mask(at: HouseOwner) -> Int[np.ndarray, " r"]:
-    """Return the ray bits of each material, with the cut-out layer + 1 of its texture above them; 0 if it has none."""
+    """Return each material's ray bits and, from bit `CUTOUT_SHIFT` on, its texture's cut-out layer + 1; 0 if none."""
     table = at.record.materials
     layer = [1 + at.texture_layer[path] if path in at.cutouts else 0 for path in table.texture]
     return table.mask | np.array(layer, np.int32) << CUTOUT_SHIFT

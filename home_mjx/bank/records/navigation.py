@@ -40,7 +40,7 @@ def cell_numbers(at: HouseOwner) -> Int[np.ndarray, "levels grid_rows grid_colum
 
 
 def cell_coords(at: HouseOwner) -> Int[np.ndarray, "c 3"]:
-    """Return grid, row and column of a house's numbered cells: the home region's, then the extrapolated ones."""
+    """Return level, row, column of a house's numbered cells: those of the home region, then the extrapolated ones."""
     navigation = at.house.navigation
     return np.concatenate([navigation.cell_coords, navigation.extrapolated.coords])
 

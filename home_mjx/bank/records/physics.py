@@ -38,7 +38,7 @@ def damping_ratios(at: HouseOwner) -> Float[np.ndarray, " k"]:
 
 
 def ramp_rows(at: HouseOwner) -> Float[np.ndarray, "r 8"]:
-    """Return a row per ramp with its upper side's plan, height and slope, in the columns of `Physics.ramp`."""
+    """Return each ramp's top: centre x, y, uphill x, y, half length and width in plan, centre z, slope (rise / run)."""
     ramps = at.house.ramps
     slope = ramps.slope[:, None]
     top = ramps.pos + ramps.size[:, 2:] * np.concatenate([-np.sin(slope) * ramps.up, np.cos(slope)], axis=1)

@@ -152,7 +152,7 @@ class PhysicsSetup(PhysicsConfig):
 
     @classmethod
     def compose(cls, config: PhysicsConfig, body: AgentBody, timing: Timing) -> "PhysicsSetup":
-        """Return a setup with all options of `config`; a setup loses its own body and timing.
+        """Return a setup with the options of `config` and the given body and timing, which replace those of a setup.
 
         Example:
             >>> PhysicsSetup.compose(PhysicsConfig(friction=0.5), AgentBody(), Timing()).friction

@@ -26,7 +26,7 @@ class DoorLeaves(Pytree):
 
     @classmethod
     def from_physics(cls, physics: Physics) -> "DoorLeaves":
-        """Gather the leaves of all houses (house, door); missing leaves have half extents of -1."""
+        """Gather the leaves of all houses, with axes (house, door, ...); missing leaves have half extents of -1."""
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
         return cls(
@@ -43,7 +43,7 @@ class DoorLeaves(Pytree):
 
     @property
     def valid(self) -> Array:
-        """Validity mask; False for padding."""
+        """Mask of leaves that exist, by nonnegative half extents; False for padding."""
         return self.size[..., 0] >= 0
 
     @property

@@ -34,7 +34,7 @@ NOT_DRIVEN = 1e9  # goal of a door that is not driven
 
 
 def hand_time_constant(config: PhysicsSetup) -> float:
-    """Return the time constant of hands [s]: `HAND_TIME_CONSTANT`, or the shortest one that a physics step resolves."""
+    """Return the velocity time constant of hands [s]: `HAND_TIME_CONSTANT`, but at least two physics steps."""
     return max(HAND_TIME_CONSTANT, 2 * config.timing.sim_dt)
 
 
@@ -59,7 +59,7 @@ def hand_accelerations(
     Args:
         config: Options.
         held: Poses and velocities of both.
-        grip: Target pose of the body: position [m] and quaternion in the agent's frame, which rotates with its yaw.
+        grip: Target pose of the body: position [m] from the agent's centre and quaternion, rotated by its yaw.
 
     Returns:
         Acceleration of the body [m/s^2], which replaces gravity; its angular acceleration about its own axes [rad/s^2];
@@ -133,7 +133,10 @@ def ramp_acceleration(
 
 
 def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m]."""
+    """Return a point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m].
+
+    Offsets are horizontal. The height is that of the ramp's plane, also beyond its edges.
+    """
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
     across = (pos[1] - y) * up_x - (pos[0] - x) * up_y

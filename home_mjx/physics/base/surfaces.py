@@ -19,7 +19,10 @@ FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)
 
 
 def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5"]:
-    """Return the contact parameters of the bodies of all houses (house, body); options override their materials."""
+    """Return the contact parameters of the bodies of all houses (house, body); options override their materials.
+
+    Columns: sliding friction, stiffness [1/s^2], damping [1/s], minimum impedance, its width [m].
+    """
     friction, ratio = physics.body_friction, physics.body_damping_ratio
     if config.friction is not None:
         friction = jnp.full_like(friction, config.friction)
@@ -29,5 +32,5 @@ def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5
 
 
 def default_surface(config: PhysicsSetup) -> Float[np.ndarray, "5"]:
-    """Return the contact parameters of unused bodies: default friction, critical damping, so no bounce."""
+    """Return the row of `body_surfaces` for unused bodies: default friction, critical damping, so no bounce."""
     return np.array([DEFAULT_CONTACT.friction, *contact_parameters(np.ones(()), config.timing.sim_dt)])

@@ -18,7 +18,7 @@ def leaf_boxes(leaves: DoorLeaves, angle: Float[Array, " h"]) -> OrientedBoxes:
 def drive_doors(
     leaves: DoorLeaves, angle: Float[Array, " h"], goal: Float[Array, " h"], dt: float
 ) -> Float[Array, " h"]:
-    """Return joint coordinates after `dt` [s]; leaves with a goal move towards it by at most `MAX_DOOR_SPEED * dt`."""
+    """Return joint coordinates moved to their goals by at most `MAX_DOOR_SPEED * dt`; unchanged if `NOT_DRIVEN`."""
     most = jnp.float32(MAX_DOOR_SPEED * dt)
     way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
     return jnp.where(goal < NOT_DRIVEN, angle + way, angle)

@@ -67,9 +67,10 @@ class AgentCapsules(Pytree):
 def move_and_slide(
     boxes: Footprints, agents: AgentCapsules, old: Float[Array, "3"], way: Float[Array, "3"]
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
-    """Move an agent by a short displacement; return its position and the number of obstacles that it touched.
+    """Move agent `agents.index` from centre `old` by `way` [m]; return its centre and the number of touched obstacles.
 
-    It slides along obstacles, and stays at `old` in a gap that is too narrow.
+    Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, and stays at
+    `old` in a gap that is too narrow. `way` is at most one radius.
     """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)
@@ -98,7 +99,7 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 
 
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's horizontal distance from each box [m], negative inside, and its direction along u and v."""
+    """Return a point's horizontal distance from each box [m], negative inside, and outward unit vector in u and v."""
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     beyond_u, beyond_v = jnp.abs(u) - boxes.half_u, jnp.abs(v) - boxes.half_v
@@ -114,7 +115,7 @@ def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, A
 def _depenetration(
     boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"], depth: Float[Array, " n"]
 ) -> Array:
-    """Return the horizontal displacement that resolves the deepest penetration; 0 if there is none."""
+    """Return the horizontal displacement (3) that resolves the deepest `_penetration_depths`; 0 if all are negative."""
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
     _, u, v = _side_distances(box, pos)

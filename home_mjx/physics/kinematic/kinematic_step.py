@@ -88,7 +88,7 @@ def _num_substeps(config: PhysicsSetup) -> int:
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Return static boxes, then movable bodies; ramps and held bodies are disabled."""
+    """Return static boxes, then movable bodies, unused ones too; ramps and held bodies are disabled (`bottom` inf)."""
     static = _static_footprints(physics, house, obstacles=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.from_boxes(OrientedBoxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
@@ -108,7 +108,7 @@ def _static_footprints(physics: Physics, house: Array, obstacles: bool) -> Footp
 
 
 def _place_held_bodies(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Return positions with held bodies at their holders' grips."""
+    """Return `qpos` with held bodies at their holders' grips; the other elements are unchanged."""
     layout = template.layout
     if not layout.num_bodies:
         return qpos

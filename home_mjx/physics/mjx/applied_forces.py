@@ -38,8 +38,8 @@ def applied_forces(
         qvel: Current velocities.
 
     Returns:
-        Motor forces of the agents: along world x and y [N], torque about z [N m]. Forces on all other degrees of
-        freedom, as MuJoCo's `qfrc_applied`.
+        Forces on the agents, with hand reactions and ramp support: along world x and y [N], torque about z [N m].
+        Forces on all other degrees of freedom, as MuJoCo's `qfrc_applied`.
     """
     bodies, leaves, ramps = house
     layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)
@@ -67,7 +67,7 @@ def _add_hand_force(
     now: tuple[Float[Array, " q"], Float[Array, " v"]],
     applied: Float[Array, " v"],
 ) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
-    """Add the force of one agent's hand to the applied forces; return them and the reaction on it (x, y) [N]."""
+    """Add an agent's hand force at `now` (qpos, qvel) to `applied`; return it and the agent's reaction (x, y) [N]."""
     layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
     agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]

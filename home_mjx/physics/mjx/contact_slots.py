@@ -104,7 +104,7 @@ def fill_slots(
 
 
 def parked_boxes(num: int) -> OrientedBoxes:
-    """Return small boxes `PARKED_HEIGHT` below the ground, which nothing touches."""
+    """Return `num` small boxes `PARKED_HEIGHT` below the ground, all in one place, which nothing touches."""
 
     def rows(*row: float) -> Array:
         return jnp.tile(jnp.array([row], jnp.float32), (num, 1))

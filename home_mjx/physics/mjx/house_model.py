@@ -41,7 +41,7 @@ class MovableBodies(Pytree):
 
 
 def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None) -> MovableBodies:
-    """Return a house's movable bodies at their authored poses, with masses and inertias scaled for the episode."""
+    """Return a house's bodies at authored poses, unused ones parked; `scale` multiplies mass and inertia of others."""
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
         return bodies
@@ -122,7 +122,7 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
 def house_surfaces(
     config: PhysicsSetup, physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None
 ) -> Float[Array, "k 5"]:
-    """Return the contact parameters of a house's bodies in an episode; see `base.surfaces`.
+    """Return the contact parameters of a house's bodies, friction times `scale.friction`; columns as `base.surfaces`.
 
     Unused bodies have the template's parameters.
     """
@@ -162,7 +162,7 @@ def with_surfaces(
 
 
 def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
-    """Return the door leaves of a house; unused leaves are parked."""
+    """Return the door leaves of a house; unused leaves are parked `PARKED_HEIGHT` above, with a small valid size."""
     leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
     one = jnp.ones_like(row)

@@ -79,10 +79,10 @@ def step_mjx(
 
 
 def padded_static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> OrientedBoxes:
-    """Return the static boxes of a house that rise above its floor, padded with parked ones to the number of slots.
+    """Return a house's static boxes in the bank's order, padded with parked ones to the number of slots of one owner.
 
-    Boxes in or flat on the floor are parked, too. The floor plane already supports bodies there, and contact with a rug
-    must count as contact with the floor.
+    Parked ones also replace boxes in or flat on the floor. The floor plane already supports bodies there, and contact
+    with a rug must count as contact with the floor.
     """
     own = OrientedBoxes(physics.collider_pos[house], physics.collider_quat[house], physics.collider_size[house])
     above = own.rise_above(physics.floor[house])
@@ -94,10 +94,11 @@ def padded_static_boxes(template: Template, physics: Physics, house: Int[Array, 
 def fill_contact_slots(
     template: Template, static: OrientedBoxes, body_size: Float[Array, "k 3"], data: mjx.Data
 ) -> tuple[OrientedBoxes, Int[Array, " s"], Bool[Array, ""]]:
-    """Fill all contact slots with the static boxes nearest to each agent and each body.
+    """Fill all contact slots, ordered as `Layout.slots`, with the static boxes nearest to each agent and each body.
 
     Returns:
-        The boxes in the slots, their indices, and whether a box was dropped that touches an owner without a free slot.
+        The boxes in the slots, their rows in `static`, and whether a box was dropped that touches an owner without a
+        free slot.
     """
     config = template.config
     slots, rows, crowded = [], [], jnp.zeros((), bool)
@@ -120,7 +121,7 @@ def apply_state_limits(
     before: PhysicsState,
     moved: tuple[Float[Array, " q"], Float[Array, " v"]],
 ) -> tuple[Float[Array, " q"], Float[Array, " v"]]:
-    """Return poses and speeds with unused bodies and doors restored and the speed of the others limited.
+    """Return `moved` (qpos, qvel) with unused bodies and doors restored and the speed and spin of used bodies limited.
 
     Unused bodies are restored exactly, so they never drift. The limits keep a body that starts deep inside another from
     being shot through a wall. They also limit the spin, since explicit integration of the gyroscopic torque diverges

@@ -102,7 +102,7 @@ class GeomPairs:
         return jnp.maximum(along_a.max(axis=-1), along_b.max(axis=-1)) < 0
 
     def _boxes(self, sizes: GeomSizes) -> Float[Array, "g 3"]:
-        """Return half extents of every geom's bounding box [m]."""
+        """Return half extents of the bounding box of boxes and capsules [m]; `geom_size` of other geoms."""
         size, capsules = sizes.size, self.capsules
         around = jnp.stack([size[capsules, 0], size[capsules, 0], size[capsules, 0] + size[capsules, 1]], axis=-1)
         return size.at[capsules].set(around)

@@ -22,7 +22,7 @@ class ContactImpulses(Pytree):
 
 
 def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> ContactImpulses:
-    """Collect the contact impulses of one physics step.
+    """Collect the contact impulses of one physics step; 0, and partner `NOTHING`, for bodies without contact.
 
     Args:
         template: Model of the bank's capacity.
@@ -78,7 +78,7 @@ def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
 def _contact_sides(
     template: Template, data: mjx.Data, slot_box: Int[Array, " s"]
 ) -> tuple[Any, Int[Array, " n"], Int[Array, " n"]]:
-    """Return the contacts of MJX, and the owner codes of their first and second sides."""
+    """Return the contacts of MJX, and the owners of their first and second geoms, coded as in `_owner_codes`."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     code = _owner_codes(template, slot_box)
     return contact, code[contact.geom[:, 0]], code[contact.geom[:, 1]]

@@ -21,7 +21,7 @@ CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 
 
 def template_mjcf(config: PhysicsSetup, layout: Layout, jacobian: str) -> str:
-    """Return the MJCF of an empty house in which every body, door and slot is parked.
+    """Return the MJCF of an empty house with every body, door and slot parked; `jacobian` is MuJoCo's option.
 
     Door leaves collide with agents and bodies only, since the house defines their ranges. The joint type of a leaf
     cannot differ between houses: the last leaves slide.
@@ -55,7 +55,7 @@ def template_mjcf(config: PhysicsSetup, layout: Layout, jacobian: str) -> str:
 
 
 def slot_names(layout: Layout) -> list[str]:
-    """Return the names of the slot geoms, in order."""
+    """Return the names of the slot geoms in order: `agent<a>_slot<s>` of all agents, then `body<k>_slot<s>`."""
     agents = [f"agent{a}_slot{s}" for a in range(layout.num_agents) for s in range(layout.agent_slots)]
     return agents + [f"body{k}_slot{s}" for k in range(layout.num_bodies) for s in range(layout.body_slots)]
 

@@ -20,7 +20,7 @@ class ContactReport(NamedTuple):
 
 
 def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> ContactReport:
-    """Collect the contact impulses of the physics step that `data` has just done.
+    """Collect the contact impulses of the physics step that `data` has just done; 0 and `NOTHING` without contact.
 
     Args:
         data: A `mujoco.MjData`.

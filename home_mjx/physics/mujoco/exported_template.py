@@ -60,7 +60,7 @@ class ExportedTemplate(Template):
 def build_exported_model(
     config: PhysicsSetup, layout: Layout, house: CompiledHouse, collision: str = "box"
 ) -> MujocoHouse:
-    """Build C MuJoCo's model of an exported house with agents."""
+    """Build C MuJoCo's model of an exported house with agents; `collision` is `box` or `exact`, as in `to_mjcf`."""
     xml, files = to_mjcf(
         house,
         timestep=config.timing.sim_dt,

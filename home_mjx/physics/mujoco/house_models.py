@@ -116,7 +116,7 @@ class PrebuiltHouses(MujocoHouses):
 
 @functools.cache
 def shared_house_models(config: PhysicsSetup, layout: Layout) -> MujocoHouses:
-    """Return the models shared by all templates of these options and capacities."""
+    """Return the store of models, built on first use, that all templates of these options and capacities share."""
     return MujocoHouses(config, layout)
 
 

@@ -99,7 +99,7 @@ def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
 
 
 def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:
-    """Return the shapes of the results of a physics step of environments; see `MujocoHouses`."""
+    """Return the results' shapes in a physics step of `MujocoHouses`; `state` is qpos, qvel and qacc, each (e, ...)."""
     envs, agents, mobiles = state[0].shape[0], layout.num_agents, layout.num_dynamic
     shapes = [(x.shape, jnp.float32) for x in state]
     shapes += [((envs, agents), jnp.int32), ((envs, mobiles), jnp.float32), ((envs, mobiles), jnp.float32)]

@@ -76,10 +76,11 @@ def sum3(x, y, z, end, start):
 @compiled
 @no_type_check
 def _least_overlap(between, cosine, half1, half2, axis):
-    """Find the axis of least overlap; return its code and that of the best face, -1 if the boxes are apart.
+    """Find the axis of least overlap; return its code and that of the best face, both -1 if the boxes are apart.
 
-    Codes 0..2 are faces of the first box, 3..5 of the second one. An edge axis is written to `axis`, in the first box's
-    frame, towards the second one.
+    Codes 0..2 are faces of the first box, 3..5 of the second one, `EDGE` + 3 i + j edges i and j. An edge axis is
+    written to `axis`, towards the second box. `axis` and `between`, its centre, are in the first box's frame; `cosine`
+    (3, 3) has the scalar products of axis i of the first box and j of the second one.
     """
     least, code = np.inf, -1
     for i in range(3):
@@ -111,9 +112,11 @@ def _least_overlap(between, cosine, half1, half2, axis):
 def _best_edge(between, cosine, half1, half2, face, axis):
     """Find the pair of edges whose cross product has the least overlap, and write that unit vector to `axis`.
 
+    Arguments are those of `_least_overlap` and the code of the best face.
+
     Returns:
-        Code of the pair (`NO_EDGE` if all are parallel, `APART` if an axis separates the boxes), its overlap, and the
-        absolute cosine of its axis to the best face's normal.
+        Code 3 i + j of the pair (`NO_EDGE` if all are parallel, `APART` if an axis separates the boxes), its overlap,
+        and the absolute cosine of its axis to the best face's normal.
     """
     least, best, likeness = np.inf, NO_EDGE, 0.0
     for i in range(3):
@@ -146,7 +149,7 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 @compiled
 @no_type_check
 def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
-    """Clip box 2's facing face by box 1's face `up`; write points and `sign` times its normal, return their count."""
+    """Clip box 2 by box 1's face on axis `up` towards it; write points, `sign` times its normal; return the count."""
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0
     frame = matrix()
@@ -180,7 +183,7 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 @compiled
 @no_type_check
 def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
-    """Write point and normal half-way between two edges; return False if they do not cross seen along the axis."""
+    """Write point and normal, in the world, half-way between edges `code`; return False unless they cross on `axis`."""
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame
     for j in range(3):
@@ -222,7 +225,7 @@ def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal
 @compiled
 @no_type_check
 def _face_axes(rot, up, side, frame):
-    """Write the axes of a face as columns, right-handed; the third is its outward normal."""
+    """Write axes of the face at `side` (1, -1) of a box's axis `up` as columns, right-handed; the third is outward."""
     for k in range(3):
         frame[3 * k] = rot[3 * k + (up + 1) % 3]
         frame[3 * k + 1] = side * rot[3 * k + (up + 2) % 3]
@@ -273,7 +276,7 @@ def _clip(corner, edges, size, points):
 @compiled
 @no_type_check
 def _crossings(start, edge, size, points, number):
-    """Add the points where an edge crosses the border of the rectangle; return the new number of points."""
+    """Add points with z <= 0 where the edge `start` + t `edge` meets the rectangle's border; return the new number."""
     for q in range(2):
         if abs(edge[q]) <= MIN_CROSS_LENGTH:
             continue
@@ -291,7 +294,7 @@ def _crossings(start, edge, size, points, number):
 @compiled
 @no_type_check
 def _covered_corners(corner, edges, size, points, number):
-    """Add the rectangle's corners that the parallelogram covers; return the new number of points."""
+    """Add the parallelogram's points below corners of the rectangle that it covers; return the new number of points."""
     a, c = edges[0], edges[1]
     b, d = edges[3], edges[4]
     determinant = a * d - b * c
@@ -309,7 +312,7 @@ def _covered_corners(corner, edges, size, points, number):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _add(x, y, z, points, number):
-    """Add the midpoint of a point and the plane, unless it is above or `points` is full; return the new number."""
+    """Add the midpoint of (x, y, z) and (x, y, 0), distance z, unless z > 0 or `points` is full; return the number."""
     if z > 0 or number >= MAX_PAIR_POINTS:
         return number
     points[4 * number], points[4 * number + 1], points[4 * number + 2], points[4 * number + 3] = x, y, z / 2, z

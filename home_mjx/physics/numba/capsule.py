@@ -98,7 +98,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 @compiled
 @no_type_check
 def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals, count):
-    """Add the contact, if any, of the sphere at t (-1..1) of the axis, in world coordinates; return the new number."""
+    """Add the contact, if any, of the sphere at `center` + t `axis` (box's frame) to `points`; return their number."""
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
     if not sphere_box(x, y, z, radius, half, point, normal):
@@ -113,7 +113,7 @@ def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals
 @compiled
 @no_type_check
 def _sphere_positions(center, axis, length, half):
-    """Return the positions of the two spheres on the axis, from -1 to 1; the second is NaN if there is only one."""
+    """Return t (-1 to 1) of both spheres at `center` + t `axis`, in the box's frame; the second is NaN if missing."""
     best, t, kind, on, corner, at = _nearest_end(center, axis, half)
     best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
     if kind == FACE:
@@ -132,7 +132,7 @@ def _sphere_positions(center, axis, length, half):
 @compiled
 @no_type_check
 def _nearest_end(center, axis, half):
-    """Find the end of the axis that is in front of a face or inside the box, if one is nearest.
+    """Find the end of the axis (box's frame) nearest to the box, of those in front of a face or inside.
 
     Returns:
         Squared distance, inf if there is none; end, -1 or 1; `FACE` or `NONE`; axis of the face, -1 inside; 0, 0.
@@ -153,7 +153,11 @@ def _nearest_end(center, axis, half):
 @compiled
 @no_type_check
 def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
-    """Update the result of `_nearest_end` with the twelve edges, including corner bits and position on the edge."""
+    """Update the result of `_nearest_end` with the nearest of the twelve edges, if that is nearer.
+
+    The kind is then `EDGE` or `CORNER`, with the edge's axis, corner bits (k: positive side of axis k), and position on
+    the edge (-1 to 1).
+    """
     gap = vector()
     for j in range(3):
         ma, mb, mc = half[j] * half[j], -half[j] * axis[j], length * length
@@ -211,7 +215,10 @@ def _length_beside_face(center, axis, half, end, face):
 @compiled
 @no_type_check
 def _length_from_corner(axis, length, half, t, turn):
-    """Return the signed length [half axes] along a corner's edge or face; NaN if the axis points away or at it."""
+    """Return the signed length [half axes] beside a corner's edge or face; NaN if the axis points away or at it.
+
+    Bits of `turn` are box axes along which the capsule's axis goes inwards.
+    """
     if turn in (0, 7):
         return np.nan
     direction = 1.0
@@ -228,7 +235,11 @@ def _length_from_corner(axis, length, half, t, turn):
 @compiled
 @no_type_check
 def _length_from_edge(axis, half, t, edge, at, forward, turn):
-    """Return the signed length [half axes] from an edge across the least inclined face; NaN if the axis points away."""
+    """Return the signed length [half axes] from an edge across the adjacent face that is most parallel to the capsule.
+
+    `at` is the position on the edge (-1 to 1). Bits of `forward` and `turn` are box axes along which the capsule's axis
+    increases or goes inwards. NaN unless `turn` has one bit.
+    """
     if turn not in (1, 2, 4):
         return np.nan
     ax1, ax2 = (edge + 1) % 3, (edge + 2) % 3
@@ -245,7 +256,7 @@ def _length_from_edge(axis, half, t, edge, at, forward, turn):
 @compiled
 @no_type_check
 def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, normals):
-    """Write the contacts of two upright capsules, return their number, at most two; see `capsule_box`."""
+    """Write the contacts of two upright capsules, return their number, at most two; arguments as in `capsule_box`."""
     dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
     low = max(pos1[2] - length1, pos2[2] - length2)
     high = min(pos1[2] + length1, pos2[2] + length2)

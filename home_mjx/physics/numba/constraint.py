@@ -55,7 +55,7 @@ def num_rows(friction):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def edge_value(row, friction, normal, first, second):
-    """Return `normal ± friction * tangent`, with the first tangent in rows 0 (+) and 1 (-), else with the second."""
+    """Return `normal ± friction * tangent`: first tangent in rows 0 (+) and 1 (-), second in rows 2 (+) and 3 (-)."""
     tangent = first if row < 2 else second
     return normal + (friction * tangent if row % 2 == 0 else -friction * tangent)
 
@@ -63,7 +63,7 @@ def edge_value(row, friction, normal, first, second):
 @compiled
 @no_type_check
 def contact_velocity(work, n, values):
-    """Compute the velocity, or acceleration, of the second body relative to the first in the contact frame (3).
+    """Return contact `n`'s velocity, or acceleration, of the second body relative to the first: normal, two tangents.
 
     `values` is `work.vel` or `work.acc`: six per dynamic body, unlike MuJoCo's `qvel`.
     """
@@ -86,7 +86,7 @@ def contact_velocity(work, n, values):
 @compiled
 @no_type_check
 def _jacobian(work, n, side, m, sign):
-    """Write `sign` times the contact frame's Jacobian for one body's six velocities; agents have no rotational part."""
+    """Write contact `n`'s Jacobian (3, 6) of body `m` at `side` 0 or 1, times `sign`; agents have no angular part."""
     if m >= work.num_free:
         _door_jacobian(work, n, side, m, sign)
         return
@@ -108,7 +108,7 @@ def _jacobian(work, n, side, m, sign):
 @compiled
 @no_type_check
 def _door_jacobian(work, n, side, m, sign):
-    """Write the Jacobian of a door, whose only velocity is its rate.
+    """Write the Jacobian of a door, as `_jacobian` does; its only velocity is its rate.
 
     Along a direction it is (up x arm) for a hinged leaf, or the slide direction for a sliding one. At a joint limit the
     first row is the rate itself.
@@ -146,7 +146,7 @@ def _surface(work, numbers, a, b):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _impedance(low, high, x):
-    """Evaluate MuJoCo's default impedance curve (midpoint 0.5, power 2) at x in [0, 1]."""
+    """Evaluate MuJoCo's default impedance curve (midpoint 0.5, power 2) from `low` at x = 0 to `high` at x >= 1."""
     if x >= 1:
         return high
     y = 2 * x * x if x < 0.5 else 1 - 2 * (1 - x) * (1 - x)

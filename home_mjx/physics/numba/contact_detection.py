@@ -23,7 +23,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def find_contacts(work, numbers, floor):
-    """Write all contacts of an environment to `work`; set `wakes` of sleeping bodies that are touched."""
+    """Write an environment's contacts, with its floor at `floor` [m], to `work`; set `wakes` of touched sleepers."""
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
         if work.used[m]:
@@ -53,7 +53,7 @@ def _add_house_contacts(work, numbers, m, floor):
 @compiled
 @no_type_check
 def _add_limit_contacts(work, m):
-    """Add contacts at the joint limits of a door; the first element of the normal is the sign of the push."""
+    """Add contacts at exceeded joint limits of door `m`; the normal's first element is the sign of the push."""
     door, angle = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), work.quat[4 * m]
     points, normals = work.points, work.normals
     for k in range(3):
@@ -125,7 +125,7 @@ def _max_displacement(work, m):
 @compiled
 @no_type_check
 def are_boxes_apart(work, m, pos, rot, half, reach):
-    """Return whether one of the six face axes separates a body's box from another box by more than `reach`."""
+    """Return whether one of six face axes separates body `m`'s box from another by more than `reach` [m]."""
     for k in range(3):
         own, other, along, across = 0.0, 0.0, 0.0, 0.0
         for j in range(3):
@@ -238,7 +238,7 @@ def _add_sleeping_contacts(work, m, other):
 @compiled
 @no_type_check
 def _add_box_contacts(work, m, other, pos, rot, half):
-    """Add contacts of a body and a box; `other` is the code of the box's owner."""
+    """Add contacts of a body and a box, whose owner `other` is a dynamic body, `STATIC - c` or `SLEEPING_BODY - m`."""
     points, normals, own = work.points, work.normals, offset_pointer(work.pos, 3 * m)
     if m < work.num_agents:
         size = offset_pointer(work.agent, AGENT_COLUMNS * m)

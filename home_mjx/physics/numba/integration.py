@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def update_poses(work, also_sleepers):
-    """Update axes of bodies and poses of leaves that are awake, or with `also_sleepers` of all, from coordinates."""
+    """Update `rot` of bodies, `pos` and `rot` of leaves, from `quat`: of awake ones, with `also_sleepers` of all."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):

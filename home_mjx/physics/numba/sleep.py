@@ -25,7 +25,10 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def mark_sleeping(work, numbers, held, goal):
-    """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may sleep, and clear `wakes`."""
+    """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may sleep, and clear `wakes`.
+
+    Agents, bodies in `held` (a) and doors driven to a `goal` (h) stay awake and are not calm.
+    """
     for m in range(work.num_dynamic):
         work.used[m], work.wakes[m] = work.there[m], 0
         work.calm[m] = 1 if m >= work.num_agents and numbers.sleep > 0 else 0

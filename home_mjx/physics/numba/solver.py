@@ -31,7 +31,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def solve(work, numbers):
-    """Replace `acc`, the initial guess, by the accelerations with contact."""
+    """Replace `acc` of awake bodies, the initial guess, by the accelerations with contact."""
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
@@ -111,7 +111,7 @@ def _newton(work, members, rows, size, iterations):
 @compiled
 @no_type_check
 def _residuals(work, rows):
-    """Compute J a - target and the active rows of an island; return whether the active set changed."""
+    """Compute J a - target and active rows of `rows` contacts in `work.rows`; return whether the active set changed."""
     changed = False
     for i in range(rows):
         n = work.rows[i]
@@ -131,7 +131,10 @@ def _residuals(work, rows):
 @compiled
 @no_type_check
 def _assemble(work, members, rows, size):
-    """Assemble the gradient and the lower triangle of the Hessian of the cost."""
+    """Assemble the gradient and the lower triangle of the Hessian (`size`, `size`) of an island's cost.
+
+    The island has `members` bodies, listed in `work.members`, and `rows` contacts, listed in `work.rows`.
+    """
     hessian, gradient = work.hessian, work.gradient
     for i in range(size):
         for j in range(i + 1):
@@ -151,7 +154,7 @@ def _assemble(work, members, rows, size):
 @compiled
 @no_type_check
 def _add_contact(work, n, size):
-    """Add a contact's force to the gradient and its stiffness to the Hessian."""
+    """Add contact `n`'s force to the gradient and its stiffness to the lower Hessian (`size`, `size`)."""
     weight, friction, active = work.weight[n], work.friction[n], work.active[n]
     f0 = f1 = f2 = w00 = w01 = w02 = w11 = w22 = 0.0
     for row in range(num_rows(friction)):
@@ -204,7 +207,7 @@ def _factorise(matrix, size):
 @compiled
 @no_type_check
 def _back_substitute(factor, gradient, search, size):
-    """Compute Newton's direction: minus the inverse Hessian times the gradient."""
+    """Write Newton's direction, minus inverse Hessian times gradient, to `search`; `factor` is from `_factorise`."""
     for i in range(size):
         value = -gradient[i]
         for k in range(i):
@@ -220,7 +223,10 @@ def _back_substitute(factor, gradient, search, size):
 @compiled
 @no_type_check
 def _line_search(work, members, rows):
-    """Return the step along `search` that minimises the cost; exactly 1 if a full step does, 0 if converged."""
+    """Return the step along `search` that minimises the cost; exactly 1 if a full step does, 0 if converged.
+
+    The island has `members` bodies, listed in `work.members`, and `rows` contacts, listed in `work.rows`.
+    """
     start, curve, scale = _inertial_derivatives(work, members)
     _residual_slopes(work, rows)
     before, _ = _derivatives(work, rows, start, curve, 0.0)
@@ -244,7 +250,7 @@ def _line_search(work, members, rows):
 @compiled
 @no_type_check
 def _inertial_derivatives(work, members):
-    """Compute slope at 0 and curvature of the cost's inertial term along `search`, and the cost's scale."""
+    """Return slope at 0 and curvature of the inertial cost of `members` bodies along `search`, and the cost's scale."""
     start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):
         m = work.members[i]
@@ -260,7 +266,7 @@ def _inertial_derivatives(work, members):
 @compiled
 @no_type_check
 def _residual_slopes(work, rows):
-    """Compute the slopes of the rows' residuals along `search`."""
+    """Write the slopes of the residuals of the `rows` contacts in `work.rows` along `search` to `slope`."""
     for i in range(rows):
         n = work.rows[i]
         x = y = z = 0.0
@@ -279,7 +285,7 @@ def _residual_slopes(work, rows):
 @compiled
 @no_type_check
 def _derivatives(work, rows, start, curve, length):
-    """Compute the first and second derivative of the cost at `length` along `search`."""
+    """Return both derivatives of the cost at `length` along `search`; `start`, `curve`: those of inertia at 0."""
     slope, bend = start + length * curve, curve
     for i in range(rows):
         n = work.rows[i]

@@ -225,7 +225,7 @@ def _clear_report(work, touched, push, other):
 @compiled
 @no_type_check
 def _count_agent_contacts(work, touched):
-    """Count contacts of each agent, except with what carries it; keep the maximum over physics steps."""
+    """Raise each agent's `touched` to its number of contacts in this physics step, except with what carries it."""
     for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
@@ -238,7 +238,7 @@ def _count_agent_contacts(work, touched):
 @compiled
 @no_type_check
 def _record_impulses(work, numbers, push, other):
-    """Add the impulses of a physics step, except at joint limits, and keep the strongest contact of each body."""
+    """Add a step's impulses, except at joint limits, and keep strongest contacts, in results as of `step_env`."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)

@@ -103,7 +103,7 @@ def allocate_workspace(num_agents, num_bodies, num_doors, num_static):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def num_contact_dofs(work, m):
-    """Return the number of a dynamic body's DoFs that contacts act on."""
+    """Return the number of dynamic body `m`'s DoFs that contacts act on: 3 of an agent, 6 of a body, 1 of a door."""
     if m < work.num_agents:
         return AGENT_DOFS
     return BODY_DOFS if m < work.num_free else DOOR_DOFS

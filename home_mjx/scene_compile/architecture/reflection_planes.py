@@ -65,7 +65,7 @@ def _rows(vectors: Iterable[np.ndarray]) -> Float[np.ndarray, "p 3"]:
 
 
 def _wall(part: WallPart, normal: Float[np.ndarray, "3"], slot: int, rooms: RoomTable) -> ReflectionRectangle:
-    """Return the side of a wall that faces the world direction `normal`, from the floor to the ceiling of its room."""
+    """Return the side of a wall that faces unit `normal`, from its room's floor to ceiling, with material `slot`."""
     slab = part.slab
     side = slab.high if slab.to_world(np.array([0.0, 1.0, 0.0])) @ normal > 0 else slab.low
     low, high = rooms.floor[part.room], rooms.ceiling[part.room]
@@ -100,7 +100,7 @@ class _Table:
         self.u[row], self.v[row] = rectangle.u, rectangle.v
 
     def overlaps(self, a: ReflectionRectangle) -> Bool[np.ndarray, " n"]:
-        """Return a mask of the rectangles that are in the plane of the wall `a`, face the same way and overlap it."""
+        """Return a mask of rectangles in the plane of wall `a`, facing alike, that overlap it by at least 0.2 m."""
         length = np.linalg.norm(a.u)
         direction, away = a.u / length, self.center - a.center
         near = (self.normal @ a.normal >= 0.999) & (abs(away @ a.normal) <= MAX_PLANE_DISTANCE)

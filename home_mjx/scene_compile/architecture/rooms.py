@@ -50,7 +50,7 @@ def ground_offset(house: House) -> Float[np.ndarray, "3"]:
 
 
 def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
-    """Extract outlines, floor heights and ceiling heights of all rooms.
+    """Extract outlines, floor and ceiling heights of all rooms; an empty outline and 0 for those without meshes.
 
     Args:
         house: The house.

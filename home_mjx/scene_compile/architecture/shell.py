@@ -115,7 +115,7 @@ def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: RoomTable) -> Cli
 
 
 def find_partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
-    """Return each part's partition, numbered from 0: copies of a wall or slab in neighbouring rooms share it."""
+    """Return each part's partition, from 0; copies of a wall, or a ceiling and the floor above it, share one."""
     leader = list(range(len(parts)))
     for i, a in enumerate(parts):
         for j in range(i):
@@ -209,7 +209,7 @@ def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
 
 
 def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
-    """Return the slot with the largest visible area on the side of a part that faces the unit direction `toward`."""
+    """Return the slot, of `slots` per face, with the largest visible area on a part's side towards unit `toward`."""
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)
     surface = height > height.max() - VISIBLE_DEPTH

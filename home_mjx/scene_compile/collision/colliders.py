@@ -91,7 +91,7 @@ class _Shape:
 
 
 def _shape(item: PlacedObject) -> _Shape:
-    """Return the shape of an object's main part: without the leaves of a door whose hinges are known."""
+    """Return the shape of an object's main part at yaw 0: without the leaves of a door whose hinges are known."""
     # The triangles use the rounded matrix too; otherwise cached boxes would depend on the order of nearly equal shapes.
     linear = np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
     return _Shape(item.main_part.key, linear.tobytes(), item.main_part.triangle.astype(np.float64) @ linear.T)

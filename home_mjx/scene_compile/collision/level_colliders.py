@@ -44,7 +44,7 @@ class LevelBoxes:
 
     @property
     def fixed(self) -> BoxSet:
-        """Walls and all leaves, which never move, whichever objects are movable."""
+        """Boxes of walls, unhinged leaves and hinged leaves as they are initially; independent of movable objects."""
         return concat_boxes([self.walls, *(leaf.box for leaf in self.unhinged), self.hinged])
 
 
@@ -91,24 +91,24 @@ class Obstacles:
 
     @property
     def static(self) -> BoxSet:
-        """All static boxes; the barriers are last."""
+        """Boxes of walls, fixed objects and solid leaves, then the barriers."""
         return concat_boxes([self.boxes.walls, self.static_without_walls])
 
     @property
     def static_without_walls(self) -> BoxSet:
-        """All static boxes except walls; the barriers are last."""
+        """Boxes of fixed objects and solid leaves, then the barriers."""
         return concat_boxes([*self.fixed_objects.values(), *(leaf.box for leaf in self.solid_leaves), self.barriers])
 
     @property
     def all(self) -> BoxSet:
-        """All boxes, including movable objects; hinged leaves are omitted, since agents can push them open."""
+        """`static`, then movable objects; hinged leaves are omitted, since agents can push them open."""
         return concat_boxes([self.static, *(c.box for c in self.movable)])
 
 
 def find_obstacles(
     boxes: LevelBoxes, moving: Sequence[MovableCandidate], free_area: Callable[[BoxSet], float]
 ) -> Obstacles:
-    """Return all obstacles except leaves without a known hinge that cut off a part of the level.
+    """Return obstacles, without barriers yet, except leaves without a known hinge that cut off a part of the level.
 
     Args:
         boxes: All possible obstacles.

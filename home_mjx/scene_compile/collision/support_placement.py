@@ -110,7 +110,7 @@ def _stand(
 
 
 def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
-    """Return the box with its underside at height `base` [m]: moved, or stretched so that its top stays in place."""
+    """Return the box with its underside at `base` [m]: moved, or with `stretch` extended so that its top stays."""
     top = float(box.top[0]) if stretch else base + 2 * float(box.half[0, 2])
     return make_boxes([*box.center[0, :2], (base + top) / 2], [*box.half[0, :2], (top - base) / 2], box.yaw)
 
@@ -164,7 +164,7 @@ def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float 
 def _shrink_side(
     box: BoxSet, obstacles: BoxSet, index: int, low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], gap: float
 ) -> None:
-    """Clear an obstacle by moving the upright side with the shortest way; updates `low` or `high` in place."""
+    """Clear obstacle `index` by moving an upright side of the box the shortest way; change `low` or `high` in place."""
     corners = (footprint(obstacles, index) - box.center[0, :2]) @ yaw_matrix(box.yaw[0])[:2, :2]
     ways = np.array([high[:2] - corners.min(axis=0), corners.max(axis=0) - low[:2]])
     side, axis = divmod(int(ways.argmin()), 2)

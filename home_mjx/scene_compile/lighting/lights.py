@@ -60,7 +60,7 @@ class LightSource:
 
     @property
     def intensity(self) -> Float[np.ndarray, "3"]:
-        """Radiant intensity along `direction` per steradian: flux divided by the integral of the angular profile."""
+        """Radiant intensity along `direction` [W/sr], daylight [m^2]: flux over the integral of the angular profile."""
         low = max(self.cutoff, 0.0 if self.exponent else -1.0)
         share = 2 * np.pi * (1 - low * abs(low) ** self.exponent) / (self.exponent + 1)
         return self.flux / share
@@ -145,7 +145,7 @@ def _cutoff(light: Light) -> float:
 
 
 def _daylight(item: PlacedObject, rooms: RoomTable) -> Iterator[LightSource]:
-    """Yield the daylight source of a window's glass, in its model's frame, if it is between a room and the outdoors."""
+    """Yield the daylight source of a window's or door's glass, in its model's frame, if between a room and outdoors."""
     if {item.info.fine, item.info.coarse}.isdisjoint(DAYLIGHT_CATEGORIES):
         return
     surfaces = item.surfaces
@@ -183,7 +183,10 @@ def _daylight(item: PlacedObject, rooms: RoomTable) -> Iterator[LightSource]:
 def _inward(
     item: PlacedObject, middle: Float[np.ndarray, "3"], normal: Float[np.ndarray, "3"], rooms: RoomTable
 ) -> tuple[int, int] | None:
-    """Return 1 if the room is along `normal`, else -1, and the room; None unless exactly one side has a room."""
+    """Return 1 if the room is along `normal`, else -1, and the room; None unless exactly one side has a room.
+
+    `middle` is the centre of the glass; both are in the model's frame.
+    """
     center = transform(item.pose, middle)
     out = item.pose[:, :3] @ normal
     out = out / np.linalg.norm(out)

@@ -169,7 +169,7 @@ def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
 
 
 def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
-    """Add the floor plane, a light and cameras."""
+    """Add the plane `floor`, a directional light without shadows, and cameras `top` and `room<i>`."""
     floor = ground_floor_height(house.rooms)
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER_GROUP)
     # Without shadows, since ceilings would block the light.
@@ -194,7 +194,7 @@ def _looking_along_x() -> dict[str, str]:
 
 
 def _add_static_boxes(world: ET.Element, house: CompiledHouse, exact: bool) -> None:
-    """Add all colliders; with `exact` without those of objects, except the ramps of stairs."""
+    """Add collider rows i as geoms `static<i>`; with `exact` without those of objects, except the ramps of stairs."""
     boxes, ramps = house.colliders, set(house.ramps.collider.tolist())
     for i, (pos, quat, size) in enumerate(zip(boxes.pos, boxes.quat, boxes.size, strict=True)):
         if not exact or boxes.object_id[i] < 0 or i in ramps:
@@ -286,7 +286,7 @@ def _add_visuals(
     stretch: Float[np.ndarray, "3 3"],
     **place: str,
 ) -> None:
-    """Add one mesh geom without contacts per material slot; roofs are in the group of ceilings."""
+    """Add a mesh geom without contacts, with attributes `place`, per material slot; roofs get the ceilings' group."""
     model = house.models[house.instances.model[instance]]
     first = int(house.instances.material[instance])
     for slot in np.unique(model.slot).tolist():

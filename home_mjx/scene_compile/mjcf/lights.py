@@ -19,7 +19,7 @@ def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
 
     Args:
         world: The `worldbody` element.
-        house: The house; daylight is omitted, and lights of movable lamps are static.
+        house: The house, with its lights by row i; daylight is omitted, and lights of movable lamps are static.
     """
     lights = house.lights
     scale = MAX_DIFFUSE / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)

@@ -57,7 +57,7 @@ def find_doorways(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Doo
 
 
 def shut_outer_doors(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[PlacedObject]:
-    """Return the objects with all hinged doors to the outdoors permanently shut, so that agents stay in the rooms."""
+    """Return the objects, with all doors to the outdoors that have movable leaves shut for good (`is_shut`)."""
     return [replace(o, is_shut=True) if o.leaf_parts and _doorway(o, rooms).leads_outdoors else o for o in objects]
 
 

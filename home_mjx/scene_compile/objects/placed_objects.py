@@ -156,7 +156,7 @@ def _parts(
     pose: Float[np.ndarray, "3 4"],
     meshes: Mapping[str, Mesh],
 ) -> tuple[Model, tuple[LeafPart, ...]]:
-    """Return an object's main part and its leaves; only doors have leaves, joints of furniture are not used."""
+    """Return an object's main part and its leaves; only doors at `is_hinge_preserving` poses have leaves."""
     if isinstance(node, BoxNode) or info.coarse != "door" or not node.joints or not is_hinge_preserving(pose):
         return model, ()
     return split_door(JointedDoor(model.key, node.joints, model, meshes[node.model_key]))

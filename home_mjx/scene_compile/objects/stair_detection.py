@@ -187,7 +187,8 @@ class CurvedFlight:
     def _slope(self, middle: float, step: float, low: float, grade: float) -> Slope:
         """Return the slope of a sector of angle `step` [rad], out to its corners.
 
-        `low` is the height at its start on the middle line [m], `middle` its central angle [rad].
+        `low` is the height at its start on the middle line [m], `middle` its central angle [rad], `grade` its rise per
+        length in the plan.
         """
         yaw, half = self.yaw(middle), self.outer * np.tan(step / 2)
         height = low + self.radius * step / 2 * grade
@@ -307,7 +308,7 @@ def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, 
 
 
 def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> tuple[int, float, float] | None:
-    """Fit the line height = rise * position + offset to tread centres [m]; None if they turn or are too steep.
+    """Fit height = rise * position + offset to weighted tread centres [m]; None if they turn or are too steep.
 
     Returns:
         Axis of the position (0 or 1), rise and offset.

@@ -63,7 +63,7 @@ def fill_semantics(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[n
 
 
 def _fill_look(row: Int[np.ndarray, " c"], item: ObjectSemantics | PartSemantics) -> None:
-    """Write room labels, first material and first colours of each level into a row, in place."""
+    """Write room labels, first material and first `COLORS_PER_LEVEL` colours of each level into a row, in place."""
     row[Semantic.ROOM_TYPE] = encode_name(Semantic.ROOM_TYPE, item.room_type)
     row[Semantic.ROOM_LABELS] = room_labels(item.room_types) or -1
     row[Semantic.MATERIAL] = encode_name(Semantic.MATERIAL, next(iter(item.appearance.materials), ""))
