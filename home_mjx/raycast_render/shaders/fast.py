@@ -32,7 +32,8 @@ class FastShader(Shader):
 def shade_headlight(color: Vec, normal: Vec, direction: Vec) -> Vec:
     """Scale colours by `AMBIENT_WEIGHT` + `HEADLIGHT_WEIGHT` times the cosine between normal and view.
 
-    The light has no distance attenuation. Misses, which have a zero normal, keep their colour.
+    Normals are unit and face the camera; `direction` is that of the camera's rays, of any length. Misses, with a zero
+    normal, keep their colour. The light has no distance attenuation.
     """
     facing = -normal.dot(direction) * direction.inverse_norm()
     missed = normal.dot(normal) == 0
