@@ -267,7 +267,7 @@ def _is_own_lamp(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Arr
 def _unoccluded_irradiance(
     light: PlacedLights, offset: Vec, at: ShadingPoint, own: Bool[Array, "*rays"]
 ) -> tuple[Float[Array, "*rays"], Vec]:
-    """Compute irradiance per intensity [1/m^2] without occlusion, and the unit direction to the light, `offset` [m] away.
+    """Compute irradiance per intensity [1/m^2] without occlusion, and the unit direction to the light, `offset` [m].
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
     algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, transmit its light.

@@ -125,7 +125,7 @@ def read_packet(operands, counts, env, rows):
 @compiled
 @no_type_check
 def _index(counts, field, env, row):
-    """Return the flat index of ray `row` of `env` in a ray field with `counts[field]` per environment: 1, or 1 per ray."""
+    """Return the flat index of ray `row` of `env` in a field with `counts[field]` rows per environment, one or all."""
     return env * counts[field] + (row if counts[field] > 1 else 0)
 
 
