@@ -97,7 +97,7 @@ def read_json_lines(
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
-    """Yield lines with their newline, only one in memory; errors as in `read_text`, also above `MAX_LINE_BYTES`."""
+    """Yield lines with newline, one by one; errors as in `read_text` (`most`: bytes), also above `MAX_LINE_BYTES`."""
     with _readable(path):
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:

@@ -103,7 +103,7 @@ def read_texture(
 
 
 def _resize_weighted(pixels: UInt8[np.ndarray, "h w 4"], size: int, kernel: Any) -> UInt8[np.ndarray, "s s 4"]:
-    """Resize to a square with colours weighted by alpha and Pillow's filter `kernel`; its own weights are inexact."""
+    """Resize to a square with colours weighted by alpha and Pillow's filter `kernel`; Pillow clips its own weights."""
     from PIL import Image
 
     alpha = pixels[..., 3].astype(np.float32)

@@ -79,7 +79,7 @@ def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
 
 
 def peak_memory_bytes() -> dict[str, int]:
-    """Return the peak memory [bytes] of this process as `host`, and of the device's allocator as `device`, if known."""
+    """Return the peak memory [bytes] of this process as `host`, and of JAX's first device as `device`, if known."""
     scale = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in kilobytes on Linux
     peak = {"host": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale}
     stats = jax.devices()[0].memory_stats() or {}

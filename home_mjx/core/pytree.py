@@ -9,7 +9,7 @@ T = TypeVar("T", bound="Pytree")
 
 
 def static(**kwargs: Any) -> Any:
-    """Declare a field as static: hashable and part of the pytree structure, not a leaf; `kwargs` as `default`."""
+    """Declare a field as static: hashable, part of the pytree structure, no leaf. `kwargs`: of `dataclasses.field`."""
     return dataclasses.field(metadata={"static": True}, **kwargs)
 
 

@@ -56,8 +56,8 @@ class Kernel:
     def find_problem(self, platform: str) -> str | None:
         """Return the reason why the kernel cannot be used on "cpu" or "cuda"; None if it works.
 
-        The first call compiles, registers and tests it. An exception of these is also a reason, so that it does not end
-        a program that works without the kernel.
+        The first call per platform compiles, registers and tests it; later ones return its answer. An exception then
+        is also a reason, so that it does not end a program that works without the kernel.
         """
         return _find_problem(self, platform)
 

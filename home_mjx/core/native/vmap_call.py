@@ -49,7 +49,7 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
 
 
 def forbid_gradient(step: Step, name: str) -> Step:
-    """Make a step raise `ConfigError`, which begins with `name`, under differentiation: it has no gradient."""
+    """Wrap a step so that differentiation raises `ConfigError`, whose message begins with `name`."""
     guarded = jax.custom_jvp(step)
 
     @guarded.defjvp
