@@ -15,7 +15,7 @@ TARGET = "home_mjx_cast"
 
 
 def compile_chunks() -> tuple[Any, Any]:
-    """Import and compile the Numba code; return its C functions `count` and `work` of `handler.build_handler`."""
+    """Import and compile the Numba code; return its C functions `count` (chunks of a call) and `work` (of a job)."""
     from home_mjx.raycast_render.backends.numba import chunks
 
     return chunks.compile_chunks()

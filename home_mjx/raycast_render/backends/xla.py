@@ -165,7 +165,7 @@ def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
 
 
 def _leave(world: _Operands, state: _State) -> _State:
-    """Return rays that have finished their instance to the world frame and continue there."""
+    """Bring rays that have finished their instance back to the world frame, where they pop their stack."""
     done = (state.instance >= 0) & (state.code == EMPTY_LEAF)
     state = state._replace(
         instance=jnp.where(done, -1, state.instance),

@@ -82,7 +82,7 @@ def _cast_sequentially(run: RayBackend, query: RayQuery, size: int, batched: Any
 def _fold_rays(size: int, rays: Rays, batched: Any) -> Rays:
     """Fold a batch axis into rays: (e r ...), or (size e r ...) of batched fields, to (e size*r ...).
 
-    Shared fields stay shared.
+    Fields with one value for all rays and batch elements keep it.
     """
     count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
 

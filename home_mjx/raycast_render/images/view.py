@@ -32,7 +32,7 @@ class View:
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
-        """Validity of the camera and finiteness of the poses of all moving instances."""
+        """Scalar flag: the camera is valid (`is_valid_camera`), and the poses of all moving instances are finite."""
         return is_valid_camera(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
 
     @cached_property

@@ -125,7 +125,7 @@ class LitShader(Shader):
         return cls(**(given | options))
 
     def radiance(self, scene: Scene, rays: CameraRays) -> Vec:
-        """Compute the radiance along camera rays [W/m^2/sr]."""
+        """Compute the radiance along camera rays, by glass and mirrors too [W/m^2/sr]; that of the sky on a miss."""
         path, growth = start_path(rays), pixel_footprint(rays.camera, rays.lens)[1]
         sample = self._light_sample(rays)
         path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
@@ -158,7 +158,7 @@ class LitShader(Shader):
 
 
 def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
-    """Map light of any strength to linear display light in [0, 1].
+    """Map light of any strength, times `exposure`, to linear display light in [0, 1].
 
     Luminances up to `WHITE_LUMINANCE` fit; colours keep their hue until a channel saturates.
 
@@ -170,7 +170,7 @@ def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
 
 
 def auto_exposure(light: Vec) -> Float[Array, ""]:
-    """Return the exposure that maps an image's logarithmic mean luminance to `MEAN_LUMINANCE_TARGET`.
+    """Return the factor that maps an image's geometric mean luminance to `MEAN_LUMINANCE_TARGET`.
 
     Source: equation 1 of the source of `tone_map`.
     """

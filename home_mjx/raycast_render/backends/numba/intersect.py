@@ -131,7 +131,7 @@ def shear_rays(ray):
 @compiled
 @no_type_check
 def _turn(along_x, along_y, x, y, z):
-    """Return x, y, z permuted cyclically so that x becomes z in lanes of `along_x`, y in those of `along_y`."""
+    """Return x, y, z permuted cyclically so that x becomes z in lanes of `along_x`, y in those of `along_y`, z else."""
     return (
         select(along_x, y, select(along_y, z, x)),
         select(along_x, z, select(along_y, x, y)),
@@ -154,7 +154,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Return the best hits, updated with the triangle of this index in lanes `reaches`; any-hit rays get t = -inf."""
+    """Return the best hits, updated with the triangle of this index in lanes `reaches`; an any-hit gets t = -inf."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)
