@@ -32,8 +32,7 @@ class FastShader(Shader):
 def shade_headlight(color: Vec, normal: Vec, direction: Vec) -> Vec:
     """Scale colours by `AMBIENT_WEIGHT` + `HEADLIGHT_WEIGHT` times the cosine between normal and view.
 
-    Normals are unit and face the camera; `direction` is that of the camera's rays, of any length. Misses, with a zero
-    normal, keep their colour. The light has no distance attenuation.
+    Unit normals face the camera; `direction` is its rays', of any length. Misses, with zero normal, keep their colour.
     """
     facing = -normal.dot(direction) * direction.inverse_norm()
     missed = normal.dot(normal) == 0

@@ -151,8 +151,7 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
     """Select the lights with the highest estimated irradiance at each point, brightest first.
 
     Returns:
-        `count` keys, or one per light if fewer. The lowest `INDEX_BITS` bits are the light's index; others are 0 if it
-        does not reach the point.
+        `count` keys, or one per light if fewer: its index in the lowest `INDEX_BITS` bits, else 0 if it is dark.
     """
     total = lights.instance.shape[0]
     lines = -(-total // LIGHTS_PER_STEP)
