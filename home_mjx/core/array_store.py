@@ -182,7 +182,7 @@ def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
 
 
 def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
-    """Return the arrays and the notes of an entry.
+    """Return the arrays, views of one buffer, and the notes of an entry.
 
     Raises:
         FileNotFoundError: There is no such entry.
@@ -225,7 +225,7 @@ class _Member(NamedTuple):
 
 
 def _members(content: np.ndarray) -> list[_Member]:
-    """Return the notes and the data, in this order; raise `ValueError` for archives not written by `write_entry`.
+    """Return the members notes and data, in this order; raise `ValueError` for archives not written by `write_entry`.
 
     Only the central directory at the end of the file is parsed. `zipfile`, which reads any archive, takes twice as long
     as everything else.

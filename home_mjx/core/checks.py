@@ -14,7 +14,7 @@ MAX_VALUE_LENGTH = 200  # maximum length of a value in a message [characters]
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raise `UnknownNameError`, a `ConfigError`, for the first of `names` that is not in `known`."""
+    """Raise `UnknownNameError`, a `ConfigError`, for the first of `names` not in `known`; `kind` is for the message."""
     known = list(known)
     for name in names:
         if name not in known:
@@ -106,7 +106,7 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
 
 
 def shorten(value: object) -> str:
-    """Return a value's `repr`; its first 40 characters and its length if it exceeds `MAX_VALUE_LENGTH` characters.
+    """Return a value's `repr`; only its first 40 characters and its length if it exceeds `MAX_VALUE_LENGTH` characters.
 
     Example:
         >>> shorten(10**400)
@@ -120,7 +120,7 @@ def shorten(value: object) -> str:
 
 
 def check_shape(name: str, shape: tuple[int, ...], expected: tuple[int, ...]) -> None:
-    """Raise `ConfigError` unless an array of one environment has the expected shape.
+    """Raise `ConfigError` unless `shape`, that of an array of one environment, equals `expected`.
 
     Example:
         >>> check_shape("x", (64, 3), (3,))

@@ -12,7 +12,7 @@ _KNEE = 6 / 29  # CIELAB: the cube root becomes linear below `_KNEE**3`
 
 
 def decode_srgb(color: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Convert sRGB to linear light, both in 0..1 (IEC 61966-2-1)."""
+    """Convert sRGB to linear light, both in 0..1 (IEC 61966-2-1); values outside are not clipped."""
     return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055) ** 2.4)
 
 
@@ -36,7 +36,7 @@ def linear_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]
 
 
 def srgb_to_lab(color: Float[np.ndarray, "*n 3"]) -> Float[np.ndarray, "*n 3"]:
-    """Convert sRGB colours in 0..1 to CIELAB; see `linear_to_lab`."""
+    """Convert gamma-encoded sRGB colours in 0..1 to CIELAB; see `linear_to_lab`."""
     return linear_to_lab(decode_srgb(color))
 
 

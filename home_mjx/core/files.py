@@ -97,7 +97,7 @@ def read_json_lines(
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
-    """Yield lines with their newline, only one in memory; errors as in `read_text`, also above `MAX_LINE_BYTES`."""
+    """Yield lines with newline, one by one; errors as in `read_text` (`most`: bytes), also above `MAX_LINE_BYTES`."""
     with _readable(path):
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:
@@ -180,7 +180,7 @@ def read_arrays(path: Path, names: Sequence[str], content: str, hint: str) -> li
 
 
 def _describe_content(path: Path) -> str | None:
-    """Return a file's kind in words, such as "a PNG picture" or "empty"; None if unreadable or a zip (`.npz`) file."""
+    """Return a file's kind in words, such as "a PNG picture" or "empty"; None if unreadable or a zip file (`.npz`)."""
     try:
         with open_regular(path) as file:
             head = file.read(NUM_HEAD_BYTES)
@@ -247,7 +247,7 @@ def is_file(path: Path) -> bool:
 
 
 def is_folder(path: Path) -> bool:
-    """Return whether a folder exists; never raise, even for long or invalid names."""
+    """Return whether a folder, or a link to one, exists; never raise, even for long or invalid names."""
     return os.path.isdir(path)
 
 

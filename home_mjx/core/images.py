@@ -89,7 +89,7 @@ def read_texture(
     Args:
         path: A PNG or JPEG file.
         size: Edge of the square to which it is resized [px]; None: its own size.
-        resampling: Filter of the resizing.
+        resampling: Filter of the resizing; without effect if `size` is None.
     """
     from PIL.Image import Resampling
 
@@ -103,7 +103,7 @@ def read_texture(
 
 
 def _resize_weighted(pixels: UInt8[np.ndarray, "h w 4"], size: int, kernel: Any) -> UInt8[np.ndarray, "s s 4"]:
-    """Resize an image with colours weighted by alpha; Pillow's own weights are clipped, which changes colours."""
+    """Resize to a square with colours weighted by alpha and Pillow's filter `kernel`; Pillow clips its own weights."""
     from PIL import Image
 
     alpha = pixels[..., 3].astype(np.float32)
@@ -182,7 +182,7 @@ def _reduce_to_bytes(image: "Image") -> "Image":
 
 
 def _check_palette(image: "Image") -> None:
-    """Raise `_UnsupportedImageError` if pixels refer to missing palette entries, which Pillow shows as black."""
+    """Raise `_UnsupportedImageError` if pixels of mode P refer to missing palette entries, which Pillow shows black."""
     count, largest = len(image.palette.palette) // len(image.palette.mode), int(np.asarray(image).max())  # type: ignore
     if largest >= count:
         raise _UnsupportedImageError(f"a pixel has the palette entry {largest} of {count}")
@@ -215,7 +215,7 @@ def _decode_alpha(image: "Image", depth: int) -> "Image":
 
 
 def _convert_to_srgb(image: "Image", info: dict) -> "Image":
-    """Convert colours (L, RGB or CMYK) to 8-bit sRGB by ICC profile, else PNG gamma, else as if they were sRGB."""
+    """Convert colours (L, RGB or CMYK) to sRGB, mode RGB, by `info`: ICC profile, else PNG gamma, else as if sRGB."""
     if info.get("icc_profile"):
         return _apply_profile(image, info["icc_profile"])
     image, gamma = image.convert("RGB"), info.get("gamma", 0)

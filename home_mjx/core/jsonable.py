@@ -69,7 +69,7 @@ def _check_length(text: str) -> None:
 
 
 def _shown(text: str) -> str:
-    """Return text for a message: printable and at most `MAX_MESSAGE_LENGTH` characters long."""
+    """Return text for a message: lone surrogates escaped, cut off after `MAX_MESSAGE_LENGTH` characters."""
     return text.encode(errors="backslashreplace").decode()[:MAX_MESSAGE_LENGTH]
 
 

@@ -8,7 +8,7 @@ ROOT_VARIABLE = "SUNCG_DATA_DIR"
 
 
 def cache_folder() -> Path:
-    """Return the folder of compiled houses, generated datasets and compiled programs.
+    """Return the folder of compiled houses, generated datasets and compiled programs, which need not exist.
 
     `$HOME_MJX_CACHE`, else `home_mjx` in the user's cache folder.
     """

@@ -19,14 +19,14 @@ NUM_ACTIONS = 8
 
 
 def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
-    """Compile a function for its arguments; return the program and the time of tracing and compiling [s]."""
+    """Compile a function for the shapes of `args`; return the program and the time of tracing and compiling [s]."""
     start = time.perf_counter()
     program = jax.jit(function).lower(*args).compile()
     return program, time.perf_counter() - start
 
 
 def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1.0) -> float:
-    """Measure the rate [1/s] of a compiled function over `seconds`, after one warm-up call."""
+    """Return calls per second of a compiled function, measured over `seconds` [s] after one warm-up call."""
     jax.block_until_ready(program(*args))
     return _rate(lambda: program(*args), seconds)
 
@@ -50,7 +50,7 @@ def steps_per_second(
 
 
 def _rate(call: Callable[[], Any], seconds: float, most: float = math.inf) -> float:
-    """Measure calls per second over `seconds`, or over `most` calls if that ends first.
+    """Return calls per second, measured until `seconds` [s] or `most` calls are over, whichever is first.
 
     On an accelerator the next calls are queued while one runs, as in a loop without host synchronisation. A CPU would
     run them concurrently, so there they are not queued.
@@ -79,7 +79,7 @@ def drawn_moves(shape: tuple[int, ...], num: int) -> list[jax.Array]:
 
 
 def peak_memory_bytes() -> dict[str, int]:
-    """Return the peak memory [bytes] of this process as `host`, and of the device's allocator as `device`, if known."""
+    """Return the peak memory [bytes] of this process as `host`, and of JAX's first device as `device`, if known."""
     scale = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in kilobytes on Linux
     peak = {"host": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * scale}
     stats = jax.devices()[0].memory_stats() or {}

@@ -118,7 +118,7 @@ class ProgressCount:
             self._bar.close()
 
     def describe(self, text: str) -> None:
-        """Replace the text and show it at once; do nothing if it is unchanged."""
+        """Replace the text and, if progress is shown, show it at once; do nothing if it is unchanged."""
         if text == self.text:
             return
         self.text = text
@@ -129,7 +129,7 @@ class ProgressCount:
             self._write_line()
 
     def update(self) -> None:
-        """Count one more item."""
+        """Count one more item, and show the count if that is due."""
         self.done += 1
         if self._bar is not None:
             self._bar.update()

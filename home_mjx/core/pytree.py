@@ -9,7 +9,7 @@ T = TypeVar("T", bound="Pytree")
 
 
 def static(**kwargs: Any) -> Any:
-    """Declare a dataclass field as static: hashable and part of the pytree structure, not a leaf."""
+    """Declare a field as static: hashable, part of the pytree structure, no leaf. `kwargs`: of `dataclasses.field`."""
     return dataclasses.field(metadata={"static": True}, **kwargs)
 
 
@@ -52,7 +52,7 @@ class Pytree:
 
     @classmethod
     def build_unchecked(cls: type[T], **values: Any) -> T:
-        """Build a record from values of all its fields without type checks, such as the `in_axes` of `jax.vmap`."""
+        """Build a record from values of all fields, such as the `in_axes` of `jax.vmap`; no type or name is checked."""
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:

@@ -22,7 +22,7 @@ def length3(vector: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
 
 
 def wrap_angle(angle: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Wrap an angle to -pi..pi [rad], pi itself to -pi."""
+    """Wrap an angle [rad] to [-pi, pi); pi itself becomes -pi."""
     return (angle + jnp.pi) % (2 * jnp.pi) - jnp.pi
 
 

@@ -31,12 +31,12 @@ def variant_metadata(variants: Variants) -> dict[str, Any]:
 
 
 def variants_of(record: Any, name: str) -> Variants:
-    """Return the variants of a record's field by word; empty if it is an ordinary field."""
+    """Return the variants by word of field `name` of a record (instance or class); empty if it is an ordinary field."""
     return record.__dataclass_fields__[name].metadata.get(KEY, {})
 
 
 def check_variants(record: Any) -> None:
-    """Validate the type of each field that has variants.
+    """Validate the type of each field of an instance that has variants.
 
     Raises:
         ConfigError: A value is not an instance of one of the record types; a word is not, either.

@@ -22,7 +22,7 @@ def usable_cores() -> int:
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Create a pool of spawned worker processes for the duration of a `with` block.
 
-    At the end of the block, pending work is cancelled. After a keyboard interrupt, running workers are terminated too.
+    At the end, pending work is cancelled and running work finishes; a keyboard interrupt terminates workers instead.
 
     Args:
         workers: Number of processes.

@@ -9,7 +9,7 @@ Samples = Float[np.ndarray, "_"]
 
 
 def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
-    """Add copies of a sound every `seconds`, whole periods only; parts beyond the end of the loop wrap to its start."""
+    """Add copies of `shape`, as long as the loop, every `seconds`, whole periods only; parts beyond its end wrap."""
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
 
@@ -19,7 +19,7 @@ def _time(length: int, sample_rate: int) -> Samples:
 
 
 def _pulse(time: Samples, begin: float, end: float, ramp: float = 0.01) -> Samples:
-    """Return a window: 1 between two times [s] except for linear ramps inside them, 0 outside."""
+    """Return a window: 1 between two times [s] except for linear ramps of `ramp` [s] inside them, 0 outside."""
     return np.clip(np.minimum(time - begin, end - time) / ramp, 0, 1)
 
 
@@ -28,7 +28,7 @@ def _noise(length: int, seed: int) -> Samples:
 
 
 def ring(length: int, sample_rate: int) -> Samples:
-    """Synthesize a telephone: 440 and 480 Hz together, twice for 0.4 s every 2 s."""
+    """Synthesize a telephone: 440 and 480 Hz together, every 2 s twice for 0.4 s, 0.2 s apart."""
     time = _time(length, sample_rate)
     tone = np.sin(2 * np.pi * 440 * time) + np.sin(2 * np.pi * 480 * time)
     return _repeat(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
@@ -59,7 +59,7 @@ def bell(length: int, sample_rate: int) -> Samples:
 
 
 def alarm(length: int, sample_rate: int) -> Samples:
-    """Synthesize an alarm: odd harmonics of 800 and 1000 Hz alternate every 0.25 s."""
+    """Synthesize an alarm: odd harmonics of 800 and 1000 Hz in turn, 0.25 s each."""
     time = _time(length, sample_rate)
     low, high = (sum(np.sin(2 * np.pi * pitch * n * time) / n for n in (1, 3)) for pitch in (800, 1000))
     return _repeat(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)

@@ -55,7 +55,7 @@ def _clip(name: str, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _radio(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Synthesize plucked notes with harmonics; the last one rings on into the first."""
+    """Synthesize the plucked notes `NOTES` with harmonics; the last one rings on into the first. Not scaled yet."""
     song = np.zeros(length)
     time = np.arange(length) / sample_rate
     for index, note in enumerate(NOTES):

@@ -86,7 +86,7 @@ def convolve_frame(
     """Convolve an emitted signal with two responses and cross-fade, as in `convolve_clip_frame`.
 
     Args:
-        emitted: Signal emitted up to the frame's end, from `emitted_signal`.
+        emitted: Signal at 1 m: `config.response_length` - 1 samples before the frame, then the frame.
         response_old: Response per channel at the frame's start.
         response_new: Response per channel at its end.
         config: Options; provides the lengths.
@@ -104,7 +104,7 @@ def convolve_frame(
 
 
 def _sample_numbers(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " w"]:
-    """Return the numbers of the response length - 1 samples before `first`, then of the frame from `first` on."""
+    """Return sample numbers: `config.response_length` - 1 before `first`, then the frame from `first` on."""
     length = config.response_length
     return first - (length - 1) + jnp.arange(length + config.frame - 1, dtype=jnp.int32)
 
@@ -112,7 +112,7 @@ def _sample_numbers(first: Int[Array, ""], config: AudioConfig) -> Int[Array, " 
 def schedule_gain(
     time: Int[Array, " n"], interval: Float[Array, ""], duration: Float[Array, ""], sample_rate: int
 ) -> Float[Array, " n"]:
-    """Compute the gain of a source's schedule at some times: 0 off, 1 on, with linear ramps of 5 ms inside.
+    """Compute a schedule's gain at times: 0 off, 1 on, linear ramps of 5 ms inside; 1 if `duration` >= `interval`.
 
     Args:
         time: Samples since the start; negative before it.

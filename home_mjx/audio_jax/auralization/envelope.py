@@ -69,7 +69,7 @@ def energy_envelope(
 def _late(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """Return late energies of the channels, and world directions with energies for the mean lead of the left ear."""
+    """Return late energies of the channels, and n world directions of incidence with energies, to average ear leads."""
     if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
@@ -85,7 +85,7 @@ def _late(
 
 
 def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
-    """Compute the mean power at each channel and octave during a frame.
+    """Compute the mean power in each channel and octave during a frame, from energies and the emitted power.
 
     Args:
         envelope: Energy per time bin, see `EnergyEnvelope`.
@@ -101,7 +101,7 @@ def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w 
 
 @functools.cache
 def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"]:
-    """Compute the power of a clip in each time bin and octave at 1 m from its source.
+    """Compute the mean power of a clip in each time bin and octave at 1 m from its source; a partial last bin is cut.
 
     Args:
         name: Name of the clip, see `clip_samples`.

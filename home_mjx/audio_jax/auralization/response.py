@@ -141,7 +141,7 @@ def combine_early_late(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "c l"]:
-    """Synthesize a response from paths and noise with the energies of `late_energy`, 0 before the direct sound."""
+    """Synthesize paths, plus noise (drawn by `key`) with energies of `late_energy`, which is 0 before direct sound."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config, head) + mask_before_direct(late, paths, config)
 
@@ -153,7 +153,7 @@ def mask_before_direct(late: Float[Array, "e l"], paths: Paths, config: AudioCon
 
 
 def direct_onset(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
-    """Compute the sample at which direct sound can first reach the receiver; negative within the receiver's radius."""
+    """Compute the sample after emission at which direct sound may reach the receiver; negative within its radius."""
     onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     return onset.astype(jnp.int32)
 
@@ -218,7 +218,7 @@ def path_basis_weights(
 
 
 def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
-    """Compute impulse responses of paths delayed by 0 .. 1 samples, from `NUM_KERNEL_PRE_SAMPLES` before time 0 on."""
+    """Compute responses of `path_basis_weights`, delayed by 0 .. 1 samples, from `NUM_KERNEL_PRE_SAMPLES` before 0."""
     size = _transform_size(config)
     spectra = np.fft.rfft(filter_basis(config.sample_rate).kernel, size)
     parts = (jnp.asarray(x, jnp.float32) for x in (spectra.real, spectra.imag))
@@ -251,7 +251,7 @@ def late_response(
 def diffuse_response(
     energy: Float[Array, "k e bands"], draw: NoiseDraw, head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Float[Array, "c l"]:
-    """Synthesize the late response with a given draw of the noise, see `late_response`."""
+    """Synthesize the late response with a given draw of the noise instead of a key; else as `late_response`."""
     table = jnp.asarray(noise_bin_table(config))
     subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # separate noise per channel, or shared noise
     sound = jnp.einsum(
@@ -266,7 +266,7 @@ def _pre_delay(config: AudioConfig) -> int:
 
 
 def _transform_size(config: AudioConfig) -> int:
-    """Return the transform size of path kernels [samples], a power of two; kernels are as long."""
+    """Return the transform size and length of path kernels [samples], a power of two."""
     return 2 ** math.ceil(math.log2(num_basis_taps(config.sample_rate) + 2 * HALF_WIDTH + KERNEL_WIDTH))
 
 

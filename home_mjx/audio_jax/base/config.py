@@ -201,7 +201,7 @@ class AudioConfig:
 
 
 def _check_whole(name: str, value: float, unit: str) -> None:
-    """Raise `ConfigError` unless `value`, a number of `unit`, is whole within 1e-6 and at least 1."""
+    """Raise `ConfigError` unless `value`, the number of `unit` in option `name`, is whole (within 1e-6), at least 1."""
     if abs(value - round(value)) > 1e-6 or round(value) < 1:
         raise ConfigError(
             f"`{name}` must hold a whole number of {unit}, got {value:g}",

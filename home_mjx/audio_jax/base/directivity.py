@@ -95,7 +95,7 @@ def talker_directivity() -> Directivity:
 
 
 def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
-    """Return pressure gains per octave, by the cosine of the angle to the axis; energies are interpolated linearly."""
+    """Return pressure gains per octave at cosines (clipped) of angles to the axis; energies are linear in angle."""
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
     low = jnp.clip(place.astype(jnp.int32), 0, last - 1)
@@ -115,7 +115,7 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
 
 
 def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
-    """Return quadrature weights of table angles, with the sum 1; exact for energies linear between the angles."""
+    """Return weights (sum 1) of `count` angles 0..pi for means over the sphere; exact for energies linear in angle."""
     step = math.pi / (count - 1)
     share = np.sin(np.arange(count) * step) * (1 - math.cos(step)) / step
     share[0] = share[-1] = (1 - math.sin(step) / step) / 2

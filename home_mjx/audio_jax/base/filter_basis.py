@@ -37,7 +37,7 @@ class FilterBasis(NamedTuple):
 
 
 def num_basis_taps(sample_rate: int) -> int:
-    """Return the number of samples of a basis filter from time 0 on."""
+    """Return the samples of a basis filter from time 0 on; `FilterBasis.kernel` has 2 `HALF_WIDTH` more."""
     return round(BASIS_SECONDS * sample_rate)
 
 
@@ -112,7 +112,7 @@ def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> C
 
 
 def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Compute causal impulse responses from real parts of spectra (`rfft` bins), at `OVERSAMPLING` times the rate."""
+    """Compute causal responses from real parts of `rfft` spectra of `FINE_SIZE`, at `OVERSAMPLING` times the rate."""
     kept = OVERSAMPLING * num_basis_taps(sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.irfft(real, FINE_SIZE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
@@ -135,7 +135,7 @@ def _spectra_at(
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Return natural log gains, raised to at least 1e-3 of the path's loudest octave, and 1 if audible, else 0."""
+    """Return natural logs of gains, raised to 1e-3 of the path's loudest octave, and per path 1 if audible, else 0."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)

@@ -74,7 +74,7 @@ def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_age
 
 
 def num_stored_frames(audio: AudioConfig) -> int:
-    """Return how many frame-end gains a slot stores: of this frame, of all in the response's memory, and one more."""
+    """Return the frame-end gains per sustained slot: this frame's, those in the response's memory, and one more."""
     return 2 + math.ceil((audio.memory_length - 1) / audio.frame)
 
 
@@ -115,11 +115,11 @@ def update_sustained(
     row: Int[Array, " n"],
     gain: Float[Array, " n"],
 ) -> tuple[SustainedSounds, Bool[Array, ""]]:
-    """Update sustained sounds: an emitter keeps its slot until all its stored gains are 0; new ones take free slots.
+    """Update sustained sounds: an emitter keeps its slot until its gains are 0; the loudest new ones take free slots.
 
     Args:
         old: Current sounds.
-        pos: Positions of all possible emitters [m].
+        pos: Positions of all n possible emitters [m]; their row is `SustainedSounds.emitter`.
         body: Object ids of the emitters.
         row: Row of `sustained_bank` of each emitter.
         gain: Current gain of each emitter; 0 if silent.
@@ -154,13 +154,13 @@ def update_sustained(
 
 
 def sound_positions(noises: ContactSounds) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
-    """Return positions [m] and object ids of all slots: transient, then sustained ones."""
+    """Return positions [m] and object ids of all slots, empty ones included: transient, then sustained ones."""
     both = noises.transients, noises.sustained
     return jnp.concatenate([x.pos for x in both]), jnp.concatenate([x.body for x in both])
 
 
 def has_sound(noises: ContactSounds) -> Bool[Array, " e"]:
-    """Return a mask of transient slots in use, even if their sound ended, and sustained ones with a stored gain."""
+    """Return a mask of slots: transient ones that ever had a sound, then sustained ones with a nonzero stored gain."""
     return jnp.concatenate([noises.transients.gain > 0, jnp.any(noises.sustained.gain > 0, axis=1)])
 
 

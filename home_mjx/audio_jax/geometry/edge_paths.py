@@ -147,7 +147,7 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
 
 
 def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
-    """Return whether the segment from source to listener passes through the inside of each box."""
+    """Return for each box whether the segment from source to listener passes through its inside; touching is not."""
     half = frame.half[:, 0]
     lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from box centre
     start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift
@@ -199,7 +199,7 @@ def _edge_geometry(
 
 
 def _edge_frame(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> _EdgeFrame:
-    """Return source and listener in the frames of the 24 face crossings of each box, from the middle of the face."""
+    """Return source and listener in `_EdgeFrame` coordinates of the 24 face crossings of each box, 0 mid-face."""
     u, d, v, s = _FACE_CROSSINGS.T
     order = np.stack([u, v, 3 - u - v], axis=1)
     sign = jnp.asarray(np.stack([d, s, np.ones_like(d)], axis=1), jnp.float32)

@@ -50,7 +50,7 @@ def mix_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def part_sizes(reads: DelayReads) -> tuple[int, ...]:
-    """Return the number of half samples of each part: the filtered signals, then the source."""
+    """Return the number of half samples of each part: the two filtered signals, then the source; so three numbers."""
     return (*[2 * reads.filtered.shape[-1]] * NUM_FILTERED, 2 * reads.source.shape[-1])
 
 
@@ -87,12 +87,12 @@ def filter_history(config: AudioConfig) -> int:
 
 
 def read_margin(config: AudioConfig) -> int:
-    """Return the number of samples that interpolation and ear delays need on each side of a path's delay."""
+    """Return the number of samples that interpolation and ear delays read on each side of a path's delayed sample."""
     return NUM_READ + math.ceil(config.max_lead_seconds * config.sample_rate)
 
 
 def sample_times(config: AudioConfig) -> Float[Array, " k"]:
-    """Return times of bus samples [frames], 0 at the frame's start, from `filter_history` on; k is a fast FFT size."""
+    """Return times of bus samples [frames] re the frame's start, from -`filter_history` samples; k: a fast FFT size."""
     count = int(next_fast_len(filter_history(config) + config.frame + HALF_WIDTH, real=True) or 0)
     return jnp.asarray((np.arange(count) - filter_history(config)) / config.frame, jnp.float32)
 

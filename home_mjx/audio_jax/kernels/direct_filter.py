@@ -25,7 +25,7 @@ def max_path_change(config: AudioConfig) -> float:
 
 
 def delay_margin(config: AudioConfig) -> int:
-    """Return the number of samples for delay differences in a frame: by motion, between ears, by turns of the head."""
+    """Return an upper bound of delay changes in a frame [samples]: by motion, between ears, by turns of the head."""
     grown = sample_times(config).shape[0] / config.frame * max_path_change(config) / MIN_SPEED_OF_SOUND
     return math.ceil((grown + 2 * config.max_lead_seconds) * config.sample_rate)
 

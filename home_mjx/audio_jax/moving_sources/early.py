@@ -43,7 +43,7 @@ def render_early_paths(
 def _reads(
     source: Float[Array, " n"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None
 ) -> DelayReads:
-    """Return the reads of one source; the first path is two rows, read from signals filtered for each frame end."""
+    """Return a source's reads; path 0 is two rows, from signals filtered for each frame end. `past`: those before."""
     toward, distances = _to_head(pairs)
     ways = _path_delays(pairs, channel_delays(toward, distances, config, head))
     # Delays beyond the response length are not read.
@@ -67,7 +67,7 @@ def _bus_gains(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[
 
 
 def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelays:
-    """Return path lengths at both ends of the frame and the curvature between; `ears` at its start, middle and end."""
+    """Return path lengths at both ends and curvature, with `ears`: delays at start, middle and end [samples]."""
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)

@@ -53,7 +53,7 @@ def match_paths(
 
 
 def _is_same_path(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
-    """Return pairs that share a name, sound at both ends, and have image sources less than `longest_step` [m] apart."""
+    """Return which pairs share a name, sound at both ends, and have image sources below `longest_step` [m] apart."""
     same = _names(new)[:, None] == _names(old)[None]
     away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
     near = jnp.linalg.norm(away[0][:, None] - away[1][None], axis=-1) < longest_step

@@ -96,15 +96,15 @@ def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: floa
 
 
 def t20(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the time of a 60 dB decay [s] from that between −5 and −25 dB; NaN if it is shorter."""
+    """Compute the time of a 60 dB decay [s] from that between −5 and −25 dB; NaN if the curve ends before −25."""
     return decay_time(energy, dt, -5.0, -25.0)
 
 
 def t30(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the time of a 60 dB decay [s] from that between −5 and −35 dB; NaN if it is shorter."""
+    """Compute the time of a 60 dB decay [s] from that between −5 and −35 dB; NaN if the curve ends before −35."""
     return decay_time(energy, dt, -5.0, -35.0)
 
 
 def edt(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the early decay time, extrapolated to 60 dB from the first 10 dB [s], see `decay_time`."""
+    """Compute the early decay time, extrapolated to 60 dB from the first 10 dB [s]; NaN as in `decay_time`."""
     return decay_time(energy, dt, 0.0, -10.0)

@@ -139,7 +139,7 @@ def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, co
 
 
 def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], config: AudioConfig) -> _DirectField:
-    """Sum the fields of the strings in `heard`, coherently to the degree that their arrivals coincide.
+    """Sum the fields of the strings (of the mask `heard`), coherently to the degree that their arrivals coincide.
 
     The sum is computed with the straight path and without it (re the leading string), continuous across shadow edges.
     """
@@ -180,7 +180,7 @@ def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[
 def _amplitudes(
     straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
-    """Compute the field of each string re the free straight path, and the share of its finite edge; 0 if unheard."""
+    """Compute each string's field re the free straight path, and the share of its finite edge; 0 if not in `heard`."""
     # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
     seen = straight.is_clear & found.blocked
     turn = jnp.where(seen, jnp.minimum(found.wedge.shadow_angle, -GRAZING_ANGLE), found.wedge.shadow_angle)
@@ -198,14 +198,14 @@ def _amplitudes(
 
 
 def _find_duplicates(found: EdgePaths, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
-    """Return which strings touch the same edge as an earlier visible one, as for both faces of one edge."""
+    """Return which strings touch the same edge, within 2 cm, as an earlier one in `heard`, as for two faces at it."""
     place = jnp.concatenate([found.apex, found.listener_side_point, found.edge_extent], axis=1)
     same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < MAX_EDGE_SEPARATION
     return is_duplicate(same & heard[None])
 
 
 def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
-    """Average energies over the frequencies of each octave, `OCTAVE_SAMPLES`."""
+    """Average energies over the `OCTAVE_SAMPLES` frequencies of each octave; f is (octave, sample), flattened."""
     return jnp.mean(power.reshape(*power.shape[:-1], len(BANDS), len(OCTAVE_SAMPLES)), axis=-1)
 
 

@@ -84,7 +84,7 @@ def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return first and last (exclusive) bin of the decay fit: 30 % of the last, when a tenth of rays has ended."""
+    """Return the decay fit's first and last (exclusive) bin: last is when a tenth of rays ended, first 30 % of it."""
     alive = jnp.max(trace.remaining[-1], axis=1) > 0
     ends = jnp.sort(jnp.where(alive, trace.travelled[-1], jnp.inf))[alive.size // 10]
     last = jnp.clip(ends / metres, 2, config.num_bins).astype(jnp.int32)
@@ -92,7 +92,7 @@ def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Ar
 
 
 def _energy_at(trace: Trace, index: Int[Array, ""], metres: float) -> Float[Array, " bands"]:
-    """Sum the energy left in all rays after `index` time bins, of `metres` of path each, since the listener."""
+    """Sum the energy left in all rays after a path of `index` bins, `metres` [m] long each, from the listener."""
     bounces = jnp.sum(trace.travelled <= index.astype(jnp.float32) * metres, axis=0, dtype=jnp.int32)
     energy = jnp.concatenate([trace.initial_energy[None], trace.remaining])
     chosen = (bounces[None] == jnp.arange(energy.shape[0], dtype=jnp.int32)[:, None]).astype(jnp.float32)

@@ -40,7 +40,7 @@ def house_mirrors(scene: Scene) -> Mirrors:
 
 
 def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mirrors:
-    """Return six faces per box; valid are those of objects, doors and bodies other than source and listener."""
+    """Return six faces per box of `barrier_boxes`; valid: of objects, doors, agents but source and listener bodies."""
     boxes = barrier_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])

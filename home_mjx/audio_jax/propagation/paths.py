@@ -42,7 +42,7 @@ PathProducer = Callable[[Scene, SoundSource, Listener, AudioConfig], Paths]
 
 
 def is_duplicate(same: Bool[Array, "p p"]) -> Bool[Array, " p"]:
-    """Return which paths equal an earlier one; `same[i, j]`: path i equals path j."""
+    """Return which paths equal an earlier one (lower index); `same[i, j]`: path i equals path j."""
     return jnp.any(same & jnp.tril(jnp.ones(same.shape, bool), -1), axis=1)
 
 

@@ -90,7 +90,7 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
 
 
 def _octave_shares(rays: Traced) -> Float[np.ndarray, "n bands"]:
-    """Return the share of each octave in a ray; 1 / 7 each, or 1 for one octave per ray with `octave_rays`."""
+    """Return the share of each octave in each ray: 1 / 7; with `octave_rays` 1 for one octave, rays sorted by it."""
     if rays.octave_rays:
         return np.repeat(np.eye(len(BANDS), dtype=np.float32), rays.num_rays // len(BANDS), axis=0)
     return np.full((rays.num_rays, len(BANDS)), 1 / len(BANDS), np.float32)
@@ -107,7 +107,7 @@ class _TraceContext(NamedTuple):
     carried: Float[Array, "n bands"]
 
     def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
-        """Trace one segment and its reflection; return the new rays, and arrivals and decay as in `Trace`."""
+        """Trace a segment and reflect; `draw`: bounce index, uniforms, normal vectors. Return rays, part of `Trace`."""
         index, choice, scattered = draw
         alive = jnp.max(ray.energy, axis=1) > 0
         hit = cast(
@@ -199,7 +199,7 @@ def _reflect(
 
 
 def fibonacci_directions(count: int) -> Float[np.ndarray, "n 3"]:
-    """Return `count` evenly distributed unit vectors (Fibonacci lattice), from +z to -z."""
+    """Return `count` evenly distributed unit vectors (Fibonacci lattice), in order from near +z to near -z."""
     index = np.arange(count) + 0.5
     z, turn = 1 - 2 * index / count, index * np.pi * (3 - np.sqrt(5))
     ring = np.sqrt(1 - z * z)

@@ -151,7 +151,7 @@ def _ear_axis_angles(toward: Float[Array, "*p 3"], config: AudioConfig) -> Float
 def _excess_lengths(
     toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], array: MicrophoneArray
 ) -> Float[Array, "*p e"]:
-    """Compute path lengths to microphones re the head centre [m], for point sources in the head frame."""
+    """Compute path lengths to microphones minus `distance`, that to the head centre [m], from sources in `toward`."""
     place = np.asarray(array.positions, np.float32)
     along = jnp.matmul(toward, jnp.asarray(place.T), precision="highest")
     square = jnp.asarray(np.sum(place**2, axis=1).reshape((1,) * distance.ndim + (-1,)))

@@ -84,7 +84,7 @@ def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: f
 
 
 def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
-    """Compute the amplitude of each noise at frequencies [Hz]; 1 unless there are `NUM_NOISES`, of total power 1."""
+    """Compute amplitudes of the noises at frequencies [Hz]: 1 each, or for `NUM_NOISES` so that mixes have power 1."""
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
     if isinstance(config.receiver, MicrophoneArray):

@@ -79,7 +79,7 @@ def add_echoes(
 
 @functools.cache
 def _delay_filters(sample_rate: int) -> tuple[Float[np.ndarray, "d s"], Float[np.ndarray, "d s"]]:
-    """Fit `filter_basis` to pure delays up to `MAX_ECHO_DELAY`; return real and imaginary parts at the knots."""
+    """Fit `filter_basis` to delays of 0 to `MAX_ECHO_DELAY`; return real, imaginary parts at its knots."""
     table, (frequency, response) = filter_basis(sample_rate), basis_responses(sample_rate)
     delay = np.linspace(0, MAX_ECHO_DELAY / PINNA_MODEL_RATE, NUM_DELAY_STEPS + 1)
     value = fit_basis_weights(response, np.exp(-2j * np.pi * delay[:, None] * frequency)) @ table.value

@@ -128,7 +128,7 @@ def _broadcast_rows(values: np.ndarray, shape: tuple[int, ...], path: Path, elem
 
 
 def _ear_order(sofa: Any, path: Path) -> list[int]:
-    """Return the receiver indices of the left and the right ear; raise `DatasetError` if neither is farther left."""
+    """Return the file's receiver indices of left, right ear; raise `DatasetError` if neither is farther left (+y)."""
     ears = _read_numbers(sofa, "ReceiverPosition", path)
     ears = ears[..., 0] if ears.ndim == 3 else ears
     places = _cartesian(_broadcast_rows(ears, (2, 3), path, "ReceiverPosition"), sofa, "ReceiverPosition", path)
@@ -138,7 +138,7 @@ def _ear_order(sofa: Any, path: Path) -> list[int]:
 
 
 def _source_vectors(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3"]:
-    """Compute vectors from the head centre to the sources [m], in the head frame."""
+    """Compute vectors from head centre to sources [m], in the head frame; `DatasetError` without valid view and up."""
 
     def vectors(name: str, kind: str) -> np.ndarray:
         return _cartesian(_broadcast_rows(_read_numbers(sofa, name, path), (count, 3), path, name), sofa, kind, path)

@@ -256,7 +256,7 @@ def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n b
 
 
 def interpolate_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
-    """Interpolate linearly in a table of `NUM_ANGLES` rows over the angle from an ear's axis, 0 to pi [rad]."""
+    """Interpolate rows linearly at angles [rad]; the `NUM_ANGLES` rows are at equal steps 0 to pi from the ear axis."""
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
     rest = (position - low.astype(jnp.float32)).reshape(angle.shape + (1,) * (rows.ndim - 1)).astype(rows.dtype)

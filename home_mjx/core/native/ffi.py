@@ -45,7 +45,7 @@ def hash_sources(*paths: str) -> int:
 @compiled
 @no_type_check
 def is_execute_call(frame):
-    """Return whether XLA requests execution; answer a query of the interface version here, and return False."""
+    """Return whether XLA requests execution; into a metadata query (False), write the interface version."""
     extension = words(frame)[FRAME_EXTENSION]
     if extension != 0 and halves(extension + WORD * EXTENSION_TYPE)[0] == METADATA:
         words(words(extension)[EXTENSION_METADATA])[METADATA_VERSION] = API_VERSION
@@ -74,7 +74,7 @@ def run_job(frame, chunks, work, task):
 @compiled
 @no_type_check
 def run_task(job):
-    """Run chunks of a job on a thread of XLA until none is left, and release the job."""
+    """Run a job's work on a thread of XLA until no chunk is left, and release the job; it may then be freed."""
     call(words(job)[JOB_WORK], job)
     _release_job(job)
 
@@ -82,7 +82,7 @@ def run_task(job):
 @compiled
 @no_type_check
 def run_chunks(job, run_chunk):
-    """Call `run_chunk(frame, chunk)` until no chunk of a job is left."""
+    """Call `run_chunk(frame, chunk)` for chunks of a job, from 0, that no other thread takes, until none is left."""
     while True:
         chunk = fetch_add(job + WORD * JOB_NEXT, 1)
         if chunk >= words(job)[JOB_CHUNKS]:
@@ -134,7 +134,7 @@ def data(frame, kind, index):
 @compiled
 @no_type_check
 def dim(frame, kind, index, axis):
-    """Return the length of an axis of an operand or a result, see `data`."""
+    """Return the length of an axis of an operand or a result, see `data`; `axis` is not checked."""
     return words(words(_buffer(frame, kind, index))[BUFFER_DIMS])[axis]
 
 

@@ -34,7 +34,7 @@ def check_not_forked(action: str) -> None:
 
 
 def forbid_after_fork(function: Callable[..., T], action: str) -> Callable[..., T]:
-    """Wrap a function so that it raises `BackendError` in children that are forked from now on.
+    """Wrap a function of positional arguments so that it raises `BackendError` in children that are forked from now on.
 
     Use it for compiled programs. JAX runs a cached program without calling Python code of this package; a large one
     then waits forever for threads that the child lacks.

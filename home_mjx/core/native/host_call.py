@@ -68,7 +68,7 @@ def _halves(address: int) -> Any:
 
 
 def _wants_work(frame: int) -> bool:
-    """Return whether XLA requests execution; like `ffi.is_execute_call`, answer a query of the interface version."""
+    """Return whether XLA requests execution; into a metadata query (False), write the interface version."""
     extension = _words(frame)[ffi.FRAME_EXTENSION]
     if extension and _halves(extension + ffi.WORD * ffi.EXTENSION_TYPE)[0] == ffi.METADATA:
         _words(_words(extension)[ffi.EXTENSION_METADATA])[ffi.METADATA_VERSION] = ffi.API_VERSION

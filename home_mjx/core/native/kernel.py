@@ -56,13 +56,13 @@ class Kernel:
     def find_problem(self, platform: str) -> str | None:
         """Return the reason why the kernel cannot be used on "cpu" or "cuda"; None if it works.
 
-        The first call compiles, registers and tests it. An exception of these is also a reason, so that it does not end
-        a program that works without the kernel.
+        The first call per platform compiles, registers and tests it; later ones return its answer. An exception then
+        is also a reason, so that it does not end a program that works without the kernel.
         """
         return _find_problem(self, platform)
 
     def is_usable(self, platform: str) -> bool:
-        """Return whether `find_problem` is None; warn once if the kernel fails on a platform that exists here."""
+        """Return whether `find_problem` is None; warn once if the kernel has a version for a device here that fails."""
         return _is_usable(self, platform)
 
     def check_usable(self, platform: str, label: str, hint: str) -> None:
@@ -78,7 +78,7 @@ class Kernel:
             raise BackendError(f"{label} is not available: {problem}", hint=hint)
 
     def select(self, fallback: Callable[..., Any], native: Mapping[str, Callable[..., Any]], *operands: Any) -> Any:
-        """Call at lowering the function of `native` for the target platform; `fallback` if none is usable there."""
+        """Return results on `operands` of the function of `native` for the platform of lowering; else of `fallback`."""
         usable = {platform: run for platform, run in native.items() if self.is_usable(platform)}
         return select_at_lowering(fallback, usable, *operands)
 
@@ -180,7 +180,7 @@ def _find_problem(kernel: Kernel, platform: str) -> str | None:
 
 
 def _start(kernel: Kernel, platform: str) -> str | None:
-    """Compile, register and test a kernel; return the fault that its test finds, None if there is none."""
+    """Compile, register and test a kernel on "cpu" or "cuda"; return the fault that its test finds, None if none."""
     if platform == "cpu" and kernel.cpu:
         record_process()
         from home_mjx.core.native.handler import build_handler

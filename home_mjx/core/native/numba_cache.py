@@ -35,7 +35,7 @@ def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
     """Wrap a function that compiles the functions of its own file, so that it loads only verified cache files.
 
     Cache files whose digest differs or was never recorded, such as those of a killed process, are deleted first and
-    thus recompiled.
+    thus recompiled. Digests are recorded afterwards; a lock excludes other processes. Arguments are positional.
 
     Args:
         build: Compiles all functions of its file with `cache=True`.
@@ -61,7 +61,7 @@ def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
 
 
 def verify_cache_once(function: Callable[..., T]) -> Callable[..., T]:
-    """Apply `verify_cache` at the first call only, for functions called often with the same types."""
+    """Apply `verify_cache` until a call succeeds; later calls run `function` directly, whatever their arguments."""
     checked, done = verify_cache(function), []
 
     @functools.wraps(function)

@@ -81,7 +81,7 @@ def version(library: ctypes.CDLL) -> tuple[int, int]:
 
 
 def _installed() -> Iterator[Path]:
-    """Return candidate libraries in NVIDIA's packages (nvidia/cu13/lib, nvidia/cuda_nvrtc/lib), newest first."""
+    """Return paths of NVRTC in NVIDIA's Python packages (nvidia/cu13/lib, nvidia/cuda_nvrtc/lib), newest first."""
     package = importlib.util.find_spec("nvidia")
     folders = [Path(p) for p in package.submodule_search_locations or ()] if package else []
     found = [path for folder in folders for path in folder.glob("*/lib/libnvrtc.so.*")]
@@ -89,7 +89,7 @@ def _installed() -> Iterator[Path]:
 
 
 def _known(library: ctypes.CDLL, capability: int) -> int:
-    """Return NVRTC's newest architecture up to `capability`, such as 90; `capability` itself if there is none."""
+    """Return NVRTC's newest architecture up to `capability` (90 for 9.0); `capability` itself if there is none."""
     count = ctypes.c_int()
     _check(library, library.nvrtcGetNumSupportedArchs(ctypes.byref(count)))
     known = (ctypes.c_int * count.value)()
@@ -126,7 +126,7 @@ def _check(library: ctypes.CDLL, status: int) -> None:
 
 
 def _read(entry: Path) -> str | None:
-    """Return the cached PTX; None if the entry is missing or broken."""
+    """Return the cached PTX; None if the entry is missing, or broken, which is logged."""
     try:
         head, _, ptx = read_text(entry).partition("\n")
     except FileNotFoundError:

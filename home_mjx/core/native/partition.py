@@ -54,7 +54,7 @@ def partition_kernel(run: Callable[..., T], leading_axes: LeadingAxes) -> Callab
 
 
 def _factors(shape: tuple[int, ...], axes: Axes, prefix: str) -> str:
-    """Return an array's part of the einsum-like sharding rule; axes that stay whole have names of their own."""
+    """Return an array's part of the einsum-like sharding rule: `axes`, then names of its own (`prefix` + number)."""
     return " ".join((*axes, *(f"{prefix}{axis}" for axis in range(len(axes), len(shape)))))
 
 
@@ -69,7 +69,7 @@ def varying_false(*inputs: object) -> Bool[Array, ""]:
 
 
 def varying_as(inputs: object, results: Sequence[Array]) -> tuple[Array, ...]:
-    """Return results with equal values and types that vary over the mesh axes of the inputs, see `varying_false`."""
+    """Return results with equal values, typed to vary over all mesh axes over which an input varies."""
     never = varying_false(inputs)
     return tuple(jnp.where(never, jnp.zeros_like(x), x) for x in results)
 

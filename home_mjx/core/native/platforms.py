@@ -32,7 +32,7 @@ def local_devices(platform: str) -> list[Any]:
 
 
 def select_at_lowering(fallback: Callable[..., Any], kernels: Mapping[str, Callable[..., Any]], *given: Any) -> Any:
-    """Call with `given` the function of `kernels` for the platform, selected at lowering, or else `fallback`."""
+    """Return results on `given` of the function in `kernels` for the platform of lowering, or else of `fallback`."""
     # JAX traces every branch, so a branch that cannot be selected in this process is left out.
     covered = _used_platforms() <= set(kernels)
     return jax.lax.platform_dependent(*given, default=None if covered else fallback, **kernels)
@@ -40,7 +40,7 @@ def select_at_lowering(fallback: Callable[..., Any], kernels: Mapping[str, Calla
 
 @functools.cache
 def _used_platforms() -> frozenset[str]:
-    """Return the platforms of this process. `jax.extend.backend` lists them too, but loads Pallas: 40 ms."""
+    """Return the platforms of this process, such as "cuda". `jax.extend.backend` has them, but loads Pallas: 40 ms."""
     default = jax.default_backend()
     found = (platform for platform in PLATFORMS if local_devices(platform))
     return frozenset({PLATFORM_OF_BACKEND.get(default, default), *found})
@@ -49,7 +49,7 @@ def _used_platforms() -> frozenset[str]:
 def with_fallback_gradient(
     fallback: Callable[..., Array], kernels: Mapping[str, Callable[..., Array]]
 ) -> Callable[..., Array]:
-    """Return a function of positional arrays that is `select_at_lowering`, differentiated as `fallback`."""
+    """Return a function of positional arrays that is `select_at_lowering`, but has the derivatives of `fallback`."""
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
@@ -64,6 +64,6 @@ def with_fallback_gradient(
 
 @functools.cache
 def max_shared_bytes() -> int:
-    """Return the shared memory that a block may use on every GPU [bytes]; `MIN_SHARED_BYTES` without one."""
+    """Return the shared memory that a block may use on each of the GPUs [bytes]; `MIN_SHARED_BYTES` without a GPU."""
     found = (int(device.compute_capability.replace(".", "")) for device in local_devices("cuda"))
     return min((SHARED_BYTES_BY_CAPABILITY.get(x, MIN_SHARED_BYTES) for x in found), default=MIN_SHARED_BYTES)

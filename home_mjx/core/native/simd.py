@@ -49,7 +49,7 @@ def _spread(builder, value):
 
 @no_type_check
 def _define(operation, emit, kind, result) -> None:
-    """Define an operator from vectors of type `kind`, one of which may be a scalar, to the vector type `result`."""
+    """Define an operator from vectors of type `kind`, one of which may be a scalar, to vectors of type `result`."""
     cases = [(kind, kind), (kind, kind.item), (kind.item, kind)]
     for case in cases:
 
@@ -107,7 +107,7 @@ infer_global(operator.invert)(_Invert)  # pyright: ignore[reportOptionalCall]
 @intrinsic
 @no_type_check
 def select(typing_context, mask, a, b) -> Any:
-    """Return per lane `a` where the mask is set, else `b`; one of them may be a scalar."""
+    """Return per lane `a` where the mask (`FLAGS`) is set, else `b`; one of them, but not both, may be a scalar."""
     kind = a if isinstance(a, Lanes) else b
 
     @no_type_check
@@ -194,7 +194,7 @@ def broadcast(typing_context, x) -> Any:
 @intrinsic
 @no_type_check
 def count_lanes(typing_context, mask) -> Any:
-    """Count the lanes that are set."""
+    """Return the number of lanes of a mask (`FLAGS`) that are set, as int32."""
 
     @no_type_check
     def lower(context, builder, sig, args):
@@ -207,7 +207,7 @@ def count_lanes(typing_context, mask) -> Any:
 @intrinsic
 @no_type_check
 def any_lane(typing_context, mask) -> Any:
-    """Return whether any lane is set."""
+    """Return whether any lane of a mask (`FLAGS`) is set, as a scalar."""
 
     @no_type_check
     def lower(context, builder, sig, args):

@@ -49,7 +49,7 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
 
 
 def forbid_gradient(step: Step, name: str) -> Step:
-    """Make a step raise `ConfigError` under differentiation, since zero gradients would be silently wrong."""
+    """Wrap a step so that differentiation raises `ConfigError`, whose message begins with `name`."""
     guarded = jax.custom_jvp(step)
 
     @guarded.defjvp
@@ -65,5 +65,5 @@ def forbid_gradient(step: Step, name: str) -> Step:
 
 
 def traced_constant(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
-    """Build a constant 1-D array from traced operations; a partitioned function must not capture arrays."""
+    """Build a 1-D array, not empty, by traced operations; partitioned functions must not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])

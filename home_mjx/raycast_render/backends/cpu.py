@@ -15,7 +15,7 @@ TARGET = "home_mjx_cast"
 
 
 def compile_chunks() -> tuple[Any, Any]:
-    """Import and compile the Numba code, and return its functions `count` and `work`; see `numba.chunks`."""
+    """Import and compile the Numba code; return its C functions `count` (chunks of a call) and `work` (of a job)."""
     from home_mjx.raycast_render.backends.numba import chunks
 
     return chunks.compile_chunks()
@@ -24,9 +24,9 @@ def compile_chunks() -> tuple[Any, Any]:
 def cast_cpu(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment) by the Numba kernel; see `registry.RayBackend`.
+    """Cast rays (e r ...) by the Numba kernel; return hits (e r), or (e r steps) if `query.num_hits` is not 0.
 
-    `registry.KERNEL` must be usable on the CPU, since there is no fallback here.
+    A miss has t `MISS`, instance and triangle -1. `registry.KERNEL` must be usable on the CPU; there is no fallback.
     """
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_cpu, geometry, house, moving, rays, query)

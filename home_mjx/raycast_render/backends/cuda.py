@@ -24,9 +24,9 @@ MAX_GRID = 65535  # maximum blocks along the second and third axis
 def cast_cuda(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment) by the CUDA kernels; see `registry.RayBackend`.
+    """Cast rays (e r ...) by the CUDA kernels; return hits (e r), or (e r steps) if `query.num_hits` is not 0.
 
-    `registry.KERNEL` must be usable on the GPU, since there is no fallback here.
+    A miss has t `MISS`, instance and triangle -1. `registry.KERNEL` must be usable on the GPU; there is no fallback.
     """
     shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
@@ -46,7 +46,7 @@ def compile_kernels() -> str:
 
 
 def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
-    """Return the result of an any-hit query: only the sign of `instance`, negative without a hit, is defined."""
+    """Return an any-hit result: only the sign of `instance`, negative without a hit, counts; the rest is filled in."""
     zero = jnp.zeros_like(instance, jnp.float32)
     return RawHit(jnp.where(instance < 0, MISS, zero), instance, jnp.minimum(instance, 0), zero, zero, zero > 0)
 
@@ -54,7 +54,7 @@ def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
 def kernel_operands(
     geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery = CLOSEST_HIT
 ) -> tuple[Array, ...]:
-    """Return the operands of the kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes."""
+    """Return the operands of all kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
     low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
     low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
@@ -84,14 +84,14 @@ def kernel_operands(
 
 
 def tile_width(count: int, width: int) -> int:
-    """Return the image width [px] if warps cast tiles of it; 0 if `count` rays form no image or a narrower one."""
+    """Return `width` [px] if warps cast image tiles; 0 if it is below `TILE[0]` or does not divide `count` rays."""
     return width if width >= TILE[0] and count % width == 0 else 0
 
 
 def launch_grid(environments: int, count: int, width: int) -> tuple[int, int, int]:
     """Return the grid for `count` rays per environment: blocks of one environment, then environments along two axes.
 
-    `width` is that of the image that the rays form [px]; 0 if none. The last two axes may exceed `environments`.
+    `width`: image width [px]; 0 if the rays form no image. The product of the last two axes may exceed `environments`.
     """
     width = tile_width(count, width)
     warps = -(-width // TILE[0]) * -(-count // (width * TILE[1])) if width else -(-count // WARP)

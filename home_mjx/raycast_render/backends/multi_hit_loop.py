@@ -20,7 +20,7 @@ def cast_multi_hit_by_loop(
     rays: Rays,
     query: RayQuery,
 ) -> RawHit:
-    """Return successive hits of shape (environments, rays per environment, steps).
+    """Return successive hits (e r steps) of rays (e r ...), found with one cast per step; see `cast_multi_hit`.
 
     Args:
         cast: A backend, see `registry.RayBackend`.

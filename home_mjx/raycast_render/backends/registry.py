@@ -33,7 +33,7 @@ KERNEL = Kernel(
 def cast_auto(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast with the fastest backend of the platform that the program is lowered for; `xla` if no native one works."""
+    """Cast, as a `RayBackend`, by the native kernel of the platform of lowering; if none works there, by `cast_xla`."""
     native = {platform: _with_query(cast, query) for platform, cast in NATIVE.items()}
     return KERNEL.select(_with_query(cast_xla, query), native, geometry, house, moving, rays)
 
@@ -45,7 +45,7 @@ def _with_query(backend: RayBackend, query: RayQuery) -> Callable[..., RawHit]:
 def _cast_natively(
     platform: str, geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast with the native backend of a platform; raise `BackendError` if it does not work in this process."""
+    """Cast with the native backend of "cpu" or "cuda"; raise `BackendError` if it does not work in this process."""
     KERNEL.check_usable(platform, f"the `{platform}` backend", "Use backend='xla'.")
     return NATIVE[platform](geometry, house, moving, rays, query)
 
@@ -55,7 +55,7 @@ BACKENDS |= {platform: functools.partial(_cast_natively, platform) for platform 
 
 
 def find_backend(name: str | None) -> RayBackend:
-    """Return the backend of a name; None selects by platform.
+    """Return the backend `xla`, `cpu` or `cuda`; None: the one that selects by platform, `cast_auto`.
 
     Raises:
         ConfigError: The backend is unknown.

@@ -14,7 +14,7 @@ T = TypeVar("T")
 
 
 def find_fault(backend: Callable) -> str | None:
-    """Return a description of the error in a backend's result; None if the result is correct.
+    """Return a description of the error in the result of a `registry.RayBackend`; None if the result is correct.
 
     Four rays run along +z. They hit the static triangle at z = 1, hit the moving one at z = 2, miss both, and end
     before the static one.

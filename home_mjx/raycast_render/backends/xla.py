@@ -63,7 +63,7 @@ class _Operands(NamedTuple):
 def cast_xla(
     geometry: Geometry, house: Int[Array, " e"], moving: DynamicInstances, rays: Rays, query: RayQuery
 ) -> RawHit:
-    """Cast rays of shape (environments, rays per environment); see `registry.RayBackend`."""
+    """Cast rays (e r ...) in plain JAX; return hits (e r), or (e r steps) for `num_hits`. Misses: t `MISS`, ids -1."""
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_xla, geometry, house, moving, rays, query)
     rays, shape = rays.expanded(), rays.shape
@@ -95,7 +95,7 @@ def _cast_chunk(world: _Operands) -> RawHit:
 
 
 def _start(world: _Operands) -> _State:
-    """Return the first state: rays at their house's top tree; stacks hold all moving instances whose box they hit."""
+    """Return the first state: rays at their house's top tree; stacks contain moving instances whose box they hit."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
     none, weight = zero - 1, zero.astype(jnp.float32)
@@ -165,7 +165,7 @@ def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
 
 
 def _leave(world: _Operands, state: _State) -> _State:
-    """Return rays that have finished their instance to the world frame and continue there."""
+    """Bring rays that have finished their instance back to the world frame, where they pop their stack."""
     done = (state.instance >= 0) & (state.code == EMPTY_LEAF)
     state = state._replace(
         instance=jnp.where(done, -1, state.instance),
@@ -177,7 +177,7 @@ def _leave(world: _Operands, state: _State) -> _State:
 
 
 def _enter(world: _Operands, state: _State) -> _State:
-    """Transform rays at instances into the frame of the first one, unless it is excluded.
+    """Transform rays at instances into the frame of the leaf's first one; if `exclude` names its object, pop instead.
 
     Codes of top trees count a house's instances, then the moving ones.
     """
@@ -220,7 +220,7 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return the codes of a node's two children, nearer first; `EMPTY_LEAF` if not hit before the ray's best hit."""
+    """Return the codes of each ray's node's two children, nearer first; `EMPTY_LEAF` if not hit by its best hit's t."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
@@ -242,7 +242,7 @@ def _slab(
 
 
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
-    """Return the best hits updated with at most `TRIANGLES_PER_TEST` of the `count` triangles from `first` on."""
+    """Return the best hits updated with `count` triangles from `first` on, at most `TRIANGLES_PER_TEST` of them."""
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
@@ -276,7 +276,7 @@ def _is_cut_out(
     v: Float[Array, "n k"],
     layer: Int[Array, "n k"],
 ) -> Bool[Array, "n k"]:
-    """Return whether the nearest texel at barycentric weights u and v is cut out; `layer` is at least 1 (0: as 1)."""
+    """Return whether the nearest texel at weights u, v of corners 1 and 2 is cut out; layers count from 1, clipped."""
     uv, edge = geometry.triangle_uv[triangle], geometry.cutout.shape[1]
     weight = jnp.stack([1 - u - v, u, v], axis=-1)
 
@@ -296,7 +296,7 @@ def _intersect(
     """Intersect k triangles per ray.
 
     Returns:
-        t (infinity on a miss, maybe negative), barycentric weights of corners 1 and 2, whether the front side was hit.
+        t (infinity on a miss, maybe negative); weights of corners 1, 2 and whether the front was hit (miss: undefined).
     """
     axis = jnp.argmax(jnp.abs(direction), axis=1)[:, None, None, None]
     ray = _along_z(direction[:, None, None, :], axis)
@@ -318,5 +318,5 @@ def _intersect(
 
 
 def _along_z(vector: Float[Array, "n k c 3"], axis: Int[Array, "n 1 1 1"]) -> Float[Array, "n k c 3"]:
-    """Permute the axes cyclically so that `axis` becomes z."""
+    """Permute the last axis (x, y, z) cyclically so that component `axis` (0, 1 or 2) of each ray becomes z."""
     return jnp.where(axis == 2, vector, jnp.where(axis == 0, jnp.roll(vector, -1, axis=-1), jnp.roll(vector, 1, -1)))

@@ -164,7 +164,7 @@ def camera_rays(
 
 
 def pixel_footprint(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Return the width of a pixel's footprint across its ray [m]: at the ray's origin, and its growth per unit of t."""
+    """Return the height of a pixel's footprint across its ray [m]: at its origin, and the growth per unit of t."""
     none = jnp.zeros_like(camera.fovy)
     if lens.model == "orthographic":
         return camera.fovy / lens.height, none
@@ -216,7 +216,7 @@ def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) ->
 def _local_directions(
     camera: Camera, lens: Lens, column: Float[Array, "h w"], row: Float[Array, "h w"]
 ) -> Float[Array, "*image 3"]:
-    """Return ray directions in the camera's frame (x right, y up, z back): of unit depth (pinhole, cube) or length."""
+    """Return directions (x right, y up, z back), of unit depth (pinhole, cube) or length, through points in pixels."""
     if lens.model in ("panorama", "lidar"):
         return _sphere_directions(column, row, lens)
     x, y = _plane_coordinates(column, row, lens, _half_height(camera, lens))
@@ -227,7 +227,7 @@ def _local_directions(
 
 
 def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
-    """Return half the image height at unit depth: tan(fovy / 2), or 1 for a cube."""
+    """Return half the image height at unit depth: 1 for a cube, else tan(fovy / 2), of use for pinholes only."""
     return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
 
 

@@ -11,13 +11,13 @@ SAMPLE_STEP = np.array([1 / PLASTIC_NUMBER, 1 / PLASTIC_NUMBER**2], np.float32)
 
 
 def sample_point(sample: Int[Array, ""] | int) -> Float[Array, "2"]:
-    """Return the point of a sample (its index) in the unit square, [0, 1); sample 0 is the centre."""
+    """Return the point (right, down) in a pixel, [0, 1)², of the sample with this index; sample 0 is the centre."""
     shift = jnp.asarray(SAMPLE_STEP) * jnp.asarray(sample, jnp.float32) + 0.5
     return shift - jnp.floor(shift)
 
 
 def sample_points(sample: Int[Array, ""] | int, shape: tuple[int, ...], seed: int) -> Float[Array, "*image 2"]:
-    """Return a sample's point in [0, 1) for each pixel, shifted at random per pixel so that errors look like grain."""
+    """Return `sample_point` shifted, modulo 1, by a random offset per pixel of `shape` that only `seed` determines."""
     own = np.random.default_rng(seed).random((*shape, 2), np.float32)
     moved = jnp.broadcast_to(sample_point(sample), own.shape) + own
     return moved - jnp.floor(moved)

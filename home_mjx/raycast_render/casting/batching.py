@@ -21,7 +21,7 @@ NUM_RAY_FIELDS = 6  # fields of `Rays`
 
 @functools.cache
 def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
-    """Return a function that casts rays (e r ...) in environments (e ...) that share one geometry.
+    """Return a function, cached, that casts rays (e r ...) in environments (e ...) that share one geometry.
 
     `vmap` of the function extends axis e or axis r.
     """
@@ -56,7 +56,7 @@ def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
 
 
 def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]]) -> tuple[list[Axes], list[Axes]]:
-    """Return the leading axes of operands and results: none of geometry, environments, and rays where not broadcast."""
+    """Return leading axes by shapes: none for geometry, else `ENV`; also `RAY` for results and fields per ray."""
     num_rays = results[0][1]
     rays = [(ENV, RAY) if shape[1] == num_rays else (ENV,) for shape in operands[-NUM_RAY_FIELDS:]]
     shared = [()] * (len(operands) - NUM_ENV_ARRAYS - NUM_RAY_FIELDS)
@@ -64,7 +64,7 @@ def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]
 
 
 def _no_hits(cast: BatchedCast, batched: Any, args: Any) -> RawHit:
-    """Return hits with a leading axis of length 0 for an empty batch, without calling a backend."""
+    """Return hits (0 e r ...) of an empty `vmap`, without calling a backend; `batched` marks the arrays it maps."""
     one = jax.tree.map(lambda x, b: jax.ShapeDtypeStruct(x.shape[1:] if b else x.shape, x.dtype), args, batched)
     return jax.tree.map(lambda x: jnp.zeros((0, *x.shape), x.dtype), jax.eval_shape(cast, *one))
 
@@ -82,7 +82,7 @@ def _cast_sequentially(run: RayBackend, query: RayQuery, size: int, batched: Any
 def _fold_rays(size: int, rays: Rays, batched: Any) -> Rays:
     """Fold a batch axis into rays: (e r ...), or (size e r ...) of batched fields, to (e size*r ...).
 
-    Shared fields stay shared.
+    Fields with one value for all rays and batch elements keep it.
     """
     count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
 

@@ -72,7 +72,7 @@ def occluded(
     mask: Id = RayKind.LIGHT,
     backend: str | None = None,
 ) -> Bool[Array, "*rays"]:
-    """Return whether anything blocks the rays between t_min and t_max; cheaper than `cast`, with the same arguments.
+    """Return whether anything blocks the rays in [t_min, t_max]; cheaper than `cast`, same arguments (mask: LIGHT).
 
     Example:
         >>> offset = lamp - point  # doctest: +SKIP
@@ -135,7 +135,7 @@ def cast_multi_hit(
 
 
 def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
-    """Attach gradients to a backend's results, one hit per ray, and restore the rays' shape."""
+    """Attach gradients to a backend's flat results, one hit per ray, in the rays' shape; t of misses becomes inf."""
     t, instance, triangle, u, v, front = (x.reshape(-1) for x in hits)
     t, u, v = attach_gradient(scene, rays, instance, triangle, t, u, v)
     t = jnp.where(instance < 0, jnp.inf, t)
@@ -160,7 +160,7 @@ def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exc
 
 
 def _shared_fields(origin: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> tuple[str, ...]:
-    """Return the names of the fields with one value for all rays.
+    """Return the names of `Rays` fields with one value for all rays: scalars, and an origin of shape (3).
 
     The order is fixed. The order of a set of strings would differ between processes, and JAX's compilation cache would
     never hit.
@@ -170,7 +170,7 @@ def _shared_fields(origin: Array, t_min: Distance, t_max: Distance, exclude: Id,
 
 
 def _run(scene: Scene, rays: Rays, shared: tuple[str, ...], backend: str | None, query: RayQuery) -> tuple[Array, ...]:
-    """Run the backend; return hits of shape (rays,) or (rays, steps).
+    """Run the backend; return the fields of `RawHit`, of shape (rays,) or (rays, steps), rays being flat.
 
     The backend gets a single value of each `shared` field, which saves memory traffic.
     """

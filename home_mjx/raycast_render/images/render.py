@@ -65,8 +65,7 @@ def render(
 
     Raises:
         ConfigError: A kind, the shader or the scene's backend is unknown, `depth_max` is negative, or the bank does
-            not have a bake that the shader needs. Outside of `jit`
-            also if the camera is invalid, see `check_camera`.
+            not have a bake that the shader needs. Outside of `jit` also if the camera is invalid, see `check_camera`.
 
     Example:
         >>> images = render(scene, camera, Lens(64, 64), kinds=("rgb", "depth", "fine"))  # doctest: +SKIP

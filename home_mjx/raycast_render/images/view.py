@@ -32,7 +32,7 @@ class View:
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
-        """Validity of the camera and finiteness of the poses of all moving instances."""
+        """Scalar flag: the camera is valid (`is_valid_camera`), and the poses of all moving instances are finite."""
         return is_valid_camera(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
 
     @cached_property
@@ -41,7 +41,7 @@ class View:
         return self.cast(0)
 
     def cast(self, sample: Int[Array, ""] | int) -> CameraRays:
-        """Return camera rays cast through a sample's point of every pixel; all miss unless `valid`."""
+        """Cast rays through the point of sample `sample` (0: centre) of every pixel; all miss unless `valid`."""
         origin, direction = camera_rays(self.camera, self.lens, sampling.sample_point(sample))
         reach = jnp.where(self.valid, jnp.inf, -1.0)
         found = cast(

@@ -33,7 +33,7 @@ class AppearanceOverrides(Pytree):
 def scale_lamps(
     look: AppearanceOverrides | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]
 ) -> Vec:
-    """Scale lights by the episode's factors, if any: daylight by one, lamps by that of their room (-1: no room)."""
+    """Scale lights by the episode's factors, if any: those in `daylight` by one, lamps by their room's (-1: none)."""
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))
         light = light * jnp.where(daylight, 1.0, lamps)
@@ -53,7 +53,7 @@ def scale_exposure(look: AppearanceOverrides | None, light: Vec) -> Vec:
 
 
 def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
-    """Return colours of materials, given by row, with the episode's random tint, clipped to [0, 1]; else unchanged."""
+    """Scale colours of material rows by random factors, at most 1 +- `look.tint`; clip to [0, 1]. None: unchanged."""
     if look is None or look.tint is None:
         return color
     tint = look.tint

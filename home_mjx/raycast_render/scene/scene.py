@@ -63,7 +63,7 @@ def make_scene(
 
 
 def make_open_scene(bank: HouseBank, house: Int[Array, ""] | int) -> Scene:
-    """Return the scene of a house in its initial state, without agents and with all doors wide open."""
+    """Return the scene of a house (index, clipped) with its initial body poses, no agents, and all doors wide open."""
     house, physics = jnp.int32(house), bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     bodies = physics.body_pos[house], physics.body_quat[house]
@@ -86,7 +86,7 @@ def _bodies(
 
 
 def _pose_matrices(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float[Array, "n 3 4"]:
-    """Return pose matrices; NaN for quaternions (w, x, y, z) not of unit length, which would scale the object."""
+    """Return world-from-body matrices; NaN where a quaternion (w, x, y, z) is not of unit length and would scale."""
     return jnp.where(is_unit_quat(quat)[:, None, None], jax.vmap(rigid_transform)(pos, quat), jnp.nan)
 
 
@@ -101,7 +101,7 @@ def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) ->
 
 
 def _door_motion(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[Array, "2"]) -> Float[Array, "3 4"]:
-    """Return a rotation by `angle` [rad] about the vertical through `pivot`, then a shift by `way` (x, y) [m]."""
+    """Return a rotation by `angle` [rad] about +z through `pivot` (x, y), then a shift by `way` (x, y); world, [m]."""
     (x, y), (along, across) = pivot, way
     cos, sin = jnp.cos(angle), jnp.sin(angle)
     zero, one = jnp.zeros_like(cos), jnp.ones_like(cos)
@@ -113,7 +113,7 @@ def _door_motion(pivot: Float[Array, "2"], angle: Float[Array, ""], way: Float[A
 def _instances(
     bank: HouseBank, house: Int[Array, ""], instance: Int[Array, " d"], pose: Float[Array, "d 3 4"]
 ) -> DynamicInstances:
-    """Return instances of the house at poses, world from model; -1 gives an empty entry that no ray hits."""
+    """Return the house's instances of these indices at poses, world from model; -1: an empty entry that no ray hits."""
     geometry, valid, row = bank.geometry, instance >= 0, jnp.maximum(instance, 0)
     # The matrix of a missing instance is arbitrary and may be singular.
     pose = jnp.where(valid[:, None, None], pose, jnp.eye(3, 4, dtype=jnp.float32)[None])

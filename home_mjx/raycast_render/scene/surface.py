@@ -37,7 +37,7 @@ def texture_coordinates(scene: Scene, hit: Hit) -> tuple[Float[Array, "*rays"], 
 
 
 def texture_corners(scene: Scene, hit: Hit) -> tuple[Vec, Vec]:
-    """Return the texture coordinates u, then v, of hit triangles; the components are the three corners."""
+    """Return texture coordinates u, then v, of hit triangles (on a miss: triangle 0); x, y, z are corners 0, 1, 2."""
     triangle, table = jnp.maximum(hit.triangle, 0), scene.geometry.triangle_uv
     u, v = (Vec(*(take(table, triangle, corner, i) for corner in range(3))) for i in range(2))
     return u, v
@@ -77,7 +77,7 @@ def area_to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
 
 
 def index_by_instance(static: Array, moving: DynamicInstances, moved: Array) -> Array:
-    """Return the house's table `static` by instance, with rows of `moving` replaced by `moved`, and agents appended."""
+    """Return `static` (I rows) extended by D rows of 0, with row d of `moved` at row `moving.instance[d]` unless -1."""
     size = static.shape[0] + moving.instance.shape[0]
     table = jnp.concatenate([static, jnp.zeros((size - static.shape[0], *static.shape[1:]), static.dtype)])
     return table.at[jnp.where(moving.instance < 0, size, moving.instance)].set(moved, mode="drop")

@@ -59,10 +59,10 @@ class Scene(Pytree):
 
     @classmethod
     def axes(cls, backend: str | None = None) -> "Scene":
-        """Return `in_axes` or `out_axes` of a batch of scenes that share one bank.
+        """Return `in_axes` or `out_axes` of a batch of scenes that share one bank: None for the bank, else 0.
 
         Args:
-            backend: Executor of the scenes.
+            backend: Backend of the scenes, as in `make_scene`; it must be equal.
 
         Example:
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
@@ -83,7 +83,7 @@ class Rays(Pytree):
     t_min: Float[Array, "*rays"]  # in units of |direction|, >= 0
     t_max: Float[Array, "*rays"]  # rays with t_max < t_min have no hit
     exclude: Int[Array, "*rays"]  # object id (I + a for agent a) that the ray passes through; -1 none
-    mask: Int[Array, "*rays"]  # `compiled.Ray` bits
+    mask: Int[Array, "*rays"]  # `RayKind` bits
     width: int = static(default=0)  # [px], width of the image that the rays form; 0 if they form none
 
     @property
@@ -92,7 +92,7 @@ class Rays(Pytree):
         return max(field.shape[:2] for field in jax.tree.leaves(self))
 
     def expanded(self) -> "Rays":
-        """Return the same rays with one value per ray in every field."""
+        """Return the same rays (e r ...) with one value per ray in every field, broadcast if there was one."""
         return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
 
 

@@ -71,7 +71,7 @@ class Vec(Pytree):
         )
 
     def inverse_norm(self) -> Any:
-        """Return 1 / length; large, but finite, for zero vectors."""
+        """Return 1 / length, one number per pixel; large (3e18), but finite, for zero vectors."""
         return jax.lax.rsqrt(jnp.maximum(self.dot(self), 1e-37))
 
     def unit(self) -> "Vec":
@@ -85,7 +85,7 @@ def select(condition: Bool[Array, "*rays"], yes: Vec, no: Vec) -> Vec:
 
 
 def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Shaped[Array, "*rays"]:
-    """Return table[index, *place] without copying a column of the table first; undefined for indices outside 0..n-1."""
+    """Return table[index, *place], `place` having one index per axis of a row; undefined for `index` outside 0..n-1."""
     row = table.shape[1:]
     if row:
         index = index * math.prod(row) + int(np.ravel_multi_index(place, row))

@@ -187,7 +187,7 @@ def _installed() -> dict[str, EntryPoint]:
 
 
 def _check_class(shader_class: Any) -> str:
-    """Return the name of a class of shaders; raise `ConfigError` unless it is a frozen dataclass like `Shader`."""
+    """Return a shader class's `name`; raise `ConfigError` unless it is a frozen dataclass with `Shader`'s members."""
     title = shader_class.__name__
     check_frozen_dataclass("shader", shader_class)
     if not isinstance(getattr(shader_class, "name", None), str) or not shader_class.name:

@@ -32,7 +32,7 @@ class FastShader(Shader):
 def shade_headlight(color: Vec, normal: Vec, direction: Vec) -> Vec:
     """Scale colours by `AMBIENT_WEIGHT` + `HEADLIGHT_WEIGHT` times the cosine between normal and view.
 
-    The light has no distance attenuation. Misses, which have a zero normal, keep their colour.
+    Unit normals face the camera; `direction` is its rays', of any length. Misses, with zero normal, keep their colour.
     """
     facing = -normal.dot(direction) * direction.inverse_norm()
     missed = normal.dot(normal) == 0

@@ -115,8 +115,8 @@ def lamp_light(
         scene: Scene of one environment.
         lights: Lights of the environment.
         point: Shading points.
-        spread: Positions on linear and rectangular lights that emit; None: their centres.
-        count: Lights per point.
+        spread: Emitting positions in [-1, 1] along both axes of linear and rectangular lights; None: their centres.
+        count: Lights per point; 0: no light.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
@@ -151,7 +151,7 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
     """Select the lights with the highest estimated irradiance at each point, brightest first.
 
     Returns:
-        At most `count` keys, whose lowest `INDEX_BITS` bits are the light's index; other bits are 0 if it emits none.
+        `count` keys, or one per light if fewer: its index in the lowest `INDEX_BITS` bits, else 0 if it is dark.
     """
     total = lights.instance.shape[0]
     lines = -(-total // LIGHTS_PER_STEP)
@@ -183,7 +183,7 @@ def sun_light(
     Args:
         scene: Scene of one environment, whose overrides may replace the sun's direction.
         point: Shading points.
-        spread: Positions on the disc that emit; None: its centre.
+        spread: Emitting positions on the disc, in [-1, 1]; None: its centre.
         irradiance: Normal irradiance of the sun [W/m^2].
         azimuth: Direction to the sun from +x towards +y [degrees].
         elevation: Elevation of the sun above the horizon [degrees]; it sets the colour even if overridden.
@@ -209,7 +209,7 @@ def mix_colors(one: Color, other: Color, share: float) -> Vec:
 
 
 def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tuple[Vec, Vec]:
-    """Return the unit direction to the sun, and a horizontal unit vector perpendicular to it.
+    """Return the unit direction to the sun, world, and a horizontal unit vector perpendicular to it (to its left).
 
     Args:
         look: Episode's angles of the sun [rad], which replace the others; None: no overrides.
@@ -259,14 +259,14 @@ def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint)
 
 
 def _is_own_lamp(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
-    """Return whether the surface belongs to the lamp that emits the light; window frames do not count."""
+    """Return whether a surface of `instance` belongs to the lamp of the light; walls and lights with an area do not."""
     return (light.instance == instance) & (light.instance != ARCHITECTURE) & (light.area == 0)
 
 
 def _unoccluded_irradiance(
     light: PlacedLights, offset: Vec, at: ShadingPoint, own: Bool[Array, "*rays"]
 ) -> tuple[Float[Array, "*rays"], Vec]:
-    """Compute the unoccluded irradiance per intensity [1/m^2], and the unit direction to the light at `offset` [m].
+    """Compute irradiance per intensity [1/m^2] without occlusion, and the unit direction to the light, `offset` [m].
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
     algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, transmit its light.

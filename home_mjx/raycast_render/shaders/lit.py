@@ -125,7 +125,7 @@ class LitShader(Shader):
         return cls(**(given | options))
 
     def radiance(self, scene: Scene, rays: CameraRays) -> Vec:
-        """Compute the radiance along camera rays [W/m^2/sr]."""
+        """Compute the radiance along camera rays, by glass and mirrors too [W/m^2/sr]; that of the sky on a miss."""
         path, growth = start_path(rays), pixel_footprint(rays.camera, rays.lens)[1]
         sample = self._light_sample(rays)
         path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
@@ -151,14 +151,14 @@ class LitShader(Shader):
         return tone_map(scale_exposure(scene.appearance, light), exposure)
 
     def _light_sample(self, rays: CameraRays) -> lights.LightSample:
-        """Return emitting positions in [-1, 1]; None (centres of lights) with one sample and no ambient occlusion."""
+        """Return positions in [-1, 1]² per pixel; None (lights' centres) with one sample and no ambient occlusion."""
         if rays.lens.samples == 1 and not self.ao_radius:
             return None
         return 2 * sample_points(rays.sample, rays.hit.t.shape, seed=1) - 1
 
 
 def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
-    """Map light of any strength to linear display light in [0, 1].
+    """Map light of any strength, times `exposure`, to linear display light in [0, 1].
 
     Luminances up to `WHITE_LUMINANCE` fit; colours keep their hue until a channel saturates.
 
@@ -170,7 +170,7 @@ def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
 
 
 def auto_exposure(light: Vec) -> Float[Array, ""]:
-    """Return the exposure that maps an image's logarithmic mean luminance to `MEAN_LUMINANCE_TARGET`.
+    """Return the factor that maps an image's geometric mean luminance to `MEAN_LUMINANCE_TARGET`.
 
     Source: equation 1 of the source of `tone_map`.
     """
@@ -179,7 +179,7 @@ def auto_exposure(light: Vec) -> Float[Array, ""]:
 
 
 def sky_radiance(direction: Vec, options: LitShader) -> Vec:
-    """Return the sky's radiance [W/m^2/sr]: blue above, bright at the horizon, red there at dusk, bare ground below."""
+    """Return the sky's radiance [W/m^2/sr] in world directions of any length; below the horizon, the bare ground's."""
     up = direction.z * direction.inverse_norm()
     high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
     horizon = lights.mix_colors(HORIZON_COLOR, DUSK_COLOR, sun_redness(options.sun_elevation))
@@ -212,7 +212,7 @@ def _shading_point(scene: Scene, sight: PathState, corner: HitFrame, row: Int[Ar
 def _diffuse_reflectance(
     scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"], growth: Float[Array, ""]
 ) -> Vec:
-    """Return the diffuse reflectance: the material's colour times its texture, filtered over the pixel's footprint."""
+    """Return the material's colour times its texture, filtered over the footprint, which grows by `growth` per t."""
     hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
     u, v = texture_corners(scene, hit)
     texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)
@@ -249,7 +249,7 @@ def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSampl
 
 
 def _cosine_direction(normal: Vec, spread: Float[Array, "*rays 2"]) -> Vec:
-    """Return cosine-distributed unit directions about the normal, at points `spread` in [-1, 1]^2."""
+    """Map points `spread`, uniform in [-1, 1]^2, to cosine-distributed unit directions about the unit normal."""
     z, turn = 0.999 * spread[..., 0], math.pi * spread[..., 1]
     ring = jnp.sqrt(1 - z * z)
     return (normal + Vec(ring * jnp.cos(turn), ring * jnp.sin(turn), z)).unit()

@@ -56,8 +56,8 @@ def trace_specular(
         scene: Scene of one environment.
         path: Camera rays and their first hits.
         footprint_growth: Increase of the footprint's width per unit of t [m].
-        max_specular_depth: Maximum number of casts.
-        exclude: Object id hidden from the camera, except in mirrors.
+        max_specular_depth: Maximum number of casts; 0 returns `path`.
+        exclude: Object id hidden from the camera, except in mirrors; -1 none.
     """
     for _ in range(max_specular_depth):
         path = _extend_path(scene, path, footprint_growth, exclude)

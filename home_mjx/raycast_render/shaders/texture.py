@@ -37,7 +37,7 @@ def albedo(scene: Scene, hit: Hit) -> Vec:
 
 
 def encode_srgb(linear: Float[Array, "..."]) -> UInt8[Array, "..."]:
-    """Encode linear light, clipped to [0, 1], as sRGB bytes (IEC 61966-2-1)."""
+    """Encode linear light, clipped to [0, 1], as sRGB bytes, rounded (IEC 61966-2-1)."""
     exposed = jnp.clip(linear * EXPOSURE, 0, 1)
     curve = 1.055 * jnp.power(jnp.maximum(exposed, 0.0031308), 1 / 2.4) - 0.055
     encoded = jnp.where(exposed <= 0.0031308, 12.92 * exposed, curve)
@@ -63,7 +63,7 @@ def decode_linear(texel: UInt32[Array, "*rays"]) -> Vec:
 
 
 def linear_approx(texel: UInt32[Array, "*rays"]) -> Vec:
-    """Decode texels to linear light within 6e-6, without a table look-up per channel, for texture filters."""
+    """Decode packed sRGB texels to linear light within 6e-6, without a table look-up per channel; alpha is ignored."""
 
     def decode(byte: Int[Array, "*rays"]) -> Float[Array, "*rays"]:
         value = byte.astype(jnp.float32) * (1 / 255)
@@ -78,7 +78,7 @@ def linear_approx(texel: UInt32[Array, "*rays"]) -> Vec:
 def sample_nearest(
     textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], u: Float[Array, "*rays"], v: Float[Array, "*rays"]
 ) -> UInt32[Array, "*rays"]:
-    """Return the nearest packed texel of the largest level of a repeating texture; v = 0 is the bottom row.
+    """Return the nearest packed texel, at u (right) and v (up from the bottom), of a repeating texture's largest level.
 
     At 64x64 pixels textures are minified, and bilinear taps would cost four gathers and still alias.
     """

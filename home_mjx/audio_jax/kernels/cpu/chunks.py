@@ -21,7 +21,7 @@ compiled = njit(error_model="numpy")
 
 @verify_cache
 def compile_chunks() -> tuple[Any, Any]:
-    """Return the C functions `count` and `work` of `handler.build_handler`, compiled or from Numba's cache on disk."""
+    """Return the C functions `count` (chunks of a call) and `work` (of a job), compiled or from Numba's disk cache."""
     # Numba's cache tracks this file only. The digest in each function invalidates it when another module changes.
     parts: Any = ffi, lanes, memory, delays, render_early, fft, render_late, operands, path_mixing, delay_reads
     digest = ffi.hash_sources(*(part.__file__ for part in parts))

@@ -20,7 +20,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def constant(frame, index):
-    """Return element `index` of the integer operand `CONSTANTS`."""
+    """Return element `index` (`KIND` or a size) of the integer operand `CONSTANTS`."""
     return int_pointer(ffi.data(frame, ffi.OPERANDS, CONSTANTS))[index]
 
 
@@ -48,21 +48,21 @@ def complex_table(frame, index, count):
 @compiled
 @no_type_check
 def row(frame, index, env):
-    """Return a pointer to environment `env` in the float operand `index`."""
+    """Return a pointer to the first value of environment `env`, the first axis, in the float operand `index`."""
     return float_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
 
 
 @compiled
 @no_type_check
 def int_row(frame, index, env):
-    """Return a pointer to environment `env` in the integer operand `index`."""
+    """Return a pointer to the first value of environment `env`, the first axis, in the integer operand `index`."""
     return int_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
 
 
 @compiled
 @no_type_check
 def result_row(frame, env):
-    """Return a pointer to the result of environment `env`."""
+    """Return a pointer to environment `env` in the only result, (environments, channels, samples) float32."""
     return float_pointer(ffi.row(frame, ffi.RESULTS, 0, env))
 
 

@@ -42,7 +42,7 @@ class EarlySizes(NamedTuple):
 @compiled
 @no_type_check
 def upsample(signal, count, padded, on, between):
-    """Upsample `count` samples by two: copy them `on`, and interpolate `between`; zero outside. `padded` is scratch."""
+    """Write `count` samples of `signal` to `on`, those half a sample later to `between`; `padded` is scratch."""
     for i in range(HALF_WIDTH):
         padded[i] = ZERO
     for i in range(count):
@@ -61,7 +61,7 @@ def upsample(signal, count, padded, on, between):
 @compiled
 @no_type_check
 def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
-    """Read a path, delayed for one ear, into `heard`: `count` samples from index `begin` of the buses on.
+    """Overwrite `heard` with a path, delayed for one ear: `count` samples from index `begin` of the buses on.
 
     `way`: row of `pack_paths`; `rate`: samples per metre; `places`: half sample at zero delay, and lowest and highest
     half sample that a read may begin with; `signal`: results of `upsample`; `base` and `rest`: scratch.
@@ -80,7 +80,7 @@ def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 @compiled
 @no_type_check
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
-    """Write to `base` the first half sample read for each sample, minus twice its index; to `rest` the fraction."""
+    """Write to `base`, per bus sample, the first half sample read minus twice its index; to `rest` the fraction."""
     old, change, bend = way[0], way[1] - way[0], way[2]
     first, middle, last = (
         way[PATH_VALUES + ear],
@@ -165,7 +165,7 @@ def _read_one(even, uneven, k, rest):
 @compiled
 @no_type_check
 def mix_block(heard, share, which, far, begin, count, size, sums):
-    """Mix `count` samples of paths into the buses `sums`, with gains that are interpolated over the frame.
+    """Overwrite rows `begin` .. of the buses `sums` (sample, bus) with `count` mixed samples; gains change over it.
 
     `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's
     start, and their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.

@@ -95,7 +95,7 @@ def _upsample_all(frame, env, size, room):
 @compiled
 @no_type_check
 def _mix_channel(frame, env, channel, size, points, room, sums):
-    """Mix the buses of a channel into `sums`, zero-padded to `points` samples; zeros if there is no such channel."""
+    """Write a channel's mixed buses to `sums` (points, buses), zero-padded; zeros if there is no such channel."""
     begun = 0
     if channel < size.channels:
         share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
@@ -113,7 +113,7 @@ def _mix_channel(frame, env, channel, size, points, room, sums):
 @compiled
 @no_type_check
 def _find_audible(share, far, size, which):
-    """Write to `which` the number of paths of all sources with a nonzero gain in one channel, then their indices."""
+    """Write to `which` the number of paths with a nonzero gain in `share` (stride `far`), then their indices."""
     which[0] = 0
     for way in range(size.sources * size.rows):
         for i in range(way * far, way * far + 2 * size.shapes):
@@ -126,7 +126,7 @@ def _find_audible(share, far, size, which):
 @compiled
 @no_type_check
 def _read_all(frame, env, ear, begin, count, size, room):
-    """Read `count` bus samples from `begin` on of the paths in `room.which`, for one ear, into `room.heard`."""
+    """Read `count` bus samples from `begin` on of paths `room.which`, for one ear, to their rows of `room.heard`."""
     ways, starts, rate = row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
     each = NUM_FILTERED * size.filtered + size.length
     for i in range(room.which[0]):
@@ -167,7 +167,7 @@ def _filter(frame, points, size, turns, lane, room):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, size, made):
-    """Write channels `left`, `left` + 1 (if any): real and negated imaginary parts of column `lane` of `made`."""
+    """Write result channels `left`, `left` + 1 (if any): real, negated imaginary parts of column `lane` of `made`."""
     out, begin = result_row(frame, env), constant(frame, FRAME_BEGIN)
     for k in range(size.frame):
         out[left * size.frame + k] = made[0][(begin + k) * LANES + lane]

@@ -147,7 +147,7 @@ def _zero(values, count):
 @compiled
 @no_type_check
 def _make_response(frame, number, channel, response, size):
-    """Write to `response` a channel's octave noise times amplitudes, 0 before the onset; `number`: source and end."""
+    """Write a channel's noise times amplitudes, 0 before the onset; `number` counts (environment, source, end)."""
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin
@@ -174,7 +174,7 @@ def _make_response(frame, number, channel, response, size):
 @compiled
 @no_type_check
 def _make_piece(amplitude, mix, noise, hats, first, size, response):
-    """Write four vectors of a bin, from sample `first` on, at once to hide latency; the last ones may overlap."""
+    """Write four vectors (`LANES` samples) of a bin's response, from sample `first` on; the last ones may overlap."""
     bands, length, last = size.bands, size.bins * size.bin, size.bin - LANES
     at = min(first, last), min(first + LANES, last), min(first + 2 * LANES, last), min(first + 3 * LANES, last)
     a = b = c = d = broadcast(ZERO)
@@ -232,7 +232,7 @@ def _find_gains(frame, env, source, size, levels):
 @compiled
 @no_type_check
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
-    """Add conjugate products of window and response spectra to columns `to` (frame's start) and `to + 1` (end)."""
+    """Add conjugate products of spectra, in `heard` from column `lane`, to columns `to` (start) and `to + 1` (end)."""
     _find_gains(frame, env, source, size, room.levels)
     lanes, half, points = size.envs_per_batch * size.transforms_per_env, size.points // 2 + 1, size.points
     far = size.echoes * half
@@ -260,7 +260,7 @@ def _add_spectra(frame, env, source, lane, to, heard, size, room):
 @compiled
 @no_type_check
 def _split(heard, here, there):
-    """Separate two real signals transformed as one: return the first (re, im), and re and im of the second."""
+    """Separate two real signals transformed as one, at `here` (f), `there` (-f): the first (re, im), second re, im."""
     a, b, c, d = heard[0][here], heard[1][here], heard[0][there], heard[1][there]
     even = ONE_HALF * (a + c), ONE_HALF * (b - d)
     return even, ONE_HALF * (b + d), ONE_HALF * (c - a)
@@ -281,7 +281,7 @@ def _add_products(heard, at, now, old, new, spectra, to):
 @compiled
 @no_type_check
 def _write(frame, env, left, lane, made, size):
-    """Write channels `left` and `left` + 1 (if any): a linear crossfade from column `lane` of `made` to the next."""
+    """Write result channels `left`, `left` + 1 (if any): crossfades, linear, of column `lane` of `made` to the next."""
     out, scale = result_row(frame, env), ONE / np.float32(size.points)
     for k in range(size.frame):
         fade = np.float32(k + 1) / np.float32(size.frame)

@@ -27,14 +27,14 @@ NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all envir
 
 
 def compile_chunks() -> tuple[Any, Any]:
-    """Import the Numba code, compile it, and return its C functions `count` and `work`."""
+    """Import and compile the Numba code; return its C functions `count` (chunks of a call) and `work` (of a job)."""
     from home_mjx.audio_jax.kernels.cpu import chunks
 
     return chunks.compile_chunks()
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Compute `moving_sources.dispatch.render_early_frame` with the CPU kernel."""
+    """Render early sound, as `dispatch.render_early_frame`, by the CPU kernel; it must be usable, without fallback."""
     share = jnp.moveaxis(reads.gain, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
     given = reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
@@ -68,12 +68,12 @@ def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def supports_late(late: LateResponse, config: AudioConfig) -> bool:
-    """Return whether the compiled code supports this sound: no `shared_power`, and at least `LANES` samples a bin."""
+    """Return whether the CPU kernel supports this sound: no `shared_power`, and at least `LANES` samples per bin."""
     return late.shares.shared_power.shape[-2] == 0 and config.bin_samples >= LANES
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Compute `moving_sources.dispatch.render_late_frame` with the CPU kernel."""
+    """Render late sound, as `dispatch.render_late_frame`, by the CPU kernel; `supports_late` must be True."""
     share = late.shares
     given = sources, share.amplitude(), share.mix, share.start_bin, late.onset, late.tail
     return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]

@@ -28,7 +28,7 @@ def supports_direct(config: AudioConfig) -> bool:
 def filter_direct(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Compute `direct_filter.filter_direct_by_xla` with the CUDA kernel."""
+    """Filter, as `direct_filter.filter_direct_by_xla`, by the CUDA kernel; `supports_direct` must be True."""
     given = source, begin, *octave_levels(gain)
     return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
 
@@ -61,5 +61,5 @@ def _size(config: AudioConfig) -> int | None:
 
 
 def _bytes(size: int) -> int:
-    """Return the shared memory of a block [bytes]: a transform, and the spectra of two real filters."""
+    """Return the shared memory of a block [bytes]: a transform of `size`, and the spectra of two real filters."""
     return cuda.transform_bytes(size) + ENDS * 8 * (size // 2 + 1)

@@ -23,14 +23,14 @@ BUSES_PER_THREAD, MIX_THREADS = 20, 384  # buses per thread at a time, and threa
 
 
 def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
-    """Return whether a transform size exists, and the shared memory of all GPUs suffices for these arrays."""
+    """Return whether a transform size exists, and one block's shared memory, on all GPUs, suffices for these arrays."""
     size, most = cuda.transform_size(sample_times(config).shape[0]), max_shared_bytes()
     fits = size is not None and filter_bytes(size) <= most
     return fits and _mix_bytes(config, *(x[None] for x in read_operands(reads))) <= most
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Compute `moving_sources.dispatch.render_early_frame` with two CUDA kernels: mixing, then filters."""
+    """Render early sound, as `dispatch.render_early_frame`, by two CUDA kernels; `supports_early` must be True."""
     kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
     return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
 
@@ -41,7 +41,7 @@ def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def read_operands(reads: DelayReads) -> tuple[Array, ...]:
-    """Return source, filtered signals, start, `pack_paths` and gains, padded to a multiple of `BUSES_PER_THREAD`."""
+    """Return source, filtered signals, start, `pack_paths`, and gains, buses padded to `BUSES_PER_THREAD` multiples."""
     share = jnp.pad(reads.gain, [(0, 0)] * 3 + [(0, -reads.gain.shape[3] % BUSES_PER_THREAD), (0, 0)])
     return reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
 
@@ -71,7 +71,7 @@ def _window(config: AudioConfig) -> int:
 
 
 def _mix_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, way: Array, share: Array) -> int:
-    """Return the shared memory of a block [bytes]: upsampled signals, paths, their read plan and gains."""
+    """Return the shared memory of a block [bytes] for `read_operands` (e ...): signals, paths, read plan, gains."""
     signals = 2 * (filtered[0, 0].size + _window(config)) + 3 * 2 * HALF_WIDTH
     return 4 * (signals + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + 4 * way.shape[2] + 2)
 
@@ -85,7 +85,7 @@ def _filter_buses(
 def filter_tables(
     kernels: Float[np.ndarray, "s t"], count: int
 ) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
-    """Return the spectra of filters, divided by the transform size, and twiddle factors; size is at least `count`."""
+    """Return spectra of filters over the transform size, `transform_size(count)`, and its twiddle factors, as pairs."""
     size = cuda.transform_size(count)
     assert size is not None
     return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.twiddle_factors(size)

@@ -29,7 +29,7 @@ def supports_late(config: AudioConfig) -> bool:
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Compute `late_tail.render_late_by_xla` with two CUDA kernels."""
+    """Render late sound, as `late_tail.render_late_by_xla`, by two CUDA kernels; `supports_late` must be True."""
     share = late.shares
     given = sources, share.power, share.mix, share.shared_power, share.start_bin, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
@@ -76,7 +76,7 @@ def launch_noise(
     common: Float[Array, "*n k x bands"],
     start: Int[Array, "*n"],
 ) -> Float[Array, "*n e l"]:
-    """Generate noise responses of `NoiseGains`; samples are in the noise's own time, not rolled by `start`."""
+    """Generate noise responses from `octave_noise` and fields of `NoiseGains`, in the noise's own bins, not rolled."""
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)
@@ -88,5 +88,5 @@ def launch_noise(
 
 
 def _bytes(size: int) -> int:
-    """Return the shared memory of a block [bytes]: a transform, and three spectra of real signals."""
+    """Return the shared memory of a block [bytes]: a transform of `size`, and three spectra of real signals."""
     return cuda.transform_bytes(size) + 3 * 8 * (size // 2 + 1)

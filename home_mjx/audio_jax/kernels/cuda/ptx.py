@@ -29,7 +29,7 @@ def compile_kernels() -> None:
 
 
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
-    """Return PTX for all GPUs of this process; `size` is the transform size or number of noises (macro SIZE)."""
+    """Return PTX of `sources` for all GPUs here; `size` (macro SIZE): transform size, number of noises or 0 (none)."""
     return compile_sources(*sources, SIZE=size)
 
 

@@ -24,7 +24,7 @@ KERNEL = Kernel("home_mjx_rooms", "room energy decay uses slower XLA operations"
 def decay_in_rooms(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Compute the energy density at a listener after n = 0, 1, 2 ... bins from dw / dn = -M w.
+    """Compute the energy density at a listener after n = 0, 1 ... `bins` - 1 bins from dw / dn = -M w.
 
     Args:
         rates: M [1/bin] of each door state s and octave.
@@ -90,7 +90,7 @@ def ptx_of(rooms: int) -> str:
 
 
 def threads_per_matrix(rooms: int) -> int:
-    """Return the threads per matrix, a power of two; above `WARP` if the kernel does not support so large matrices.
+    """Return the threads per matrix of `rooms` rows, a power of two; above `WARP` if the matrix is too large.
 
     Example:
         >>> threads_per_matrix(8), threads_per_matrix(20), threads_per_matrix(51)

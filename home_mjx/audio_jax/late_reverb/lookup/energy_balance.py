@@ -90,7 +90,7 @@ def _open_share(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
 def _exchange_shares(
     late: LateReverb, scene: Scene, opening: Float[Array, " doors"]
 ) -> tuple[Float[Array, "r r 1"], Float[Array, "r r bands"]]:
-    """Return the share of each room pair's exchange with current leaves re open ones, without and with transmission."""
+    """Return each room pair's exchange at these openings re all open, 0 to 1, without and with sound through leaves."""
     house, rooms = scene.house, late.volume.shape[1]
     leaf = late.portal_leaf[house]
     each = opening[jnp.clip(leaf, 0, max(opening.size - 1, 0))] if opening.size else jnp.ones(leaf.shape, jnp.float32)
@@ -110,7 +110,7 @@ def _exchange_shares(
 def _rate_matrix(
     volume: Float[Array, " r"], loss: Float[Array, "r bands"], exchange: Float[Array, "r r bands"]
 ) -> Float[Array, "bands r r"]:
-    """Return M [1/m] of dw / dx = -M w, from losses [1/m] and exchange areas [m²]."""
+    """Return M [1/m] of dw / dx = -M w, from volumes [m³], losses [1/m] and exchange areas [m²]."""
     exchange = jnp.moveaxis(exchange, -1, 0)
     own = loss.T * volume[None] + jnp.sum(exchange, axis=2)
     return (own[:, :, None] * jnp.eye(volume.size, dtype=jnp.float32)[None] - exchange) / volume[None, :, None]

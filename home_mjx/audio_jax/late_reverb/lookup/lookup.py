@@ -89,7 +89,7 @@ def lookup_late_sound(
 def _interpolate_decay(
     late: LateReverb, house: Int[Array, ""], start: _CellWeights, end: _CellWeights, bins: int
 ) -> Float[Array, "k bands"]:
-    """Interpolate the decay over bins after the first arrival between the main rooms of two places; spans sum to 1."""
+    """Return energies per bin after the first arrival, of sum 1 per span, interpolated between both places' rooms."""
     count = min(MAX_INTERPOLATED_ROOMS, late.volume.shape[1])
     (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
     share = from_weight[:, None] * to_weight[None]

@@ -22,7 +22,7 @@ KNOT_BINS: Int[np.ndarray, " knots"] = np.unique(
 
 
 def fit_knots(shape: Float[np.ndarray, "... k"]) -> Float[np.ndarray, "... knots"]:
-    """Compute natural log decays at `KNOT_BINS` so that each span sums to 1 after `knot_weights` and exp.
+    """Fit natural logs at `KNOT_BINS` to energies per bin; exp of `knot_weights` times them sums to 1 in each span.
 
     The value at a knot is derived from the mean energy up to halfway to its neighbours. That mean is treated as the
     mean of an exponential with the decay's local slope.

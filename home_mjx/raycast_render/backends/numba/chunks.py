@@ -32,7 +32,7 @@ compiled = njit(error_model="numpy")
 
 @verify_cache
 def compile_chunks() -> tuple[Any, Any]:
-    """Return the functions `count` and `work` of `handler.build_handler`, compiled or from Numba's cache on disk."""
+    """Return the C functions `count` (chunks of a call) and `work` (of a job), compiled or from Numba's disk cache."""
     # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
     parts: tuple[Any, ...] = (
         ffi,

@@ -58,7 +58,7 @@ class BestHits(NamedTuple):
 @compiled
 @no_type_check
 def intersect_box(box, index, ray):
-    """Return t at which rays enter box `index` of a flat array (6 numbers each), at least t_min; infinity on a miss."""
+    """Return t, at least t_min, at which rays enter box `index` (6 numbers: minimum, maximum); infinity on a miss."""
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
@@ -71,7 +71,7 @@ def intersect_box(box, index, ray):
 @compiled
 @no_type_check
 def prepare_packet(rays, alive, any_hit):
-    """Return a packet's rays with inverse directions, for traversal; lanes that are not alive get t_min = infinity."""
+    """Return a packet's rays (`packet.Packet`) as `PacketRays`; lanes not in the mask `alive` get t_min = infinity."""
     origin, direction = (rays.ox, rays.oy, rays.oz), (rays.dx, rays.dy, rays.dz)
     return _ray(origin, direction, select(alive, rays.t_min, INF), rays.mask, any_hit)
 
@@ -92,7 +92,7 @@ def _inverse(x):
 @compiled
 @no_type_check
 def transform_rays(inverse, index, ray, sees):
-    """Return rays in the frame of instance `index`; lanes not in `sees` get an infinite t_min, so that they miss."""
+    """Transform rays by matrix `index` of the flat (n, 3, 4) `inverse`; lanes not in `sees` get t_min = inf."""
     at = 12 * index
     ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
     oy = inverse[at + 4] * ray.ox + inverse[at + 5] * ray.oy + inverse[at + 6] * ray.oz + inverse[at + 7]
@@ -131,7 +131,7 @@ def shear_rays(ray):
 @compiled
 @no_type_check
 def _turn(along_x, along_y, x, y, z):
-    """Return x, y, z permuted cyclically so that x becomes z in lanes of `along_x`, y in those of `along_y`."""
+    """Return x, y, z permuted cyclically so that x becomes z in lanes of `along_x`, y in those of `along_y`, z else."""
     return (
         select(along_x, y, select(along_y, z, x)),
         select(along_x, z, select(along_y, x, y)),
@@ -142,7 +142,7 @@ def _turn(along_x, along_y, x, y, z):
 @compiled
 @no_type_check
 def _corner(triangle, at, shear):
-    """Return the corner at `triangle[at]`, sheared so that rays run along z from the origin; z is in units of t."""
+    """Return the corner at `triangle[at]`, sheared so that rays run along z from the origin; its z is in units of t."""
     px, py, pz = _turn(
         shear.along_x, shear.along_y, broadcast(triangle[at]), broadcast(triangle[at + 1]), broadcast(triangle[at + 2])
     )
@@ -154,7 +154,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Return the best hits, updated with one triangle for rays in `reaches` only; t of any-hit rays becomes -inf."""
+    """Return the best hits, updated with the triangle of this index in lanes `reaches`; an any-hit gets t = -inf."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)

@@ -94,7 +94,7 @@ def assign_lanes(tiles, packet, rows):
 @compiled
 @no_type_check
 def read_packet(operands, counts, env, rows):
-    """Return the rays of the lanes, t_max limited to `MISS`; t_min is infinity in lanes without a ray (row -1)."""
+    """Return rays `rows`, see `assign_lanes`, of `env`: t_max at most `MISS`; t_min infinity in lanes with row -1."""
     origin, direction = float_pointer(operands[FIRST_RAY_OPERAND]), float_pointer(operands[FIRST_RAY_OPERAND + 1])
     t_min, t_max = float_pointer(operands[FIRST_RAY_OPERAND + 2]), float_pointer(operands[FIRST_RAY_OPERAND + 3])
     exclude, mask = int_pointer(operands[FIRST_RAY_OPERAND + 4]), int_pointer(operands[FIRST_RAY_OPERAND + 5])
@@ -125,14 +125,14 @@ def read_packet(operands, counts, env, rows):
 @compiled
 @no_type_check
 def _index(counts, field, env, row):
-    """Return the row of a ray's value in a field with `counts[field]` values per environment: one per ray, or one."""
+    """Return the flat index of ray `row` of `env` in a field with `counts[field]` rows per environment, one or all."""
     return env * counts[field] + (row if counts[field] > 1 else 0)
 
 
 @compiled
 @no_type_check
 def write_hits(results, first, rows, best):
-    """Write the hits of lanes to `first` + `rows`, see `assign_lanes`; `first` is their environment's first ray."""
+    """Write hits of lanes to `first` (the environment's first ray) + `rows`; skip row -1. Misses get t = `MISS`."""
     t, instance, triangle = float_pointer(results[0]), int_pointer(results[1]), int_pointer(results[2])
     u, v, front = float_pointer(results[3]), float_pointer(results[4]), byte_pointer(results[5])
     floats, ints = lane_floats(), lane_ints()

@@ -131,7 +131,7 @@ def _world(at, sizes):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Return `best` updated with static instances, by the house's top tree, and with moving ones, one by one."""
+    """Return `best` updated with static instances, by the house's top tree, then with moving ones, one by one."""
     house, num_instances, left = (
         clip_row(world.house[env], world.sizes.houses),
         world.sizes.instances,
@@ -214,7 +214,7 @@ def _open_node(world, node, ray, limit, codes, enters, size):
 @compiled
 @no_type_check
 def _pop(codes, enters, size, base, limit):
-    """Pop codes down to `base` until a ray enters one by `limit`; return it or `EMPTY_LEAF`, its entry t, new size."""
+    """Pop codes until a ray enters one at t <= `limit`; return it (`EMPTY_LEAF` at size `base`), its t, new size."""
     enter = limit
     while size > base:
         size -= 1
