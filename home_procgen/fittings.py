@@ -16,7 +16,9 @@ from home_procgen.plan.shape.storeys import Stairwell
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.style import HomeStyle
 
-STAIR_LAMP_HEIGHT, STAIR_LAMP_INSET = 2.05, 0.16  # [m], height of a lamp's underside, and distance from the front edge
+# [m], height of a lamp's underside, and distance from the front edge: beside the hall's floor, since the middle one of
+# three storeys has none in the stairwell
+STAIR_LAMP_HEIGHT, STAIR_LAMP_INSET = 2.05, 0.16
 STAIR_CLEARANCE = 0.01  # [m], clearance between stairs and walls
 RAIL_INSET = 0.03  # [m], inset of railings from the outline towards the room
 # [m], from an outline's corners to the ends of railings; railings along z end behind those along x

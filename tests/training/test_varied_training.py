@@ -40,5 +40,5 @@ def test_updates_go_on_while_weights_and_ranges_change(generated_bank):
         programs.append(ppo.update._cache_size())
         assert all(np.isfinite(x) for x in metrics.values())
         assert is_wanted[np.asarray(state.actor.env.world.episode)].all()
-    assert state.actor.env.world.drawn.look.exposure.min() >= 3
+    assert state.actor.env.world.variation.appearance.exposure.min() >= 3
     assert programs[0] == programs[1]  # no other than those of a first and a later update
