@@ -17,8 +17,6 @@ from scipy.sparse.linalg import splu
 
 from home_mjx.geometry.geodesic import grid_edges
 
-MAX_RISE = 0.35  # [m], maximum height difference between neighbouring cells: a floor under stairs is not joined to them
-
 
 def extrapolate_fields(
     home: Bool[np.ndarray, "l ny nx"],
@@ -70,14 +68,9 @@ def _graph(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> csr_matrix:
-    """Return distances [m] of neighbouring cells in one room, or both standable, as a symmetric sparse matrix.
-
-    Cells whose heights differ by `MAX_RISE` or more are not neighbours.
-    """
+    """Return distances [m] of neighbouring cells in one room, or both standable, as a symmetric sparse matrix."""
     sources, targets, lengths = grid_edges(cells, height, cell)
     kept = (room[sources] == room[targets]) | (standable[sources] & standable[targets])
-    tall = height[cells]
-    kept &= np.abs(tall[sources] - tall[targets]) < MAX_RISE
     half = csr_matrix((lengths[kept], (sources[kept], targets[kept])), shape=(int(cells.sum()),) * 2)
     return csr_matrix(half + half.T)
 

@@ -8,6 +8,9 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
+# Neighbouring cells are joined if their heights differ by less than `MAX_RISE` [m], or less than along a slope of
+# `MAX_SLOPE`. A floor under stairs, or a flight above another one, is not joined to them.
+MAX_RISE, MAX_SLOPE = 0.35, 1.5
 NEIGHBOUR_OFFSETS = ((0, 1), (1, 0), (1, 1), (1, -1))  # (row, column) offsets of half of a cell's 8 neighbours
 
 
@@ -53,6 +56,9 @@ def grid_edges(
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
     """Return each pair of 8-adjacent free cells once, by number, and its distance [m]; corners are not cut.
 
+    Cells whose heights differ too much to walk from one to the other are not joined, see `MAX_RISE`. The cells at both
+    corners of a diagonal step must be joined to its ends, too.
+
     Args:
         free: Cells that may be crossed; they are numbered from 0 in the order of the grids, rows and columns.
         height: Height of the cells [m].
@@ -71,14 +77,22 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return pairs of free cells one `step` (rows, columns) apart, with free corners, and the length of each [m]."""
+    """Return joined pairs of free cells one `step` (rows, columns) apart, and the length of each [m]."""
     here, there = _shifted(*step)
-    way = free[here] & free[there]
+    away = cell * float(np.hypot(*step))
+    way = free[here] & free[there] & is_walkable_rise(height[here] - height[there], away)
     if all(step):
-        for corner in ((step[0], 0), (0, step[1])):
-            way &= free[_corner(step, corner)]
-    length = np.hypot(cell * np.hypot(*step), height[here][way] - height[there][way])
+        for corner in (_corner(step, (step[0], 0)), _corner(step, (0, step[1]))):
+            way &= free[corner]
+            for end in (here, there):
+                way &= is_walkable_rise(height[end] - height[corner], cell)
+    length = np.hypot(away, height[here][way] - height[there][way])
     return number[here][way], number[there][way], length
+
+
+def is_walkable_rise(rise: Float[np.ndarray, "*s"], away: float) -> Bool[np.ndarray, "*s"]:
+    """Return whether agents can walk between cells with a height difference `rise` and a plan distance `away` [m]."""
+    return np.abs(rise) < max(MAX_RISE, MAX_SLOPE * away)
 
 
 def _shifted(dy: int, dx: int) -> tuple[tuple, tuple]:

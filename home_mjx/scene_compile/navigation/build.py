@@ -50,11 +50,11 @@ def build_navigation(
     height, on_ramp = np.stack([s.height for s in spaces]), np.stack([s.on_ramp for s in spaces])
     ways = stair_links(stairs, standable, height, centres)
     links = [link for way in ways for link in way]
-    region, area = label_regions(standable, links, options.cell, on_ramp)
+    region, area = label_regions(standable, links, options.cell, height, on_ramp)
     home = region == 0
     reach = options.agent_radius + options.margin
     climbed = [(s, max(s.width - 2 * reach, options.cell) if way else 0.0) for s, way in zip(stairs, ways, strict=True)]
-    portals = find_portals(rooms, room, standable, centres, doorways or [[] for _ in spaces], climbed)
+    portals = find_portals(rooms, room, standable, height, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
     floor = home & ~on_ramp
     drawn = floor & ~_cut_off_cells(home, links, spaces, rooms, open_leaves, options)
@@ -112,7 +112,7 @@ def _cut_off_cells(
     for cells, space, boxes in zip(free, spaces, leaves, strict=False):
         floor, radius = rooms.floor[space.room], options.agent_radius
         cells &= compute_clearance(boxes, floor, space.x, space.y, heights, radius) >= radius
-    region, _ = label_regions(free, links, options.cell)
+    region, _ = label_regions(free, links, options.cell, np.stack([s.height for s in spaces]))
     return home & (region != 0) if free.any() else np.zeros_like(home)
 
 

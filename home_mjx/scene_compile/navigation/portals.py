@@ -8,6 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components, shortest_path
 from scipy.spatial import KDTree
 
+from home_mjx.geometry.geodesic import is_walkable_rise
 from home_mjx.geometry.polygons import is_inside_polygon
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.stairs import Staircase
@@ -23,6 +24,7 @@ def find_portals(
     rooms: RoomTable,
     room: Int[np.ndarray, "l ny nx"],
     standable: Bool[np.ndarray, "l ny nx"],
+    height: Float[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
     doorways: Sequence[Sequence[Doorway]],
     stairs: Sequence[tuple[Staircase, float]] = (),
@@ -33,13 +35,14 @@ def find_portals(
         rooms: Outlines and floors.
         room: Room of each cell; -1 if none.
         standable: Cells where agents can stand.
+        height: Height of the cells [m].
         centres: x and y of the cells [m].
         doorways: Doorways of each level.
         stairs: Stairs of the house, each with the width that an agent's axis can cross [m]; 0 if none.
     """
     rows: list[Row] = []
     for grid, doors in enumerate(doorways):
-        found = _crossings(rooms, room[grid], standable[grid], centres)
+        found = _crossings(rooms, room[grid], standable[grid], height[grid], centres)
         rows += [_match_door(row, doors) for row in found]
         rows += _closed_doors(rooms, [door for door in doors if not any(_inside(door, row) for row in found)])
     rows += [_stairs(*one) for one in stairs]
@@ -55,19 +58,20 @@ def _crossings(
     rooms: RoomTable,
     room: Int[np.ndarray, "ny nx"],
     standable: Bool[np.ndarray, "ny nx"],
+    height: Float[np.ndarray, "ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[Row]:
     """Return one opening per place where an agent can step from a cell of one room into a cell of another."""
     x, y = np.meshgrid(*centres)
     inside = np.where(standable, room, -1)
+    cell = float(centres[0][1] - centres[0][0]) if len(centres[0]) > 1 else 1.0
     pairs, points = [], []
     for here, there in (np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:]):
         a, b = inside[here], inside[there]
-        step = (a >= 0) & (b >= 0) & (a != b)
+        step = (a >= 0) & (b >= 0) & (a != b) & is_walkable_rise(height[here] - height[there], cell)
         pairs.append(np.sort(np.stack([a[step], b[step]], axis=-1)))
         points.append(np.stack([(v[here] + v[there])[step] / 2 for v in (x, y)], axis=-1))
     pair, point = np.concatenate(pairs), np.concatenate(points)
-    cell = float(centres[0][1] - centres[0][0]) if len(centres[0]) > 1 else 1.0
     rows: list[Row] = []
     for a, b in np.unique(pair, axis=0).tolist():
         for cluster in _clusters(point[(pair == (a, b)).all(axis=1)], 1.5 * cell):

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from home_mjx.geometry.geodesic import GridLink
+from home_mjx.geometry.geodesic import GridLink, grid_edges
 from home_mjx.scene_compile.objects.stairs import Staircase
 
-LEVEL_CONNECTIVITY = np.array([np.zeros((3, 3)), [[0, 1, 0], [1, 1, 1], [0, 1, 0]], np.zeros((3, 3))])  # 4-connected
 LINK_LENGTH = 1e-4  # [m], length of a link between copies of a cell; sparse graphs cannot store zero
 
 
@@ -19,6 +17,7 @@ def label_regions(
     standable: Bool[np.ndarray, "l ny nx"],
     links: Sequence[GridLink],
     cell: float,
+    height: Float[np.ndarray, "l ny nx"] | None = None,
     on_ramp: Bool[np.ndarray, "l ny nx"] | None = None,
 ) -> tuple[Int[np.ndarray, "l ny nx"], Float[np.ndarray, " n"]]:
     """Label connected regions: first the home region, then by decreasing area.
@@ -29,33 +28,32 @@ def label_regions(
         standable: Cells where agents can stand, lowest level first.
         links: Connections between cells that join their regions.
         cell: Cell size [m].
+        height: Height of the cells [m], which are joined as in `grid_edges`; None: equal heights.
         on_ramp: Cells on ramps, which are no floor; None: none.
 
     Returns:
         Region of each cell, -1 if not standable; area of each region [m^2].
     """
-    patch = np.zeros(standable.shape, np.int32)
-    count = int(ndimage.label(standable, LEVEL_CONNECTIVITY, output=patch))  # pyright: ignore[reportArgumentType]
-    ends = np.array([(patch[link.start], patch[link.end]) for link in links], int).reshape(-1, 2)
-    ends = ends[(ends > 0).all(axis=1)] - 1
-    joined = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))
+    node, count = np.where(standable, np.cumsum(standable).reshape(standable.shape) - 1, -1), int(standable.sum())
+    sources, targets, _ = grid_edges(standable, np.zeros(standable.shape) if height is None else height, cell)
+    ends = np.array([(node[link.start], node[link.end]) for link in links], int).reshape(-1, 2)
+    ends = np.concatenate([np.stack([sources, targets], axis=-1), ends[(ends >= 0).all(axis=1)]])
+    joined = coo_matrix((np.ones(len(ends), bool), ends.T), shape=(count, count))
     number, merged = connected_components(joined, directed=False)
-    flat = patch if on_ramp is None else np.where(on_ramp, 0, patch)
-    area, floor, ground = (_count(merged, cells, number) for cells in (patch, flat, flat[:1]))
+    floor = np.ones(standable.shape, bool) if on_ramp is None else ~on_ramp
+    ground = floor & (np.arange(len(standable)) == 0)[:, None, None]
+    area, floor, ground = (
+        np.bincount(merged[cells[standable]], minlength=number) for cells in (standable, floor, ground)
+    )
     order = np.argsort(-area, kind="stable")
     if number:
         home = int((ground if ground.any() else floor).argmax())
         order = np.concatenate([[home], order[order != home]])
     rank = np.empty(number, np.int64)
     rank[order] = np.arange(number)
-    region = np.concatenate([[-1], rank[merged]])[patch]
-    return region.astype(np.int16), area[order] * cell**2
-
-
-def _count(merged: Int[np.ndarray, " p"], patch: Int[np.ndarray, "*s"], number: int) -> Int[np.ndarray, " n"]:
-    """Return the cells per region, from each cell's patch (from 1; 0 none) and each patch's region (`merged`)."""
-    cells = np.bincount(patch.ravel(), minlength=len(merged) + 1)[1:]
-    return np.bincount(merged, weights=cells, minlength=number).astype(np.int64)
+    region = np.full(standable.shape, -1, np.int16)
+    region[standable] = rank[merged]
+    return region, area[order] * cell**2
 
 
 def stair_links(

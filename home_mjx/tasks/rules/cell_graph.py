@@ -11,8 +11,8 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.spatial import KDTree
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.geometry.extrapolation import MAX_RISE, extrapolate_fields
-from home_mjx.geometry.geodesic import grid_edges
+from home_mjx.geometry.extrapolation import extrapolate_fields
+from home_mjx.geometry.geodesic import MAX_RISE, grid_edges, is_walkable_rise
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 
@@ -182,7 +182,7 @@ class CellGraph:
             for shift in ((0, 1), (0, -1), (1, 0), (-1, 0)):
                 beyond, above = (np.roll(x[level + 1], shift, (0, 1)) for x in (number, self._height))
                 rise = np.abs(above - self._height[level])
-                joined = self._home[level] & (beyond >= 0) & (rise < MAX_RISE)
+                joined = self._home[level] & (beyond >= 0) & is_walkable_rise(rise, self._cell)
                 ways.append((number[level][joined], beyond[joined], np.hypot(self._cell, rise[joined])))
         return ways
 

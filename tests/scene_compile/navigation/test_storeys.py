@@ -4,8 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from storeys import Stairs, Storey, metadata_of, stacked
 from tiny_dataset import HOUSE_ID, ROOM_PARTS, edit_house, object_node, write_mesh, write_tiny_dataset
 
+from home_mjx.datasets.outlines import RoomOutline
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.boxes import concat_boxes, make_boxes
 from home_mjx.geometry.geodesic import GridLink, distance_fields
@@ -13,7 +15,7 @@ from home_mjx.geometry.meshes import box_triangles, make_model
 from home_mjx.scene_compile.collision.ramps import build_guards
 from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions, find_free_space
-from home_mjx.scene_compile.navigation.portals import room_hops
+from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
 from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
@@ -145,6 +147,43 @@ def test_height_is_a_part_of_the_way():
     np.testing.assert_allclose(field, [0, 1.25, 2.5, 3.75])
 
 
+def test_floors_too_far_apart_are_not_joined():
+    """Of three rows, the middle one rises by a wall of 2.6 m in the middle of the grid; by hand."""
+    free, height = np.ones((1, 3, 6), bool), np.zeros((1, 3, 6))
+    height[0, :, 3:] = 2.6
+    region, area = label_regions(free, (), 0.1, height)
+    np.testing.assert_array_equal(region[0], [[0, 0, 0, 1, 1, 1]] * 3)
+    np.testing.assert_allclose(area, [0.09, 0.09])
+    field = distance_fields(free, np.array([[0, 0, 0]]), 0.1, (), height)[:, 0].reshape(3, 6)
+    assert np.isinf(field[:, 3:]).all()
+    rooms = rooms_of(outline(0, 0, 0.3, 0.3), outline(0.3, 0, 0.6, 0.3))
+    centres = np.arange(6) * 0.1 + 0.05, np.arange(3) * 0.1 + 0.05
+    room = np.where(height > 0, 1, 0)
+    assert len(find_portals(rooms, room, free, height, centres, [[]]).width) == 0
+    assert len(find_portals(rooms, room, free, 0 * height, centres, [[]]).width) == 1
+    plain = find_free_space(rooms, concat_boxes([]), options=NavigationOptions(agent_radius=0.0, margin=0.0))
+    assert plain.free.sum() == 18
+    assert replace(plain, height=height[0]).free.sum() == 9
+
+
+def test_a_diagonal_step_passes_no_corner_on_another_floor():
+    free, height = np.ones((1, 2, 2), bool), np.array([[[0.0, 2.6], [0.0, 0.0]]])
+    field = distance_fields(free, np.array([[0, 0, 0]]), 1.0, (), height)[:, 0]
+    np.testing.assert_allclose(field, [0, np.inf, 1, 2])
+
+
+@pytest.mark.parametrize("foot", [(2.6, 3.0), (2.0, 3.6)])
+def test_a_flight_with_an_offset_above_another_is_not_joined_to_it(foot):
+    """No way between heights is shorter than the slope of the stairs."""
+    storey = Storey([RoomOutline("Living_Room", [(0, 0), (9, 0), (9, 8), (0, 8)])])
+    house = stacked([storey] * 3, [Stairs((2.0, 3.0)), Stairs(foot, level=1)])
+    n = compile_house(house, metadata_of(house)).navigation
+    field = n.field[: n.home_mask.sum()] * FIELD_UNIT
+    rise = abs(n.height[:, None] - n.goal[:, 2])
+    assert rise.max() > UP - 0.2
+    assert (field >= rise * np.hypot(STEPS * RUN, UP) / UP - 0.1).all()
+
+
 def test_a_link_shortens_the_way():
     """Two rows without a common neighbour, joined at one end; by hand."""
     free = np.ones((2, 1, 4), bool)
@@ -160,7 +199,7 @@ def test_the_home_region_has_floor():
     standable[0, 0, :3] = standable[1, 0, :2] = standable[1, 0, 3:] = True
     on_ramp = np.zeros_like(standable)
     on_ramp[0] = True
-    region, area = label_regions(standable, (), 1.0, on_ramp)
+    region, area = label_regions(standable, (), 1.0, on_ramp=on_ramp)
     assert (region[1, 0, 3:] == 0).all()
     np.testing.assert_allclose(area, [5, 3, 2])
 
