@@ -273,15 +273,14 @@ def _decode(data: bytes, path: Path, first: int = 1) -> str:
 def resolve_below(root: Path, folder: Path, relative: str) -> Path | None:
     """Return the normalized path `relative` to `folder`; None if it leads out of `root`. No path needs to exist.
 
-    Backslashes separate as well. Only the text is checked, so folders of a dataset may be symbolic links. `root`
-    must be absolute and normalized; below `Path(".")` even `../x` is accepted.
+    Backslashes separate as well. Only the text is checked, so folders of a dataset may be symbolic links.
 
     Example:
         >>> resolve_below(Path("/data"), Path("/data/object/122"), "../../texture//wood_8.jpg").as_posix()
         '/data/texture/wood_8.jpg'
     """
-    path = Path(os.path.normpath(folder / relative.replace("\\", "/")))
-    return path if path.is_relative_to(root) else None
+    root, path = (Path(os.path.normpath(x)) for x in (root, folder / relative.replace("\\", "/")))
+    return path if path.is_relative_to(root) and ".." not in path.parts[len(root.parts) :] else None
 
 
 @contextmanager

@@ -33,7 +33,7 @@ def open_texture(path: Path) -> "Image":
 
     Grey values of 16 bits are scaled to 8. Transparent colours and palette entries become alpha 0. Embedded ICC
     profiles and PNG gamma are converted to sRGB, and the EXIF orientation is applied. CMYK without a profile is
-    converted without colour management. The first frame of an animated image is read.
+    converted without colour management; it is inverted if Adobe's marker says so. Animations give their first frame.
 
     Args:
         path: A PNG or JPEG file.
@@ -168,8 +168,10 @@ def _orientation(image: "Image") -> int:
 
 def _reduce_to_bytes(image: "Image") -> "Image":
     """Return the colours without alpha at 8 bits per channel, as an image of mode L, RGB or CMYK."""
-    from PIL import Image
+    from PIL import Image, ImageChops
 
+    if image.mode == "CMYK" and "adobe" not in image.info:  # Pillow inverts all CMYK, only Adobe's is stored inverted
+        return ImageChops.invert(image)
     if image.mode in ("I;16", "I"):  # 16-bit grey; Pillow's own conversion clips at 255
         values = np.asarray(image).astype(np.uint32)
         return Image.fromarray(((values + 128) // 257).astype(np.uint8))
@@ -208,8 +210,7 @@ def _decode_alpha(image: "Image", depth: int) -> "Image":
         raise _UnsupportedImageError("16-bit RGB with a transparent colour is not supported, only an alpha channel")
     if image.mode == "L" and depth < 8:
         key = key * 255 // (2**depth - 1)
-    values = np.asarray(image.convert("L") if image.mode == "1" else image)
-    keyed = values == np.asarray(key)
+    keyed = np.asarray(image.convert("L") if image.mode == "1" else image) == np.asarray(key)
     keyed = keyed.all(axis=-1) if keyed.ndim == 3 else keyed
     return Image.fromarray(np.where(keyed, 0, 255).astype(np.uint8))
 

@@ -256,3 +256,14 @@ def test_files_come_together_or_not_at_all(tmp_path):
     (tmp_path / "file").write_bytes(b"")
     with pytest.raises(ConfigError, match="film cannot be written"):
         write_all_or_none(tmp_path / "file", "film").__enter__()
+
+
+@pytest.mark.parametrize(
+    ("root", "relative", "found"),
+    [(".", "x", "x"), (".", "../x", None), (".", "a/../../x", None), (".", "a/../x", "x"), (".", "/x", None),
+     ("..", "x", "../x"), ("..", "../x", None), ("data", "../x", None), ("a/../data", "x", "data/x"),
+     ("/data", "../x", None), ("/data/", "x", "/data/x")],
+)  # fmt: skip
+def test_paths_below_a_root(root, relative, found):
+    """Relative roots too: every relative path is relative to `Path(".")`."""
+    assert files.resolve_below(Path(root), Path(root), relative) == (None if found is None else Path(found))

@@ -145,6 +145,16 @@ def test_colour_profiles_are_converted_to_srgb(write):
         open_texture(write(encoded(Image.new("CMYK", (2, 2)), "JPEG", icc_profile=plain)))
 
 
+def test_cmyk_is_stored_inverted_only_with_the_marker_of_adobe(write):
+    inverted = encoded(Image.new("CMYK", (16, 16), (0, 255, 255, 0)), "JPEG")  # Pillow writes marker and polarity
+    plain = encoded(Image.new("CMYK", (16, 16), (255, 0, 0, 255)), "JPEG")
+    start = plain.index(b"\xff\xee")
+    plain = plain[:start] + plain[start + 16 :]  # a marker has two bytes, and Adobe's 14 behind it
+    assert b"Adobe" not in plain
+    for data in (inverted, plain):
+        assert abs(np.array(pixels(write(data))[0]) - (255, 0, 0, 255)).max() <= 3
+
+
 @pytest.mark.parametrize("kind", ["PNG", "JPEG"])
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_exif_orientation_is_applied(write, kind, orientation):

@@ -4,6 +4,7 @@ import pytest
 from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
 from home_mjx.datasets import open_dataset, validate_house
+from home_mjx.datasets.suncg.validate.faces import _ambiguous_opacities
 
 SHEET = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
 FRAME = "v 2 2 0\nv 6 2 0\nv 6 5 0\nv 2 5 0\nv 3 3 0\nv 3 4 0\nv 5 4 0\nv 5 3 0\n"
@@ -24,7 +25,7 @@ def findings(tmp_path):
         before = (folder / f"{TABLE}.obj").read_text()
         (folder / f"{TABLE}.obj").write_text(obj if whole else before + obj)
         (folder / f"{TABLE}.mtl").write_text((folder / f"{TABLE}.mtl").read_text() + mtl)
-        rules = {"flat-model", "bridged-face", "bent-face", "unread-statement", "unreadable"}
+        rules = {"flat-model", "bridged-face", "bent-face", "unread-statement", "unreadable", "ambiguous-opacity"}
         found = [f for f in validate_house(open_dataset(root), HOUSE_ID) if f.rule in rules]
         return [(f.rule, f.element, f.message, f.file) for f in found], before.count("\n")
 
@@ -47,6 +48,23 @@ def test_faces_and_statements(findings, text):
 def test_statements_of_a_library(findings):
     ((rule, _, message, file),), _ = findings(mtl="map_d leaf.png\nNi 1.5\nPr 0.2\n")
     assert (rule, message, file.endswith(f"{TABLE}.mtl")) == ("unread-statement", "`map_d` is not read", True)
+
+
+@pytest.mark.parametrize(
+    ("mtl", "words"),
+    [("newmtl x\nTr 1.000000\nillum 2\n", "`Tr 1` without `d` is read as opaque"), ("newmtl x\nTr 1\nd 1\n", None),
+     ("newmtl x\nd 1\nTr 1\n", None), ("newmtl x\nTr 0.3\nnewmtl y\nd 1\n", None)],
+)  # fmt: skip
+def test_an_ambiguous_opacity(findings, mtl, words):
+    found = [(rule, message) for rule, _, message, _ in findings(mtl=mtl)[0]]
+    assert found == ([] if words is None else [("ambiguous-opacity", words)])
+
+
+def test_an_opacity_of_meshlab():
+    header = "# Wavefront material file\n# Converted by Meshlab Group\n"
+    mtl = f"{header}newmtl x\nTr 0.3\n"
+    assert [line for line, _ in _ambiguous_opacities(mtl)] == [4]
+    assert list(_ambiguous_opacities(mtl + "d 0.7\n")) == []
 
 
 def test_a_model_without_thickness(findings):

@@ -34,8 +34,9 @@ class LibraryMaterial:
 def read_mtl(path: Path, textures: TextureLookup, hint: str | None = None) -> tuple[Material, ...]:
     """Read the materials of an MTL in file order, which is the order of SUNCG's material slots.
 
-    The default material is white and opaque. `Tr` is 1 - `d`; a `Tr` equal to the `d` above it is taken for `d`, since
-    some exporters write it so. Arguments and errors are those of `read_library`.
+    The default material is white and opaque. `Tr` is 1 - `d`; a `Tr` equal to the `d` above it is taken for `d`, and a
+    `Tr 1` without a `d` above it is opaque: MeshLab before 2023, OpenMVS and others write it so. Arguments and errors
+    are those of `read_library`.
     """
     return tuple(entry.material for entry in read_library(path, textures, hint))
 
@@ -110,7 +111,7 @@ def _opacity(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
 
 def _transparency(text: str, _: TextureLookup, place: Location, block: dict) -> dict:
     value = _numbers(text, 1, place)[0]
-    return {"opacity": value if value == block.get("dissolve") else 1.0 - value}
+    return {"opacity": value if value == block.get("dissolve", 1.0) else 1.0 - value}
 
 
 def _specular(text: str, _: TextureLookup, place: Location, __: dict) -> dict:

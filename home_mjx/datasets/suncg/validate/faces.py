@@ -1,5 +1,6 @@
 """Rules on the OBJ and MTL files themselves: faces with holes, bent faces, statements that are not read."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from home_mjx.schema.house import Mesh
 
 MAX_BEND = 0.01  # maximum distance of corners from the plane of their face, as a fraction of its extent
 MIN_THICKNESS = 1e-6  # [m], minimum thickness of a model that is not flat
+HEADER_LENGTH = 400  # characters of an MTL in which exporters write their names
 COLOR_WIDTH = 6  # numbers of a vertex with a colour
 
 
@@ -60,6 +62,35 @@ def _check_library(subject: ValidationContext, path: Path) -> None:
             seen.setdefault(keyword, line)
     for keyword, line in seen.items():
         subject.report("unread-statement", f"line {line}", f"`{keyword[:60]}` is not read", path)
+    for line, message in _ambiguous_opacities(text):
+        subject.report("ambiguous-opacity", f"line {line}", message, path)
+
+
+def _ambiguous_opacities(text: str) -> Iterator[tuple[int, str]]:
+    """Yield line and message of each `Tr` of a material without `d` whose meaning depends on the exporter.
+
+    MeshLab before 2023 writes opacity as `Tr`, later versions transparency, under the same header.
+    """
+    is_meshlab = "meshlab" in text[:HEADER_LENGTH].lower()
+    found: dict[int, str] = {}
+    has_dissolve = False
+    for line, keyword, rest in (*split_statements(text), (0, "newmtl", "")):
+        if keyword == "newmtl":
+            yield from () if has_dissolve else found.items()
+            found, has_dissolve = {}, False
+        has_dissolve |= keyword == "d"
+        if keyword == "tr" and _numeric_prefix(rest) >= 1:
+            found[line] = "`Tr 1` without `d` is read as opaque"
+        elif keyword == "tr" and is_meshlab:
+            found[line] = "`Tr` of MeshLab without `d` is read as transparency; before 2023 it was opacity"
+
+
+def _numeric_prefix(text: str) -> float:
+    """Return the first word as a number; NaN, which compares false, if it is none."""
+    try:
+        return float(text.split()[0])
+    except (ValueError, IndexError):
+        return math.nan
 
 
 def _odd_statements(rows: dict[str, Rows]) -> Iterator[tuple[int, str, str]]:

@@ -125,7 +125,8 @@ def test_a_library_that_is_missing_is_named_whole(read):
 @pytest.mark.parametrize(
     ("lines", "opacity"),
     [("d 0.25\nTr 0.75", 0.25), ("Tr 0.75\nd 0.25", 0.25), ("d 1\nTr 1", 1.0), ("d 0\nTr 0", 0.0), ("d 1.0\nTr 0", 1.0),
-     ("d -halo 0.5", 0.5), ("Tr 1\nTf 1 1 1\nillum 4\nNi 1.5", 0.0), ("d 0.3\nTr 0.3", 0.3)],
+     ("d -halo 0.5", 0.5), ("Tr 1.000000\nillum 2\nNs 0", 1.0), ("Tr 1\nTf 1 1 1\nillum 4\nNi 1.5", 1.0),
+     ("Tr 1\nd 0", 0.0), ("d 0\nTr 1", 0.0), ("Tr 0", 1.0), ("d 0.3\nTr 0.3", 0.3)],
 )  # fmt: skip
 def test_opacity_by_d_and_tr(read, lines, opacity):
     assert read(PLAIN, m=f"newmtl red\n{lines}\nnewmtl blue\n").materials[0].opacity == opacity
