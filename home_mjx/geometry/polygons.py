@@ -1,6 +1,7 @@
 """Polygons of the floor plan, and outlines of slabs."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -11,7 +12,12 @@ from home_mjx.schema.compiled import RoomTable
 
 MERGE_DISTANCE = 1e-4  # [m], distance below which corners are merged
 MAX_BEND = 1e-3  # [m], maximum distance of removed corners from an outline
+MIN_HOLE_RADIUS = 0.1  # [m], minimum radius of a circle in a hole; agents stand across narrower ones
+HOLE_STEPS = 24  # points along each side of the grid that measures a hole
+MAX_CUT_PAIRS = 1 << 24  # maximum pairs of edges and corners that are compared to cut edges at corners on them
 MAX_BATCHED_POINTS = 64  # maximum number of points that are compared with all edges of a polygon at once
+
+Edge = tuple[int, int]
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
@@ -62,6 +68,26 @@ def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray,
     return float(np.linalg.norm(nearest - point, axis=1).min(initial=np.inf))
 
 
+def boundary_edges(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2 2"]:
+    """Return the edges (start, end) of a polygon without bridges to its holes, which it walks in both directions."""
+    edges = np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
+    return edges[~(edges[:, None] == edges[:, ::-1]).all(axis=(2, 3)).any(axis=1)]
+
+
+def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = HOLE_STEPS) -> Float[np.ndarray, "2"]:
+    """Return the point of a `steps` x `steps` grid in a polygon farthest from its edges, else its bounds' centre."""
+    low, high = polygon.min(axis=0), polygon.max(axis=0)
+    x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
+    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
+    points = points[is_inside_polygon(polygon, points)]
+    if not len(points):
+        return (low + high) / 2
+    away = _edge_distance(polygon, points)
+    # Ties, as along a corridor, are resolved in favour of the point nearest to the middle.
+    score = away - 1e-3 * np.linalg.norm(points - (low + high) / 2, axis=1)
+    return points[np.argmax(score)]
+
+
 def find_smallest_room(
     rooms: RoomTable, candidates: Int[np.ndarray, " r"], points: Float[np.ndarray, "*p 2"]
 ) -> Int[np.ndarray, "*p"]:
@@ -83,35 +109,119 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
 
 
-def outline(slab: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 2"]:
+def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float[np.ndarray, "n 2"]:
     """Return the outer edge (x, y) of a slab's upper side, counter-clockwise: its largest closed boundary loop.
 
     If no closed loop encloses more than 90 % of the upper side's area, return its `bounding_outline`.
 
     Args:
         slab: Triangles of the slab, Z up [m].
+        with_holes: Cut out holes of at least `MIN_HOLE_RADIUS`. A bridge along x joins each of them to the edge, see
+            `boundary_edges`. It changes neither `polygon_area` nor `is_inside_polygon`.
     """
+    polygons, area = _boundary_polygons(slab)
+    largest = max(polygons, key=_area, default=np.zeros((0, 2)))
+    # Triangles that do not touch yield several loops, none of which is the outline.
+    if _area(largest) <= 0.9 * area or not len(largest):
+        return bounding_outline(slab)
+    return _cut_holes(largest, _find_holes(largest, polygons)) if with_holes else largest
+
+
+def find_holes(slab: Float[np.ndarray, "t 3 3"]) -> list[Float[np.ndarray, "_ 2"]]:
+    """Return the holes (x, y) of a slab's `outline` of at least `MIN_HOLE_RADIUS`, clockwise.
+
+    Args:
+        slab: Triangles of the slab, Z up [m].
+    """
+    polygons, area = _boundary_polygons(slab)
+    largest = max(polygons, key=_area, default=np.zeros((0, 2)))
+    return _find_holes(largest, polygons) if _area(largest) > 0.9 * area else []
+
+
+def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.ndarray, "_ 2"]], float]:
+    """Return the boundary loops of a slab's upper side, and its area [m^2]."""
     normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
     upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
     if not upper.any():
-        return bounding_outline(slab)
+        return [], 0.0
     points = np.round(slab[upper, :, :2] / MERGE_DISTANCE).astype(np.int64).reshape(-1, 2)
     first, index = unique_cells(points)
-    loops = _boundary_loops(index.reshape(-1, 3))
-    polygons = [_straighten(points[first][loop] * MERGE_DISTANCE) for loop in loops]
-    largest = max(polygons, key=_area, default=np.zeros((0, 2)))
-    area = np.linalg.norm(normal[upper], axis=1).sum() / 2
-    # Triangles that do not share corners yield several loops, none of which is the outline.
-    return largest if _area(largest) > 0.9 * area else bounding_outline(slab)
+    corners = points[first]
+    loops = _boundary_loops(_cut_edges(_open_edges(index.reshape(-1, 3)), corners))
+    return [_straighten(corners[loop] * MERGE_DISTANCE) for loop in loops], float(normal[upper, 2].sum()) / 2
 
 
-def _boundary_loops(triangles: Int[np.ndarray, "t 3"]) -> list[list[int]]:
-    """Return the corner indices, in edge direction, of closed loops of edges without an opposite edge."""
+def _find_holes(
+    largest: Float[np.ndarray, "n 2"], polygons: Sequence[Float[np.ndarray, "_ 2"]]
+) -> list[Float[np.ndarray, "_ 2"]]:
+    found = [(p, find_innermost_point(p)) for p in polygons if signed_area(p) < 0]
+    return [
+        hole
+        for hole, middle in found
+        if is_inside_polygon(largest, middle) and _edge_distance(hole, middle[None])[0] >= MIN_HOLE_RADIUS
+    ]
+
+
+def _edge_distance(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "p 2"]) -> Float[np.ndarray, " p"]:
+    """Return the distances from points to the `boundary_edges` of a polygon [m]."""
+    return np.min([_segment_distance(points, a, b) for a, b in boundary_edges(polygon)], axis=0)
+
+
+def _cut_holes(
+    polygon: Float[np.ndarray, "n 2"], holes: Sequence[Float[np.ndarray, "_ 2"]]
+) -> Float[np.ndarray, "_ 2"]:
+    """Join clockwise holes to a counter-clockwise polygon by bridges along +x, the one with the highest x first."""
+    for hole in sorted(holes, key=lambda h: -h[:, 0].max()):
+        # A bridge through corners would be on a line with sides of both.
+        levels = np.unique(np.concatenate([polygon, hole])[:, 1].clip(hole[:, 1].min(), hole[:, 1].max()))
+        widest = int(np.diff(levels).argmax())
+        y = float(levels[widest] + levels[widest + 1]) / 2
+        x, start = _crossings(hole, y)[-1]
+        for stop, after in [c for c in _crossings(polygon, y) if c[0] > x][:1]:
+            ring = [[stop, y], [x, y], *np.roll(hole, -start - 1, axis=0), [x, y], [stop, y]]
+            polygon = np.concatenate([polygon[: after + 1], ring, polygon[after + 1 :]])
+    return polygon
+
+
+def _crossings(polygon: Float[np.ndarray, "n 2"], y: float) -> list[tuple[float, int]]:
+    """Return x and start corner of the edges of a polygon that cross a height `y` without corners, by x."""
+    (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
+    edges = np.flatnonzero((y0 > y) != (y1 > y))
+    x = x0[edges] + (y - y0[edges]) * (x1 - x0)[edges] / (y1 - y0)[edges]
+    return sorted(zip(x.tolist(), edges.tolist(), strict=True))
+
+
+def _open_edges(triangles: Int[np.ndarray, "t 3"]) -> list[Edge]:
+    """Return the edges of triangles without an opposite edge."""
     edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
+    return [(a, b) for a, b in edges if a != b and (b, a) not in edges]
+
+
+def _cut_edges(edges: list[Edge], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
+    """Cut edges at the ends of others on them, and return those without an opposite edge."""
+    ends = np.unique(np.array(edges, np.int64))
+    if len(edges) * len(ends) > MAX_CUT_PAIRS:
+        return edges
+    pieces = dict.fromkeys(piece for edge in edges for piece in _pieces(edge, ends, corners))
+    return [(a, b) for a, b in pieces if (b, a) not in pieces]
+
+
+def _pieces(edge: Edge, ends: Int[np.ndarray, " e"], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
+    """Return the pieces of an edge between the corners `ends` within `MERGE_DISTANCE` of it."""
+    a, b = edge
+    way, away = corners[b] - corners[a], corners[ends] - corners[a]
+    along, square = away @ way, int(way @ way)
+    aside = abs(away[:, 0] * way[1] - away[:, 1] * way[0])
+    on = (along > 0) & (along < square) & (aside <= np.sqrt(square))
+    chain = [a, *ends[on][along[on].argsort()].tolist(), b]
+    return list(pairwise(chain))
+
+
+def _boundary_loops(edges: list[Edge]) -> list[list[int]]:
+    """Return the corner indices, in edge direction, of closed loops of edges."""
     following: dict[int, list[int]] = {}
     for a, b in edges:
-        if a != b and (b, a) not in edges:
-            following.setdefault(a, []).append(b)
+        following.setdefault(a, []).append(b)
     loops = []
     while following:
         loop = _walk(following)

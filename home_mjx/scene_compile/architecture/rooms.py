@@ -77,7 +77,7 @@ def _first_type(room: RoomNode) -> int:
 def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
     """Return a room's outline, top of its floor and underside of its ceiling [m]; other meshes replace missing ones.
 
-    Without any mesh, the outline is empty and the heights are 0.
+    The outline has the holes of the floor. Without any mesh, it is empty and the heights are 0.
     """
     meshes = (room.floor, room.ceiling, room.walls)
     floor, ceiling, walls = (None if m is None else world_triangles(m, offset) for m in meshes)
@@ -87,7 +87,8 @@ def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.n
     low, high = min(p[..., 2].min() for p in parts), max(p[..., 2].max() for p in parts)
     heights = low if floor is None else floor[..., 2].max(), high if ceiling is None else ceiling[..., 2].min()
     slab = floor if floor is not None else ceiling
-    return (bounding_outline(parts[0]) if slab is None else outline(slab)), (float(heights[0]), float(heights[1]))
+    polygon = bounding_outline(parts[0]) if slab is None else outline(slab, with_holes=slab is floor)
+    return polygon, (float(heights[0]), float(heights[1]))
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
-from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_distance
+from home_mjx.geometry.polygons import boundary_edges, find_smallest_room, is_inside_polygon, polygon_distance
 from home_mjx.geometry.rectangle_cover import cell_centers, cover_with_rectangles, merge_close_values
 from home_mjx.geometry.rotations import plane_matrix, yaw_matrix
 from home_mjx.scene_compile.objects.stairs import Staircase
@@ -107,7 +107,7 @@ def _nearest_floor(rooms: RoomTable, here: Int[np.ndarray, " r"], point: Float[n
 
 def _main_direction(outlines: Sequence[Polygon]) -> float:
     """Return the yaw [rad], from -45 to 45 degrees, parallel or perpendicular to edges of the largest total length."""
-    edge = np.concatenate([np.roll(p, -1, axis=0) - p for p in outlines])
+    edge = np.concatenate([np.diff(boundary_edges(p), axis=1)[:, 0] for p in outlines])
     length, yaw = np.hypot(*edge.T), np.arctan2(edge[:, 1], edge[:, 0])
     stray = abs(np.sin(2 * (yaw[:, None] - yaw))) / 2  # sine of the deviation from parallel or perpendicular
     best = int(np.argmax((length * (stray < PARALLEL_TOLERANCE)).sum(axis=1) + 1e-6 * length))
@@ -118,7 +118,7 @@ def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float
     """Return ascending grid lines along both axes, through all corners and through points along slanted edges."""
     points = []
     for outline in outlines:
-        for a, b in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        for a, b in boundary_edges(outline):
             stray = float(abs(b - a).min())
             count = int(np.ceil(stray / MAX_STRIP_WIDTH)) if stray > MAX_STRAIGHT_DEVIATION else 1
             points.append(a + (b - a) * np.linspace(0, 1, count + 1)[:, None])

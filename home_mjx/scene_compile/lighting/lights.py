@@ -9,7 +9,7 @@ from jaxtyping import Float
 from home_mjx.core.checks import check_number
 from home_mjx.core.color import decode_srgb
 from home_mjx.geometry.meshes import bounds, to_z_up, transform
-from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon, polygon_area
+from home_mjx.geometry.polygons import boundary_edges, find_innermost_point, find_smallest_room, polygon_area
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import ARCHITECTURE, RoomTable
 from home_mjx.schema.house import BoxNode, Light
@@ -209,29 +209,6 @@ def _room_source(rooms: RoomTable, room: int, options: LightOptions) -> LightSou
     return LightSource(pos, np.full(3, power), ARCHITECTURE, room, exponent=1.0, cutoff=0.0, **area)
 
 
-def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = 24) -> Float[np.ndarray, "2"]:
-    """Return the point of a `steps` x `steps` grid in a polygon farthest from its edges, else its bounds' centre."""
-    low, high = polygon.min(axis=0), polygon.max(axis=0)
-    x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
-    points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
-    points = points[is_inside_polygon(polygon, points)]
-    if not len(points):
-        return (low + high) / 2
-    ends = zip(polygon, np.roll(polygon, -1, axis=0), strict=True)
-    away = np.min([_edge_distance(points, a, b) for a, b in ends], axis=0)
-    # Ties, as along a corridor, are resolved in favour of the point nearest to the middle.
-    score = away - 1e-3 * np.linalg.norm(points - (low + high) / 2, axis=1)
-    return points[np.argmax(score)]
-
-
-def _edge_distance(
-    points: Float[np.ndarray, "p 2"], a: Float[np.ndarray, "2"], b: Float[np.ndarray, "2"]
-) -> Float[np.ndarray, " p"]:
-    along = b - a
-    share = np.clip((points - a) @ along / max(along @ along, 1e-12), 0, 1)
-    return np.linalg.norm(points - a - share[:, None] * along, axis=1)
-
-
 def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable) -> Float[np.ndarray, "r 2 3"]:
     """Compute the uniform irradiance of each room by interreflection: of lamps [W/m^2] and daylight [sr].
 
@@ -255,6 +232,7 @@ def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable)
 def _surface(rooms: RoomTable, room: int) -> float:
     """Return the area of a room's floor, ceiling and walls [m^2]; at least 1, with walls at least 1 m high."""
     polygon = rooms.polygon[room]
-    around = np.linalg.norm(polygon - np.roll(polygon, -1, axis=0), axis=1).sum()
+    start, end = boundary_edges(polygon).swapaxes(0, 1)
+    around = np.linalg.norm(end - start, axis=1).sum()
     height = max(float(rooms.ceiling[room] - rooms.floor[room]), 1.0)
     return max(2 * polygon_area(polygon) + float(around) * height, 1.0)

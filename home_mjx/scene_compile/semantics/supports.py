@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint_distance
+from home_mjx.geometry.polygons import boundary_edges
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.schema.compiled import RoomTable
@@ -100,8 +101,8 @@ def _heights(item: PlacedObject, rooms: RoomTable) -> tuple[float, float]:
 def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
     """Return plan points along the room outlines of a level, at most `OUTLINE_STEP` apart on short edges [m]."""
     points = [np.zeros((0, 2))]
-    for start in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
-        for a, b in zip(start, np.roll(start, -1, axis=0), strict=True):
+    for polygon in (p for p, at in zip(rooms.polygon, rooms.level, strict=True) if at == level):
+        for a, b in boundary_edges(polygon):
             count = int(np.ceil(min(np.linalg.norm(b - a) / OUTLINE_STEP, MAX_STEPS))) + 1
             points.append(a + np.linspace(0, 1, count)[:, None] * (b - a))
     return np.concatenate(points)

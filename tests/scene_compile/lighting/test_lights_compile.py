@@ -5,13 +5,12 @@ import pytest
 from handmade import shoebox
 
 from home_mjx.geometry.meshes import box_triangles, make_model
-from home_mjx.geometry.polygons import is_inside_polygon
+from home_mjx.geometry.polygons import find_innermost_point, is_inside_polygon
 from home_mjx.scene_compile.lighting.lights import (
     LightOptions,
     LightSource,
     build_lights,
     compute_ambient_irradiance,
-    find_innermost_point,
     find_lamp_sources,
 )
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject

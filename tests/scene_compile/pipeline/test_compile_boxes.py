@@ -258,8 +258,10 @@ def test_outline_of_an_l_shaped_slab():
 def test_outline_of_what_is_no_proper_slab_is_its_box():
     ceiling = np.array([[[0, 0, 1], [0, 2, 1], [3, 0, 1.0]]])  # faces down: there is no upper side
     assert polygon_area(outline(ceiling)) == pytest.approx(6.0)
-    torn = np.concatenate([cuboid((0, 0, 0), (4, 1, 0.05)), cuboid((0, 1, 0), (2, 3, 0.05))])
+    torn = np.concatenate([cuboid((0, 0, 0), (4, 1, 0.05)), cuboid((0, 1.1, 0), (2, 3, 0.05))])
     assert polygon_area(outline(torn)) == pytest.approx(12.0)
+    joined = np.concatenate([cuboid((0, 0, 0), (4, 1, 0.05)), cuboid((0, 1, 0), (2, 3, 0.05))])  # share one corner
+    assert polygon_area(outline(joined)) == pytest.approx(8.0)
 
 
 def test_footprints_agree_with_distances(rng):
