@@ -209,8 +209,8 @@ def _cut_edges(edges: list[Edge], corners: Int[np.ndarray, "n 2"]) -> list[Edge]
 def _pieces(edge: Edge, ends: Int[np.ndarray, " e"], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
     """Return the pieces of an edge between the corners `ends` within `MERGE_DISTANCE` of it."""
     a, b = edge
-    way, away = corners[b] - corners[a], corners[ends] - corners[a]
-    along, square = away @ way, int(way @ way)
+    way, away = (corners[c].astype(float) - corners[a] for c in (b, ends))
+    along, square = away @ way, float(way @ way)
     aside = abs(away[:, 0] * way[1] - away[:, 1] * way[0])
     on = (along > 0) & (along < square) & (aside <= np.sqrt(square))
     chain = [a, *ends[on][along[on].argsort()].tolist(), b]
