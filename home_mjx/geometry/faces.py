@@ -11,6 +11,7 @@ MAX_EAR_CORNERS = 1 << 17  # maximum corners of all polygons of a mesh that need
 MAX_POLYGON_CORNERS = 1 << 13  # maximum corners of one of them; clipping takes quadratic time at worst
 AREA_TOLERANCE = 1e-9  # of the squared extent of a polygon: rounding errors of areas
 MIN_TWIST = 0.05  # minimum distance of a twisted polygon's corners from a plane, as a fraction of its radius
+ANGLE_TOLERANCE = 1e-6  # [rad]
 EAR_TOLERANCE = 1e-6  # maximum relative difference between a polygon's area and that of its triangles
 
 Points = Float[np.ndarray, "n 3"]
@@ -92,7 +93,24 @@ def _is_fan(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
     extent = (away**2).sum(axis=2).max(axis=1)
     is_flat = np.linalg.norm(areas, axis=2).max(axis=1) <= AREA_TOLERANCE * extent
     has_area = length[:, 0, 0] > AREA_TOLERANCE * extent
-    return is_flat | (has_area & (along.min(axis=1) >= -AREA_TOLERANCE * extent))
+    found = is_flat | (has_area & (along.min(axis=1) >= -AREA_TOLERANCE * extent))
+    if polygons.shape[1] > 4:
+        rows = np.flatnonzero(found & ~is_flat)
+        found[rows] = _winds_once(away[rows], along[rows])
+    return found
+
+
+def _winds_once(away: Float[np.ndarray, "m k 3"], along: Float[np.ndarray, "m j"]) -> Bool[np.ndarray, " m"]:
+    """Return whether polygons make at most one turn around their first corner and return to it only at the end.
+
+    Args:
+        away: Other corners, relative to the first [m].
+        along: Twice the area of each triangle of the fan, along the polygon's vector area [m^2].
+    """
+    # An edge through the first corner is half a turn, whatever the sign of its rounding error.
+    turn = np.arctan2(np.maximum(along, 0), (away[:, :-1] * away[:, 1:]).sum(axis=2)).sum(axis=1)
+    is_away = np.pad((away != 0).any(axis=2), ((0, 0), (1, 0)))
+    return (turn < 2 * np.pi + ANGLE_TOLERANCE) & ((is_away[:, 1:] & ~is_away[:, :-1]).sum(axis=1) == 1)
 
 
 def _fans(
@@ -150,7 +168,7 @@ def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
     """Return triangles of a polygon's corners, in its winding; None without area, or if theirs do not sum to it."""
     rows = np.flatnonzero((polygon != np.roll(polygon, 1, axis=0)).any(axis=1))  # without corners repeated at once
     flat = _project(polygon[rows])
-    if flat is None:
+    if flat is None or not _turns_once(flat):
         return None
     x, y = flat.T
     area = float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
@@ -163,6 +181,18 @@ def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
         if len(cut) and abs(abs(areas).sum() - area) <= EAR_TOLERANCE * area:
             return rows[order[np.where(areas[:, None] < 0, cut[:, ::-1], cut)]]
     return None
+
+
+def _turns_once(flat: Float[np.ndarray, "n 2"]) -> bool:
+    """Return whether a polygon, without corners repeated at once, can have an exterior angle of one turn in total.
+
+    Ears of a polygon that winds twice round a point sum to its area as well. Edges out and back may turn either way.
+    """
+    way = np.roll(flat, -1, axis=0) - flat
+    before = np.roll(way, 1, axis=0)
+    angles = np.arctan2(before[:, 0] * way[:, 1] - before[:, 1] * way[:, 0], (before * way).sum(axis=1))
+    is_back = abs(angles) > np.pi - ANGLE_TOLERANCE
+    return bool(abs(angles[~is_back].sum() - 2 * np.pi) <= np.pi * is_back.sum() + np.pi / 2)
 
 
 def _project(polygon: Points) -> Float[np.ndarray, "n 2"] | None:

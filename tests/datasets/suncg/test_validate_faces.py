@@ -45,6 +45,29 @@ def test_faces_and_statements(findings, text):
     assert file.endswith(f"{TABLE}.obj")
 
 
+FACE = "v 2 2 0\nv 6 2 0\nv 6 5 0\nv 2 5 0\n"
+
+
+@pytest.mark.parametrize(
+    "face",
+    ["-4 -3 -2 -1 -4", "-4 -4 -3 -2 -1", "-4 -4 -3 -2 -1 -4", "-4 -3 -3 -3 -2 -1", "-4 -3 -2 -1 -1 -4 -4",
+     "-4 -3 -2 -2 -1 -1", "-4 -3 -2 -2"],
+)  # fmt: skip
+def test_corners_repeated_at_once_are_no_bridge(findings, face):
+    assert findings(f"{FACE}f {face}\n")[0] == []
+
+
+def test_a_bridge_with_corners_repeated_at_once(findings):
+    ((rule, *_),), _ = findings(f"{FRAME}f -8 -8 -7 -6 -5 -8 -8 -4 -3 -3 -2 -1 -4 -4\n")
+    assert rule == "bridged-face"
+
+
+def test_a_folded_face_is_reported_with_its_line(findings):
+    folded = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 1 .1 .05\nv 0 .1 .05\nv 0 1 0\nf -6 -5 -4 -3 -2 -1\n"
+    ((rule, element, *_),), before = findings(folded)
+    assert (rule, element) == ("bent-face", f"line {before + 7}")
+
+
 def test_statements_of_a_library(findings):
     ((rule, _, message, file),), _ = findings(mtl="map_d leaf.png\nNi 1.5\nPr 0.2\n")
     assert (rule, message, file.endswith(f"{TABLE}.mtl")) == ("unread-statement", "`map_d` is not read", True)

@@ -128,12 +128,19 @@ def _odd_faces(
 
 
 def _has_bridge(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
-    """Return which polygons return to one of their corners; a corner repeated at once does not count."""
+    """Return which polygons return to one of their corners; corners repeated at once count as one."""
+    repeated = (polygons == np.roll(polygons, 1, axis=1)).all(axis=2)
+    found = _visits_twice(polygons)
+    for row in np.flatnonzero(found & repeated.any(axis=1)).tolist():
+        found[row] = _visits_twice(polygons[row][~repeated[row]][None])[0]
+    return found
+
+
+def _visits_twice(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
+    """Return which polygons have two equal corners."""
     order = np.lexsort(polygons.transpose(2, 0, 1), axis=1)
     ordered = np.take_along_axis(polygons, order[..., None], axis=1)
-    same = (np.diff(ordered, axis=1) == 0).all(axis=2)
-    gap = abs(np.diff(order, axis=1))
-    return (same & (gap > 1) & (gap < polygons.shape[1] - 1)).any(axis=1)
+    return (np.diff(ordered, axis=1) == 0).all(axis=2).any(axis=1)
 
 
 def _is_bent(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:

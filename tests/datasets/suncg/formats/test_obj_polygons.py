@@ -25,7 +25,13 @@ AREAS = [
     (L_SHAPE, 0.32), (COMB, 8.0), (SPIRAL, 6.72), (FRAME, 10.0), (TWO_HOLES, 13.0), (TOUCHING, 14.0), (BRIDGED, 2.0),
     (TAIL, 4.0), ([*L_SHAPE[:3], L_SHAPE[2], *L_SHAPE[3:]], 0.32),
 ]  # fmt: skip
+TWICE_ROUND = [((1 + 0.05 * i) * np.cos(i * np.pi / 4), (1 + 0.05 * i) * np.sin(i * np.pi / 4)) for i in range(13)]
 CROSSING = [
+    [(0, 0), (1, 0), (1, 1), (0, 1)] * 2,
+    [(0, 0), (1, 0), (1, 1), (0, 1)] * 3,
+    TWICE_ROUND,
+    TWICE_ROUND[::-1],
+    [*TWICE_ROUND, TWICE_ROUND[-1], TWICE_ROUND[0]],
     [(0, 0), (1, 1), (1, 0), (0, 1)],
     [(0, 0), (2, 2), (2, 0), (0, 1)],
     [(0, 0), (4, 0), (4, 1), (1, 1), (1, -1), (0, -1)],
@@ -110,6 +116,22 @@ def test_a_polygon_that_crosses_itself_is_refused_with_its_line(polygon, tmp_pat
     assert (caught.value.file, caught.value.element) == (str(path), f"line {len(polygon) + 2}")
     assert caught.value.hint == "Triangulate the model in the program that wrote it."
     assert len(read_obj(path, TextureLookup(tmp_path, tolerant=True)).faces) == 1 + len(polygon) - 2  # partial copies
+
+
+@pytest.mark.parametrize("first", range(13))
+def test_a_polygon_that_winds_twice_round_a_point_is_no_fan_of_any_corner(first):
+    points = np.roll(np.c_[TWICE_ROUND, np.zeros(13)], first, axis=0)
+    with pytest.raises(FaceError, match="crosses itself"):
+        triangulate_faces(points, np.array([13]))
+
+
+@pytest.mark.parametrize("count", [5, 9, 40])
+def test_a_fan_of_a_corner_inside_a_slit_makes_one_turn(count):
+    """A disc with a slit from its rim to its middle, where the fan makes a whole turn."""
+    angle = np.linspace(0, 2 * np.pi, count + 1)
+    points = np.c_[[(0, 0), *np.stack([np.cos(angle), np.sin(angle)], axis=1)], np.zeros(count + 2)]
+    faces, _ = triangulate_faces(points, np.array([count + 2]))
+    assert area_of(points, faces) == pytest.approx(count / 2 * np.sin(2 * np.pi / count))
 
 
 def test_a_twisted_quad_of_suncg_stays_a_fan():
