@@ -4,7 +4,7 @@ import pytest
 from tiny_dataset import HOUSE_ID, TABLE, write_tiny_dataset
 
 from home_mjx.datasets import open_dataset, validate_house
-from home_mjx.datasets.suncg.validate.faces import _ambiguous_opacities
+from home_mjx.datasets.suncg.validate.faces import _ambiguous_opacities, _unread_statements
 
 SHEET = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"
 FRAME = "v 2 2 0\nv 6 2 0\nv 6 5 0\nv 2 5 0\nv 3 3 0\nv 3 4 0\nv 5 4 0\nv 5 3 0\n"
@@ -25,7 +25,8 @@ def findings(tmp_path):
         before = (folder / f"{TABLE}.obj").read_text()
         (folder / f"{TABLE}.obj").write_text(obj if whole else before + obj)
         (folder / f"{TABLE}.mtl").write_text((folder / f"{TABLE}.mtl").read_text() + mtl)
-        rules = {"flat-model", "bridged-face", "bent-face", "unread-statement", "unreadable", "ambiguous-opacity"}
+        rules = {"flat-model", "bridged-face", "bent-face", "unread-statement", "unreadable"}
+        rules |= {"ambiguous-opacity", "clamped-value"}
         found = [f for f in validate_house(open_dataset(root), HOUSE_ID) if f.rule in rules]
         return [(f.rule, f.element, f.message, f.file) for f in found], before.count("\n")
 
@@ -71,6 +72,28 @@ def test_a_folded_face_is_reported_with_its_line(findings):
 def test_statements_of_a_library(findings):
     ((rule, _, message, file),), _ = findings(mtl="map_d leaf.png\nNi 1.5\nPr 0.2\n")
     assert (rule, message, file.endswith(f"{TABLE}.mtl")) == ("unread-statement", "`map_d` is not read", True)
+
+
+@pytest.mark.parametrize(
+    ("maps", "is_read"),
+    [("map_Kd a.png\nmap_d a.png", True), ("map_d tex\\A.png\nmap_Kd -s 2 2 ../tex/a.png # oak", True),
+     ("map_d -imfchan m a.png\nmap_Kd a.png", True), ("map_Kd a.png\nmap_d b.png", False), ("map_d", False),
+     ("map_Kd a.png\nnewmtl y\nmap_d a.png", False)],
+)  # fmt: skip
+def test_an_opacity_map_of_the_colour_map(maps, is_read):
+    found = _unread_statements(f"newmtl x\n{maps}\n")
+    assert list(found) == ([] if is_read else ["map_d"])
+
+
+@pytest.mark.parametrize(
+    ("line", "keyword"),
+    [("Kd 1.2 0 0", "Kd"), ("Kd 0 0 -0.1", "Kd"), ("Ks 0 2 0", "Ks"), ("d 1.5", "d"), ("d -halo 3", "d"),
+     ("Tr -1\nd 1", "Tr"), ("Ns 2000", "Ns"), ("Kd 1 1 1", None), ("Kd 0 0 0 7", None), ("Ns 1000", None)],
+)  # fmt: skip
+def test_values_outside_of_their_range(findings, line, keyword):
+    found, _ = findings(mtl=f"newmtl x\n{line}\n")
+    message = f"`{keyword}` is outside of its range: it is clamped"
+    assert [(rule, words) for rule, _, words, _ in found] == ([] if keyword is None else [("clamped-value", message)])
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,8 @@ from home_mjx.datasets.suncg.formats.statements import bare_name
 VECTORS = ("-s", "-o", "-t")  # up to three numbers each
 MAX_VALUES = {**dict.fromkeys(VECTORS, 3), "-mm": 2}  # maximum values of an option; 1 for others
 INERT = ("-blendu", "-blendv", "-boost", "-texres", "-cc", "-bm", "-colorspace")  # filters of images, and bumps
+NAMES = (*MAX_VALUES, *INERT, "-clamp", "-imfchan", "-type")
+TRAILING = re.compile(rf'(.*?\.\w{{2,5}}"?)\s+((?:{"|".join(NAMES)})\s.*)', re.IGNORECASE)  # name, options behind it
 CLAMP_TOLERANCE = 1e-3  # maximum distance of clamped texture coordinates from 0..1
 
 
@@ -66,10 +68,10 @@ def read_color_map(text: str, place: Location, is_known: Callable[[str], bool]) 
         'my wood.png'
     """
     values: dict[str, list[str]] = {}
-    rest = text
+    rest = _options_first(text, is_known)
     while rest.startswith("-") and not is_known(rest):
         name, count = rest.split()[0].lower(), len(rest.split())
-        if name not in (*MAX_VALUES, *INERT, "-clamp", "-imfchan", "-type") or count < 3:
+        if name not in NAMES or count < 3:
             hint = "Known are the options of the MTL format, each with a value, before the name."
             raise place.error(f"expected a file name, got `{rest[:60]}`", hint)
         most = min(MAX_VALUES.get(name, 1), count - 2)  # the last word is part of the file name
@@ -82,6 +84,15 @@ def read_color_map(text: str, place: Location, is_known: Callable[[str], bool]) 
     _check_options(values, place)
     scale, offset = (_pair(values.get(name, []), fill) for name, fill in (("-s", 1.0), ("-o", 0.0)))
     return PlacedMap(file, scale, offset, values.get("-clamp", ["off"])[0].lower() == "on")
+
+
+def _options_first(text: str, is_known: Callable[[str], bool]) -> str:
+    """Return the arguments with options behind the file name, which some exporters write, moved before it."""
+    found = TRAILING.match(text)
+    starts = [word.start() for word in re.finditer(r"\S+", text)]
+    if found is None or re.search(r"\s#", found[1]) or any(is_known(text[start:]) for start in starts):
+        return text
+    return f"{bare_name(found[2])} {found[1]}"
 
 
 def _taken(words: list[str], is_numeric: bool, place: Location, text: str) -> list[str]:

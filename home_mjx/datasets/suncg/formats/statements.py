@@ -21,6 +21,7 @@ OBJ_IGNORED = {  # they change no triangle, and no colour of one
     *("vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "parm", "trim", "hole", "scrv", "sp", "end", "con"),
     *("cdc", "res"),
 }
+NAMED = {"usemtl", "newmtl", "g", "o"}  # statements with a name, which may be a path of Windows
 MTL_READ = {"newmtl", "kd", "d", "tr", "ks", "ns", "map_kd"}
 MTL_IGNORED = {  # what the simulator's materials do not have: other lobes, emission, bumps, reflections
     *("ka", "ke", "tf", "ni", "illum", "sharpness", "pr", "pm", "ps", "pc", "pcr", "aniso", "anisor"),
@@ -57,8 +58,8 @@ def read_statement_lines(path: Path, hint: str | None = None, tolerant: bool = F
 def split_statements(text: str) -> Iterator[tuple[int, str, str]]:
     """Yield line number, keyword in lower case and arguments of every statement; comment lines are left out.
 
-    A backslash at the end of a line continues it on the next one; the number is that of the first. Comments are not
-    continued, since paths of Windows in them may end with a backslash.
+    A backslash at the end of a line continues it on the next one; the number is that of the first. Comments, and
+    names of materials and groups, are not continued by a backslash at their end: paths of Windows may have one there.
 
     Example:
         >>> next(split_statements("Kd 1 0 0"))
@@ -80,11 +81,19 @@ def _logical_lines(text: str) -> Iterable[tuple[int, str]]:
 def _join_continued(lines: list[str]) -> Iterator[tuple[int, str]]:
     parts: list[str] = []
     for number, line in enumerate(lines, 1):
-        is_continued = line.rstrip().endswith("\\") and (parts or not line.lstrip().startswith("#"))
+        is_continued = _is_continued(line)
         parts.append(line.rstrip()[:-1] if is_continued else line)
         if not is_continued or number == len(lines):
             yield number - len(parts) + 1, " ".join(parts)
             parts = []
+
+
+def _is_continued(line: str) -> bool:
+    """Return whether a line ends with a backslash that is neither in a comment nor the last character of a name."""
+    text = line.rstrip()
+    if not text.endswith("\\") or re.search(r"(^|\s)#", text):
+        return False
+    return text.split(None, 1)[0].lower() not in NAMED or len(text.split()[-1]) == 1
 
 
 def bare_name(text: str) -> str:

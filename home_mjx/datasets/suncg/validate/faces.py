@@ -1,6 +1,7 @@
 """Rules on the OBJ and MTL files themselves: faces with holes, bent faces, statements that are not read."""
 
 import math
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from home_mjx.core.files import is_file
+from home_mjx.datasets.suncg.formats.mtl import MAX_SHININESS
 from home_mjx.datasets.suncg.formats.obj import find_libraries, read_table, scan_obj
 from home_mjx.datasets.suncg.formats.obj_faces import Rows, read_corners
 from home_mjx.datasets.suncg.formats.statements import (
@@ -15,6 +17,7 @@ from home_mjx.datasets.suncg.formats.statements import (
     MTL_READ,
     OBJ_IGNORED,
     OBJ_READ,
+    bare_name,
     read_statement_lines,
     split_statements,
 )
@@ -26,6 +29,13 @@ from home_mjx.schema.house import Mesh
 MAX_BEND = 0.01  # maximum distance of corners from the plane of their face, as a fraction of its extent
 MIN_THICKNESS = 1e-6  # [m], minimum thickness of a model that is not flat
 HEADER_LENGTH = 400  # characters of an MTL in which exporters write their names
+VALUES = {  # numeric properties of an MTL: spelling, values, maximum
+    "kd": ("Kd", 3, 1.0),
+    "ks": ("Ks", 3, 1.0),
+    "d": ("d", 1, 1.0),
+    "tr": ("Tr", 1, 1.0),
+    "ns": ("Ns", 1, MAX_SHININESS),
+}
 COLOR_WIDTH = 6  # numbers of a vertex with a colour
 
 
@@ -56,14 +66,49 @@ def _check_library(subject: ValidationContext, path: Path) -> None:
         text = read_statement_lines(path, tolerant=subject.reading.tolerant)
     except DatasetError:
         return  # reported by the reader
-    seen: dict[str, int] = {}
-    for line, keyword, _ in split_statements(text):
-        if keyword not in MTL_READ | MTL_IGNORED:
-            seen.setdefault(keyword, line)
-    for keyword, line in seen.items():
+    for keyword, line in _unread_statements(text).items():
         subject.report("unread-statement", f"line {line}", f"`{keyword[:60]}` is not read", path)
+    for keyword, line in _clamped_values(text).items():
+        subject.report("clamped-value", f"line {line}", f"`{keyword}` is outside of its range: it is clamped", path)
     for line, message in _ambiguous_opacities(text):
         subject.report("ambiguous-opacity", f"line {line}", message, path)
+
+
+def _unread_statements(text: str) -> dict[str, int]:
+    """Return the first line of each statement of an MTL that is not read.
+
+    A `map_d` of the material's `map_Kd` is no such statement, since the alpha of colour maps is read.
+    """
+    seen: dict[str, int] = {}
+    block, color_maps, opacity_maps = 0, set(), []
+    for line, keyword, rest in split_statements(text):
+        block += keyword == "newmtl"
+        if keyword == "map_kd":
+            color_maps.add((block, _file_name(rest)))
+        elif keyword == "map_d":
+            opacity_maps.append((line, block, _file_name(rest)))
+        elif keyword not in MTL_READ | MTL_IGNORED:
+            seen.setdefault(keyword, line)
+    other = [line for line, *place in opacity_maps if tuple(place) not in color_maps]
+    return seen | ({"map_d": min(other)} if other else {})
+
+
+def _file_name(text: str) -> str:
+    """Return the last word of the arguments of a map without its folders, in lower case; "" without a word."""
+    words = re.split(r"[\\/\s]+", bare_name(text).lower())
+    return words[-1]
+
+
+def _clamped_values(text: str) -> dict[str, int]:
+    """Return the first line of each numeric property of an MTL with a value outside of its range."""
+    seen: dict[str, int] = {}
+    for line, keyword, rest in split_statements(text):
+        if keyword in VALUES:
+            name, count, largest = VALUES[keyword]
+            numbers = [_numeric_prefix(word) for word in rest.removeprefix("-halo").split()[:count]]
+            if any(number < 0 or number > largest for number in numbers):
+                seen.setdefault(name, line)
+    return seen
 
 
 def _ambiguous_opacities(text: str) -> Iterator[tuple[int, str]]:

@@ -70,6 +70,7 @@ RULES: Mapping[str, ValidationRule] = {
     "bridged-face": ValidationRule("warning", "a face that visits a corner twice, such as one with a hole"),
     "bent-face": ValidationRule("warning", "a face of more than four corners that are not in one plane"),
     "unread-statement": ValidationRule("warning", "a statement of an OBJ or MTL that is unknown or has no effect here"),
+    "clamped-value": ValidationRule("warning", "a colour, opacity or `Ns` of an MTL outside of its range"),
     "ambiguous-opacity": ValidationRule("warning", "a `Tr` of an MTL without `d` that may be opacity or transparency"),
     # joints
     "joint-model": ValidationRule("error", "a joint of a model without a row in ModelCategoryMapping.csv"),

@@ -69,6 +69,18 @@ def test_continued_lines(read):
     same(read(f"{PLAIN}s off \\"), read(PLAIN))
 
 
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_a_backslash_at_the_end_of_a_comment_or_name_continues_nothing(read, end):
+    comment = PLAIN.replace("usemtl red\n", "usemtl red # C:\\mats\\\n").replace("v 1 0 0\n", "v 1 0 0 # C:\\\n")
+    same(read(comment.replace("\n", end), m=RED_BLUE.replace("Kd 1 0 0", "Kd 1 0 0 # \\")), read(PLAIN))
+    for statement in ("g C:\\mats\\", "o C:\\mats\\", "G a b\\ "):
+        mesh = read(PLAIN.replace("f 1 2 3 4\n", f"{statement}\nf 1 2 3 4\n").replace("\n", end))
+        assert (mesh.faces.tolist(), mesh.slot.tolist()) == (read(PLAIN).faces.tolist(), read(PLAIN).slot.tolist())
+    named = read(PLAIN.replace("usemtl red", "usemtl C:\\red\\"), m=RED_BLUE.replace("newmtl red", "newmtl C:\\red\\"))
+    assert [m.diffuse for m in named.materials] == [RED.diffuse, BLUE.diffuse]
+    assert named.slot.tolist() == read(PLAIN).slot.tolist()
+
+
 def test_the_line_of_an_error_is_that_of_the_file(read):
     with pytest.raises(DatasetError) as caught:
         read(PLAIN.replace("v 1 0 0", "v 1 \\\n0 \\\n0").replace("f 1 2 3\n", "f 1 2 x\n"))
@@ -156,6 +168,36 @@ def test_options_of_colour_maps(read, tmp_path, options, uv, name):
     assert mesh.materials[0].texture == image
     np.testing.assert_allclose(mesh.uv[0, 2], uv)
     np.testing.assert_allclose(mesh.uv[1, 2], [1, 1])
+
+
+@pytest.mark.parametrize("name", ["wood 8.png", "wood.png", '"wood 8.png"', "../../texture/wood.png", "a.b.png"])
+@pytest.mark.parametrize(
+    ("before", "behind", "uv"),
+    [("", "-s 2 3 1", [2, 3]), ("", "-s 2 3 1 # tiles", [2, 3]), ("-o .25 .5 0", "-s 2 3", [2.25, 3.5]),
+     ("", "-s 2 3 -o .25 .5", [2.25, 3.5]), ("", "-clamp on", [1, 1]), ("", "-S 2 2", [2, 2])],
+)  # fmt: skip
+def test_options_behind_the_name_of_a_colour_map(read, tmp_path, before, behind, uv, name):
+    image = tmp_path / "texture" / name.strip('"').split("/")[-1]
+    image.touch()
+    mtl = f"newmtl red\nmap_Kd {before} {name} {behind}\nnewmtl blue\n"
+    mesh = read(f"mtllib m.mtl\n{SQUARE}{UV}usemtl red\nf 1/1 2/2 3/3\n", m=mtl)
+    assert mesh.materials[0].texture == image
+    np.testing.assert_allclose(mesh.uv[0, 2], uv)
+
+
+@pytest.mark.parametrize("name", ["a.png -s 2 2.png", "a.b -clamp on.png", "a.png -s 2"])
+def test_a_file_whose_name_has_options(read, tmp_path, name):
+    image = tmp_path / "object" / "m" / name
+    image.touch()
+    mesh = read(f"mtllib m.mtl\n{SQUARE}{UV}usemtl red\nf 1/1 2/2 3/3\n", m=f"newmtl red\nmap_Kd -s 3 3 {name}\n")
+    assert mesh.materials[0].texture == image
+    np.testing.assert_allclose(mesh.uv[0, 2], [3, 3])
+
+
+def test_options_behind_a_name_that_are_not_read_are_refused(read, tmp_path):
+    (tmp_path / "texture" / "wood.png").touch()
+    with pytest.raises(DatasetError, match=r"`-mm 0\.2 2` of `map_Kd` is not read"):
+        read(PLAIN, m="newmtl red\nmap_Kd wood.png -mm 0.2 2\nnewmtl blue\n")
 
 
 @pytest.mark.parametrize("line", ["map_Kd -wood.png", "map_Kd -s 2 2 -wood.png", 'map_Kd "-wood.png"'])
