@@ -127,17 +127,6 @@ def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float
     return _cut_holes(largest, _find_holes(largest, polygons)) if with_holes else largest
 
 
-def find_holes(slab: Float[np.ndarray, "t 3 3"]) -> list[Float[np.ndarray, "_ 2"]]:
-    """Return the holes (x, y) of a slab's `outline` of at least `MIN_HOLE_RADIUS`, clockwise.
-
-    Args:
-        slab: Triangles of the slab, Z up [m].
-    """
-    polygons, area = _boundary_polygons(slab)
-    largest = max(polygons, key=_area, default=np.zeros((0, 2)))
-    return _find_holes(largest, polygons) if _area(largest) > 0.9 * area else []
-
-
 def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.ndarray, "_ 2"]], float]:
     """Return the boundary loops of a slab's upper side, and its area [m^2]."""
     normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])

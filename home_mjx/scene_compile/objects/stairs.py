@@ -12,12 +12,18 @@ from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.objects.box_stairs import find_box_stairs
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.objects.slopes import Slope
-from home_mjx.scene_compile.objects.stair_detection import find_stair_path, tread_triangles
+from home_mjx.scene_compile.objects.stair_detection import (
+    CurvedFlight,
+    StraightFlights,
+    find_stair_path,
+    tread_triangles,
+)
 from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR, RoomTable
 
 STAIRS_CATEGORY = "stairs"
 MAX_FLOOR_DISTANCE = 0.6  # [m], maximum vertical distance between an end of stairs and the floor that it leads to
 MIN_HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
+MIN_HEAD_GAP = 0.01  # [m], minimum gap between the last tread and the floor beyond that is filled
 ROOM_PROBE_DISTANCE = 0.2  # [m], distance beyond either end of stairs of the test points for rooms
 
 Polygon = Float[np.ndarray, "_ 2"]
@@ -171,6 +177,8 @@ def _stairs(
         return None
     low, high = rooms.floor[at].tolist()
     slopes, top, well = path.slopes(low, high)
+    if _room_at(rooms, level[lower + 1], turn[:2, :2] @ path.ends(MIN_HEAD_GAP)[1]) < 0:
+        top = [*top, _head_gap(path, slopes[-1].width)]
     return Staircase(
         object_id=parts[0].object_id,
         lower=lower,
@@ -182,6 +190,13 @@ def _stairs(
         level_floor=float(floor[lower + 1]),
         object_ids=tuple(item.object_id for item in parts),
     )
+
+
+def _head_gap(path: StraightFlights | CurvedFlight, width: float) -> Float[np.ndarray, "4 2"]:
+    """Return the rectangle from the last tread to the floor beyond, where its hole is longer than the stairs [m]."""
+    start, end = path.ends(0.0)[1], path.ends(ROOM_PROBE_DISTANCE)[1]
+    aside = np.array([start[1] - end[1], end[0] - start[0]]) / ROOM_PROBE_DISTANCE * width / 2
+    return np.array([start - aside, end - aside, end + aside, start + aside])
 
 
 def _exits_under(below: Staircase, above: Staircase) -> bool:

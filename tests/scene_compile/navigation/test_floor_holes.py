@@ -7,12 +7,20 @@ import pytest
 from storeys import Stairs, Storey, metadata_of, stacked
 
 from home_mjx.datasets.outlines import RoomOutline
-from home_mjx.geometry.polygons import polygon_area
+from home_mjx.geometry.boxes import empty_boxes
+from home_mjx.geometry.polygons import find_smallest_room, polygon_area
+from home_mjx.scene_compile.collision.barriers import find_barriers
+from home_mjx.scene_compile.navigation.free_space import find_free_space
 from home_mjx.scene_compile.pipeline.compile import compile_house
+from home_mjx.schema.compiled import RoomTable
 
 SIZE = 8.0  # [m], edge of the rooms
 PLAIN = Storey([RoomOutline("Living_Room", [(0, 0), (SIZE, 0), (SIZE, SIZE), (0, SIZE)])])
-HOLES = {"atrium": (3.0, 3.0, 5.0, 5.0), "stairwell": (0.9, 0.4, 4.5, 1.6)}  # (x0, z0, x1, z1) [m]
+HOLES = {  # (x0, z0, x1, z1) [m]
+    "atrium": (3.0, 3.0, 5.0, 5.0),
+    "stairwell": (0.9, 0.4, 4.5, 1.6),
+    "long stairwell": (0.8, 0.4, 4.65, 1.6),  # beyond the last tread, too
+}
 STAIRS = Stairs((1.0, 1.0))
 
 
@@ -83,7 +91,7 @@ def test_agents_begin_on_floors(galleries):
     for points in (house.navigation.start, house.navigation.goal):
         above = points[points[:, 2] > house.rooms.floor[1] - 0.05]
         assert len(above)
-        assert not in_hole(name, above).any()
+        assert not in_hole(name, above, 0.0 if name == "atrium" else 0.2).any()
 
 
 def test_a_hole_has_no_floor_and_a_railing(galleries):
@@ -98,6 +106,25 @@ def test_a_hole_has_no_floor_and_a_railing(galleries):
     # Stairs end at the last side.
     assert closed == ["-x", "-z", "+z", *(["+x"] if name == "atrium" else [])]
     assert solid(house, [x1 + 0.5, middle[1], floor - 0.05])
+
+
+RING = np.array([(0, 0), (6, 0), (6, 3), (4, 3), (4, 2), (2, 2), (2, 4), (4, 4), (4, 3), (6, 3), (6, 6), (0, 6)], float)
+INNER = np.array([(2, 2), (4, 2), (4, 4), (2, 4)], float)
+
+
+@pytest.mark.parametrize("is_nested", [False, True])
+def test_a_hole_without_a_room_is_closed_on_the_ground_floor(is_nested):
+    polygons = (RING, INNER) if is_nested else (RING,)
+    n = len(polygons)
+    zeros = np.zeros(n, int)
+    rooms = RoomTable(zeros - 1, zeros, polygons, np.zeros(n), np.full(n, 2.7), zeros)
+    barriers = find_barriers(rooms, 0, empty_boxes(), [], 4.0)
+    inner = (abs(barriers.center[:, :2] - 3) < 1.5).all(axis=1)
+    assert inner.any() == (not is_nested)
+    assert find_smallest_room(rooms, np.arange(n), np.array([[3.0, 3.3], [5.0, 3.3]])).tolist() == [1 if is_nested else -1, 0]
+    space = find_free_space(rooms, barriers)
+    middle = (abs(space.x - 3) < 0.9)[None, :] & (abs(space.y - 3) < 0.9)[:, None]
+    assert space.free[middle].all() == space.free[middle].any() == is_nested
 
 
 def solid(house, point, reach=0.0):
