@@ -222,7 +222,7 @@ def main():
     parser.add_argument("--truth", type=int, default=0, help="particles per octave of each half of the oracle")
     parser.add_argument("--sources", type=int, default=4, help="number of rooms with a source, with --truth")
     parser.add_argument("--each", type=int, default=2, help="number of listeners per room, with --truth")
-    parser.add_argument("--rays", type=int, help="baked rays per cell and octave")
+    parser.add_argument("--rays", type=int, help="baked rays per cell")
     parser.add_argument("--refs", type=int, default=2, help="runs of the reference per place")
     parser.add_argument("--walks", type=int, default=10**6, help="maximum number of walks")
     parser.add_argument("--seconds", type=float, default=1.2, help="length of the responses")

@@ -118,7 +118,7 @@ def main():
     parser.add_argument("--particles", type=int, default=100_000, help="particles of the oracle per octave")
     parser.add_argument("--presets", nargs="*", choices=PRESETS, default=PRESETS[:-1])
     parser.add_argument("--bake-seed", type=int, default=0, help="seed of baked late reverberation")
-    parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="rays per cell and octave")
+    parser.add_argument("--bake-rays", type=int, default=BakeOptions.rays, help="rays per cell")
     parser.add_argument(
         "--bake-size", type=float, default=BakeOptions.cell_size, help="target edge length of its cells [m]"
     )

@@ -89,8 +89,8 @@ def choose(first: int, count: int, storeys: int) -> tuple[Dataset, list[str]]:
             break
         if storeys == 0 or planned_storeys(seed) >= storeys:
             seeds.append(seed)
-    version = 3 if storeys else 1
-    dataset = open_dataset(f"procedural:{seeds[-1] + 1 - first}?seed={first}&version={version}")
+    preset = "" if storeys else "&preset=flat"
+    dataset = open_dataset(f"procedural:{seeds[-1] + 1 - first}?seed={first}{preset}")
     return dataset, [dataset.house_ids[seed - first] for seed in seeds]
 
 

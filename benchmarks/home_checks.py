@@ -1,4 +1,4 @@
-"""Checks of homes of the second generator, one home at a time; `benchmarks/homes.py` runs them.
+"""Checks of generated homes, one home at a time; `benchmarks/homes.py` runs them.
 
 Meshes are read back from the files. They are walked, hung and pushed by methods that share nothing with the generator:
 those of tests/helpers, and C MuJoCo.
@@ -21,13 +21,13 @@ from walked_homes import LINKS, Home, Walker, reachable, room_map
 
 from home_mjx.datasets import validate_house
 from home_mjx.datasets.base import Dataset
-from home_mjx.datasets.seeds import house_id
 from home_mjx.geometry.slabs import signed_area
 from home_mjx.scene_compile import compile_house
 from home_mjx.scene_compile.architecture.rooms import extract_rooms
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.schema.categories import ROOM_TYPES
+from home_procgen.presets import Variant
 
 RADII = (0.10, 0.25)  # [m] radii of walkers
 LEAST = 0.2  # [m^2] minimum area of each room that they must reach
@@ -51,7 +51,7 @@ def check_home(dataset: Dataset, seed: int, thorough: bool) -> Record:
         times[name] = round(time.perf_counter() - start, 3)
         start = time.perf_counter()
 
-    name = house_id(seed)
+    name = Variant().house_id(seed)
     home = Home(dataset.load_house(name), dataset.metadata)
     lap("read")
     found: Record = {"seed": seed, "sha256": digest(dataset.root, name)}

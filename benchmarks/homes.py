@@ -1,4 +1,4 @@
-"""Check homes of the second generator, and compare their statistics with SUNCG's.
+"""Check generated homes, and compare their statistics with SUNCG's.
 
     python benchmarks/homes.py [--homes 1000] [--first 0] [--every 20] [--seconds 500] [--workers N] [--root FOLDER]
 
@@ -27,10 +27,10 @@ from tqdm import tqdm
 from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets import open_dataset
 from home_mjx.datasets.base import Dataset
-from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg.formats.asset_library import AssetLibrary
 from home_procgen import dataset_writer, generate_dataset
 from home_procgen.generate import write_home
+from home_procgen.presets import Variant
 
 # Shares of SUNCG's 329,195 rooms with a label other than `Room` [%].
 SUNCG = {
@@ -127,7 +127,7 @@ def look(records: Path, root: Path, seeds: Sequence[int], every: int, seconds: f
     deadline = time.time() + seconds
     root.parent.mkdir(parents=True, exist_ok=True)
     known = {r["seed"]: r for r in map(json.loads, records.read_text().splitlines())} if records.exists() else {}
-    generate_dataset(root, seeds[:1], version=3)  # writes the tables
+    generate_dataset(root, seeds[:1])  # writes the tables
     lacking = [s for s in seeds if s not in known or (s % every == 0 and "drift" not in known[s])]
     one = partial(look_at, root.absolute(), every, deadline)
     with records.open("a") as file, mapper(min(workers, len(lacking))) as run:
@@ -238,9 +238,9 @@ def compare(root: Path, found: list[Record], workers: int) -> None:
     """Write the homes again with worker processes, and count those whose files differ."""
     dataset_writer.usable_cores = lambda: workers  # as on a machine with this number of cores
     start = time.monotonic()
-    generate_dataset(root, [r["seed"] for r in found], progress=True, version=3)
+    generate_dataset(root, [r["seed"] for r in found], progress=True)
     spent = time.monotonic() - start
-    differ = [r["seed"] for r in found if digest(root, house_id(r["seed"])) != r["sha256"]]
+    differ = [r["seed"] for r in found if digest(root, Variant().house_id(r["seed"])) != r["sha256"]]
     sys.stdout.write(f"{len(found)} homes by {workers} processes in {spent:.1f} s; other bytes: {differ}\n")
 
 

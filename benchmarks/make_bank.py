@@ -14,7 +14,7 @@ from views import save_bank
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.houses import load_bank
 from home_mjx.houses.house_cache import HouseCache
-from home_procgen.v1.dataset import generate_dataset
+from home_procgen import generate_dataset
 
 
 def compile_some(root, ids):

@@ -44,7 +44,7 @@ def make(
     Args:
         env_id: Such as `PointNav-v0`, see `list_envs`; or an `EnvSpec`, which takes no other argument but `progress`.
         houses: A `HouseBank`, a `HouseSet`, a dataset, its folder or its name such as
-            `procedural:16?seed=0&version=3`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
+            `procedural:16?seed=0`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
             or, if it is not set, generated houses, which are written once into the cache folder.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
         split: Only houses of `train`, `val` or `test`.
@@ -126,9 +126,11 @@ def build_env(spec: EnvSpec, houses: Any, progress: bool | None = None) -> "Env[
     file = None if file is None else as_path(file, "episodes")
     shown = is_progress_shown(progress)
 
-    def get_bank(compile_options: "CompileOptions | None" = None, bakes: "tuple[Bake, ...]" = ()) -> "HouseBank":
-        """Return the bank of the houses with these options and bakes; a bank in memory is returned unchanged."""
-        return _load(spec, houses, file, compile_options, bakes, shown)
+    def get_bank(
+        compile_options: "CompileOptions | None" = None, bakes: "tuple[Bake, ...]" = (), image_edge: int = 0
+    ) -> "HouseBank":
+        """Return the bank with these options and bakes, for images up to an edge [px]; one in memory is unchanged."""
+        return _load(spec, houses, file, compile_options, bakes, image_edge, shown)
 
     if is_task(entry_point):
         env = _task_env(entry_point, get_bank, options, file, houses, shown)
@@ -146,24 +148,29 @@ def _load(
     file: Path | None,
     compile_options: "CompileOptions | None",
     bakes: "tuple[Bake, ...]",
+    image_edge: int,
     progress: bool,
 ) -> "HouseBank":
     """Return the bank of the houses, or of those that a file of episodes names; a `HouseBank` is returned unchanged."""
     from home_mjx.bank.bank import HouseBank
+    from home_mjx.bank.packing.texture_layers import texture_size_for
     from home_mjx.houses.load import load_bank
     from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS
     from home_mjx.tasks.env.episodes import read_house_ids
 
     if isinstance(houses, HouseBank):
         return houses
-    options = compile_options or DEFAULT_OPTIONS
+    shared = {
+        "options": compile_options or DEFAULT_OPTIONS,
+        "progress": progress,
+        "bakes": bakes,
+        "texture_size": texture_size_for(image_edge),
+    }
     if file is not None and not _is_chosen(houses):
-        return load_bank(houses, ids=read_house_ids(file), options=options, progress=progress, bakes=bakes)
+        return load_bank(houses, ids=read_house_ids(file), **shared)
     num_houses = None if _is_chosen(houses) else spec.num_houses
     split, filter = (spec.split, spec.filter) if file is None else (None, None)
-    return load_bank(
-        houses, num_houses=num_houses, split=split, filter=filter, options=options, progress=progress, bakes=bakes
-    )
+    return load_bank(houses, num_houses=num_houses, split=split, filter=filter, **shared)
 
 
 def _task_env(
@@ -179,7 +186,8 @@ def _task_env(
 
     core, compile_options = core_of(task, options)
     core.progress = progress
-    bank = get_bank(compile_options, core.bakes)
+    edge = max((max(view.lens.shape) for view in core.config.all_cameras if "rgb" in view.kinds), default=0)
+    bank = get_bank(compile_options, core.bakes, edge)
     if core.acting_config.arrangement == "random" and bank is not houses:
         import jax
 

@@ -1,4 +1,4 @@
-"""Procedural houses in SUNCG's on-disk format: one-storey flats (version 1) and homes of one to three storeys (2).
+"""Procedural homes of one to three storeys, and flats, in SUNCG's on-disk format.
 
 The package registers with `home_mjx` as the dataset scheme `procedural:` and as the provider of fallback models.
 Names are imported on first use. It runs on the host only and never imports JAX.
@@ -10,7 +10,6 @@ from typing import Any
 _PUBLIC = {
     "ProceduralDataset": "home_procgen.plugin",
     "build_home": "home_procgen.build",
-    "build_house": "home_procgen.v1.build",
     "generate_dataset": "home_procgen.generate",
 }
 

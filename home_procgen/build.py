@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.storeys import stack_levels
 from home_mjx.schema.house import House, Level, Mesh, RoomNode
 from home_procgen.design import HomeDesign, draw_design
@@ -14,29 +13,36 @@ from home_procgen.meshes import build_room_meshes
 from home_procgen.outside import Surroundings, draw_surroundings
 from home_procgen.outside.neighbours import build_block_node
 from home_procgen.outside.surroundings import build_ground_node
+from home_procgen.presets import HOME_VARIANT, PRESETS, Variant
+from home_procgen.primitives.detail import DETAILS
 
 
-def build_home(seed: int) -> House:
+def build_home(seed: int, variant: Variant = HOME_VARIANT) -> House:
     """Return the home of a seed, with paths relative to the dataset root.
 
     Args:
         seed: Any non-negative integer.
+        variant: Preset of the home, and level of detail of its models.
 
     Example:
         >>> len(build_home(7).levels[0].rooms) >= 3
         True
     """
-    design = draw_design(seed)
-    return to_house(house_id(seed), design, draw_surroundings(seed, design.plan, design.surfaces[0][0].outside))
+    preset = PRESETS[variant.preset]
+    design, outside = draw_design(seed, preset=preset), None
+    if not preset.is_plain:
+        outside = draw_surroundings(seed, design.plan, design.surfaces[0][0].outside)
+    return to_house(variant.house_id(seed), design, outside, variant.detail)
 
 
-def to_house(name: str, design: HomeDesign, outside: Surroundings | None = None) -> House:
+def to_house(name: str, design: HomeDesign, outside: Surroundings | None = None, detail: str = DETAILS[0]) -> House:
     """Convert a design to a house record. Nodes of a level: rooms, then objects, then the surroundings.
 
     Args:
         name: Id of the house.
         design: Plan, surfaces and objects of the home.
         outside: Surroundings of the home; None for none.
+        detail: Level of detail of the models. Places of objects are those of full detail.
     """
     folder = Path("room") / name
     flat = [_level(design, number, folder) for number in range(len(design.plan.levels))]
@@ -45,7 +51,7 @@ def to_house(name: str, design: HomeDesign, outside: Surroundings | None = None)
         flat[0] = _append_surroundings(flat[0], outside, folder)
         placed += outside.objects
     levels = stack_levels(flat, design.plan.height)
-    models: Mapping[str, Mesh] = used_models(placed)
+    models: Mapping[str, Mesh] = used_models(placed, detail)
     return House(name, "suncg@1.0.0", Path("house") / name / "house.json", levels, models)
 
 

@@ -13,6 +13,7 @@ from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.furnish import furnish_home
 from home_procgen.plan.home import HomePlan, draw_home
 from home_procgen.plan.shape.program import RoomProgram, draw_program
+from home_procgen.presets import PRESETS, Preset
 from home_procgen.primitives.palette import FACADES, choose_random
 from home_procgen.style import HomeStyle
 from home_procgen.style.room_surfaces import HomeSurfaces
@@ -35,12 +36,13 @@ class HomeDesign:
     objects: tuple[tuple[OwnedObject, ...], ...]
 
 
-def draw_design(seed: int, program: RoomProgram | None = None) -> HomeDesign:
+def draw_design(seed: int, program: RoomProgram | None = None, preset: Preset = PRESETS["home"]) -> HomeDesign:
     """Return the design of a seed.
 
     Args:
         seed: Any non-negative integer.
-        program: Room program to build; None draws a program as well.
+        program: Room program to build; None draws one of the preset.
+        preset: Size and equipment of the home.
 
     Raises:
         ConfigError: No plan was found for the program.
@@ -50,15 +52,15 @@ def draw_design(seed: int, program: RoomProgram | None = None) -> HomeDesign:
         True
     """
     rng = np.random.default_rng(np.random.SeedSequence([seed, 2]))
-    wanted = draw_program(rng) if program is None else program
+    wanted = draw_program(rng, preset.room_counts) if program is None else program
     failed = 0
     while True:
         try:
-            plan, style = draw_home(rng, wanted), HomeStyle.draw(rng)
+            plan, style = draw_home(rng, wanted, preset.is_plain), HomeStyle.draw(rng, preset.equipment)
         except ConfigError:
             if program is not None:
                 raise
-            wanted = draw_program(rng)  # for some programs no plan exists
+            wanted = draw_program(rng, preset.room_counts)  # for some programs no plan exists
             continue
         furniture = furnish_home(plan, style)
         if furniture is not None:
@@ -77,7 +79,7 @@ def draw_design(seed: int, program: RoomProgram | None = None) -> HomeDesign:
             return HomeDesign(plan, surfaces, tuple(objects))
         failed += 1
         if program is None and failed % FAILURES_PER_PROGRAM == 0:
-            wanted = draw_program(rng)
+            wanted = draw_program(rng, preset.room_counts)
 
 
 def _opening_objects(plan: LevelPlan) -> Iterator[OwnedObject]:

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.schema.house import Material, Mesh
+from home_procgen.model_store import library
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import FINISHES
 from home_procgen.primitives.solids import Solid, box, move, to_mesh
-from home_procgen.v1.furniture import library
-from home_procgen.v1.furniture.openings import JAMB, door
+from home_procgen.things.openings.doors import door
+from home_procgen.things.openings.leaves import JAMB_WIDTH
 
 Bounds = Float[np.ndarray, "2 3"]
 UNKNOWN_BOUNDS = np.array([[-0.25, 0.0, -0.25], [0.25, 0.5, 0.25]])  # [m], box of a model of unknown size and category
@@ -118,8 +119,8 @@ def _replace_images(materials: Sequence[Material], slots: Mapping[str, str]) -> 
 def _make_opening(path: Path, fine: str, bounds: Bounds, closed: bool) -> Mesh:
     """Build a door, open to -z up to the side of the box unless `closed`; for an arch, only its frame."""
     (x0, y0, z0), (x1, y1, _) = bounds.tolist()
-    width, height = max(x1 - x0, 3 * JAMB), max(y1 - y0, 0.5)
-    reach = np.clip((-z0 - HINGE_OFFSET) / (width - 2 * JAMB), 0.0, 1.0)
+    width, height = max(x1 - x0, 3 * JAMB_WIDTH), max(y1 - y0, 0.5)
+    reach = np.clip((-z0 - HINGE_OFFSET) / (width - 2 * JAMB_WIDTH), 0.0, 1.0)
     solids = door(width, height, 0.0 if closed else float(np.arcsin(reach)))
     wanted: Iterator[Solid] = islice(solids, NUM_FRAME_SOLIDS) if fine == "arch" else solids
     pieces = [move(piece, ((x0 + x1) / 2, y0, 0.0)) for piece in wanted]

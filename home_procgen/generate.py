@@ -1,23 +1,20 @@
-"""Generation of datasets by generator version."""
+"""Generation of datasets: one house per seed, and the shared library."""
 
 import gc
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from home_mjx.datasets.suncg.write.house import write_house
-from home_mjx.errors import ConfigError
 from home_procgen.build import build_home
 from home_procgen.dataset_writer import Generator, write_seeds
 from home_procgen.model_library import has_intact_library, save_intact_index, write_library_tables, write_used_models
-from home_procgen.v1 import dataset as flats
-
-GENERATOR_VERSION = 3  # increase it whenever the same seed would produce another file
+from home_procgen.presets import HOME_VARIANT, Variant
 
 
 def generate_dataset(
-    root: str | Path, seeds: Sequence[int], progress: bool = False, version: int = flats.VERSION
+    root: str | Path, seeds: Sequence[int], progress: bool = False, preset: str = "home", detail: str = ""
 ) -> tuple[str, ...]:
     """Write one house per seed and the shared library in SUNCG's on-disk format.
 
@@ -29,41 +26,33 @@ def generate_dataset(
         root: Folder of the dataset; created if missing.
         seeds: Non-negative integers.
         progress: Show a progress bar.
-        version: Generator version. 1: flats on one floor; 3: homes of up to three storeys.
+        preset: `home`, of one to three storeys; or `flat`: one storey, 3 to 6 rooms, few small objects, no
+            surroundings.
+        detail: `full` or `low`, the level of detail of the models; "": that of the preset, low in flats.
 
     Returns:
         The house ids, in the order of the seeds.
 
     Raises:
-        ConfigError: A seed is not an integer from 0 to 2**63 - 1, or the version is unknown.
+        ConfigError: A seed is not an integer from 0 to 2**63 - 1, or the preset or the detail is unknown.
         DatasetError: `root` cannot be written, or contains other data.
 
     Example:
-        >>> ids = generate_dataset("houses", range(8), version=3)  # doctest: +SKIP
+        >>> ids = generate_dataset("houses", range(8))  # doctest: +SKIP
     """
-    check_version(version)
-    return VERSIONS[version](root, seeds, progress)
-
-
-def check_version(version: object) -> None:
-    """Raise `ConfigError` if no generator has this version."""
-    if isinstance(version, bool) or version not in VERSIONS:
-        raise ConfigError(f"no generator has version {version!r}", hint=f"Known: {sorted(VERSIONS)}.")
-
-
-def generate_homes(root: str | Path, seeds: Sequence[int], progress: bool = False) -> tuple[str, ...]:
-    """Write one home per seed; arguments and errors are those of `generate_dataset`."""
-    generator = Generator(GENERATOR_VERSION, write_library_tables, write_home, has_intact_library)
+    variant = Variant(preset, detail)
+    library = partial(write_library_tables, detail=variant.detail)
+    generator = Generator(variant, library, partial(write_home, variant=variant), has_intact_library)
     ids = write_seeds(root, seeds, generator, progress)
     save_intact_index(Path(root).expanduser().absolute())
     return ids
 
 
-def write_home(root: Path, seed: int) -> None:
+def write_home(root: Path, seed: int, variant: Variant = HOME_VARIANT) -> None:
     """Write the home of a seed below a dataset root, and the models and textures it uses that are not there yet."""
     with _pause_gc():
-        home = build_home(seed)
-        write_used_models(root, home)
+        home = build_home(seed, variant)
+        write_used_models(root, home, variant.detail)
         write_house(root, home)
 
 
@@ -77,6 +66,3 @@ def _pause_gc() -> Iterator[None]:
     finally:
         if enabled:
             gc.enable()
-
-
-VERSIONS: Mapping[int, Any] = {flats.VERSION: flats.generate_dataset, GENERATOR_VERSION: generate_homes}

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.geometry.mesh_pieces import CUT_MATERIAL, MeshPiece, join_pieces, wall_pieces
+from home_mjx.geometry.mesh_pieces import MeshPiece, join_pieces, wall_pieces
 from home_mjx.geometry.slabs import slab
-from home_mjx.geometry.wall_prisms import Hole, WallSegment
+from home_mjx.geometry.wall_prisms import WALL_EXTRA_HEIGHT, Hole, WallSegment
 from home_mjx.schema.house import Material, Mesh
 from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.floor_plan.rooms import PlanWall as PlanWall
@@ -18,13 +18,13 @@ from home_procgen.floor_plan.walls import (
     FLOOR_TOP,
     HOLE_INSET,
     PRISM_THICKNESS,
-    SLAB_OVERHANG,
     RoomSurfaces,
     find_wall_hole,
 )
 from home_procgen.plan.openings.windows import SlantedWindow
 from home_procgen.plan.shape.cut_rooms import Point, outline_sides
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
+from home_procgen.textures.recipes import repeat_uv
 
 SKIRTING_TOP = FLOOR_TOP + 0.09  # [m], height of the top of skirting boards
 RoomMeshes = tuple[Mesh, Mesh | None, Mesh | None]  # floor, ceiling, walls
@@ -57,28 +57,65 @@ def build_room_meshes(
         return floor, None, None
     ceiling = _slab(stem, "Ceiling", less if has_ceiling_opening else room, (low, low + FLOOR_TOP), surfaces.ceiling)
     boards = () if surfaces.skirting is None else (surfaces.skirting,)
-    pieces = list(_wall_pieces(room, number, height, openings, bool(boards)))
-    cladding = (surfaces.inside, CUT_MATERIAL, surfaces.outside, *boards) * len(room.polygon)
+    extra = 0.0 if has_ceiling_opening else WALL_EXTRA_HEIGHT  # walls that show above each other must not overlap
+    pieces = list(_wall_pieces(room, number, (height, extra), openings, bool(boards)))
+    cladding = (surfaces.inside, surfaces.inside, surfaces.outside, *boards) * len(room.polygon)
     return floor, ceiling, _round_coordinates(join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, cladding))
 
 
 def _slab(stem: Path, kind: str, room: RoomPlan, span: tuple[float, float], material: Material) -> Mesh:
-    vertices, faces, uv = slab([room.polygon], *span, SLAB_OVERHANG)
+    vertices, faces, uv = slab([room.polygon], *span, 0.0)  # coplanar floors must not overlap
     piece = MeshPiece(f"{kind}#0_{stem.name.rpartition('_')[2]}", vertices, faces, uv, np.zeros(len(faces), int))
     return _round_coordinates(join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material]))
 
 
 def _wall_pieces(
-    room: RoomPlan, number: str, height: float, openings: Sequence[PlacedModel], boards: bool
+    room: RoomPlan, number: str, heights: tuple[float, float], openings: Sequence[PlacedModel], boards: bool
 ) -> Iterator[MeshPiece]:
-    """Generate the inner and outer prism of every wall; with `boards`, the foot of the inner one has a fourth slot."""
-    for k, side in enumerate(outline_sides(room)):
+    """Generate the inner and outer prism of every wall; with `boards`, the foot of the inner one has a fourth slot.
+
+    Args:
+        room: The room.
+        number: Number of the room, in the names of its walls.
+        heights: Nominal height of the walls, and what they are higher [m].
+        openings: Doors and windows of the storey.
+        boards: Whether the room has skirting boards.
+    """
+    sides = outline_sides(room)
+    height, extra = heights
+    for k, side in enumerate(sides):
         holes = tuple(hole for opening in openings if (hole := _find_hole(side, opening)) is not None)
         start, end = (np.array([x, 0.0, z]) for x, z in side)
-        lines = (SKIRTING_TOP,) if boards else ()
-        for piece in wall_pieces(WallSegment(start, end, height, holes, split_heights=lines), f"0_{number}_{k}"):
+        wall = WallSegment(start, end, height, holes, extra_height=extra, split_heights=(SKIRTING_TOP,) * boards)
+        turns = (_turn(sides[k - 1], side), _turn(side, sides[(k + 1) % len(sides)]))
+        for piece in wall_pieces(wall, f"0_{number}_{k}"):
             foot = boards & (piece.slot == 0) & (piece.vertices[piece.faces][..., 1].max(axis=1) < SKIRTING_TOP + 1e-6)
-            yield replace(piece, slot=np.where(foot, 3, piece.slot) + (3 + boards) * k)
+            yield _mitre(replace(piece, slot=np.where(foot, 3, piece.slot) + (3 + boards) * k), wall, turns)
+
+
+def _turn(side: tuple[Point, Point], after: tuple[Point, Point]) -> float:
+    """Return the angle from one side of an outline to the next, positive towards the room [rad]."""
+    (a, b), (c, d) = np.subtract(side[1], side[0]), np.subtract(after[1], after[0])
+    return float(np.arctan2(a * d - b * c, a * c + b * d))
+
+
+def _mitre(piece: MeshPiece, wall: WallSegment, turns: tuple[float, float]) -> MeshPiece:
+    """Extend both ends of a prism to the mitre, where that is farther: else corners that jut out have a notch.
+
+    Args:
+        piece: Prism of the wall.
+        wall: The wall.
+        turns: Angles from the side before, and to the side after [rad], see `_turn`.
+    """
+    way = (wall.end - wall.start) / wall.length
+    away = piece.vertices - wall.start
+    along, depth = away @ way, away @ np.cross(way, (0.0, 1.0, 0.0))
+    before, after = (-depth * np.tan(turn / 2) for turn in turns)
+    shift = np.where(along > wall.length, np.maximum(wall.length + after - along, 0.0), 0.0)
+    shift -= np.where(along < 0, np.maximum(along + before, 0.0), 0.0)
+    uv = piece.uv.copy()
+    uv[..., 0] += shift[piece.faces] * np.ptp(piece.uv[..., 0], axis=1, keepdims=True).astype(bool)
+    return replace(piece, vertices=piece.vertices + shift[:, None] * way, uv=uv)
 
 
 def _find_hole(side: tuple[Point, Point], opening: PlacedModel) -> Hole | None:
@@ -97,5 +134,5 @@ def _find_hole(side: tuple[Point, Point], opening: PlacedModel) -> Hole | None:
 
 
 def _round_coordinates(mesh: Mesh) -> Mesh:
-    """Return the mesh with coordinates and UVs rounded to a micrometre, for identical files on every machine."""
-    return replace(mesh, vertices=np.round(mesh.vertices, 6) + 0.0, uv=np.round(mesh.uv, 6) + 0.0)
+    """Return the mesh with UVs in repeats and rounded to a micrometre, for identical files on every machine."""
+    return repeat_uv(replace(mesh, vertices=np.round(mesh.vertices, 6) + 0.0), [""] * len(mesh.materials))

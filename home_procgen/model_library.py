@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -13,43 +13,49 @@ from home_mjx.datasets.suncg.digest_index import DigestIndex, FileFacts, Stamp, 
 from home_mjx.datasets.suncg.write.house import (
     JOINTS_DIGEST,
     is_folder_complete,
-    write_joints,
     write_model,
-    write_tables,
+    write_table_texts,
     write_textures,
 )
+from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House, Material
 from home_procgen.dataset_writer import library_model
 from home_procgen.floor_plan.structure import structure_models
+from home_procgen.model_store import library_model as stored_model
+from home_procgen.model_store import model_store
 from home_procgen.outside.models import outside_models
 from home_procgen.primitives.categories import CATEGORIES, Category
+from home_procgen.primitives.detail import DETAILS
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.textures.recipes import texture
-from home_procgen.things import library as things
-from home_procgen.things import library_model as thing
 
 MODEL_CATEGORIES = {**CATEGORIES, "roof": Category("roof", "otherstructure", ("n04105068", "roof.n.01"))}
 
 
 @cache
-def _building_models() -> Mapping[str, FurnitureModel]:
+def building_models() -> Mapping[str, FurnitureModel]:
     """Return the models outside `things`, by id: those of the building and of its surroundings."""
     families = (*structure_models().values(), *outside_models().values())
     return {model.id: model for models in families for model in models}
 
 
-def write_library_tables(root: Path) -> None:
+def write_library_tables(root: Path, detail: str = DETAILS[0]) -> None:
     """Write the metadata tables. They list every model, so they do not depend on the homes of the dataset.
 
-    Intact tables are kept, because building them requires building all models.
+    Args:
+        root: Dataset root.
+        detail: Level of detail of the models.
     """
     folder = root / "metadata"
     if is_folder_complete(folder) and is_folder_complete(folder, JOINTS_DIGEST):
         return
-    models = [library_model(model, MODEL_CATEGORIES) for model in (*things().values(), *_building_models().values())]
-    write_tables(root, models, digests=True)
-    write_joints(root, models)
+    write_table_texts(root, model_store().tables[detail])
+
+
+def table_rows(models: Iterable[FurnitureModel]) -> list[LibraryModel]:
+    """Return models with their rows in the metadata tables."""
+    return [library_model(model, MODEL_CATEGORIES) for model in models]
 
 
 def has_intact_library(root: Path, house_id: str) -> bool:
@@ -144,19 +150,20 @@ def _is_image(path: Path) -> bool:
         return False
 
 
-def write_used_models(root: Path, home: House) -> None:
+def write_used_models(root: Path, home: House, detail: str = DETAILS[0]) -> None:
     """Write the models and textures of a home that are missing or damaged.
 
     Args:
         root: Dataset root.
         home: The home that uses them.
+        detail: Level of detail of the models.
 
     Raises:
         DatasetError: The folders cannot be written.
     """
     for name in sorted({item.model_id for level in home.levels for item in level.objects}):
         if not _model_facts(root, f"object/{name}").digest:
-            model = _building_models().get(name) or thing(name)
+            model = building_models().get(name) or stored_model(name, detail)
             write_model(root, library_model(model, MODEL_CATEGORIES), digests=True)
     every = (material for materials in _materials(home) for material in materials)
     _write_textures(root, {material.texture.stem for material in every if material.texture is not None})

@@ -15,59 +15,60 @@ from jaxtyping import Float
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
-from home_mjx.datasets.seeds import MAX_LOOKUP_SEED, find_seeds, house_id
+from home_mjx.datasets.seeds import house_id, parse_house_id
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
+from home_procgen.presets import GENERATOR_VERSION, HOME_VARIANT, Variant
 
 SCHEME = "procedural"
-NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&version=V`, all whole numbers; V is 1 or 3."
-VERSIONS = (1, 3)  # of the generators, see `home_procgen.generate`
-DEFAULT_VERSION = 1
+MAX_SEED = 2**63 - 1
+NAME_FORMAT_HINT = "Write `procedural:N` or `procedural:N?seed=S&preset=flat`; N and S are whole numbers."
+OPTIONS = ("seed", "preset", "detail")
+VERSION_HINT = "Leave it out; flats, as of version 1, are `preset=flat`, homes of several storeys are the default."
 
 
 @dataclass(frozen=True)
 class ProceduralName:
-    """Parts of a name such as `procedural:16?seed=100&version=3`.
+    """Parts of a name such as `procedural:16?seed=100&preset=flat`.
 
     Attributes:
         count: Number of houses.
         seed: Seed of the first one; the others follow.
-        version: Version of the generator.
+        variant: Preset and detail.
 
     Raises:
-        ConfigError: A number is out of range, or no generator has this version.
+        ConfigError: A number is out of range.
     """
 
     count: int
     seed: int = 0
-    version: int = DEFAULT_VERSION
+    variant: Variant = HOME_VARIANT
 
     def __post_init__(self) -> None:
         check_number("N", self.count, 1, integer=True)
-        check_number("seed", self.seed, 0, integer=True)
-        if isinstance(self.version, bool) or self.version not in VERSIONS:
-            raise ConfigError(
-                f"no generator of houses has version {self.version!r}",
-                hint=f"Write `version=` with one of {', '.join(map(str, VERSIONS))}: `procedural:4?version=3`.",
-            )
+        check_number("seed", self.seed, 0, MAX_SEED, integer=True)
 
     @classmethod
     def parse(cls, text: str) -> "ProceduralName":
         """Parse the text after the scheme.
 
         Raises:
-            ConfigError: The text is malformed or has an unknown option.
+            ConfigError: The text is malformed, or an option, the preset or the detail is unknown.
 
         Example:
-            >>> ProceduralName.parse("16?seed=100")
-            ProceduralName(count=16, seed=100, version=1)
+            >>> ProceduralName.parse("16?seed=100&preset=flat").variant.detail
+            'low'
         """
         count, _, options = text.partition("?")
         try:
             pairs = dict(parse_qsl(options, keep_blank_values=True, strict_parsing=bool(options)))
-            check_known("option of generated houses", pairs, ("seed", "version"))
-            return cls(int(count), **{name: int(value) for name, value in pairs.items()})
+            if "version" in pairs:
+                message = f"generated houses have no option `version`: all are of version {GENERATOR_VERSION}"
+                raise ConfigError(message, hint=VERSION_HINT)
+            check_known("option of generated houses", pairs, OPTIONS)
+            seed = int(pairs.pop("seed", 0))
+            return cls(int(count), seed, Variant(**pairs))
         except ValueError as error:
             if isinstance(error, ConfigError):
                 raise
@@ -77,8 +78,8 @@ class ProceduralName:
 class SeedIds(Sequence[str]):
     """Ids of the houses of consecutive seeds, computed on demand."""
 
-    def __init__(self, seeds: range) -> None:
-        self.seeds = seeds
+    def __init__(self, seeds: range, variant: int) -> None:
+        self.seeds, self.variant = seeds, variant
 
     def __len__(self) -> int:
         return len(self.seeds)
@@ -89,16 +90,16 @@ class SeedIds(Sequence[str]):
     def __getitem__(self, index: slice) -> Sequence[str]: ...
     def __getitem__(self, index: int | slice) -> str | Sequence[str]:
         picked = self.seeds[index]
-        return SeedIds(picked) if isinstance(picked, range) else house_id(picked)
+        return SeedIds(picked, self.variant) if isinstance(picked, range) else house_id(picked, self.variant)
 
 
 class ProceduralDataset(SuncgDataset):
     """Generated houses of consecutive seeds, in SUNCG's on-disk format; `prepare` writes the missing ones.
 
-    Houses are written to the cache folder, one dataset per generator version.
+    Houses are written to the cache folder, one dataset per variant.
 
     Args:
-        text: What follows the scheme, such as `16?seed=100`.
+        text: What follows the scheme, such as `16?seed=100&preset=flat`.
 
     Raises:
         ConfigError: The text is not valid.
@@ -109,15 +110,15 @@ class ProceduralDataset(SuncgDataset):
 
     def __init__(self, text: str) -> None:
         self.parsed = ProceduralName.parse(text)
-        self._by_id: dict[str, int] = {}  # seeds of the ids computed so far, in ascending order
-        super().__init__(cache_folder().absolute() / f"generated-v{self.parsed.version}")
+        super().__init__(cache_folder().absolute() / f"generated-{self.parsed.variant.text}")
         self.name = f"{SCHEME}:{text}"
         self._written: set[str] = set()
 
     @property
     def house_ids(self) -> Sequence[str]:
         """Ids of the houses, in the order of their seeds."""
-        return SeedIds(range(self.parsed.seed, self.parsed.seed + self.parsed.count))
+        seeds = range(self.parsed.seed, self.parsed.seed + self.parsed.count)
+        return SeedIds(seeds, self.parsed.variant.number)
 
     @property
     def fallbacks(self) -> str:
@@ -135,8 +136,8 @@ class ProceduralDataset(SuncgDataset):
         if wanted:
             from home_procgen.generate import generate_dataset
 
-            seeds = self._seeds(wanted)
-            generate_dataset(self.root, seeds, progress, self.parsed.version)
+            variant = self.parsed.variant
+            generate_dataset(self.root, self._seeds(wanted), progress, variant.preset, variant.detail)
             self._written.update(wanted)
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
@@ -153,23 +154,25 @@ class ProceduralDataset(SuncgDataset):
 
     def _seeds(self, ids: Sequence[str]) -> list[int]:
         """Return the seeds of ids, in their order; raise `UnknownIdError` for an id of no seed."""
-        known, last = range(self.parsed.seed, self.parsed.seed + self.parsed.count), len(self._by_id)
-        for seed in known[last:]:
-            if all(name in self._by_id for name in ids):
-                break
-            self._by_id[house_id(seed)] = seed
-        missing = [name for name in ids if name not in self._by_id]
-        if missing:
-            if self.parsed.count == MAX_LOOKUP_SEED:
-                find_seeds(missing)  # raises with its hint
-            raise UnknownIdError(f"`{self.name}` has no house `{missing[0]:.100}`")
-        return [self._by_id[name] for name in ids]
+        first, variant = self.parsed.seed, self.parsed.variant.number
+        keys = [parse_house_id(name) for name in ids]
+        for name, key in zip(ids, keys, strict=True):
+            if key is None:
+                hint = "Name its dataset: `houses=` in Python, `--dataset` on the command line."
+                raise UnknownIdError(f"`{self.name}` has no house `{name:.100}`, which is not generated", hint=hint)
+            if key.variant != variant:
+                hint = f"Ids of its houses begin with `{house_id(0, variant)[:16]}`: choose another preset or detail."
+                raise UnknownIdError(f"`{self.name}` has no house `{name}` of another variant", hint=hint)
+            if not first <= key.seed < first + self.parsed.count:
+                hint = f"Its seeds are {first} to {first + self.parsed.count - 1}, that of the house is {key.seed}."
+                raise UnknownIdError(f"`{self.name}` has no house `{name}`", hint=hint)
+        return [key.seed for key in keys if key is not None]
 
 
 class GeneratedModels:
     """Provider of fallback models: generator models, stretched to the bounding box of the missing model."""
 
-    version = "v1-1"  # increase it whenever the same arguments would return another mesh
+    version = "home-1"  # increase it whenever the same arguments would return another mesh
 
     def __call__(
         self, path: Path, fine: str, bounds: Float[np.ndarray, "2 3"] | None, closed: bool

@@ -25,7 +25,7 @@ from home_mjx.tasks.arrangements import with_arrangements
 from home_mjx.tasks.variation.ranges import Variation
 from home_mjx.tasks.variation.sample import CameraOffsets, sample_variation
 from home_mjx.viewer.pictures import pictures
-from home_procgen.v1.dataset import generate_dataset
+from home_procgen import generate_dataset
 
 SEEDS = (3, 11, 20, 42)
 EYE = 1.5  # [m] camera height above the floor

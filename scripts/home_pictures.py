@@ -1,4 +1,4 @@
-"""Draw the contact sheets of homes for the docs: plans, and every category of objects with its shapes.
+"""Draw the contact sheets of homes for the docs: plans, every category with its shapes, and both levels of detail.
 
 python scripts/home_pictures.py [--out docs/images] [--first SEED]
 """
@@ -12,13 +12,19 @@ from PIL import Image, ImageDraw
 
 from home_mjx.schema.house import Material
 from home_procgen.design import HomeDesign, draw_design
+from home_procgen.model_store import library, library_model
+from home_procgen.primitives.detail import DETAILS
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.textures.recipes import texture
-from home_procgen.things import library
 
 CELL, COLUMNS = 52, 30  # size of an object's image [px], and objects per row
 PLAN, PLANS, ACROSS = 180, 48, 8  # size of a plan [px], number of plans, and plans per row
 SHARP = 2  # supersampling factor along both axes
+DETAIL_FAMILIES = (
+    *("chair", "sofa", "double_bed", "plant", "curtain", "bookshelf", "toilet", "cup", "desk", "cooker"),
+    *("table_lamp", "dresser", "window", "door", "towel_rack", "office_chair"),
+)
+DETAIL_CELL, PAIRS = 80, 8  # size of an image [px], and models per row
 LIGHT = np.array([0.4, 0.8, 0.45])
 FLOORS = ("#e8d9c0", "#d3e2ea", "#dfe8d2", "#ead7d7", "#e2dcea", "#ece6cc")
 
@@ -29,9 +35,9 @@ def color_of(material: Material) -> np.ndarray:
     return color if material.texture is None else color * texture(material.texture.stem).mean(axis=(0, 1)) / 255
 
 
-def picture_of(model: FurnitureModel) -> Image.Image:
-    """Draw a model from above its front, farthest triangles first."""
-    yaw, pitch, size = -0.55, 0.4, CELL * SHARP
+def picture_of(model: FurnitureModel, cell: int = CELL) -> Image.Image:
+    """Draw a model from above its front, farthest triangles first; `cell` is the size of the image [px]."""
+    yaw, pitch, size = -0.55, 0.4, cell * SHARP
     turn = np.array([[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]])
     nod = np.array([[1, 0, 0], [0, np.cos(pitch), -np.sin(pitch)], [0, np.sin(pitch), np.cos(pitch)]])
     corners = model.mesh.vertices[model.mesh.faces] @ (nod @ turn).T
@@ -47,7 +53,7 @@ def picture_of(model: FurnitureModel) -> Image.Image:
     for k in np.argsort(corners[..., 2].mean(axis=1)).tolist():
         if normal[k, 2] > 0:
             draw.polygon([(x, y) for x, y in flat[k].tolist()], tuple((255 * colors[k]).astype(int).tolist()))
-    return image.resize((CELL, CELL), Image.Resampling.LANCZOS)
+    return image.resize((cell, cell), Image.Resampling.LANCZOS)
 
 
 def sheet_of_things() -> Image.Image:
@@ -65,6 +71,18 @@ def sheet_of_things() -> Image.Image:
             draw.multiline_text((x + 2, y + 4), cell.replace("_", "\n"), "black", font_size=10, spacing=1)
         else:
             page.paste(picture_of(cell), (x, y))
+    return page
+
+
+def sheet_of_details() -> Image.Image:
+    """Draw the first two models of some families at full detail and, to its right, at low detail."""
+    models = [model_id for family in DETAIL_FAMILIES for model_id in (f"home_{family}_1", f"home_{family}_2")]
+    pair = len(DETAILS) * DETAIL_CELL
+    page = Image.new("RGB", (PAIRS * pair, -(-len(models) // PAIRS) * DETAIL_CELL), "white")
+    for k, model_id in enumerate(models):
+        for j, detail in enumerate(DETAILS):
+            place = k % PAIRS * pair + j * DETAIL_CELL, k // PAIRS * DETAIL_CELL
+            page.paste(picture_of(library_model(model_id, detail), DETAIL_CELL), place)
     return page
 
 
@@ -111,6 +129,7 @@ def main() -> None:
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
     sheet_of_things().save(args.out / "home_things.jpg", quality=50, optimize=True)
+    sheet_of_details().save(args.out / "home_details.jpg", quality=80, optimize=True)
     sheet_of_plans(args.first).quantize(48).save(args.out / "home_plans.png", optimize=True)
 
 

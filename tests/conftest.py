@@ -84,8 +84,11 @@ def other_bank(tmp_path_factory: pytest.TempPathFactory):
 
 
 def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
+    from generated import generate_flats
+
+    from home_mjx.audio_jax import BakeOptions, LateReverbBake
     from home_mjx.houses import load_bank
-    from home_procgen.v1.dataset import generate_dataset
 
     root = tmp_path_factory.mktemp("generated")
-    return load_bank(root, ids=generate_dataset(root, seeds))
+    bakes = (LateReverbBake(BakeOptions(quality="coarse")),)
+    return load_bank(root, ids=generate_flats(root, seeds), bakes=bakes)

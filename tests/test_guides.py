@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-
-from home_procgen import generate_dataset
+from generated import generate_flats
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
@@ -60,7 +59,7 @@ def smaller(code: str) -> str:
 def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a dataset `houses`, which the guides name."""
     folder = tmp_path_factory.mktemp("guides")
-    generate_dataset(folder / "houses", range(3))
+    generate_flats(folder / "houses", range(3))
     return folder
 
 

@@ -19,7 +19,8 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import Baked
 from home_mjx.audio_jax.base.presets import audio_preset
-from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions, bake_house
+from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
+from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
 from home_mjx.audio_jax.moving_sources.frames import render_early, render_frame, render_frames, render_late
 from home_mjx.audio_jax.moving_sources.receiver_state import render_receiver_state
 from home_mjx.bank.bank import HouseBank
@@ -122,14 +123,14 @@ def features_baked(settings: BenchSettings) -> Measurement:
 
 
 def bake(settings: BenchSettings) -> Measurement:
-    """Measure baking of the late reverberation of one house; the first run, which compiles, is not counted."""
+    """Measure baking of the late reverberation of one house; the first run, which loads kernels, is not counted."""
     house, seconds = settings.first_house, []
     for _ in range(2):
         start = time.perf_counter()
         field = bake_house(house, bank=settings.bank)
         seconds.append(time.perf_counter() - start)
-    rays, size = BakeOptions().num_rays(len(field.room)), field.nbytes / 1e6
-    note = f"{rays} rays per cell and octave, {size:.2f} MB; the first house of {settings.houses}"
+    rays, _ = BakeOptions().ray_counts(len(field.room), len(house.rooms.type))
+    note = f"{rays} rays per cell, {field.nbytes / 1e6:.2f} MB; the first house of {settings.houses}"
     return make_measurement(
         "audio/bake", seconds[1], "s/house", note, compile_seconds=max(seconds[0] - seconds[1], 0.0)
     )

@@ -87,8 +87,8 @@ def stream(settings: BenchSettings) -> Measurement:
     from home_mjx.tasks.env.household import HouseholdEnv
 
     slots = max(2, settings.num_houses // 2)
-    if len(open_dataset(settings.root).house_ids) < slots:
-        settings = replace(settings, dataset=None)  # generated houses, because the dataset has none to exchange
+    if len(open_dataset(settings.root).house_ids) <= slots:  # none to exchange: generated ones
+        settings = replace(settings, dataset=None, num_houses=2 * slots)
     with HouseStream(settings.root, num_slots=slots, capacity_factor=2.0) as houses:
         core = AutoReset(HouseholdEnv(make_config(sensors=("state", "goal"), episode_length=8)))
         step = jax.jit(core.step)

@@ -88,8 +88,10 @@ class BenchSettings:
 
     @property
     def root(self) -> Path:
-        """Root of the dataset."""
-        return self.house_set.resolved_dataset.root
+        """Root of the dataset, whose houses are generated if need be."""
+        dataset = self.house_set.resolved_dataset
+        dataset.prepare(self.house_set.house_ids)
+        return dataset.root
 
     @cached_property
     def bank(self) -> Any:

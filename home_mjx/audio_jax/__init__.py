@@ -22,8 +22,8 @@ from home_mjx.audio_jax.base.options import (
 )
 from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
-from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions
 from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
+from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
 from home_mjx.audio_jax.moving_sources.frames import render_frame
 from home_mjx.audio_jax.moving_sources.receiver_state import render_receiver_state
 from home_mjx.audio_jax.propagation.early import early_paths

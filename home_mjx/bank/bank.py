@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Int, UInt32
 
 from home_mjx.bank.packing.pack import PackedBank, pack_bank
+from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE
 from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, group_by_record
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
@@ -30,18 +31,19 @@ class HouseBank(BankArrays):
     """
 
     @classmethod
-    def from_compiled(cls, houses: Sequence[CompiledHouse]) -> "HouseBank":
+    def from_compiled(cls, houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> "HouseBank":
         """Pack compiled houses into a bank, in the given order.
 
         Args:
             houses: At least one house; all compiled with the same options.
+            texture_size: Edge of the textures [px], a power of two; see `texture_size_for`.
 
         Raises:
-            ConfigError: There is no house, or the houses cannot share a bank.
+            ConfigError: There is no house, the houses cannot share a bank, or the size is no power of two.
             CapacityError: The houses have too many triangles for one bank.
             DatasetError: A texture cannot be read.
         """
-        return to_bank(pack_bank(houses))
+        return to_bank(pack_bank(houses, texture_size))
 
     @property
     def num_houses(self) -> int:

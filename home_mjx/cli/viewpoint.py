@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.packing.texture_layers import MAX_TEXTURE_SIZE
 from home_mjx.cli.houses import add_house_arguments, load_compiled_house
 from home_mjx.cli.parsing import number_type
 from home_mjx.errors import ConfigError
@@ -60,7 +61,7 @@ def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     Raises:
         ConfigError: The head would be outside of the house.
     """
-    bank = HouseBank.from_compiled([load_compiled_house(args)])
+    bank = HouseBank.from_compiled([load_compiled_house(args)], MAX_TEXTURE_SIZE)
     start = np.asarray(bank.navigation.start[0, 0])
     feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
     check_inside(bank, feet, "--at")
@@ -89,7 +90,7 @@ def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpo
     here = np.flatnonzero((house.rooms.level == levels[storey]) & [len(p) > 0 for p in house.rooms.polygon])
     points = np.concatenate([house.rooms.polygon[room] for room in here])
     low, high = points.min(axis=0), points.max(axis=0)
-    bank = HouseBank.from_compiled([house])
+    bank = HouseBank.from_compiled([house], MAX_TEXTURE_SIZE)
     camera = np.array([*(low + high) / 2, _lowest_ceiling(house.rooms, here) - CEILING_CLEARANCE], np.float32)
     return Viewpoint(bank, _scene_of(bank), camera, _quat(np.pi / 2, -np.pi / 2)), high - low
 

@@ -96,7 +96,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
 
     Example:
         >>> open_dataset("procedural:2?seed=3").house_ids[0]
-        '686f6d651df7a4f39fc068fbeeb658cd'
+        '686f6d65000004000000000000000003'
     """
     if isinstance(name, str) and has_scheme(name):
         match = SCHEME.fullmatch(name)

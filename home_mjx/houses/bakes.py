@@ -32,6 +32,9 @@ log = logging.getLogger(__name__)
 class Bake(Protocol):
     """One kind of baked product; its properties may be plain attributes.
 
+    A bake may have `substitutes`, a tuple of bakes with other options. A stored record of one of these serves instead
+    of a record that is not stored.
+
     Example:
         >>> class FloorArea:  # doctest: +SKIP
         ...     name, version, options, record, unused = "floor_area", 1, None, Area, frozenset()
@@ -163,13 +166,14 @@ def add_bakes(
 
 def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count: ProgressCount) -> Any:
     """Return one house's record from the store; if missing or corrupted, compute and store it and describe `count`."""
-    entry = bake_entry(bake, house)
-    try:
-        return rebuild(bake.record, *read_entry(entry))
-    except FileNotFoundError:
-        pass
-    except READ_ERRORS as error:
-        log.warning("broken cache entry %s is made again: %s", entry, error)
+    for stored in (*getattr(bake, "substitutes", ()), bake):
+        entry = bake_entry(stored, house)
+        try:
+            return rebuild(bake.record, *read_entry(entry))
+        except FileNotFoundError:
+            pass
+        except READ_ERRORS as error:
+            log.warning("broken cache entry %s is made again: %s", entry, error)
     count.describe(f"baking {bake.name} of {plural(bank.num_houses, 'house')} (once, then cached)")
     record = bake.bake_house(bank, index, house)
     try:

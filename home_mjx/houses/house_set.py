@@ -24,7 +24,7 @@ class HouseSet:
     """Houses of a dataset, and their compile options.
 
     Attributes:
-        dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0&version=3`; None: the dataset
+        dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0`; None: the dataset
             that `SUNCG_DATA_DIR` names.
         ids: House ids, in this order; None: all, in the order of the dataset.
         split: Restrict to `train`, `val` or `test`; None: all.

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.packing.texture_layers import TEXTURE_SIZE
 from home_mjx.core.checks import check_number
 from home_mjx.core.paths import dataset_root
 from home_mjx.core.progress import plural, say
@@ -31,6 +32,7 @@ def load_bank(
     options: CompileOptions = DEFAULT_OPTIONS,
     progress: bool | None = None,
     bakes: Sequence[Bake | str] = (),
+    texture_size: int = TEXTURE_SIZE,
 ) -> HouseBank:
     """Load houses onto the device; those that are not in the cache are compiled first.
 
@@ -44,10 +46,11 @@ def load_bank(
         options: Compile options; ignored for a `HouseSet` with options other than the default.
         progress: Show what happens, on stderr; None: by the rule of `home_mjx.core.progress`.
         bakes: Baked records that the bank gets, or their names; see `add_bakes`.
+        texture_size: Edge of the textures [px], a power of two: 128 for small images, 512 for pictures to look at.
 
     Raises:
         DatasetError: The dataset or one of the houses is missing or broken.
-        ConfigError: No house is left, or the houses cannot share a bank.
+        ConfigError: No house is left, the houses cannot share a bank, or `texture_size` is no power of two.
 
     Example:
         >>> bank = load_bank("procedural:2")  # doctest: +SKIP
@@ -57,7 +60,7 @@ def load_bank(
     chosen = house_set(houses, ids=ids, num_houses=num_houses, split=split, filter=filter, options=options)
     compiled = chosen.load(progress)
     say(f"moving {plural(len(compiled), 'house')} to the device", progress)
-    bank = HouseBank.from_compiled(compiled)
+    bank = HouseBank.from_compiled(compiled, texture_size)
     return add_bakes(bank, compiled, bakes, progress) if bakes else bank
 
 

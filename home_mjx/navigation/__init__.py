@@ -1,7 +1,4 @@
-"""Navigation grids, geodesic distances, rooms and free positions on the device.
-
-`path_follower` has a scripted walker on the host.
-"""
+"""Navigation grids, geodesic distances, rooms and free positions on the device."""
 
 from home_mjx.navigation.distance_fields import distance_field, goal_fields
 from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals

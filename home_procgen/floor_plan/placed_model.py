@@ -9,6 +9,8 @@ from jaxtyping import Bool, Float
 
 from home_mjx.datasets.suncg.formats.variants import variant_key
 from home_mjx.schema.house import Material, Mesh, ObjectNode
+from home_procgen.model_store import model_at_detail
+from home_procgen.primitives.detail import DETAILS
 from home_procgen.primitives.family import FurnitureModel, Shape
 from home_procgen.primitives.solids import Vector
 
@@ -166,10 +168,17 @@ def furniture_object(placed: PlacedModel, index: int) -> ObjectNode:
     )
 
 
-def used_models(objects: Sequence[PlacedModel]) -> Mapping[str, Mesh]:
-    """Return the meshes by model key: the base mesh of each model, and the closed variants in use."""
-    meshes = {placed.model.id: placed.model.mesh for placed in objects}
-    closed = {variant_key(p.model.id, 1): p.model.closed for p in objects if p.closed and p.model.closed is not None}
+def used_models(objects: Sequence[PlacedModel], detail: str = DETAILS[0]) -> Mapping[str, Mesh]:
+    """Return the meshes by model key: the base mesh of each model, and the closed variants in use.
+
+    Args:
+        objects: The objects.
+        detail: Level of detail of the meshes.
+    """
+    models = {placed.model.id: model_at_detail(placed.model, detail) for placed in objects}
+    meshes = {key: model.mesh for key, model in models.items()}
+    shut = {placed.model.id for placed in objects if placed.closed}
+    closed = {variant_key(key, 1): mesh for key in shut if (mesh := models[key].closed) is not None}
     return meshes | closed
 
 

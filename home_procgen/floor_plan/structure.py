@@ -1,12 +1,14 @@
 """Models that belong to the building: stairs, railings and garage doors."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
-from home_procgen.primitives.family import FurnitureModel, VariantFamily, make_slots, make_variant
+from home_procgen.primitives.family import FurnitureModel, Meshes, VariantFamily, make_slots, make_variant
 from home_procgen.primitives.solids import Solid, box, cushion, move, rotate
+from home_procgen.textures.recipes import repeat_uv
 
 # [m], dimensions of the stairs; instances are stretched to the storey height and the stairwell.
 STAIR_RISE, STAIR_RUN, STAIR_WIDTH, LANDING_DEPTH = 2.8, 0.26, 2.06, 1.0
@@ -167,4 +169,9 @@ def structure_models() -> Mapping[str, Sequence[FurnitureModel]]:
         >>> list(structure_models())
         ['stairs', 'stair_rails', 'railing', 'garage_door']
     """
-    return {family.name: tuple(family.models()) for family in _FAMILIES}
+    return {family.name: tuple(map(_repeat, family.models())) for family in _FAMILIES}
+
+
+def _repeat(model: FurnitureModel) -> FurnitureModel:
+    meshes = Meshes(repeat_uv(model.mesh, model.slots.values()))
+    return replace(model, load_meshes=lambda: meshes)

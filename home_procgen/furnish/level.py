@@ -1,6 +1,7 @@
 """Furnishing of a home, storey by storey."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 
 from home_procgen.floor_plan.placed_model import PlacedModel
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
@@ -21,6 +22,7 @@ LAMP_OFFSETS = ((0.0, 0.0), (0.5, 0.0), (-0.5, 0.0), (0.0, 0.5), (0.0, -0.5))  #
 FIXED_LAMPS = ("chandelier", "wall_lamp")  # fine classes of lamps at ceilings and walls
 WALL_LAMP_HEIGHT = 1.75  # [m], underside of a lamp on the wall of a room without another lamp
 LONG_ROOM_TYPES = ("Hallway", "Hall", "Lobby")
+LAMP_SPACING = 4.5  # [m], maximum distance between lamps along a hall
 GRAND_ROOM_TYPES = (
     "Living_Room",
     "Bedroom",
@@ -29,6 +31,7 @@ GRAND_ROOM_TYPES = (
     "Lobby",
     "Guest_Room",
 )  # may have chandeliers and fans
+MIN_CHANDELIER_AREA = 22.0  # [m^2]
 RADIO_STANDS = ("tv_stand", "dresser", "nightstand", "desk", "side_table", "shoes_cabinet", "coffee_table")
 
 HomeFurniture = tuple[tuple[tuple[PlacedModel, ...], ...], ...]  # by storey and room
@@ -63,12 +66,14 @@ def _furnish_room(home: HomePlan, level: int, index: int, style: HomeStyle) -> R
     for _ in range(MAX_ROOM_ATTEMPTS):
         room = _empty_room(home, level, index, style)
         outdoors = room.kind in OUTDOOR_TYPES
-        if not outdoors:
+        fitted = not outdoors and style.equipment.has_fittings
+        if fitted:
             place_switches(room)
         RECIPES[room.kind](room)
         if _is_usable(room) and (outdoors or _place_lamps(room)):
-            if not outdoors:
+            if fitted:
                 place_sockets(room)
+            if not outdoors:
                 add_small_objects(room)
             return room
     return None
@@ -95,16 +100,27 @@ def _place_lamps(room: RoomSpace) -> bool:
         return True
     kind = "ceiling_lamp"
     if room.kind in GRAND_ROOM_TYPES and room.height > 2.55:
-        kind = str(room.rng.choice(["ceiling_lamp", "ceiling_lamp", "pendant", "chandelier", "ceiling_fan"]))
-    for rect in room.plan.rects[: 2 if room.kind in LONG_ROOM_TYPES else 1]:
-        x, z = (rect.x0 + rect.x1) / 2, (rect.z0 + rect.z1) / 2
+        options = ["ceiling_lamp", "ceiling_lamp", "pendant"]
+        options += ["ceiling_fan"] * (room.kind not in LONG_ROOM_TYPES)
+        kind = str(room.rng.choice([*options, "chandelier"] if room.plan.area > MIN_CHANDELIER_AREA else options))
+    for x, z in _lamp_places(room):
         any(
             hang_from_ceiling(room, room.draw_object(k), x + dx, z + dz)
             for k in (kind, "ceiling_lamp")
             for dx, dz in LAMP_OFFSETS
         )
     fixed = any(item.model.fine in FIXED_LAMPS for item in room.items)
-    return fixed or hang_kind(room, "wall_lamp", WALL_LAMP_HEIGHT) is not None
+    return fixed or hang_kind(room, "indoor_wall_lamp", WALL_LAMP_HEIGHT) is not None
+
+
+def _lamp_places(room: RoomSpace) -> Iterator[tuple[float, float]]:
+    """Generate the places (x, z) of lamps at the ceiling [m]: one, or several in each part of a hall."""
+    for rect in room.plan.rects[: 2 if room.kind in LONG_ROOM_TYPES else 1]:
+        wide, deep = rect.extents
+        count = math.ceil(max(wide, deep) / LAMP_SPACING) if room.kind in LONG_ROOM_TYPES else 1
+        for i in range(count):
+            share = (i + 0.5) / count
+            yield rect.x0 + wide * (share if wide > deep else 0.5), rect.z0 + deep * (0.5 if wide > deep else share)
 
 
 def _has_bath(rooms: Sequence[RoomSpace]) -> bool:

@@ -73,7 +73,8 @@ def add_small_objects(room: RoomSpace) -> None:
     if room.kind not in SMALL_OBJECTS:
         return
     number, kinds = SMALL_OBJECTS[room.kind]
-    missing = round(number * (0.65 + 0.6 * room.style.clutter)) - sum(map(is_small, room.items))
+    wanted = number * (0.65 * room.style.equipment.small_objects + 0.6 * room.style.clutter)
+    missing = round(wanted) - sum(map(is_small, room.items))
     if missing > 0 and room.kind in SHOE_TYPES:
         missing -= sum(add_at_wall(room, "shoes") is not None for _ in range(MAX_SHOES))
     if missing > 2 and room.kind in SHELVED_TYPES:

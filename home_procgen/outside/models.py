@@ -9,10 +9,11 @@ from typing import TypeVar
 import numpy as np
 
 from home_mjx.schema.house import Material
-from home_procgen.primitives.family import FurnitureModel
+from home_procgen.primitives.family import FurnitureModel, Meshes
 from home_procgen.primitives.palette import plain, textured
 from home_procgen.primitives.solids import Solid, box, cylinder, lathe, to_mesh
 from home_procgen.shapes.normals import corner_normals
+from home_procgen.textures.recipes import repeat_uv
 
 T = TypeVar("T")
 MODEL_PITCH = 0.65  # rise per run of the models' roofs
@@ -91,10 +92,11 @@ def _model(
 ) -> FurnitureModel:
     pieces, key = list(solids), f"outside_{name}_{number}"
     materials = tuple(replace(SLOT_MATERIALS[slot], name=f"material_{i}") for i, slot in enumerate(slots))
-    mesh = to_mesh(Path("object") / key / f"{key}.obj", pieces, slots, materials)
+    mesh = repeat_uv(to_mesh(Path("object") / key / f"{key}.obj", pieces, slots, materials), slots)
     if smooth:
         mesh = replace(mesh, normal=corner_normals(mesh.vertices, mesh.faces))
-    return FurnitureModel(key, name, fine, {slot: slot for slot in slots}, mesh, np.stack([p.box for p in pieces]))
+    parts = np.stack([piece.box for piece in pieces])
+    return FurnitureModel(key, name, fine, {slot: slot for slot in slots}, parts, lambda: Meshes(mesh))
 
 
 @cache

@@ -21,6 +21,7 @@ from home_procgen.outside.site import Plot
 from home_procgen.plan.home import HomePlan
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
 from home_procgen.primitives.palette import choose_random, plain, textured
+from home_procgen.textures.recipes import repeat_uv
 
 PITCH_RANGE = (0.45, 0.85)  # rise per run
 TILES = tuple(textured(name) for name in ("roof_1", "roof_2", "roof_3", "roof_4"))
@@ -166,7 +167,7 @@ def build_ground_node(patch: GroundPatch, index: int, folder: Path) -> GroundNod
     outline = np.array([(x0, z0), (x1, z0), (x1, z1), (x0, z1)])
     stem = f"fr_0gd_{index}"
     piece = MeshPiece(f"Ground#0_{index}", *slab([outline], UNDERSIDE_HEIGHT, patch.top, 0.0), np.zeros(12, int))
-    mesh = join_pieces(folder / f"{stem}f.obj", [piece], [patch.material])
+    mesh = repeat_uv(join_pieces(folder / f"{stem}f.obj", [piece], [patch.material]), ("ground",))
     return GroundNode(
         id=f"0_{index}", index=index, path=f"levels[0].nodes[{index}]", bbox=None, model_id=stem, mesh=mesh
     )

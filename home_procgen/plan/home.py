@@ -9,6 +9,7 @@ from home_mjx.errors import ConfigError
 from home_procgen.floor_plan.openings import LevelPlan, PlanOpening
 from home_procgen.floor_plan.rooms import RoomPlan
 from home_procgen.floor_plan.structure import structure_models
+from home_procgen.model_store import get_model
 from home_procgen.plan.openings.doors import OpeningModels, draw_doors, draw_entrance, draw_garage_doors
 from home_procgen.plan.openings.passage import is_passable
 from home_procgen.plan.openings.windows import draw_windows
@@ -18,7 +19,6 @@ from home_procgen.plan.shape.program import RoomProgram, draw_program
 from home_procgen.plan.shape.storeys import Stairwell, Storey, draw_storeys
 from home_procgen.plan.slants import add_slants
 from home_procgen.primitives.palette import choose_random
-from home_procgen.things import get_model
 
 MAX_STOREY_ATTEMPTS = 6000  # maximum attempts to draw storeys; a few dozen are typical
 ATTEMPTS_PER_PROGRAM = 1500  # attempts before another program is drawn; only if the caller passed none
@@ -49,12 +49,13 @@ class HomePlan:
         return self.storeys[level].stairs_up or self.storeys[level].stairs_down
 
 
-def draw_home(rng: np.random.Generator, program: RoomProgram | None = None) -> HomePlan:
+def draw_home(rng: np.random.Generator, program: RoomProgram | None = None, is_plain: bool = False) -> HomePlan:
     """Draw a random home plan.
 
     Args:
         rng: Source of randomness.
         program: Room program to build; None draws a program as well.
+        is_plain: Leave out balconies, loggias and terraces, and more than one window per room.
 
     Raises:
         ConfigError: No plan was found for the program.
@@ -74,7 +75,7 @@ def draw_home(rng: np.random.Generator, program: RoomProgram | None = None) -> H
         storeys = draw_storeys(rng, wanted)
         if storeys is not None and meets_quality_limits(storeys):
             slanted, strict = add_slants(rng, storeys), bool(rng.random() < HALL_ENTRANCE_PROBABILITY)
-            ways = (_add_openings(rng, slanted, models, strict) for _ in range(NUM_OPENING_ATTEMPTS))
+            ways = (_add_openings(rng, slanted, models, strict, is_plain) for _ in range(NUM_OPENING_ATTEMPTS))
             if home := next((home for home in ways if home is not None), None):
                 return home
         if program is None and attempt % ATTEMPTS_PER_PROGRAM == ATTEMPTS_PER_PROGRAM - 1:
@@ -88,9 +89,9 @@ def _bypasses_hall(rooms: Sequence[RoomPlan], entrance: PlanOpening) -> bool:
 
 
 def _add_openings(
-    rng: np.random.Generator, storeys: Sequence[Storey], models: OpeningModels, into_hall: bool
+    rng: np.random.Generator, storeys: Sequence[Storey], models: OpeningModels, into_hall: bool, is_plain: bool
 ) -> HomePlan | None:
-    """Add outdoor rooms, doors and windows to all storeys.
+    """Add outdoor rooms, unless `is_plain` is set, doors and windows to all storeys.
 
     Return None if a room cannot be reached or crossed, or if `into_hall` is set and the entrance bypasses the hall.
     """
@@ -100,7 +101,8 @@ def _add_openings(
     found, levels = [], []
     for number, plain in enumerate(storeys):
         below = [room for storey in found for room in storey.rooms]
-        storey = replace(plain, rooms=add_outdoors(rng, plain.rooms, number == 0, below))
+        rooms = plain.rooms if is_plain else add_outdoors(rng, plain.rooms, number == 0, below)
+        storey = replace(plain, rooms=rooms)
         doors = draw_doors(rng, storey, models)
         if doors is None:
             return None
@@ -111,7 +113,7 @@ def _add_openings(
             doors.append(entrance)
         openings: list[PlanOpening] = [*doors, *draw_garage_doors(rng, storey.rooms, models, doors)]
         place = storey.stairs_up or storey.stairs_down
-        windows = draw_windows(rng, storey.rooms, openings, place.rect if place else None)
+        windows = draw_windows(rng, storey.rooms, openings, place.rect if place else None, is_plain)
         level = LevelPlan(storey.rooms, (*openings, *windows), height)
         if not all(is_passable(r, level.openings_of(i), None if i else place) for i, r in enumerate(level.rooms)):
             return None

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from jaxtyping import Float
@@ -29,7 +29,14 @@ _PICKS, _AXES = np.array([[(i >> k) & 1 for k in range(3)] for i in range(8)]), 
 Shape = tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, "p 2 3"], Float[np.ndarray, "2 3"]]
 
 
-@dataclass(frozen=True)
+class Meshes(NamedTuple):
+    """Meshes of a model."""
+
+    mesh: Mesh
+    closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh is open
+
+
+@dataclass(frozen=True, eq=False)
 class FurnitureModel:
     """A library model: origin at the bottom centre, front towards +z, Y up, in metres."""
 
@@ -37,11 +44,25 @@ class FurnitureModel:
     family: str
     fine: str  # fine class, a key of CATEGORIES
     slots: Mapping[str, str]  # slot name -> finish, in the order of the MTL
-    mesh: Mesh
     parts: Float[np.ndarray, "p 2 3"]  # boxes of the solids [m]
+    load_meshes: Callable[[], Meshes]  # called once, when a mesh is needed
     lights: tuple[Light, ...] = ()
-    closed: Mesh | None = None  # the `_0` variant of a door, whose own mesh is open
     joints: tuple[Joint, ...] = ()
+
+    @cached_property
+    def meshes(self) -> Meshes:
+        """Meshes of all states."""
+        return self.load_meshes()
+
+    @property
+    def mesh(self) -> Mesh:
+        """Mesh of the model; of a door, in its open state."""
+        return self.meshes.mesh
+
+    @property
+    def closed(self) -> Mesh | None:
+        """Mesh of a closed door; None for other models."""
+        return self.meshes.closed
 
     @cached_property
     def box(self) -> Float[np.ndarray, "2 3"]:
@@ -111,7 +132,8 @@ class VariantFamily:
             shut = self._built({**variant, **self.closed})[0]
             closed = to_mesh(folder / f"{model_id}_0.obj", shut, list(slots), materials)
         parts = np.stack([solid.box for solid in solids])
-        return FurnitureModel(model_id, self.name, self.fine, slots, mesh, parts, lights, closed)
+        meshes = Meshes(mesh, closed)
+        return FurnitureModel(model_id, self.name, self.fine, slots, parts, lambda: meshes, lights)
 
     def _built(self, variant: Mapping[str, Any]) -> tuple[list[Solid], tuple[Light, ...]]:
         built = list(self.build(**variant))

@@ -10,8 +10,10 @@ from scipy.spatial import ConvexHull
 
 from home_mjx.geometry.wall_prisms import extrude_grid
 from home_mjx.schema.house import JointKind, Material, Mesh
+from home_procgen.primitives.detail import is_sharp, limit_sides, simplify_outline
 
 Vector = tuple[float, float, float]
+PROFILE_TOLERANCE = 0.08  # of the radius, by which profiles are simplified where shapes are coarse
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,8 @@ def cushion(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), bevel: fl
         at: Centre of the bottom face [m].
         bevel: Width of the cut edges [m].
     """
+    if is_sharp(bevel):
+        return box(material, size, at)
     half = np.asarray(size) / 2
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
     insets = bevel * (1 - np.eye(3))
@@ -151,6 +155,9 @@ def lathe(
     """
     if not closed:
         profile = [(0.0, profile[0][1]), *(p for p in profile if p[0] > 0), (0.0, profile[-1][1])]
+    radius = max(r for r, _ in profile)
+    profile = simplify_outline(np.asarray(profile, float), PROFILE_TOLERANCE * radius).tolist()
+    sides = limit_sides(sides, radius)
     angle = 2 * np.pi * np.arange(sides) / sides
     rings = [
         np.stack([r * np.cos(angle), np.full(sides, h), stretch * r * np.sin(angle)], -1)[: sides if r > 0 else 1]

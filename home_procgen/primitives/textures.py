@@ -1,20 +1,76 @@
-"""Small seamless texture images, named after the SUNCG families (wood_1, tile_2, ...).
+"""Seamless texture images, named after the SUNCG families (wood_1, tile_2, ...), and the canvas they are drawn on.
 
-One image covers one square metre, because UVs are in metres; pictures are fitted to their canvas instead.
+Lengths and counts of a recipe are for one metre, whatever the canvas; pictures and rugs are fitted to theirs instead.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache, partial
+from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Int, UInt8
+from scipy import fft
 
-TEXTURE_SIZE = 128  # pixels
 
-Gray = Float[np.ndarray, "128 128"]
-Rgb = Float[np.ndarray, "128 128 3"]
-Image = UInt8[np.ndarray, "128 128 3"]
+class Canvas(NamedTuple):
+    """What an image covers."""
+
+    size: int = 128  # edge [px]
+    metres: int = 1  # edge [m]
+
+    @property
+    def dtype(self) -> type[np.floating]:
+        """Type of values: single precision for large images, which take half the time."""
+        return np.float64 if self.size <= 128 else np.float32
+
+    @property
+    def scale(self) -> float:
+        """Pixels per metre over those of the smallest canvas, 128: the unit of lengths in pixels."""
+        return self.size / self.metres / 128
+
+
+Gray = Float[np.ndarray, "s s"]
+Rgb = Float[np.ndarray, "s s 3"]
+Image = UInt8[np.ndarray, "s s 3"]
 Color = tuple[float, float, float]
+MAX_THREAD = 2.0  # [px], lengths up to this are of threads and grains: as fine as the canvas allows
+_SMALLEST = Canvas()
+_CANVAS: ContextVar[Canvas] = ContextVar("canvas", default=_SMALLEST)
+
+
+def canvas() -> Canvas:
+    """Return the canvas on which recipes draw."""
+    return _CANVAS.get()
+
+
+@contextmanager
+def draw_on(new: Canvas) -> Iterator[None]:
+    """Let recipes draw on a canvas inside the context."""
+    token = _CANVAS.set(new)
+    try:
+        yield
+    finally:
+        _CANVAS.reset(token)
+
+
+def pixels() -> tuple[Gray, Gray]:
+    """Return the coordinates of pixel centres in metres, u to the right and v down, from 0 to the canvas's edge."""
+    size, metres = canvas()
+    line = ((np.arange(size) + 0.5) / size * metres).astype(canvas().dtype)
+    v, u = np.meshgrid(line, line, indexing="ij")
+    return u, v
+
+
+def tones(rng: np.random.Generator, cell: Int[np.ndarray, "s s"]) -> Gray:
+    """Return a random value per cell, normally distributed."""
+    return rng.standard_normal(int(cell.max()) + 1).astype(canvas().dtype)[cell]
+
+
+def joint(width: float) -> float:
+    """Return the width of a joint of `width` on the smallest canvas: it is as narrow as the pixels allow [m]."""
+    return width / canvas().scale
 
 
 def noise(rng: np.random.Generator, width: float = 1.0, height: float = 1.0) -> Gray:
@@ -22,12 +78,16 @@ def noise(rng: np.random.Generator, width: float = 1.0, height: float = 1.0) -> 
 
     Args:
         rng: Source of randomness.
-        width: Correlation length along a row, in pixels.
-        height: Correlation length along a column, in pixels.
+        width: Correlation length along a row, in pixels of the smallest canvas.
+        height: Correlation length along a column, in pixels of the smallest canvas.
     """
-    rows, columns = np.meshgrid(np.fft.fftfreq(TEXTURE_SIZE), np.fft.fftfreq(TEXTURE_SIZE), indexing="ij")
-    blur = np.exp(-((np.pi * columns * width) ** 2) - (np.pi * rows * height) ** 2)
-    field = np.fft.ifft2(np.fft.fft2(rng.standard_normal((TEXTURE_SIZE, TEXTURE_SIZE))) * blur).real
+    size, scale, dtype = canvas().size, canvas().scale, canvas().dtype
+    wide, high = (length if length <= MAX_THREAD else length * scale for length in (width, height))
+    columns = np.exp(-((np.pi * fft.rfftfreq(size) * wide) ** 2))
+    rows = np.exp(-((np.pi * fft.fftfreq(size) * high) ** 2))
+    blur = (rows[:, None] * columns).astype(dtype)
+    spectrum = np.asarray(fft.rfft2(rng.standard_normal((size, size), dtype))) * blur
+    field = np.asarray(fft.irfft2(spectrum, (size, size)))
     field -= field.mean()
     return field / field.std()
 
@@ -35,10 +95,11 @@ def noise(rng: np.random.Generator, width: float = 1.0, height: float = 1.0) -> 
 def blend(dark: Color, light: Color, weight: Gray) -> Rgb:
     """Mix two colours by a weight from 0 (dark) to 1 (light), clipped."""
     share = np.clip(weight, 0.0, 1.0)[..., None]
-    return np.asarray(dark) * (1.0 - share) + np.asarray(light) * share
+    first, second = (np.asarray(color, canvas().dtype) for color in (dark, light))
+    return first + (second - first) * share
 
 
-def grid(rows: int, columns: int, shift: float = 0.0) -> tuple[np.ndarray, Float[np.ndarray, "128 128 2"]]:
+def grid(rows: int, columns: float, shift: float = 0.0) -> tuple[np.ndarray, Float[np.ndarray, "s s 2"]]:
     """Return the cell index of each pixel, and its distances to the cell's edges (vertical, horizontal) in metres.
 
     Args:
@@ -46,16 +107,12 @@ def grid(rows: int, columns: int, shift: float = 0.0) -> tuple[np.ndarray, Float
         columns: Cells per metre, sideways.
         shift: Sideways offset of every second row, in cells.
     """
-    v, u = np.meshgrid(
-        (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE * rows,
-        (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE * columns,
-        indexing="ij",
-    )
-    row = v.astype(int)
-    u = (u + shift * (row % 2)) % columns
-    column = u.astype(int)
-    edge = [np.minimum(u % 1, 1 - u % 1) / columns, np.minimum(v % 1, 1 - v % 1) / rows]
-    return row * columns + column, np.stack(edge, -1)
+    line, total = pixels()[0][0], round(columns * canvas().metres)
+    across, down = np.stack([line * columns, line * columns + shift]) % total, line * rows
+    row = down.astype(int)
+    beside, above = (np.minimum(at % 1, 1 - at % 1) / per for at, per in ((across, columns), (down, rows)))
+    edge = np.stack(np.broadcast_arrays(beside[row % 2], above[:, None]), -1)
+    return row[:, None] * total + across.astype(int)[row % 2], edge
 
 
 def wood(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
@@ -65,39 +122,39 @@ def wood(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
 
 
 def planks(rng: np.random.Generator, dark: Color, light: Color, rows: int = 8, columns: int = 2) -> Rgb:
-    """Draw `rows` rows of `columns` staggered boards of slightly different tone with dark joints."""
-    cell, edge = grid(rows, columns, shift=0.5)
-    tone = 0.5 + 0.13 * rng.standard_normal(rows * columns)[cell] + 0.12 * noise(rng, 50, 2)
-    joint = np.where(edge.min(-1) < 0.004, 0.72, 1.0)
-    return blend(dark, light, tone) * joint[..., None]
+    """Draw `rows` rows per metre of staggered boards, `columns` to each canvas, of slightly different tones."""
+    cell, edge = grid(rows, columns / canvas().metres, shift=0.5)
+    tone = 0.5 + 0.13 * tones(rng, cell) + 0.12 * noise(rng, 50, 2)
+    return blend(dark, light, tone) * np.where(edge.min(-1) < joint(0.004), 0.72, 1.0)[..., None]
 
 
 def tiles(rng: np.random.Generator, dark: Color, light: Color, count: int = 4, checker: bool = False) -> Rgb:
     """Draw count x count square tiles with pale grout, of similar tones or as a checkerboard."""
     cell, edge = grid(count, count)
-    odd = (cell // count + cell % count) % 2
-    tone = odd if checker else 0.6 + 0.15 * rng.standard_normal(count * count)[cell]
+    row, column = np.divmod(cell, count * canvas().metres)
+    tone = (row + column) % 2 if checker else 0.6 + 0.15 * tones(rng, cell)
     face = blend(dark, light, tone + 0.03 * noise(rng, 6, 6))
-    return np.where((edge.min(-1) < 0.006)[..., None], (0.78, 0.77, 0.74), face)
+    return np.where((edge.min(-1) < joint(0.006))[..., None], (0.78, 0.77, 0.74), face)
 
 
 def bricks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw bricks in running bond with mortar."""
     cell, edge = grid(14, 4, shift=0.5)
-    tone = 0.5 + 0.2 * rng.standard_normal(56)[cell] + 0.12 * noise(rng, 2, 2)
+    tone = 0.5 + 0.2 * tones(rng, cell) + 0.12 * noise(rng, 2, 2)
     return np.where((edge.min(-1) < 0.006)[..., None], (0.74, 0.72, 0.68), blend(dark, light, tone))
 
 
 def stripes(rng: np.random.Generator, dark: Color, light: Color, count: int = 8) -> Rgb:
     """Draw `count` pairs of upright dark and light wallpaper stripes with soft edges."""
-    u = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
-    wave = np.tile(0.5 + 0.5 * np.tanh(6 * np.sin(2 * np.pi * count * u)), (TEXTURE_SIZE, 1))
+    u, _ = pixels()
+    wave = 0.5 + 0.5 * np.tanh(6 * np.sin(2 * np.pi * count * u))
     return blend(dark, light, wave + 0.04 * noise(rng))
 
 
 def rosettes(rng: np.random.Generator, dark: Color, light: Color, count: int = 6) -> Rgb:
     """Draw wallpaper with soft light and dark dots in turn, 2 x `count` of each per side."""
-    v, u = np.meshgrid(np.arange(TEXTURE_SIZE) / TEXTURE_SIZE, np.arange(TEXTURE_SIZE) / TEXTURE_SIZE, indexing="ij")
+    size, metres = canvas()
+    v, u = np.meshgrid(*(np.arange(size) / size * metres,) * 2, indexing="ij")
     wave = np.cos(2 * np.pi * count * (u + v)) * np.cos(2 * np.pi * count * (u - v))
     return blend(dark, light, 0.5 + 0.35 * wave + 0.04 * noise(rng))
 
@@ -109,15 +166,13 @@ def grain(rng: np.random.Generator, dark: Color, light: Color, size: float = 1.0
 
 def weave(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw woven threads, each two pixels wide."""
-    rows, columns = np.indices((TEXTURE_SIZE, TEXTURE_SIZE)) // 2
+    rows, columns = np.indices((canvas().size,) * 2) // 2
     return blend(dark, light, 0.4 + 0.25 * ((rows + columns) % 2) + 0.08 * noise(rng, 6, 1) + 0.08 * noise(rng, 1, 6))
 
 
 def landscape(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw a picture: light sky, sun and three rows of dark hills."""
-    v, u = np.meshgrid(
-        (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE, (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE, indexing="ij"
-    )
+    u, v = pixels()
     image = blend(light, (0.98, 0.95, 0.88), v * 1.4)
     sun = np.hypot(u - rng.uniform(0.2, 0.8), v - rng.uniform(0.15, 0.3)) < rng.uniform(0.06, 0.1)
     image[sun] = (0.98, 0.82, 0.45)
@@ -131,7 +186,7 @@ def blocks(rng: np.random.Generator, dark: Color, light: Color) -> Rgb:
     """Draw a picture: coloured rectangles between black bars."""
     palette = np.array([dark, light, (0.95, 0.93, 0.87), (0.93, 0.90, 0.82), (0.85, 0.68, 0.25)])
     across, down = (np.sort(rng.uniform(0.15, 0.85, 2)) for _ in range(2))
-    pixel = (np.arange(TEXTURE_SIZE) + 0.5) / TEXTURE_SIZE
+    pixel = pixels()[0][0]
     cell = np.searchsorted(down, pixel)[:, None] * 3 + np.searchsorted(across, pixel)[None, :]
     image = palette[rng.integers(0, len(palette), 9)][cell]
     image[np.abs(pixel[:, None] - down).min(-1) < 0.012] = 0.08

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_procgen.primitives.solids import Solid, Vector, lathe, make_solid, move
+from home_procgen.primitives.detail import is_sharp, limit_steps, simplify_grid
+from home_procgen.primitives.solids import Solid, Vector, box, lathe, make_solid, move
 from home_procgen.shapes.sweep import triangulate
 
 _MERGE = 7  # decimals of a metre to which corners must agree to be merged
@@ -33,6 +34,9 @@ def rounded_box(
     """
     half = np.asarray(size, float) / 2
     r = min(radius, float(half.min()))
+    if is_sharp(r):
+        return box(material, size, at)
+    steps = limit_steps(steps)
     quarter = np.linspace(0, np.pi / 2, steps + 1)
     latitude = np.concatenate([-quarter[::-1], quarter])
     longitude = (quarter + np.pi / 2 * np.arange(4)[:, None]).reshape(-1)
@@ -75,6 +79,7 @@ def padded_block(
         power: Exponent; higher values are closer to a box.
         steps: Facets along each edge.
     """
+    steps = limit_steps(steps)
     line = np.sin(np.linspace(-np.pi / 2, np.pi / 2, steps + 1))
     u, v = np.meshgrid(line, line, indexing="ij")
     faces, points = [], []
@@ -113,6 +118,7 @@ def pillow(material: str, size: Vector, at: Vector = (0.0, 0.0, 0.0), steps: int
 
 def join_grids(material: str, under: Float[np.ndarray, "n m 3"], upper: Float[np.ndarray, "n m 3"]) -> Solid:
     """Return the solid between two grids of corresponding points [m], closed around their rims."""
+    under, upper = np.split(simplify_grid(np.concatenate([under, upper], -1)), 2, -1)
     n, m = under.shape[:2]
     cells = np.arange(n * m).reshape(n, m)
     a, b, c, d = cells[:-1, :-1], cells[1:, :-1], cells[1:, 1:], cells[:-1, 1:]
@@ -137,18 +143,19 @@ def join_loops(material: str, loops: Sequence[Float[np.ndarray, "n 3"]], closed:
 
     The first and last loops are joined if `closed`, else capped; their outlines in (x, z) must be simple polygons.
     """
-    around, count = len(loops[0]), len(loops)
+    grid = simplify_grid(np.stack(loops))
+    count, around = grid.shape[:2]
     i = np.arange(around)
     first = np.arange(count if closed else count - 1)[:, None] * around
     a, b = first + i, first + (i + 1) % around
     c, d = (b + around) % (count * around), (a + around) % (count * around)
     sides = [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
     if not closed:
-        cap = triangulate(loops[0][:, [0, 2]]), triangulate(loops[-1][:, [0, 2]])
-        flat = loops[0][:, [0, 2]]
+        cap = triangulate(grid[0][:, [0, 2]]), triangulate(grid[-1][:, [0, 2]])
+        flat = grid[0][:, [0, 2]]
         turn = (flat[:, 0] * np.roll(flat[:, 1], -1) - np.roll(flat[:, 0], -1) * flat[:, 1]).sum() > 0
         sides += [cap[0][:, ::-1] if turn else cap[0], (cap[1] if turn else cap[1][:, ::-1]) + (count - 1) * around]
         if not turn:
             sides[0], sides[1] = sides[0][:, ::-1], sides[1][:, ::-1]
             sides[2], sides[3] = sides[2][:, ::-1], sides[3][:, ::-1]
-    return make_solid(material, np.concatenate(list(loops)), np.concatenate(sides))
+    return make_solid(material, grid.reshape(-1, 3), np.concatenate(sides))

@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from jaxtyping import Float
 
+from home_procgen.primitives.detail import limit_steps
 from home_procgen.primitives.solids import Solid, Vector
 from home_procgen.shapes.rounded import join_grids, weld
 
@@ -50,6 +51,7 @@ def leaf(
         shape: Above 1 the maximum width is nearer to the tip, below 1 nearer to the base.
         pieces: Facets along its length.
     """
+    pieces = max(2, limit_steps(pieces))  # one alone would have no width
     s = np.linspace(0, 1, pieces + 1)
     pitch = rise - droop * (s[:-1] + s[1:]) / 2
     out = np.concatenate([[0], np.cumsum(np.cos(pitch))]) * length / pieces

@@ -7,9 +7,12 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_procgen.primitives.detail import is_sharp, limit_sides, simplify_line, simplify_outline
 from home_procgen.primitives.solids import Solid, Vector, make_solid
 from home_procgen.shapes.curves import Points, loop
 
+# Deviations of coarse shapes: of outlines and paths by their extent, of bars by their thickness.
+OUTLINE_TOLERANCE, BAR_TOLERANCE = 0.03, 0.3
 MIN_CHAMFER_HALF_WIDTH = 0.018  # [m], minimum half thickness of bars with chamfered edges
 
 
@@ -68,6 +71,7 @@ def prism(
     """
     flat = np.asarray(outline, float)
     flat = flat[np.linalg.norm(flat - np.roll(flat, 1, 0), axis=1) > 1e-6]
+    flat = simplify_outline(flat, OUTLINE_TOLERANCE * np.ptp(flat, axis=0).max())
     count, cap = len(flat), triangulate(flat)
     lift = (0.0, thickness) if plane == "top" else (-thickness / 2, thickness / 2)
     columns = {"front": (0, 1, 2), "side": (2, 1, 0), "top": (0, 2, 1)}[plane]
@@ -106,6 +110,8 @@ def sweep(
         closed: The path returns to its start.
     """
     p = np.asarray(path, float)
+    if is_sharp(0.0):
+        p, scale = _simplify_path(p, scale, float(np.ptp(section, axis=0).max()), closed)
     side, rise = _frames(p, up, closed)
     size = np.broadcast_to(np.asarray(scale, float).reshape(-1, 1, 1), (len(p), 1, 1))
     rings = p[:, None] + size * (section[:, :1] * side[:, None] + section[:, 1:] * rise[:, None])
@@ -121,6 +127,16 @@ def sweep(
         ends = [cap[:, ::-1], cap + (count - 1) * around]
         faces = np.concatenate([faces if _area(section) > 0 else faces[:, ::-1], *ends])
     return make_solid(material, rings.reshape(-1, 3), faces)
+
+
+def _simplify_path(
+    p: np.ndarray, scale: float | Sequence[float] | np.ndarray, wide: float, closed: bool
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return fewer points of a path, and their factors on a section that is `wide` [m]."""
+    size = np.broadcast_to(np.asarray(scale, float).reshape(-1), len(p))
+    tolerance = max(BAR_TOLERANCE * wide * float(size.max()), OUTLINE_TOLERANCE * float(np.ptp(p, axis=0).max()))
+    kept = simplify_line(np.c_[p, wide * size / 2], tolerance)
+    return (kept[:, :-1], kept[:, -1] * 2 / wide) if len(kept) > 2 or not closed else (p, size)
 
 
 def _frames(p: np.ndarray, up: Vector | None, closed: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -150,6 +166,7 @@ def tube(
     closed: bool = False,
 ) -> Solid:
     """Return a round bar along a path; `radius` is one value or one per point [m]."""
+    sides = limit_sides(sides, float(np.max(radius)))
     return sweep(material, path, loop(2.0, 2.0, sides), radius, closed=closed)
 
 
@@ -163,7 +180,7 @@ def rod(
 def beam(material: str, start: Vector, end: Vector, width: float, height: float | None = None) -> Solid:
     """Return a straight bar, chamfered unless thin; `height` (None: `width`) is along up, or +z if vertical [m]."""
     w, h = width / 2, (width if height is None else height) / 2
-    c = 0.12 * min(w, h) if min(w, h) > MIN_CHAMFER_HALF_WIDTH else 0.0
+    c = 0.12 * min(w, h) if min(w, h) > MIN_CHAMFER_HALF_WIDTH and not is_sharp(min(w, h)) else 0.0
     cut = [(-w, c - h), (c - w, -h), (w - c, -h), (w, c - h), (w, h - c), (w - c, h), (c - w, h), (-w, h - c)]
     plain = [(-w, -h), (w, -h), (w, h), (-w, h)]
     return sweep(material, [start, end], np.array(cut if c else plain))

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
+from home_procgen.model_store import family_numbers, get_model
 from home_procgen.primitives.family import FurnitureModel
-from home_procgen.things import families, get_model
 
 # Kind -> family and model numbers.
 _KINDS: Mapping[str, tuple[str, str]] = {
@@ -59,7 +59,7 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "small_fridge": ("refrigerator", "5 6"),
     "knife_block": ("knife_rack", "1 2"),
     "knife_rail": ("knife_rack", "3"),
-    "utensil_jar": ("utensil_holder", "1"),
+    "utensil_jar": ("utensil_holder", "1 3"),
     "utensil_rail": ("utensil_holder", "2"),
     "small_basin": ("basin", "1 5"),
     "vanity": ("basin", "2 3 4 6"),
@@ -67,6 +67,9 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "hot_tub": ("bathtub", "5"),
     "towel_rail": ("towel_rack", "1 2 5 6 7 8 10"),
     "towel_stand": ("towel_rack", "3 4 9"),
+    "ironing_board": ("ironing_board", "1 3"),
+    "microphone": ("microphone", "1 2"),
+    "water_dispenser": ("water_dispenser", "1 2"),
     "paper_holder": ("toilet_paper", "1 4 5 6 7 8"),
     "paper_stand": ("toilet_paper", "2 3 9 10"),
     "wall_toiletries": ("toiletries", "4"),
@@ -75,10 +78,11 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "wall_mirror": ("mirror", "1 2 3 4 5 9 10 11"),
     "tall_mirror": ("mirror", "5 10"),
     "bath_mirror": ("mirror", "1 2 3 6 7 11"),
+    "indoor_wall_lamp": ("wall_lamp", "1 2 3 4 5 6 8 10 11"),
     "round_lamp": ("wall_lamp", "1 2 3 6 8 11"),
     "wall_cooler": ("air_conditioner", "1"),
-    "standing_cooler": ("air_conditioner", "2"),
-    "floor_fan": ("stand_fan", "1"),
+    "standing_cooler": ("air_conditioner", "2 3"),
+    "floor_fan": ("stand_fan", "1 3"),
     "table_fan": ("stand_fan", "2"),
     "long_curtain": ("curtain", "1 2 3 9 10 11 13"),
     "cafe_curtain": ("curtain", "4"),
@@ -90,7 +94,7 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "table_vase": ("vase", "1 2 3 4 5 6 8 9 10 11 12"),
     "slim_plant": ("plant", "2 3 6 7 9"),
     "magazine_rack": ("magazines", "2"),
-    "magazine": ("magazines", "1"),
+    "magazine": ("magazines", "1 3"),
     "radio": ("speaker", "3 4 5 6 7"),
     "soundbar": ("speaker", "2"),
     "box_speaker": ("speaker", "1"),
@@ -112,7 +116,7 @@ _KINDS: Mapping[str, tuple[str, str]] = {
     "mantel": ("fireplace", "1 2 4"),
     "spice_rack": ("containers", "3"),
     "small_gym": ("gym", "3 5 6 10"),
-    "wall_whiteboard": ("whiteboard", "1"),
+    "wall_whiteboard": ("whiteboard", "1 2 3"),
     "pool_table": ("game_table", "1 2 3"),
     "toy_animal": ("toy", "1 11"),
     "floor_toy": ("toy", "1 2 3 4 5 6 7 8 9 10 11"),
@@ -127,7 +131,7 @@ def resolve_kind(kind: str) -> tuple[str, tuple[int, ...]]:
         ('stool', (5,))
     """
     if kind not in _KINDS:
-        return kind, tuple(families()[kind].numbers)
+        return kind, tuple(family_numbers(kind))
     family, numbers = _KINDS[kind]
     return family, tuple(map(int, numbers.split()))
 

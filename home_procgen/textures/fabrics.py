@@ -1,20 +1,20 @@
-"""Seamless patterns of fabrics and wallpapers. One image covers one square metre."""
+"""Seamless patterns of fabrics and wallpapers. Numbers and lengths are for one square metre."""
 
 import numpy as np
 
-from home_procgen.primitives.textures import TEXTURE_SIZE, Color, Gray, Rgb, blend, noise
-from home_procgen.textures.patterns import Rng, pixels
+from home_procgen.primitives.textures import Color, Gray, Rgb, blend, canvas, noise, pixels
+from home_procgen.textures.patterns import Rng, scattered
 
 
 def _thread(rng: Rng) -> Gray:
-    rows, columns = np.indices((TEXTURE_SIZE, TEXTURE_SIZE)) // 2
+    rows, columns = np.indices((canvas().size,) * 2) // 2
     return 0.06 * ((rows + columns) % 2) + 0.03 * noise(rng, 1, 6)
 
 
 def plaid(rng: Rng, ground: Color, stripe: Color, line: Color, count: int = 4) -> Rgb:
     """Draw a tartan: `count` broad bands and thin lines per side, in both directions."""
     u, v = pixels()
-    image = np.tile(np.asarray(ground, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
+    image = np.tile(np.asarray(ground, float), (*u.shape, 1))
     for t in (u, v):
         share = ((t * count) % 1)[..., None]
         image = np.where(share < 0.42, 0.5 * image + 0.5 * np.asarray(stripe), image)
@@ -74,7 +74,7 @@ def terry(rng: Rng, dark: Color, light: Color, border: bool = False) -> Rgb:
     _, v = pixels()
     tone = 0.6 + 0.2 * noise(rng, 1.2, 1.2)
     if border:
-        tone = np.where(np.abs(v - 0.85) < 0.05, 0.1 + 0.1 * (np.abs(v - 0.85) < 0.02), tone)
+        tone = np.where(np.abs(v % 1 - 0.85) < 0.05, 0.1 + 0.1 * (np.abs(v % 1 - 0.85) < 0.02), tone)
     return blend(dark, light, tone)
 
 
@@ -85,15 +85,15 @@ def melange(rng: Rng, dark: Color, light: Color) -> Rgb:
 
 def petals(rng: Rng, ground: Color, bloom: Color, green: Color, count: int = 16, size: float = 0.05) -> Rgb:
     """Draw `count` scattered flowers with leaves; `size` is about their radius [m]."""
-    u, v = pixels()
     image = np.asarray(ground) * (0.98 + 0.01 * noise(rng, 2, 2)[..., None])
-    for x, y, turn, scale, tips in rng.uniform(0, 1, (count, 5)):
-        dx, dy = (u - x + 0.5) % 1 - 0.5, (v - y + 0.5) % 1 - 0.5
+    for part, dx, dy, (turn, scale, tips) in scattered(rng, count, 2.3 * size, 3):
         radius, angle = np.hypot(dx, dy), np.arctan2(dy, dx) + 6.28 * turn
         r = size * (0.7 + 0.6 * scale)
-        image[radius < 1.7 * r * np.abs(np.cos(1.5 * angle + 1)) ** 6] = green
-        image[radius < r * (0.6 + 0.4 * np.abs(np.cos((2 + int(tips * 2)) * angle)))] = bloom
-        image[radius < 0.28 * r] = np.clip(np.asarray(bloom) * 0.5 + (0.45, 0.38, 0.1), 0, 1)
+        found = image[part]
+        found[radius < 1.7 * r * np.abs(np.cos(1.5 * angle + 1)) ** 6] = green
+        found[radius < r * (0.6 + 0.4 * np.abs(np.cos((2 + int(tips * 2)) * angle)))] = bloom
+        found[radius < 0.28 * r] = np.clip(np.asarray(bloom) * 0.5 + (0.45, 0.38, 0.1), 0, 1)
+        image[part] = found
     return image
 
 
@@ -114,7 +114,7 @@ def vines(rng: Rng, ground: Color, green: Color, count: int = 4) -> Rgb:
 def damask(rng: Rng, dark: Color, light: Color, count: int = 3) -> Rgb:
     """Draw large symmetric ornaments, `count` per side and as many between them."""
     u, v = pixels()
-    total = np.zeros((TEXTURE_SIZE, TEXTURE_SIZE))
+    total = np.zeros(u.shape)
     for shift in (0.0, 0.5):
         x, y = (u * count + shift) % 1 - 0.5, (v * count + shift) % 1 - 0.5
         radius, angle = np.hypot(x, y * 0.8), np.arctan2(y, np.abs(x))
@@ -135,12 +135,13 @@ def diamonds(rng: Rng, dark: Color, light: Color, line: Color, count: int = 6) -
 def fans(rng: Rng, dark: Color, light: Color, count: int = 6) -> Rgb:
     """Draw overlapping scallops of rings, `count` side by side, in art deco style."""
     u, v = pixels()
-    image = np.zeros((TEXTURE_SIZE, TEXTURE_SIZE))
-    for row in range(-1, 2 * count + 2):
-        x = (u * count + 0.5 * (row % 2)) % 1 - 0.5
-        radius = np.hypot(x, v * count - row / 2) * 2
-        inside = (radius < 1) & (v * count - row / 2 < 0.02)
-        image = np.where(inside, (radius * 5 % 1 < 0.6) * (1 - 0.4 * (radius > 0.93)), image)
+    image = np.zeros(u.shape)
+    for row in range(-1, 2 * count * canvas().metres + 2):
+        band = np.abs(v[:, 0] * count - row / 2) < 0.5  # the rows of pixels that it may reach
+        x, y = (u[band] * count + 0.5 * (row % 2)) % 1 - 0.5, v[band] * count - row / 2
+        radius = np.hypot(x, y) * 2
+        inside = (radius < 1) & (y < 0.02)
+        image[band] = np.where(inside, (radius * 5 % 1 < 0.6) * (1 - 0.4 * (radius > 0.93)), image[band])
     return blend(dark, light, image * 0.9 + 0.03 * noise(rng))
 
 
@@ -154,16 +155,14 @@ def triangles(rng: Rng, palette: tuple[Color, ...], count: int = 6) -> Rgb:
 
 def leaves(rng: Rng, ground: Color, greens: tuple[Color, ...], count: int = 40, size: float = 0.12) -> Rgb:
     """Draw `count` large overlapping leaves, as of a jungle; `size` is about half their length [m]."""
-    u, v = pixels()
-    image = np.tile(np.asarray(ground, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
-    for x, y, turn, scale, kind in rng.uniform(0, 1, (count, 5)):
-        dx, dy = (u - x + 0.5) % 1 - 0.5, (v - y + 0.5) % 1 - 0.5
+    image = np.tile(np.asarray(ground, float), (canvas().size,) * 2 + (1,))
+    for part, dx, dy, (turn, scale, kind) in scattered(rng, count, 1.4 * size, 3):
         a, b = dx * np.cos(6.28 * turn) + dy * np.sin(6.28 * turn), dy * np.cos(6.28 * turn) - dx * np.sin(6.28 * turn)
         r = size * (0.6 + 0.8 * scale)
         inside = (np.abs(a) < r) & (np.abs(b) < 0.35 * r * np.cos(np.clip(a / r, -1, 1) * np.pi / 2) ** 0.8)
         color = np.asarray(greens[int(kind * len(greens))])
-        image[inside] = color
-        image[inside & ((np.abs(b) < 0.004) | (((np.abs(b) * 1.2 + a) / r * 6) % 1 < 0.12))] = color * 1.25
+        veins = inside & ((np.abs(b) < 0.004) | (((np.abs(b) * 1.2 + a) / r * 6) % 1 < 0.12))
+        image[part] = np.where(veins[..., None], color * 1.25, np.where(inside[..., None], color, image[part]))
     return np.clip(image, 0, 1)
 
 

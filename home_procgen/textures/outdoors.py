@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from home_procgen.primitives.textures import Color, Rgb, blend, noise
-from home_procgen.textures.patterns import Rng, pixels, shingles
+from home_procgen.primitives.textures import Color, Rgb, blend, noise, pixels
+from home_procgen.textures.patterns import Rng, shingles
 
 PANE_COLOR, FRAME_COLOR = (0.26, 0.32, 0.38), (0.93, 0.93, 0.91)
 

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from home_procgen.primitives.textures import TEXTURE_SIZE, Color, Rgb, blend, noise
-from home_procgen.textures.patterns import Rng, pixels
+from home_procgen.primitives.textures import Color, Rgb, blend, canvas, noise, pixels
+from home_procgen.textures.patterns import Rng
 
 
 def _canvas(color: Color) -> Rgb:
-    return np.tile(np.asarray(color, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
+    return np.tile(np.asarray(color, float), (*[canvas().size] * 2, 1))
 
 
 def _random_color(rng: Rng, low: float = 0.1, high: float = 0.95) -> np.ndarray:
@@ -85,9 +85,7 @@ def city(rng: Rng, top: Color, low: Color, tower: Color, lit: Color) -> Rgb:
         for x in np.arange(0, 1, 0.085):
             wide, height = rng.uniform(0.05, 0.1), rng.uniform(0.2, 0.55) - 0.12 * row
             inside = (u > x) & (u < x + wide) & (v > 0.95 - height - 0.1 * (2 - row))
-            windows = (
-                inside & ((u * 64) % 2 < 1) & ((v * 50) % 2 < 1) & (rng.random((TEXTURE_SIZE, TEXTURE_SIZE)) < 0.75)
-            )
+            windows = inside & ((u * 64) % 2 < 1) & ((v * 50) % 2 < 1) & (rng.random((canvas().size,) * 2) < 0.75)
             image[inside] = color
             image[windows] = np.asarray(lit) * share + color * (1 - share)
     return image

@@ -1,15 +1,18 @@
-"""Recipes of all textures by name, with those of the first generator."""
+"""Recipes of all textures by name, base textures included."""
 
 import zlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
+from home_mjx.schema.house import Mesh
 from home_procgen.primitives import textures as before
 from home_procgen.primitives.palette import rgb
-from home_procgen.primitives.textures import Image, Rgb
+from home_procgen.primitives.textures import Canvas, Image, Rgb, draw_on
 from home_procgen.textures import fabrics, outdoors, patterns, pictures, rugs
 
 Recipe = Callable[[np.random.Generator], Rgb]
@@ -300,6 +303,28 @@ def texture_names(family: str, kind: Callable[..., Rgb] | None = None) -> tuple[
 
 
 ALL_NAMES = (*before.BASE_RECIPES, *RECIPES)
+METRES = 2  # edge of what a repeating image covers [m]
+REPEATING, FITTED, PICTURE = Canvas(512, METRES), Canvas(512), Canvas(256)
+_RUG_NAMES = {name for row in RUGS for name in texture_names("carpet", row[0])}
+FITTED_FINISHES = ("picture", "carpet", "carpet_round")
+MAX_COLORS = 256  # of an image: a palette takes a third of the bytes and of the time
+
+
+def canvas_of(name: str) -> Canvas:
+    """Return the canvas of a texture: rugs, fronts of houses and pictures are shown once, others repeat."""
+    if name.startswith("picture_"):
+        return PICTURE
+    return FITTED if name in _RUG_NAMES or name.startswith("front_") else REPEATING
+
+
+def repeat_uv(mesh: Mesh, finishes: Iterable[str]) -> Mesh:
+    """Return a mesh whose UVs in metres become repeats of the textures; `finishes` has one finish per slot."""
+    return replace(mesh, uv=np.round(mesh.uv * uv_scale(finishes)[mesh.slot][:, None, None], 6) + 0.0)
+
+
+def uv_scale(finishes: Iterable[str]) -> Float[np.ndarray, " _"]:
+    """Return the repeats per metre of each finish; 1 where the image is shown once."""
+    return np.array([1.0 if finish in FITTED_FINISHES else 1.0 / METRES for finish in finishes])
 
 
 @cache
@@ -308,9 +333,27 @@ def texture(name: str) -> Image:
 
     Example:
         >>> texture("marble_1").shape
-        (128, 128, 3)
+        (512, 512, 3)
     """
-    if name in before.BASE_RECIPES:
-        return before.base_texture(name)
-    rng = np.random.default_rng(zlib.crc32(name.encode()))
-    return np.round(np.clip(RECIPES[name](rng), 0.0, 1.0) * 255.0).astype(np.uint8)
+    old = name in before.BASE_RECIPES
+    rng = np.random.default_rng(list(before.BASE_RECIPES).index(name) if old else zlib.crc32(name.encode()))
+    with draw_on(canvas_of(name)):
+        image = (before.BASE_RECIPES if old else RECIPES)[name](rng)
+    return _reduce_colors(np.round(np.clip(image, 0.0, 1.0) * 255.0).astype(np.uint8))
+
+
+def _reduce_colors(image: Image) -> Image:
+    """Return an image with at most `MAX_COLORS` colours: the means of cells of the colour cube."""
+    pixels = image.reshape(-1, 3)
+    for bits in (6, 5, 4, 3, 2):
+        r, g, b = (pixels >> (8 - bits)).astype(np.int32).T
+        cell = (r << 2 * bits) | (g << bits) | b
+        count = np.bincount(cell, minlength=1 << 3 * bits)
+        used = np.flatnonzero(count)
+        if len(used) <= MAX_COLORS:
+            break
+    number = np.zeros(len(count), np.uint8)
+    number[used] = np.arange(len(used))
+    index = number[cell]
+    sums = np.stack([np.bincount(index, pixels[:, i], len(used)) for i in range(3)], axis=1)
+    return np.round(sums / count[used, None]).astype(np.uint8)[index].reshape(image.shape)

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from home_procgen.primitives.textures import TEXTURE_SIZE, Color, Rgb, noise
-from home_procgen.textures.patterns import Rng, pixels
+from home_procgen.primitives.textures import Color, Rgb, canvas, noise, pixels
+from home_procgen.textures.patterns import Rng
 
 
 def _pile(rng: Rng, image: Rgb) -> Rgb:
@@ -20,7 +20,7 @@ def persian(rng: Rng, field: Color, border: Color, accent: Color, light: Color) 
     u, v = pixels()
     x, y, edge = u - 0.5, v - 0.5, _inward(u, v)
     angle, radius = np.arctan2(y, x), np.hypot(x, y)
-    image = np.tile(np.asarray(field, float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
+    image = np.tile(np.asarray(field, float), (*[canvas().size] * 2, 1))
     image[np.sin(26 * np.pi * u) * np.sin(26 * np.pi * v) > 0.8] = light
     for size, color in ((0.27, border), (0.22, light), (0.2, accent), (0.13, field), (0.06, light)):
         image[radius < size * (1 + 0.12 * np.cos(8 * angle))] = color
@@ -47,7 +47,7 @@ def framed(rng: Rng, field: Color, border: Color, lines: int = 2) -> Rgb:
     """Draw a plain field with a broad border and `lines` thin lines inside it."""
     u, v = pixels()
     edge = _inward(u, v)
-    image = np.where((edge < 0.1)[..., None], border, field) * np.ones((TEXTURE_SIZE, TEXTURE_SIZE, 1))
+    image = np.where((edge < 0.1)[..., None], border, field) * np.ones((*[canvas().size] * 2, 1))
     for i in range(lines):
         image[np.abs(edge - 0.14 - 0.04 * i) < 0.008] = border
     return _pile(rng, image)
@@ -72,7 +72,7 @@ def berber(rng: Rng, ground: Color, line: Color) -> Rgb:
 def abstract(rng: Rng, colors: tuple[Color, ...], blobs: int = 7) -> Rgb:
     """Draw `blobs` large overlapping shapes on a ground of the first colour."""
     u, v = pixels()
-    image = np.tile(np.asarray(colors[0], float), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
+    image = np.tile(np.asarray(colors[0], float), (*[canvas().size] * 2, 1))
     for i, (x, y, size) in enumerate(rng.uniform(0, 1, (blobs, 3))):
         radius = np.hypot(u - x, v - y) + 0.05 * np.sin(3 * np.arctan2(v - y, u - x) + 9 * size)
         image[radius < 0.12 + 0.2 * size] = colors[1 + i % (len(colors) - 1)]
@@ -89,7 +89,7 @@ def rings(rng: Rng, colors: tuple[Color, ...], count: int = 9) -> Rgb:
 def town(rng: Rng) -> Rgb:
     """Draw a play rug: streets, houses and a pond on grass."""
     u, v = pixels()
-    image = np.tile(np.array([0.42, 0.62, 0.36]), (TEXTURE_SIZE, TEXTURE_SIZE, 1))
+    image = np.tile(np.array([0.42, 0.62, 0.36]), (*[canvas().size] * 2, 1))
     streets = np.minimum(np.abs((u * 3) % 1 - 0.5) / 3, np.abs((v * 2) % 1 - 0.5) / 2)
     for x, y, tone in rng.uniform(0.04, 0.94, (26, 3)):
         image[(np.abs(u - x) < 0.035) & (np.abs(v - y) < 0.035)] = (0.9, 0.45 + 0.4 * tone, 0.35)

@@ -1,10 +1,10 @@
-"""Parametric furniture and fittings; `library()` holds every model and is the same for all seeds."""
+"""Recipes of furniture and fittings, from which `home_procgen.build_library` builds the shipped models."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cache
-from types import MappingProxyType
 
-from home_procgen.primitives.family import FurnitureModel, models_by_family
+from home_procgen.primitives.detail import DETAILS
+from home_procgen.primitives.family import FurnitureModel
 from home_procgen.things.appliances import fridges, hot_drinks, mixers, ovens, washing
 from home_procgen.things.bath import basins, bathtubs, mirrors, paper, showers, toiletries, toilets, towels
 from home_procgen.things.beds import bunks, cots, double, single
@@ -36,7 +36,7 @@ from home_procgen.things.toys import baskets, bins, pets, toys
 from home_procgen.things.vehicles import cars, cycles
 from home_procgen.things.walls import coolers, fans, fences, fireplaces, heaters, partitions, switches
 
-__all__ = ["families", "family_models", "get_model", "library", "library_model"]
+__all__ = ["build_models", "families"]
 
 _MODULES = (
     *(chairs, stools, armchairs, office, sofas, ottomans, benches, garden_seats),
@@ -70,45 +70,11 @@ def families() -> Mapping[str, FurnitureFamily]:
     return {family.name: family for module in _MODULES for family in module.FAMILIES}
 
 
-@cache
-def get_model(family: str, number: int) -> FurnitureModel:
-    """Return one library model, built on first use.
+def build_models(detail: str = DETAILS[0]) -> dict[str, FurnitureModel]:
+    """Build every model from its recipe, by id, in the order of the metadata rows.
 
     Args:
-        family: Name of the family.
-        number: Number of the model, from 1.
-
-    Example:
-        >>> get_model("sofa", 2).id
-        'home_sofa_2'
+        detail: Level of detail of the meshes.
     """
-    return families()[family].model(number)
-
-
-def library_model(model_id: str) -> FurnitureModel:
-    """Return the library model with an id.
-
-    Example:
-        >>> library_model("home_sofa_2") is get_model("sofa", 2)
-        True
-    """
-    family, _, number = model_id.removeprefix("home_").rpartition("_")
-    return get_model(family, int(number))
-
-
-@cache
-def library() -> Mapping[str, FurnitureModel]:
-    """Return every model by id, in the order of the metadata rows.
-
-    Example:
-        >>> library()["home_sofa_2"].fine
-        'sofa'
-    """
-    models = (get_model(family.name, n) for family in families().values() for n in family.numbers)
-    return MappingProxyType({model.id: model for model in models})
-
-
-@cache
-def family_models() -> Mapping[str, Sequence[FurnitureModel]]:
-    """Return the library models of every family."""
-    return models_by_family(library().values())
+    models = (family.model(number, detail) for family in families().values() for number in family.numbers)
+    return {model.id: model for model in models}

@@ -9,10 +9,13 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.schema.house import Light, Mesh
-from home_procgen.primitives.family import Bulb, FurnitureModel
+from home_procgen.model_codec import add_normals, round_positions, round_uv
+from home_procgen.primitives.detail import DETAILS, build_coarsely
+from home_procgen.primitives.family import Bulb, FurnitureModel, Meshes
 from home_procgen.primitives.solids import Solid, move, to_mesh
-from home_procgen.shapes.normals import corner_normals
-from home_procgen.things.finishes import FINISHES
+from home_procgen.textures.finishes import default_materials
+from home_procgen.textures.recipes import repeat_uv
+from home_procgen.things.low_detail import reduce_solids, select_pieces
 from home_procgen.things.movable_parts import make_joints
 
 
@@ -71,28 +74,40 @@ class FurnitureFamily:
         """Yield the library models of the family."""
         yield from map(self.model, self.numbers)
 
-    def model(self, number: int) -> FurnitureModel:
+    def model(self, number: int, detail: str = DETAILS[0]) -> FurnitureModel:
         """Build one of the library models.
 
         Args:
             number: Number of the model, from 1.
+            detail: Level of detail of its meshes; boxes of its parts are those of full detail.
         """
         model_id, made = f"home_{self.name}_{number}", self.designs[number - 1]
         solids, bulbs, parts = _build_solids(made, {}, self.centred)
         names = list(dict.fromkeys(str(solid.material) for solid in solids))
         slots = {name: self.finishes.get(name, name.rstrip("_0123456789")) for name in names}
-        materials = tuple(
-            replace(FINISHES[finish][(number + i * (finish != "wood")) % len(FINISHES[finish])], name=f"material_{i}")
-            for i, finish in enumerate(slots.values())
-        )
-        folder = Path("object") / model_id
-        mesh = _add_normals(to_mesh(folder / f"{model_id}.obj", solids, names, materials))
-        closed = None
-        if self.closed is not None:
-            shut = _build_solids(made, self.closed, self.centred)[0]
-            closed = _add_normals(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials))
+        shut = None if self.closed is None else _build_solids(made, self.closed, self.centred)[0]
+        if detail != DETAILS[0]:
+            solids, shut = self._coarse_solids(made, solids, shut)
+        folder, materials = Path("object") / model_id, default_materials(slots, number)
+        mesh = _finish(to_mesh(folder / f"{model_id}.obj", solids, names, materials), slots)
+        closed = None if shut is None else _finish(to_mesh(folder / f"{model_id}_0.obj", shut, names, materials), slots)
         joints, lights = make_joints(model_id, solids, mesh), tuple(map(_make_light, bulbs))
-        return FurnitureModel(model_id, self.name, self.fine, slots, mesh, parts, lights, closed, joints)
+        meshes = Meshes(mesh, closed)
+        return FurnitureModel(model_id, self.name, self.fine, slots, parts, lambda: meshes, lights, joints)
+
+    def _coarse_solids(
+        self, made: FurnitureDesign, full: list[Solid], shut: list[Solid] | None
+    ) -> tuple[list[Solid], list[Solid] | None]:
+        """Return the solids at low detail, also those of the closed state."""
+        coarseness, solids = reduce_solids(full, lambda: _build_solids(made, {}, self.centred)[0], shut is not None)
+        kept = select_pieces(solids)
+        if shut is not None and self.closed is not None:
+            with build_coarsely(coarseness):
+                coarse = _build_solids(made, self.closed, self.centred)[0]
+            pairs = zip(coarse, shut, strict=True)
+            shut = [a if len(a.faces) < len(b.faces) else b for a, b in pairs]
+            shut = [_round_solid(shut[i]) for i in kept]
+        return [_round_solid(solids[i]) for i in kept], shut
 
 
 def _build_solids(
@@ -104,7 +119,13 @@ def _build_solids(
     boxes = np.stack([solid.box for solid in solids])
     shift = _origin_shift(boxes, centred)
     bulbs = [_move_bulb(piece, shift) for piece in pieces if isinstance(piece, Bulb)]
-    return [move(solid, shift) for solid in solids], bulbs, boxes + shift
+    moved = [_round_solid(move(solid, shift)) for solid in solids]
+    return moved, bulbs, np.stack([solid.box for solid in moved])
+
+
+def _round_solid(piece: Solid) -> Solid:
+    """Return a solid on the grid of the shipped library."""
+    return replace(piece, vertices=round_positions(piece.vertices), uv=round_uv(piece.uv))
 
 
 def _origin_shift(boxes: Float[np.ndarray, "_ 2 3"], centred: bool) -> Float[np.ndarray, " 3"]:
@@ -118,11 +139,9 @@ def _move_bulb(bulb: Bulb, shift: Float[np.ndarray, " 3"]) -> Bulb:
     return Bulb((x, y, z), bulb.power)
 
 
-def _add_normals(mesh: Mesh) -> Mesh:
-    """Add vertex normals and drop unused vertices, which OBJ files do not store."""
-    used, faces = np.unique(mesh.faces, return_inverse=True)
-    faces = faces.reshape(mesh.faces.shape).astype(mesh.faces.dtype)
-    return replace(mesh, vertices=mesh.vertices[used], faces=faces, normal=corner_normals(mesh.vertices[used], faces))
+def _finish(mesh: Mesh, slots: Mapping[str, str]) -> Mesh:
+    """Return a mesh with normals, UVs in repeats, and without unused vertices, which OBJ files do not store."""
+    return add_normals(repeat_uv(mesh, slots.values()))
 
 
 def _make_light(bulb: Bulb) -> Light:

@@ -135,8 +135,10 @@ def test_braxs_registry_has_every_id(generated_bank, brax_env, monkeypatch):
     with pytest.raises(ConfigError, match="variation"):
         _ = env.sys
     with pytest.raises(ConfigError, match="stop=False"):
-        envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1)
-    assert envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1, actions="continuous", stop=False)
+        envs.get_environment("RoomNav-v0", houses=generated_bank, num_tasks=1, sensors=("state",))
+    assert envs.get_environment(
+        "RoomNav-v0", houses=generated_bank, num_tasks=1, sensors=("state",), actions="continuous", stop=False
+    )
     state = jax.jit(env.reset)(jax.random.PRNGKey(0))
     picture = env.render(state, height=6, width=8)
     assert picture.shape == (6, 8, 3)

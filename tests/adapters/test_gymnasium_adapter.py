@@ -12,7 +12,7 @@ from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import Status, sample_episodes, save_episodes
 
-SMALL = {"width": 16, "height": 16, "num_rays": 16, "num_bounces": 3, "episode_length": 5}
+SMALL = {"width": 16, "height": 16, "late": "traced", "num_rays": 16, "num_bounces": 3, "episode_length": 5}
 
 
 def test_check_env(generated_bank):

@@ -5,16 +5,16 @@ import json
 import mujoco
 import numpy as np
 import pytest
+from generated import generate_flats
 
 from home_mjx.cli import main
 from home_mjx.geometry.meshes import box_triangles
-from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory):
     root = tmp_path_factory.mktemp("houses")
-    return root, generate_dataset(root, [0])[0]
+    return root, generate_flats(root, [0])[0]
 
 
 def hull_of(box):

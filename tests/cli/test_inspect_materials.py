@@ -6,11 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from generated import generate_flats
 from handmade import Furniture, shoebox
 
 from home_mjx.cli import main
 from home_mjx.scene_compile.materials.unknown import unknown_material_share
-from home_procgen.v1.dataset import generate_dataset
 
 
 def test_the_share_is_that_of_the_area():
@@ -38,7 +38,7 @@ def renamed(root: Path) -> None:
 
 
 def test_a_warning_where_textures_are_unknown(tmp_path: Path, capsys: pytest.CaptureFixture):
-    generate_dataset(tmp_path, range(1))
+    generate_flats(tmp_path, range(1))
     shares = []
     for warned in (False, True):
         assert main(["inspect", "--dataset", str(tmp_path)]) == 0

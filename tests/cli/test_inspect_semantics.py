@@ -4,15 +4,15 @@ import json
 from pathlib import Path
 
 import pytest
+from generated import generate_flats
 
 from home_mjx.cli import main
-from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")
 def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("houses")
-    generate_dataset(root, range(1))
+    generate_flats(root, range(1))
     return root
 
 

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from generated import generate_flats
 from PIL import Image
 
 import home_mjx
@@ -17,7 +18,6 @@ from home_mjx.viewer.episodes.goal_markers import GoalMarkers
 from home_mjx.viewer.episodes.overlay import AGENT_COLOURS, GOAL_COLOUR
 from home_mjx.viewer.episodes.state_report import describe_state, shortest_path
 from home_mjx.viewer.episodes.video import PANEL_GAP, TEXT_HEIGHT
-from home_procgen import generate_dataset
 
 SIZE = (320, 240)
 
@@ -25,7 +25,7 @@ SIZE = (320, 240)
 @pytest.fixture(scope="module")
 def env(tmp_path_factory: pytest.TempPathFactory):
     root = tmp_path_factory.mktemp("look")
-    generate_dataset(root, range(2))
+    generate_flats(root, range(2))
     return home_mjx.make("PointNav-v0", root, num_houses=2, sensors=("goal",), impl="kinematic")
 
 
@@ -84,7 +84,7 @@ def test_it_prints_and_draws_one_state_of_the_file(
     top = TEXT_HEIGHT + PANEL_GAP
     view = picture[top : top + SIZE[1], PANEL_GAP : PANEL_GAP + SIZE[0]]
     plan = picture[top : top + SIZE[1], SIZE[0] + 2 * PANEL_GAP :]
-    assert view.std() > 10
+    assert view.std() > 5
     ring, agent = coloured(plan, GOAL_COLOUR), coloured(plan, AGENT_COLOURS[0])
     assert ring.sum() > 20  # the goal, and the path to it
     assert agent.sum() > 5

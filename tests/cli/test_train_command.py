@@ -14,6 +14,7 @@ import pytest
 
 pytest.importorskip("tensorboardX", reason="needs the extra `train`")
 
+from generated import generate_flats
 from processes import wait_for
 
 from home_mjx.cli import main
@@ -25,7 +26,6 @@ from home_mjx.datasets.splits import split_of
 from home_mjx.registry import find_spec
 from home_mjx.training import CPU_CONFIG, RunConfig, evaluation_spec, save_net
 from home_mjx.training.checkpoint import read_config
-from home_procgen import generate_dataset
 
 NETWORK = ["--ppo", "network.features=16", "--ppo", "network.memory=16"]
 
@@ -34,7 +34,7 @@ NETWORK = ["--ppo", "network.features=16", "--ppo", "network.memory=16"]
 def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset with houses of both parts."""
     root = tmp_path_factory.mktemp("houses")
-    ids = generate_dataset(root, range(12))
+    ids = generate_flats(root, range(12))
     assert {split_of(house) for house in ids} >= {"train", "val"}
     return root
 
@@ -197,6 +197,11 @@ def test_a_run_has_all_options():
 
 def test_houses_of_the_evaluation_are_looked_for_before_training(tmp_path, capsys):
     out = tmp_path / "run"
-    assert main(["train", "PointNav", "--dataset", "procedural:2?seed=5", "--steps", "1024", "--out", str(out)]) == 2
+    assert (
+        main(
+            ["train", "PointNav", "--dataset", "procedural:2?seed=5&preset=flat", "--steps", "1024", "--out", str(out)]
+        )
+        == 2
+    )
     assert "none of its 2 houses are in the split `val`" in capsys.readouterr().err
     assert not out.exists()

@@ -1,5 +1,6 @@
 """Every kind of PNG and JPEG that Pillow reads has the right colours and alpha, or is refused with file and reason."""
 
+import io
 import struct
 import zlib
 
@@ -8,7 +9,7 @@ import pytest
 from PIL import Image, ImageCms
 from png_files import encoded, png_of
 
-from home_mjx.core.images import has_cut_outs, open_texture, read_texture
+from home_mjx.core.images import decode_image, encode_png, has_cut_outs, open_texture, read_texture
 from home_mjx.errors import DatasetError
 
 GREY, RGB, PALETTE, GREY_ALPHA, RGBA = 0, 2, 3, 4, 6  # colour types of PNG
@@ -195,3 +196,13 @@ def test_resizing_keeps_colours_beside_holes(write):
 def test_colours_of_an_image_that_is_all_hole_are_kept(write):
     image = np.full((8, 8, 4), (30, 200, 40, 0), np.uint8)
     np.testing.assert_array_equal(read_texture(write(encoded(Image.fromarray(image))), 4)[0, 0], (30, 200, 40, 0))
+
+
+@pytest.mark.parametrize("colors", [1, 2, 256, 257])
+def test_images_of_few_colors_are_written_with_a_palette(colors):
+    rng = np.random.default_rng(colors)
+    palette = np.unique(rng.integers(0, 256, (4 * colors, 3)), axis=0)[:colors].astype(np.uint8)
+    image = palette[np.arange(64 * 64).reshape(64, 64) % colors]
+    data = encode_png(image)
+    assert Image.open(io.BytesIO(data)).mode == ("P" if colors <= 256 else "RGB")
+    np.testing.assert_array_equal(decode_image(data), image)

@@ -69,7 +69,7 @@ def overlaps(found: list[Thing], tolerance: float = TOUCH) -> list[tuple[str, st
 
 
 def floating(home: Home, number: int, found: list[Thing]) -> list[str]:
-    """Names of things that neither stand on a floor or a thing, nor touch a wall or a ceiling."""
+    """Names of things that neither stand on a floor or a thing, nor touch a wall, a splashback or a ceiling."""
     level = home.house.levels[number]
     walls = np.concatenate([flat(corners(room.walls)) for room in level.rooms if room.walls is not None])
     floors = np.concatenate([flat(corners(room.floor)) for room in level.rooms if room.floor is not None])
@@ -77,10 +77,12 @@ def floating(home: Home, number: int, found: list[Thing]) -> list[str]:
     building = np.concatenate([walls, floors, *ceilings])
     pieces = np.concatenate([t.pieces for t in found])
     owner = np.repeat(np.arange(len(found)), [len(t.pieces) for t in found])
+    panels = np.concatenate([building[:0], *(t.pieces for t in found if "splashback" in t.name)])
     bad = []
     for i, thing in enumerate(found):
         low, high = thing.box[0] - TOUCH, thing.box[1] + TOUCH
-        if thing.fine in FREE or ((building[:, 0] <= high) & (building[:, 1] >= low)).all(axis=1).any():
+        backs = building if "splashback" in thing.name else np.concatenate([building, panels])
+        if thing.fine in FREE or ((backs[:, 0] <= high) & (backs[:, 1] >= low)).all(axis=1).any():
             continue
         under = (owner != i) & (abs(pieces[:, 1, 1] - thing.box[0, 1]) < TOUCH)
         under &= ((pieces[:, 0] < high) & (pieces[:, 1] > low))[:, [0, 2]].all(axis=1)

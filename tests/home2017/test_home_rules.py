@@ -37,10 +37,10 @@ def skin(areas: list[float], surfaces: list[SurfaceMaterial], uv: np.ndarray = Q
 
 @pytest.fixture(scope="module")
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    from home_procgen.v1.dataset import generate_dataset
+    from generated import generate_flats
 
     folder = tmp_path_factory.mktemp("houses")
-    generate_dataset(folder, range(1))
+    generate_flats(folder, range(1))
     return folder
 
 

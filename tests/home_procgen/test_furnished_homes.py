@@ -11,12 +11,12 @@ from home_procgen.floor_plan.placed_model import PlacedModel, YawedObject, yaw_b
 from home_procgen.furnish.recipes import ESSENTIAL_CLASSES, RECIPES
 from home_procgen.furnish.space.collision_boxes import BoxStore, boxes_overlap
 from home_procgen.furnish.space.support_surfaces import can_support, find_support_surfaces
+from home_procgen.model_store import get_model, library_model, model_store
 from home_procgen.plan.shape.program import CONNECTING_TYPES, OUTDOOR_TYPES, ROOM_REQUIREMENTS
 from home_procgen.style import HomeStyle
 from home_procgen.style.object_kinds import _KINDS, resolve_kind
 from home_procgen.style.style import FITTED_FAMILIES, FRONT_FINISHES, METAL_FINISHES
-from home_procgen.things import families, get_model, library_model
-from home_procgen.things.finishes import FINISHES
+from home_procgen.textures.finishes import FINISHES
 
 SEEDS = (3, 5, 8)
 
@@ -52,7 +52,7 @@ def test_kinds_name_models_of_the_library():
     for kind in _KINDS:
         family, numbers = resolve_kind(kind)
         assert numbers
-        assert set(numbers) <= set(families()[family].numbers), kind
+        assert set(numbers) <= set(model_store().numbers[family]), kind
 
 
 def test_a_room_has_what_it_is_for():

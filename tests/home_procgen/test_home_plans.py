@@ -18,6 +18,7 @@ from home_mjx.schema.categories import ROOM_TYPES
 from home_procgen.floor_plan.openings import DOOR_Y, PlanOpening
 from home_procgen.floor_plan.placed_model import PlacedModel, quarter_towards
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
+from home_procgen.model_store import get_model
 from home_procgen.plan.home import HomePlan, draw_home
 from home_procgen.plan.openings.passage import is_passable, stairwell_box
 from home_procgen.plan.shape.compound_plan import draw_split
@@ -32,8 +33,8 @@ from home_procgen.plan.shape.program import (
 )
 from home_procgen.plan.shape.storeys import has_simple_outline
 from home_procgen.plugin import ProceduralName
+from home_procgen.presets import Variant
 from home_procgen.primitives.family import FurnitureModel
-from home_procgen.things import get_model
 
 
 @cache
@@ -254,7 +255,8 @@ def test_outlines_with_a_hole_or_in_two_parts_are_not_simple():
 
 def test_names_of_generated_houses():
     assert not has_scheme("houses")
-    assert ProceduralName.parse("3?version=3&seed=9") == ProceduralName(3, 9, 3)
+    assert ProceduralName.parse("3?seed=9") == ProceduralName(3, 9, Variant())
+    assert ProceduralName.parse("3?preset=flat") == ProceduralName(3, 0, Variant("flat", "low"))
     assert tuple(open_dataset("procedural:2?seed=9").house_ids) == (house_id(9), house_id(10))
 
 
@@ -267,7 +269,9 @@ def test_names_of_generated_houses():
         ("procedural:4?seed=-1", "seed"),
         ("procedural:4?seed=a", "does not name"),
         ("procedural:4?sed=1", "seed"),
-        ("procedural:4?version=7", "version"),
+        ("procedural:4?version=1", "all are of version 4.*preset=flat"),
+        ("procedural:4?preset=flats", "unknown preset"),
+        ("procedural:4?detail=lo", "unknown detail"),
         ("procedural:4?", None),
     ],
 )
@@ -281,25 +285,25 @@ def test_names_that_name_nothing_are_refused(name, message):
 
 def test_a_set_of_named_houses(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    houses = HouseSet("procedural:2?seed=3&version=3")
+    houses = HouseSet("procedural:2?seed=3")
     assert not houses.is_complete
-    assert houses.house_ids == (house_id(3), house_id(4))
+    assert houses.house_ids == (Variant().house_id(3), Variant().house_id(4))
     houses.resolved_dataset.prepare(houses.house_ids)
-    assert (tmp_path / "generated-v3" / "house" / house_id(4) / "house.json").is_file()
-    assert HouseSet("procedural:2?seed=3&version=3", num_houses=1).house_ids == (house_id(3),)
+    assert (tmp_path / "generated-v4" / "house" / Variant().house_id(4) / "house.json").is_file()
+    assert HouseSet("procedural:2?seed=3", num_houses=1).house_ids == (Variant().house_id(3),)
 
 
 def test_environments_take_names():
-    limited = house_set("procedural:30?version=3", num_houses=4)
+    limited = house_set("procedural:30", num_houses=4)
     assert len(limited.house_ids) == 4
-    assert limited.house_ids == tuple(open_dataset("procedural:30?version=3").house_ids)[:4]
+    assert limited.house_ids == tuple(open_dataset("procedural:30").house_ids)[:4]
 
 
 @pytest.mark.parametrize(("given", "taken"), [(None, 30), (8, 8), (30, 30)])
 def test_names_say_how_many_houses_there_are(monkeypatch, given, taken):
     made = []
     monkeypatch.setattr(env_factory, "build_env", lambda spec, houses, progress: made.append(spec.num_houses))
-    env_factory.make("PointNav-v0", "procedural:30?version=3", num_houses=given)
+    env_factory.make("PointNav-v0", "procedural:30", num_houses=given)
     assert made == [taken]
 
 

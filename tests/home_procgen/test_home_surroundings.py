@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from home_mjx.datasets import open_dataset
-from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.suncg.write.house import write_house
 from home_mjx.scene_compile import compile_house
 from home_mjx.schema.house import House
@@ -18,6 +17,7 @@ from home_procgen.outside import Surroundings, draw_surroundings
 from home_procgen.outside.models import outside_models
 from home_procgen.outside.roof import cover_with_rects
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
+from home_procgen.presets import Variant
 
 SEEDS = (3, 11)  # of one storey, and of two
 
@@ -29,7 +29,7 @@ def design(seed: int) -> HomeDesign:
 
 @cache
 def home(seed: int) -> House:
-    return to_house(house_id(seed), design(seed), outside(seed))
+    return to_house(Variant().house_id(seed), design(seed), outside(seed))
 
 
 @cache
@@ -89,13 +89,13 @@ def test_the_ground_is_all_around_and_below_the_floors(seed):
 
 def test_what_is_inside_is_the_same_with_and_without_a_garden(tmp_path):
     """Navigation, colliders, bodies, planes, lights and rooms; and the ids of what is on the ground floor."""
-    generate_dataset(tmp_path / "whole", [11], version=3)
+    generate_dataset(tmp_path / "whole", [11])
     (tmp_path / "plain").mkdir()
     for name in ("object", "texture", "metadata"):
         (tmp_path / "plain" / name).symlink_to(tmp_path / "whole" / name)
-    write_house(tmp_path / "plain", to_house(house_id(11), design(11)))
+    write_house(tmp_path / "plain", to_house(Variant().house_id(11), design(11)))
     datasets = [open_dataset(tmp_path / name) for name in ("plain", "whole")]
-    plain, whole = (compile_house(dataset.load_house(house_id(11)), dataset.metadata) for dataset in datasets)
+    plain, whole = (compile_house(dataset.load_house(Variant().house_id(11)), dataset.metadata) for dataset in datasets)
     for part in ("navigation", "colliders", "bodies", "rooms", "ramps", "planes", "doors"):
         for name, value in vars(getattr(plain, part)).items():
             other = getattr(getattr(whole, part), name)

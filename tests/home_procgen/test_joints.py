@@ -22,9 +22,9 @@ from home_mjx.schema.house import Joint, Mesh
 from home_procgen import generate_dataset
 from home_procgen.dataset_writer import library_model
 from home_procgen.model_library import MODEL_CATEGORIES
+from home_procgen.model_store import library
 from home_procgen.primitives.solids import box, move, rotate
 from home_procgen.shapes.transforms import add_mirror_images
-from home_procgen.things import library
 from home_procgen.things.movable_parts import assign_part, front_part
 
 CLEAR = 0.01  # [m]: by so much a part may cut into its model, or by as much as it does where it is drawn
@@ -199,7 +199,7 @@ def digests(root: Path) -> dict[str, str]:
 @pytest.fixture(scope="module")
 def root(tmp_path_factory) -> Path:
     root = tmp_path_factory.mktemp("homes") / "homes"
-    generate_dataset(root, [3], version=3)
+    generate_dataset(root, [3])
     return root
 
 
@@ -226,7 +226,7 @@ def test_a_folder_of_before_there_were_joints_gets_them_and_nothing_else(root, c
     dataset = open_dataset(root)
     assert dataset.joints == {}
     assert validate_house(dataset, house) == ()
-    generate_dataset(root, [3], version=3)
+    generate_dataset(root, [3])
     assert digests(root) == whole
     assert not caplog.records
 
@@ -234,7 +234,7 @@ def test_a_folder_of_before_there_were_joints_gets_them_and_nothing_else(root, c
 def test_a_broken_table_is_made_again(root):
     whole, path = digests(root), root / "metadata" / "joints.csv"
     path.write_text(path.read_text()[:500])
-    generate_dataset(root, [3], version=3)
+    generate_dataset(root, [3])
     assert digests(root) == whole
 
 

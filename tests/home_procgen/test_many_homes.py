@@ -7,11 +7,11 @@ import pytest
 from walked_homes import KINDS, LINKS, Home, likeness, may_be_alike, reachable
 
 from home_mjx.datasets import open_dataset, validate_house
-from home_mjx.datasets.seeds import house_id
 from home_procgen import generate_dataset
 from home_procgen.design import draw_design
 from home_procgen.generate import write_home
 from home_procgen.plan.home import HomePlan
+from home_procgen.presets import Variant
 
 FIRST, PART = 500_000, 125
 ALIKE, MOST = 0.85, 5  # part of a room map, and how many of 499,500 pairs may have more than that in common
@@ -35,13 +35,13 @@ def without_furniture(monkeypatch) -> list[HomePlan]:
 def test_a_thousand_homes_are_valid_and_their_private_rooms_are_ends(part, tmp_path, monkeypatch):
     without_furniture(monkeypatch)
     root, first = tmp_path / "homes", FIRST + PART * part
-    generate_dataset(root, [first], version=3)
+    generate_dataset(root, [first])
     for seed in range(first, first + PART):
         write_home(root, seed)
     dataset = open_dataset(root)
     for seed in range(first, first + PART):
-        assert validate_house(dataset, house_id(seed)) == ()
-        home = Home(dataset.load_house(house_id(seed)), dataset.metadata)
+        assert validate_house(dataset, Variant().house_id(seed)) == ()
+        home = Home(dataset.load_house(Variant().house_id(seed)), dataset.metadata)
         joined, (entrance,) = home.graph(), home.entrances()
         assert all(len(joined[r]) == 1 for r in home.rooms() if home.kind(*r) not in LINKS)
         assert reachable(joined, entrance, lambda room: home.kind(*room) in LINKS) == set(home.rooms())  # noqa: B023

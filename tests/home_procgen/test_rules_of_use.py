@@ -2,17 +2,24 @@
 
 from collections.abc import Iterator
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 from scipy import ndimage
 
 from home_mjx.scene_compile.collision.movables import FIXED_FINE, MOVABLE_COARSE, MOVABLE_FINE
 from home_procgen.design import HomeDesign, draw_design
 from home_procgen.floor_plan.openings import LevelPlan
 from home_procgen.floor_plan.placed_model import PlacedModel, overlap_mask
+from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.floor_plan.walls import CEILING_DROP, wall_box
+from home_procgen.furnish.rooms.halls import bare_stretches
+from home_procgen.furnish.rooms.kitchen import _fill_run
 from home_procgen.furnish.rooms.living import _place_stove
+from home_procgen.furnish.space.collision_boxes import collision_boxes
+from home_procgen.furnish.space.floor_placement import back_against, front_zone
 from home_procgen.furnish.space.room_space import RoomSpace
 from home_procgen.plan.openings.passage import landing_points
 from home_procgen.plan.shape.program import OUTDOOR_TYPES
@@ -286,3 +293,108 @@ def test_small_objects_are_not_repeated_without_end():
     for room in rooms():
         for family in ("soap_dish", "soap_dispenser", "telephone", "hair_dryer", "chessboard"):
             assert len(room.of(family)) <= 2, (room.name, family)
+
+
+def test_halls_have_a_lamp_every_few_metres():
+    """At most 5.5 m from one to the next along each part of a hall, and half of it at its ends."""
+    gaps = []
+    for room in rooms("Hall", "Hallway", "Lobby"):
+        lamps = [item.box.mean(axis=0) for item in room.of("ceiling_lamp", "pendant", "chandelier")]
+        for rect in room.level.rooms[room.index].rects[:2]:
+            axis = int(rect.extents[0] < rect.extents[1])
+            if max(rect.extents) < 5:
+                continue  # among them stairwells, which have lamps of their own
+            inside = [at for at in lamps if rect.x0 < at[0] < rect.x1 and rect.z0 < at[2] < rect.z1]
+            along = sorted([rect[axis] - 2.75, *(float(at[2 * axis]) for at in inside), rect[axis + 2] + 2.75])
+            gaps.append(max(np.diff(along)))
+    assert len(gaps) >= len(SEEDS)
+    assert np.mean(np.array(gaps) < 5.5) > 0.9
+
+
+def test_long_halls_are_not_bare():
+    """Few have a stretch of 2.5 m without furniture, pictures or the like; doors may be there."""
+    bare = []
+    for room in rooms("Hall", "Hallway", "Lobby"):
+        for rect in room.level.rooms[room.index].rects:
+            axis = int(rect.extents[0] < rect.extents[1])
+            if max(rect.extents) > 6:
+                bare.append(bool(bare_stretches(room.items, axis, rect[axis], rect[axis + 2])))
+    assert len(bare) >= len(SEEDS) // 2
+    assert np.mean(bare) < 0.35
+
+
+def test_floors_before_radiators_are_free():
+    seen = 0
+    for room in rooms():
+        for heater in room.of("radiator"):
+            zone = front_zone(heater, 0.4)
+            zone[0, 1] = heater.box[0, 1] + 0.03
+            for other in room.items:
+                if other.box[0, 1] < 1.0 and other.model.fine not in ("rug", "curtain"):
+                    assert other is heater or not overlap_mask(zone, other.parts, 0.01).any(), (
+                        room.name,
+                        other.model.id,
+                    )
+            seen += 1
+    assert seen > len(SEEDS)
+
+
+def kitchen_row(room: RoomSpace, count: int) -> list[PlacedModel]:
+    """Return equal base cabinets side by side at the first wall of a room."""
+    unit = room.style.make_object(list_models("wide_cabinet")[0])
+    wall = room.plan.walls[0]
+    starts = wall.span[0] + 0.5 + np.arange(count) * float(unit.size[0])
+    return [back_against(unit, wall, float(at)) for at in starts]
+
+
+def test_wall_cabinets_form_a_row_above_the_units():
+    """From the first unit on without gaps, until what is left is narrower than the narrowest cabinet."""
+    plan = LevelPlan((RoomPlan("Kitchen", (Rect(0.0, 0.0, 5.0, 4.0),)),), (), 2.7)
+    room = RoomSpace(plan, 0, HomeStyle.draw(np.random.default_rng(0)))
+    row = kitchen_row(room, 3)
+    room.items += row
+    room.solid.add(np.concatenate([collision_boxes(unit) for unit in row]))
+    _fill_run(room, row[::-1], [room.style.make_object(model) for model in list_models("wall_cabinet")[:3]])
+    hung = sorted((item.box[0, 0], item.box[1, 0]) for item in room.items if item.model.family == "hanging_cabinet")
+    assert all(abs(after[0] - before[1]) < 0.01 for before, after in pairwise(hung))
+    assert hung[-1][1] == pytest.approx(row[-1].box[1, 0], abs=0.02)
+    assert -0.011 < hung[0][0] - row[0].box[0, 0] < 0.4
+
+
+def test_kitchens_have_splashbacks_below_their_wall_cabinets():
+    kitchens = list(rooms("Kitchen"))
+    having = [room for room in kitchens if room.of("splashback")]
+    assert len(having) > 0.4 * len(kitchens)
+    for room in having:
+        for panel in room.of("splashback"):
+            assert 0.05 < panel.box[0, 1] - 0.8 < 0.3, room.name
+            assert panel.box[1, 1] < 1.52, room.name
+
+
+def test_coolers_that_stand_have_no_hose():
+    """Nothing is behind or above their body: a hose would end at a blank wall."""
+    for model in list_models("standing_cooler"):
+        assert model.size[0] < 0.45
+        assert model.size[1] < 1.1
+        assert model.size[2] < 0.45
+
+
+def test_lamps_suit_their_rooms():
+    """No lanterns or bulkhead lamps of façades indoors, and chandeliers of candles only in large rooms."""
+    for room in rooms():
+        if room.type not in OUTDOOR_TYPES:
+            lanterns = [lamp for lamp in room.of("wall_lamp") if lamp.model.id == "home_wall_lamp_9"]
+            assert room.type == "Garage" or not lanterns, room.name
+        if room.type in ("Bedroom", "Guest_Room") and room.level.rooms[room.index].area < 20:
+            assert not room.of("chandelier"), room.name
+
+
+def test_bedrooms_of_a_home_have_different_beds():
+    """As far as beds fit: at most one in five homes with several double beds has one of them twice."""
+    homes = [
+        [i.model.id for objects in design(seed).objects for i, _ in objects if i.model.fine == "double_bed"]
+        for seed in SEEDS
+    ]
+    several = [beds for beds in homes if len(beds) > 1]
+    assert several
+    assert sum(len(set(beds)) < len(beds) for beds in several) <= max(1, len(several) // 5)

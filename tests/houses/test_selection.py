@@ -3,6 +3,7 @@ from itertools import chain
 
 import numpy as np
 import pytest
+from generated import generate_flats
 from handmade import Furniture, shoebox, two_rooms
 
 import home_mjx
@@ -11,7 +12,6 @@ from home_mjx.datasets.splits import SPLITS, select_ids, split_of
 from home_mjx.errors import ConfigError
 from home_mjx.houses import load_bank
 from home_mjx.houses.selection import HouseFilter
-from home_procgen.v1.dataset import generate_dataset
 
 IDS = [hashlib.md5(str(i).encode()).hexdigest() for i in range(20_000)]
 
@@ -79,7 +79,7 @@ def test_wrong_filters_are_refused():
 @pytest.fixture(scope="module")
 def root(tmp_path_factory):
     root = tmp_path_factory.mktemp("houses")
-    generate_dataset(root, range(6))
+    generate_flats(root, range(6))
     return root
 
 

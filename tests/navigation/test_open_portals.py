@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from generated import generate_flats
 from handmade import Furniture, shoebox, two_rooms
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy import ndimage
@@ -17,7 +18,6 @@ from home_mjx.navigation import connected_rooms, door_angles, passable_portals
 from home_mjx.scene_compile.navigation.clearance import compute_clearance
 from home_mjx.scene_compile.navigation.portals import room_hops
 from home_mjx.schema.compiled import CompiledHouse, Doors, PortalKind, Portals
-from home_procgen.v1.dataset import generate_dataset
 
 KEY, HOUSE = jax.random.key(0), jnp.int32(0)
 WIDTH, CLOSED, LOW, HIGH = 0.8, 0.3, -1.2, 0.3
@@ -136,7 +136,7 @@ def test_a_bank_without_doors_has_open_openings_only():
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory) -> list[CompiledHouse]:
     root = tmp_path_factory.mktemp("generated")
-    return list(HouseSet.coerce(root, ids=generate_dataset(root, range(4))).load(False))
+    return list(HouseSet.coerce(root, ids=generate_flats(root, range(4))).load(False))
 
 
 def turned_boxes(doors: Doors, angle: np.ndarray) -> BoxSet:

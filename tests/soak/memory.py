@@ -56,7 +56,8 @@ def soak(folder: Path, args: argparse.Namespace) -> dict[str, object]:
     from home_mjx.tasks import make_config
     from home_procgen import generate_dataset
 
-    ids = generate_dataset(folder, range(args.seed * 1000, args.seed * 1000 + args.houses))
+    seeds = range(args.seed * 1000, args.seed * 1000 + args.houses)
+    ids = generate_dataset(folder, seeds, preset="flat")
     config = make_config(sensors=tuple(args.sensors), impl=args.impl, episode_length=100, width=32, height=32)
     env, rng, looks, steps = AutoReset(HouseholdEnv(config)), np.random.default_rng(args.seed), [], 0
     reset, step = jax.jit(env.reset), jax.jit(env.step)

@@ -244,8 +244,9 @@ def whole_house(folder: Path) -> tuple[list[bytes], Read]:
 
 def marker(path: Path) -> object:
     from home_procgen.dataset_writer import _claim_root
+    from home_procgen.presets import HOME_VARIANT
 
-    return _claim_root(path.parent, 1)
+    return _claim_root(path.parent, HOME_VARIANT)
 
 
 # Training
@@ -371,16 +372,17 @@ def with_bank(which: str) -> Callable[[Path], tuple[list[bytes], Read]]:
     """Files of episodes and of tasks, of two generated houses."""
 
     def prepare(folder: Path) -> tuple[list[bytes], Read]:
+        from generated import generate_flats
+
         from home_mjx import tasks
         from home_mjx.houses import load_bank
         from home_mjx.physics import PhysicsConfig
         from home_mjx.tasks.rules.house_view import house_views
         from home_mjx.tasks.suite import RoomNav, task_io
-        from home_procgen.v1.dataset import generate_dataset
 
         os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
         bank, path = (
-            load_bank(folder / "houses", ids=generate_dataset(folder / "houses", range(2))),
+            load_bank(folder / "houses", ids=generate_flats(folder / "houses", range(2))),
             folder / "a.jsonl",
         )
         if which == "episodes":
@@ -427,7 +429,7 @@ TARGETS = {
     "sums": Target(kept_text(b'{"a.nbi": "00", "a.nbc": "11"}', sums), JSON, ()),
     "digests": Target(digest_index, (of_bytes,), ()),
     "whole-house": Target(whole_house, JSON, ()),
-    "marker": Target(kept_text(b'{"generator": "home_mjx", "version": 1}', marker, "generated.json"), JSON),
+    "marker": Target(kept_text(b'{"generator": "home_mjx", "version": 4}', marker, "generated.json"), JSON),
     "checkpoint": Target(checkpoint(alone=False), ARCHIVE),
     "agent": Target(checkpoint(alone=True), ARCHIVE),
     "options": Target(options, (of_json,)),

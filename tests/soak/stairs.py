@@ -63,7 +63,7 @@ def homes(seed: int, count: int) -> Any:
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.houses.selection import HouseFilter
 
-    name = f"procedural:{4 * count}?version=3&seed={100_000 + 1000 * seed}"
+    name = f"procedural:{4 * count}?seed={100_000 + 1000 * seed}"
     chosen = HouseSet(name, num_houses=count, filter=HouseFilter(levels=(2, 3)))
     return HouseBank.from_compiled(chosen.load())
 

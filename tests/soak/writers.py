@@ -8,13 +8,13 @@ import os
 import re
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-MODELS = 8  # of the generated library: all two hundred are written alike
+MODELS = 8  # of a flat: all are written alike
 ROWS = [{"house": f"{i:032x}", "start": [0.5 * i, 1.0, 0.0], "yaw": 0.1 * i} for i in range(200)]
 
 
@@ -63,21 +63,21 @@ def loaded(*modules: str) -> Callable[[], None]:
 
 @functools.cache
 def generator() -> Any:
-    """The module, with a small library and houses that are built once."""
-    from home_procgen.v1 import dataset
+    """The module, with one flat that is built once and has objects of few models."""
+    from home_procgen import generate
+    from home_procgen.presets import Variant
 
-    library, house = dataset.library(), dataset.build_house(0)
-    used = {node.model_id for level in house.levels for node in level.objects}
-    few = {name: model for name, model in library.items() if name in used}
-    dataset.library = lambda: dict(list(few.items())[:MODELS])
-    images = {name: dataset.base_texture(name) for name in list(dataset.BASE_RECIPES)[:MODELS]}
-    dataset.BASE_RECIPES, dataset.base_texture = dict.fromkeys(images), images.__getitem__
-    dataset.build_house = functools.cache(lambda seed: house)
-    return dataset
+    flat = generate.build_home(0, Variant("flat"))
+    (level,) = flat.levels
+    few = list(dict.fromkeys(node.model_id for node in level.objects))[:MODELS]
+    kept = tuple(node for node in level.objects if node.model_id in few)
+    flat = replace(flat, levels=(replace(level, objects=kept),))
+    generate.build_home = lambda seed, variant: flat
+    return generate
 
 
 def generate(folder: Path) -> None:
-    generator().generate_dataset(folder / "houses", [0])
+    generator().generate_dataset(folder / "houses", [0], preset="flat")
 
 
 def generate_again(folder: Path) -> None:

@@ -12,8 +12,18 @@ from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import TextureArray
 
-TEXTURE_SIZE = 128  # [px], edge of a layer
+TEXTURE_SIZE, MAX_TEXTURE_SIZE = 128, 512  # [px], default edge of a layer, and the largest for large images
 WORD_BITS = 32
+
+
+def texture_size_for(edge: int) -> int:
+    """Return the edge of texture layers that suits images with an edge [px]: a power of two, 128 to 512.
+
+    Example:
+        >>> texture_size_for(64), texture_size_for(240), texture_size_for(1080)
+        (128, 256, 512)
+    """
+    return min(max(size_class(edge, TEXTURE_SIZE), TEXTURE_SIZE), MAX_TEXTURE_SIZE)
 
 
 def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:

@@ -14,12 +14,13 @@ from home_mjx.cli.houses import (
     load_compiled_house,
     selected_houses,
 )
-from home_mjx.cli.parsing import MAX_WORKERS, parse_path, whole_number_type
+from home_mjx.cli.parsing import MAX_WORKERS, parse_names, parse_path, whole_number_type
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import COLLISIONS
 
 if TYPE_CHECKING:
+    from home_mjx.houses.house_set import HouseSet
     from home_mjx.houses.report import CompileSummary
 
 
@@ -45,6 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--report", type=parse_path, metavar="FILE", help="file for the status of each house (default: in the cache)"
     )
     group.add_argument("--scheduler", metavar="ADDRESS", help="address of a Dask cluster to run on")
+    group.add_argument(
+        "--bakes", type=parse_names, default=(), metavar="A,B", help="bakes to compute as well, such as late_reverb"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
@@ -52,17 +56,38 @@ def run(args: argparse.Namespace) -> int:
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
         return _write_mjcf(args)
+    from home_mjx.houses.bakes import find_bake
     from home_mjx.houses.job import compile_dataset
 
+    houses = selected_houses(args)
+    for name in args.bakes:
+        find_bake(name)  # an unknown one is refused before houses are compiled
     summary = compile_dataset(
-        selected_houses(args),
+        houses,
         workers=args.workers,
         resume=args.resume,
         report=args.report,
         scheduler=args.scheduler,
     )
     _print_summary(summary)
+    if args.bakes:
+        _bake(houses, args.bakes, summary)
     return int(summary.failed > 0)
+
+
+def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary") -> None:
+    """Compute bakes of the compiled houses, one house at a time, which limits memory."""
+    from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
+    from home_mjx.houses.load import load_bank
+    from home_mjx.houses.report import FAILED, read_report
+
+    failed = {line["id"] for line in read_report(summary.report) if line["status"] == FAILED}
+    ids = [house_id for house_id in houses.house_ids if house_id not in failed]
+    with ProgressCount(f"baking {plural(len(ids), 'house')}", len(ids), "house", is_progress_shown()) as count:
+        for house_id in ids:
+            load_bank(houses, ids=[house_id], bakes=bakes, progress=False)
+            count.update()
+    sys.stdout.write(f"{', '.join(bakes)} of {plural(len(ids), 'house')} baked\n")
 
 
 def _write_mjcf(args: argparse.Namespace) -> int:

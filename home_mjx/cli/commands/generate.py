@@ -17,20 +17,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help="from A to B, B excluded (default: 0:8)",
     )
-    parser.add_argument(
-        "--generator",
-        type=int,
-        default=1,
-        metavar="VERSION",
-        help="1: flats on one floor (default); 2: homes of up to three storeys",
-    )
+    parser.add_argument("--preset", default="home", help="home, or flat: one storey, 3 to 6 rooms (default: home)")
+    parser.add_argument("--detail", default="", help="full or low, of the models (default: full; low in flats)")
 
 
 def run(args: argparse.Namespace) -> int:
     """Write a house per seed, keeping existing ones; print number, first and last id and location; return 0."""
     from home_procgen.generate import generate_dataset
 
-    ids = generate_dataset(args.out, args.seeds, progress=is_progress_shown(), version=args.generator)
+    ids = generate_dataset(args.out, args.seeds, is_progress_shown(), args.preset, args.detail)
     sys.stdout.write(f"{len(ids)} houses in {args.out}: {ids[0]} .. {ids[-1]}\n")
     sys.stdout.write(f"Use them with: home-mjx demo --dataset {args.out}\n")
     return 0

@@ -4,10 +4,12 @@ import dataclasses
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.presets import audio_preset
 from home_mjx.audio_jax.contact_sounds.options import ContactSoundConfig
 from home_mjx.core.checks import check_flag, check_known, check_names, check_number, check_type, names_hint
 from home_mjx.errors import ConfigError
@@ -123,7 +125,7 @@ class EnvConfig:
         body: Size, mass and eye height of every agent, shared with physics, cameras and ears.
         timing: Time steps, shared with physics and sound.
         physics: Number of agents, their bodies if they differ, and solver.
-        audio: Room acoustics and receiver.
+        audio: Room acoustics and receiver; by default the preset "balanced", which reads a bake that `make` adds.
 
     Raises:
         ConfigError: A value is invalid, or `physics` or `audio` has a body or timing of its own.
@@ -155,7 +157,7 @@ class EnvConfig:
     body: AgentBody = field(default_factory=AgentBody)
     timing: Timing = field(default_factory=Timing)
     physics: PhysicsConfig = field(default_factory=PhysicsConfig)
-    audio: AudioConfig = field(default_factory=AudioConfig)
+    audio: AudioConfig = field(default_factory=partial(audio_preset, "balanced"))
 
     def __post_init__(self) -> None:
         if self.sensors is not None:

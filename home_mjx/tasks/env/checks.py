@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records.acoustics import LATE_REVERB
 from home_mjx.core.checks import check_number
 from home_mjx.errors import MAX_LISTED, ConfigError, OutOfRangeError
 from home_mjx.houses.bakes import Bake
@@ -149,6 +150,8 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
     for bake in bakes:
         if bake.name not in bank.bakes:
             hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank."
+            if bake.name == LATE_REVERB:
+                hint = f"{hint[:-1]}; or trace sound in every step with late='traced'."
             raise ConfigError(
                 f"a sensor or shader needs the bake `{bake.name}`, which the bank does not have", hint=hint
             )

@@ -1,60 +1,103 @@
-"""Images of the walk."""
+"""Images of the walk: a row per agent with its view, its sensors and the plan of every storey."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import jax
 import numpy as np
+from jaxtyping import Float, UInt8
+from PIL import Image
 
-from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.viewer.episodes.camera import FilmCamera, scene_without_agents
 from home_mjx.viewer.pictures import media, pictures
-from home_mjx.viewer.pictures.top_view import TopView
+from home_mjx.viewer.pictures.top_view import AGENT_COLOUR, SOURCE_COLOUR, Marker, TopView
+
+WIDTH, HEIGHT = 640, 480  # [px] of a view
+INSET_SCALE, INSET_MARGIN = 2, 8  # factor of the observed image in a corner of the view, and its margin [px]
+
+Picture = UInt8[np.ndarray, "_ _ 3"]
 
 
 @dataclass
 class WalkRecord:
-    """Observations and positions of a walk, for each drawn environment."""
+    """A walk of the drawn environments.
 
-    obs: list[dict[str, np.ndarray]] = field(default_factory=list)
-    positions: list[np.ndarray] = field(default_factory=list)
-    sources: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    Attributes:
+        sources: (N, 3) positions of the radios [m].
+        positions: (N, 3) positions of the agents in each step [m].
+        moments: State and observations of each environment at the step in which it observes most instances.
+    """
 
-    def most_varied_observation(self, view: int) -> dict[str, np.ndarray]:
-        """Return all drawn environments' observations at the step in which environment `view` observes most instances.
+    sources: Float[np.ndarray, "n 3"]
+    positions: list[Float[np.ndarray, "n 3"]] = field(default_factory=list)
+    moments: dict[int, tuple[int, State, dict[str, np.ndarray]]] = field(default_factory=dict)
 
-        Each view has its own share of the steps: agents of one house would otherwise all be drawn at the same place.
-        """
-        num_views = len(self.sources)
-        part = slice(len(self.obs) * view // num_views, max(len(self.obs) * (view + 1) // num_views, 1))
-        return max(self.obs[part] or self.obs, key=lambda obs: len(np.unique(obs["ids/head_instance"][view])))
+    def add(self, states: State, positions: Float[np.ndarray, "n 3"]) -> None:
+        """Append a step of all environments."""
+        self.positions.append(positions)
+        ids = np.asarray(states.obs["ids/head_instance"])
+        for i in range(len(ids)):
+            count = len(np.unique(ids[i]))
+            if i not in self.moments or count > self.moments[i][0]:
+                one = jax.tree.map(lambda x, i=i: x[i], states)
+                self.moments[i] = count, one, {k: np.asarray(v) for k, v in one.obs.items()}
 
 
-def write_contact_sheet(env: Env[HouseholdEnv], states: State, walk: WalkRecord, folder: Path) -> None:
-    """Write `contact_sheet.png`, a row per environment: plan with path, and images of its most varied observation."""
-    houses = np.asarray(states.world.house)
-    tops = [TopView(env.bank, _scene(env, states, i)) for i in range(len(houses))]
+def write_contact_sheet(env: Env[HouseholdEnv], walk: WalkRecord, folder: Path) -> None:
+    """Write `contact_sheet.png`: a row per environment, at the step in which its agent observes most instances."""
+    camera = FilmCamera(env, WIDTH, HEIGHT)
     paths = np.stack(walk.positions)
     rows = []
-    for i, top in enumerate(tops):
-        image = top.draw_path(paths[:, i], walk.sources[i], size=256)
-        caption = f"house {houses[i]}: path, end (green), radio (red)"
-        rows.append([pictures.add_caption(image, caption), *_views(env, walk.most_varied_observation(i), i, 256)])
+    for i, (_, state, obs) in sorted(walk.moments.items()):
+        view = _add_inset(camera.capture(state).view, obs["pixels/head_rgb"])
+        plans = _draw_plans(env, state, paths[:, i], walk.sources[i])
+        caption = f"home {int(state.world.house)}: what the agent sees; inset: what it observes"
+        names = [f"storey {level + 1}" for level in range(len(plans))]
+        names[-1] += ": path (blue), agent (green), radio (red)"
+        rows.append([pictures.add_caption(view, caption), pictures.add_caption(_sensors(env, obs), "depth, category")])
+        rows[-1] += [pictures.add_caption(plan, name) for plan, name in zip(plans, names, strict=True)]
     media.write_png(folder / "contact_sheet.png", pictures.compose_sheet(rows))
 
 
-def _scene(env: Env[HouseholdEnv], states: State, index: int) -> Scene:
-    """Return the scene of environment `index` of a batch of states, for ray casting."""
-    return env.core.snapshot(env.params, jax.tree.map(lambda x: x[index], states)).scene
+def _add_inset(view: Picture, observed: Picture) -> Picture:
+    """Return a view with the observed image, enlarged, in its lower right corner."""
+    inset = np.pad(pictures.enlarge(observed, INSET_SCALE * observed.shape[1]), [(2, 2), (2, 2), (0, 0)])
+    out, (height, width) = view.copy(), inset.shape[:2]
+    out[-height - INSET_MARGIN : -INSET_MARGIN, -width - INSET_MARGIN : -INSET_MARGIN] = inset
+    return out
 
 
-def _views(env: Env[HouseholdEnv], obs: dict[str, np.ndarray], view: int, size: int) -> list[np.ndarray]:
-    panels = {
-        "rgb": obs["pixels/head_rgb"][view],
-        "depth": pictures.colour_depth(obs["pixels/head_depth"][view, ..., 0], env.config.max_depth),
-        "category": pictures.colour_ids(obs["ids/head_fine"][view]),
-        "instance": pictures.colour_ids(obs["ids/head_instance"][view]),
-    }
-    return [pictures.add_caption(pictures.enlarge(image, size), name) for name, image in panels.items()]
+def _sensors(env: Env[HouseholdEnv], obs: dict[str, np.ndarray]) -> Picture:
+    depth = pictures.colour_depth(obs["pixels/head_depth"][..., 0], env.config.max_depth)
+    category = pictures.colour_ids(obs["ids/head_fine"])
+    return np.concatenate([pictures.enlarge(image, HEIGHT // 2) for image in (depth, category)])
+
+
+def _draw_plans(
+    env: Env[HouseholdEnv], state: State, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"]
+) -> list[Picture]:
+    """Return the plan of each storey, lowest first, with the part of the path on it, its end, and the radio."""
+    house, scene = int(state.world.house), scene_without_agents(env, state)
+    floors = np.asarray(env.bank.navigation.floor[house])
+    floors = floors[np.isfinite(floors) & (np.arange(len(floors)) < _count_storeys(env, house))]
+    plans = []
+    for level in range(len(floors)):
+        top = TopView(env.bank, scene, 2 * HEIGHT, level)
+        marks = [Marker(path[-1], AGENT_COLOUR, 7), Marker(source, SOURCE_COLOUR, 9)]
+        marks = [mark for mark in marks if _level_of(mark.pos, floors) == level]
+        own = path[[_level_of(point, floors) == level for point in path]]
+        image = Image.fromarray(top.draw_markers(marks, own if len(own) else None))
+        plans.append(np.asarray(image.resize((HEIGHT, HEIGHT), Image.Resampling.LANCZOS)))
+    return plans
+
+
+def _count_storeys(env: Env[HouseholdEnv], house: int) -> int:
+    """Return the number of storeys of a house that have rooms."""
+    return int((np.asarray(env.bank.navigation.room[house]) >= 0).any(axis=(1, 2)).sum())
+
+
+def _level_of(point: Float[np.ndarray, " 3"], floors: Float[np.ndarray, " l"]) -> int:
+    return max(int((floors <= point[2]).sum()) - 1, 0)

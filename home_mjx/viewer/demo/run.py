@@ -12,27 +12,25 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
+from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
 from home_mjx.core import profiling
 from home_mjx.core.files import write_all_or_none
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
-from home_mjx.navigation.path_follower import PathFollower, make_path_follower
-from home_mjx.tasks.base.state import State
+from home_mjx.houses.load import load_bank
+from home_mjx.navigation.grid import geodesic_distance
+from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
+from home_mjx.tasks.experts.expert_observation import EXPERT, add_expert
 from home_mjx.training.progress import ProgressBar
 from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet
 from home_mjx.viewer.demo.search import film_search
 
 NUM_PHASES = 6  # units of progress besides the steps of the walk
-SENSORS_ALONE = {
-    "depth": ("depth",),
-    "rgb": ("rgb",),
-    "instance and category": ("instance", "fine"),
-    "audio": ("audio",),
-    "state and goal": ("state", "goal"),
-}
+TEXTURE_SIZE = 256  # [px], for pictures of 480 lines
 
 
 @dataclass(frozen=True)
@@ -72,16 +70,18 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     started = time.perf_counter()
     observer.on_run_start(RunStart("demo", None, "steps", options.num_steps + NUM_PHASES))
     observer.on_phase("houses")
-    env = make("PointNav-v0", options.suncg, num_houses=options.num_houses, episode_length=10**6)
+    bakes = (LateReverbBake(BakeOptions(quality="coarse")),)
+    bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=bakes, texture_size=TEXTURE_SIZE)
+    env = make("PointNav-v0", bank, episode_length=10**6)
     observer.on_phase("houses", "compiling the step (once)")
     observer.on_update(1)
     begin, seconds = _compiled_begin(env, options)
     states = start_batch(env, begin, options)
-    views = jax.tree.map(lambda x: x[: options.num_views], states)
-    step, _ = _compiled_step(env, views)  # of the drawn environments only; the others do not walk
+    views, guided = jax.tree.map(lambda x: x[: options.num_views], states), add_expert(env)
+    step, _ = _compiled_step(guided, views)  # of the drawn environments only; the others do not walk
     observer.on_update(1)
     observer.on_phase("walking")
-    views, walk = record_walk(env, step, views, options, observer)
+    walk = record_walk(guided, step, views, options, observer)
     observer.on_phase("measuring")
     rates, more_seconds = measure(env, states)
     observer.on_update(1)
@@ -98,7 +98,7 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
     }
     with write_all_or_none(options.out, "demo") as folder:
-        write_contact_sheet(env, views, walk, folder)
+        write_contact_sheet(env, walk, folder)
         observer.on_update(1)
         observer.on_phase("searching")
         report["search"] = film_searches(folder, options)
@@ -139,49 +139,44 @@ def _no_actions(env: Env[HouseholdEnv], states: State) -> jax.Array:
 
 
 def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
-    """Start environment i in house i modulo their number; the radio is `source_height` above the house's first goal."""
+    """Start environments in turn in all houses, those of most storeys first, with the farthest goal.
+
+    All environments of a house have the radio `source_height` above the house's first goal.
+    """
+
+    def farthest_goal(params: EnvParams, state: State) -> jax.Array:
+        feet = env.core.snapshot(params, state).feet[0]
+        return geodesic_distance(params.bank, state.world.house, None, feet).argmax().astype(jnp.int32)
+
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
-    houses = jnp.arange(options.num_envs, dtype=jnp.int32) % env.bank.num_houses
+    storeys = (np.asarray(env.bank.navigation.room) >= 0).any(axis=(2, 3)).sum(axis=1)
+    order = np.argsort(-storeys, kind="stable").astype(np.int32)
+    houses = jnp.asarray(order[np.arange(options.num_envs) % env.bank.num_houses])
     states = begin(env.params, keys, houses)
-    # All environments of a house have the radio at the house's first goal.
     radio = env.bank.navigation.goal[houses, 0].at[:, 2].add(env.config.source_height)
     sounds = states.world.sounds.replace(pos=radio[:, None])
-    return states.replace(world=states.world.replace(sounds=sounds))
+    goal = jax.jit(jax.vmap(farthest_goal, (None, 0)))(env.params, states)
+    return states.replace(world=states.world.replace(sounds=sounds), task=states.task.replace(goal=goal))
 
 
 def record_walk(
     env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, observer: Observer
-) -> tuple[State, WalkRecord]:
-    """Walk environments along paths with the compiled `step`; return the last states and the record of each step.
-
-    Positions are those of each environment's first agent.
-    """
-    pose = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).pose, (None, 0)))
-    place = pose(env.params, states)
-    walkers = make_walkers(env, states, np.asarray(place.pos[:, 0]))
-    walk = WalkRecord(sources=np.asarray(states.world.source))
+) -> WalkRecord:
+    """Walk environments on their experts' actions with the compiled `step`; return the record of their agents."""
+    feet = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).feet[0], (None, 0)))
+    walk, actions, unread = WalkRecord(np.asarray(states.world.source)), _no_actions(env, states), states.obs
     for _ in range(options.num_steps):
-        pos, yaw = np.asarray(place.pos[:, 0]), np.asarray(place.yaw[:, 0])
-        actions = np.stack([w.action(pos[i], float(yaw[i])) for i, w in enumerate(walkers)])
-        states = step(env.params, states, jnp.asarray(actions))
-        place = pose(env.params, states)
-        walk.obs.append({k: np.asarray(v) for k, v in states.obs.items()})
-        walk.positions.append(np.asarray(place.pos[:, 0]))
+        states = step(env.params, states.replace(obs=unread), actions)
+        actions = states.obs[EXPERT]
+        walk.add(states, np.asarray(feet(env.params, states)))
         observer.on_update(1)
-    return states, walk
-
-
-def make_walkers(env: Env[HouseholdEnv], states: State, pos: np.ndarray) -> list[PathFollower]:
-    """Return a path follower per environment, from `pos` (N, 3), the agents' positions [m]."""
-    houses = np.asarray(states.world.house)
-    turn = env.config.body.turn_rate * env.dt
-    return [make_path_follower(env.bank, int(h), pos[i], turn) for i, h in enumerate(houses)]
+    return walk
 
 
 def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
     """Return environment steps/s by name, and compile times by name [s].
 
-    `all` is a step with all sensors, `physics` one without; others of `SENSORS_ALONE` are observations without step.
+    `all` is a step with all sensors, `physics` one without. `home-mjx bench` measures each sensor by itself.
     """
     num_envs, none = states.reward.shape[0], _no_actions(env, states)
     actions = profiling.drawn_actions(none.shape)
@@ -193,9 +188,4 @@ def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], di
         name: num_envs * profiling.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
         for name, program in (("all", step), ("physics", advance))
     }
-    for name, kinds in SENSORS_ALONE.items():
-        alone = HouseholdEnv(env.config.replace(sensors=kinds), env.task)
-        observe = jax.vmap(lambda p, s, alone=alone: alone.observe(p, s, update=True).obs, (None, 0))
-        program, seconds[name] = profiling.compiled(observe, env.params, states)
-        rates[name] = num_envs * profiling.calls_per_second(program, env.params, states)
     return rates, seconds

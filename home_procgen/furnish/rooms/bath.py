@@ -97,7 +97,7 @@ def place_basin(room: RoomSpace, kind: str) -> None:
         return
     hang_above(room, placed, room.draw_object("bath_mirror"), max(1.15, float(placed.size[1]) + 0.03))
     if room.draw_chance(0.4):
-        hang_above(room, placed, room.draw_object("wall_lamp"), 2.0)
+        hang_above(room, placed, room.draw_object("indoor_wall_lamp"), 2.0)
     place_several_on_top(room, placed, ON_BASIN, 3)
     if room.draw_chance(0.3):
         _place_mat(room, placed)

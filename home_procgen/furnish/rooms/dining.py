@@ -76,5 +76,5 @@ def furnish_dining_room(room: RoomSpace) -> None:
         add_at_wall(room, kind, 0.0, probability)
     hang_kind(room, "wall_clock", 1.65, 0.3)
     for _ in range(2):
-        hang_kind(room, "wall_lamp", 1.65, 0.3)
+        hang_kind(room, "indoor_wall_lamp", 1.65, 0.3)
     hang_pictures(room, 4)

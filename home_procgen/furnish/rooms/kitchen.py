@@ -1,6 +1,7 @@
 """Kitchens: rows of units along a wall, cabinets and a hood above, and objects on the counters."""
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -36,6 +37,9 @@ from home_procgen.style.object_kinds import list_models
 WALL_CABINET_HEIGHT, RAIL_HEIGHT = 1.45, 1.2
 MAX_CORNER_OFFSET = 0.25  # [m], maximum distance between the sides of a corner cabinet and of the unit below it
 MAX_LOW_UNIT = 1.25  # [m], height of units with cabinets above them
+CABINET_STEP = 0.1  # [m], distance to the next place to try where no wall cabinet fits
+SPLASH_GAP, SPLASH_MARGIN = 0.006, 0.004  # [m], thickness of a splashback with its gap; from it to worktop and cabinets
+SPLASHBACK_PROBABILITY = 0.8
 MIN_HOOD_HEIGHT = 1.55  # [m], minimum height of the undersides of hoods above the floor
 HOOD_KINDS = ("high_hood", "hood", "low_hood")  # by the height of their shafts
 # Kinds of units of a row, in order from one end; longer rows first.
@@ -81,12 +85,15 @@ def furnish_kitchen(room: RoomSpace) -> None:
     for kinds in WORKTOP_ROWS:
         while worktop_length(bases) < MIN_WORKTOP and (more := _place_row(room, kinds)):
             bases += more
+            _place_wall_units(room, more)
     if not any(unit.model.family == "refrigerator" for unit in row):
         add_at_wall(room, "slim_fridge", 0.6)
     if room.plan.area > 9.5:
         place_dining_set(room, 4 if room.plan.area > 11.5 else 2)
     if room.draw_chance(0.85) and (more := _place_row(room, ("base_cabinet",) * int(room.rng.integers(1, 4)))):
         bases += more
+        if room.draw_chance(0.6):
+            _place_wall_units(room, more)
     if room.plan.area > 12.5 and room.draw_chance(0.35):
         _place_island(room, bases)
     _place_on_counters(room, row, bases)
@@ -100,7 +107,7 @@ def furnish_kitchen(room: RoomSpace) -> None:
         ("wall_clock", 1.7, 0.4),
         ("wall_shelf", 1.45, 0.3),
         ("end_shelf", 1.45, 0.1),
-        ("wall_lamp", 1.7, 0.2),
+        ("indoor_wall_lamp", 1.7, 0.2),
     ):
         hang_kind(room, kind, y, probability)
     hang_pictures(room, 1)
@@ -169,14 +176,64 @@ def _place_wall_units(room: RoomSpace, row: Sequence[PlacedModel]) -> None:
     cabinets = [room.draw_object(kind) for kind in kinds]
     narrow = [room.style.make_object(model, room.look) for model in list_models("wall_cabinet")[:2]]
     low = [unit for unit in row if unit.size[1] <= MAX_LOW_UNIT]
+    if room.draw_chance(SPLASHBACK_PROBABILITY):
+        _place_splashbacks(room, [unit for unit in low if unit.size[1] < 1.0])
     for unit in (unit for unit in low if unit.model.family == "cooker"):
         _place_hood(room, unit)
     if not shelf:
         _place_corner_cabinet(room, row)
-    for unit in (unit for unit in low if unit.model.family != "cooker"):
-        for item in (cabinets[int(room.rng.integers(2))], *cabinets, *narrow):
-            if item.size[0] < unit.size[0] + 0.01 and hang_above(room, unit, item, WALL_CABINET_HEIGHT):
+    for run in _runs(low):
+        _fill_run(room, run, (cabinets[int(room.rng.integers(2))], *cabinets, *narrow))
+
+
+def _place_splashbacks(room: RoomSpace, units: Sequence[PlacedModel]) -> None:
+    """Hang a panel above each unit of a row, from its top to the wall cabinets, where nothing is in the way."""
+    panel = room.draw_object("splashback")
+    for unit in units:
+        low = float(unit.size[1]) + SPLASH_MARGIN
+        wide, high = (
+            float(unit.size[0] / panel.size[0]),
+            (WALL_CABINET_HEIGHT - SPLASH_MARGIN - low) / float(panel.size[1]),
+        )
+        hang_above(room, unit, replace(panel, scale=(round(wide, 4), round(high, 4), 1.0)), low)
+
+
+def _runs(units: Sequence[PlacedModel]) -> list[list[PlacedModel]]:
+    """Return units that stand side by side, without cookers, in order; the end beside a cooker comes first."""
+    runs: list[list[PlacedModel]] = [[]]
+    for unit in units:
+        if unit.model.family == "cooker":
+            runs[-1].reverse()
+            runs.append([])
+        elif runs[-1] and not _touch(runs[-1][-1], unit):
+            runs.append([unit])
+        else:
+            runs[-1].append(unit)
+    return [run for run in runs if run]
+
+
+def _touch(unit: PlacedModel, other: PlacedModel) -> bool:
+    gap = np.maximum(unit.box[0] - other.box[1], other.box[0] - unit.box[1])[[0, 2]]
+    return bool((gap < WALL_GAP).all())
+
+
+def _fill_run(room: RoomSpace, run: Sequence[PlacedModel], items: Sequence[PlacedModel]) -> None:
+    """Hang wall cabinets side by side above units, from the first on: at each place the first of `items` that fits."""
+    first, last = run[0], run[-1]
+    length = float(sum(unit.size[0] for unit in run))
+    right = np.subtract(first.local_point(1.0, 0.0), first.local_point(0.0, 0.0))
+    away = float(np.subtract(last.position, first.position)[[0, 2]] @ right)
+    side = -1.0 if away < 0 else 1.0
+    along = 0.0
+    while along + min(float(item.size[0]) for item in items) < length + 0.01:
+        hung = 0.0
+        for item in items:
+            wide = float(item.size[0])
+            shift = side * (along + wide / 2 - float(first.size[0]) / 2)
+            if along + wide < length + 0.01 and hang_above(room, first, item, WALL_CABINET_HEIGHT, shift):
+                hung = wide + 0.001
                 break
+        along += hung or CABINET_STEP
 
 
 def _place_hood(room: RoomSpace, stove: PlacedModel) -> None:
@@ -217,7 +274,10 @@ def _place_on_counters(room: RoomSpace, row: Sequence[PlacedModel], bases: Seque
             place_on_top(room, unit, kind, straight=kind in ("microwave", "toaster", "coffee_machine", "knife_block"))
     for kind, probability in (("knife_rail", 0.25), ("utensil_rail", 0.3), ("spice_rack", 0.15)):
         if room.draw_chance(probability):
-            hang_above(room, bases[int(room.rng.integers(len(bases)))], room.draw_object(kind), RAIL_HEIGHT - 0.08)
+            anchor, rail = bases[int(room.rng.integers(len(bases)))], room.draw_object(kind)
+            any(
+                hang_above(room, anchor, rail, RAIL_HEIGHT - 0.08, gap=gap) for gap in (HANGING_GAP, SPLASH_GAP + 0.001)
+            )
 
 
 def _place_island(room: RoomSpace, bases: list[PlacedModel]) -> None:

@@ -59,6 +59,7 @@ ON_TABLE = (
     ("plates", 0.12),
     ("bottle", 0.12),
 )
+ON_MANTEL = (("table_vase", 0.5), ("photo", 0.6), ("figure", 0.5), ("candle", 0.4), ("table_clock", 0.4))
 ON_STAND = (
     *(("soundbar", 0.4), ("playstation", 0.15), ("xbox", 0.15), ("small_plant", 0.3), ("photo", 0.3)),
     *(("ornament", 0.2), ("box_speaker", 0.2)),
@@ -76,7 +77,7 @@ def furnish_living_room(room: RoomSpace) -> None:
     furnish_windows(room, ("long_curtain", "long_curtain", "short_curtain", ""), 0.45)
     if room.draw_chance(0.14):
         fire = add_at_wall(room, "mantel", 0.7) if room.draw_chance(0.7) else _place_stove(room)
-        place_several_on_top(room, fire, ON_CHEST, 3)
+        place_several_on_top(room, fire, ON_MANTEL, 3)
         if fire and room.draw_chance(0.5):
             add_at_wall(room, "log_basket")
     sofa, table = (place_corner_lounge(room) if room.draw_chance(0.3) else None) or place_lounge(room)
@@ -125,7 +126,7 @@ def place_living_extras(room: RoomSpace) -> None:
     hang_kind(room, "wall_cooler", 2.05, 0.2)
     hang_kind(room, "wall_shelf", 1.4, 0.3)
     for _ in range(2):
-        hang_kind(room, "wall_lamp", 1.65, 0.25)
+        hang_kind(room, "indoor_wall_lamp", 1.65, 0.25)
     if room.draw_interest("art", 0.5):
         hang_kind(room, "wall_ornament", 1.3)
     hang_pictures(room, 7 if "art" in room.style.interests else 4)

@@ -69,7 +69,7 @@ def furnish_gym(room: RoomSpace) -> None:
     """Place one to four machines, a mirror and a mat if they fit; at random a pool table and seats."""
     furnish_windows(room, ("short_curtain", ""), 0.4)
     hang(room, room.draw_object("tall_mirror"), 0.4)
-    if room.draw_chance(0.2):
+    if room.plan.area > 30 and room.draw_chance(0.3):
         place_freely(room, room.draw_object("pool_table"))
     for probability in (1.0, 0.9, 0.7, 0.4):
         if room.draw_chance(probability):

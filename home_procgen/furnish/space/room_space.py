@@ -61,8 +61,8 @@ class RoomSpace:
         self.grid = build_floor_grid(self.plan, self.openings, stairs)
 
     def draw_chance(self, probability: float) -> bool:
-        """Draw True with a probability."""
-        return bool(self.rng.random() < probability)
+        """Draw True with a probability, which scales with the style's amount of optional furniture."""
+        return bool(self.rng.random() < probability * self.style.equipment.extras)
 
     def draw_interest(self, interest: str, yes: float = 1.0, no: float = 0.0) -> bool:
         """Draw True with probability `yes` if the residents have an interest, else with probability `no`."""

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from home_procgen.floor_plan.placed_model import PlacedModel
-from home_procgen.things import library_model
+from home_procgen.model_store import library_model
 
 MIN_TOP_HEIGHT, MIN_TOP_AREA = 0.15, 0.015  # minimum height [m] and minimum area [m^2] of a surface
 BASE_HEIGHT = 0.006  # [m], height above an object's lowest point below which its vertices form its base

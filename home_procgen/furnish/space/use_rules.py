@@ -1,4 +1,4 @@
-"""Rules of use of a room's objects: one television, seats and beds that face it, one clock."""
+"""Rules of use of a room's objects: one television, seats and beds that face it, one clock, no ornament twice."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,13 @@ SEAT_FAMILIES = ("sofa", "armchair")
 BED_FAMILIES = ("double_bed", "single_bed")
 MIN_FACING = 0.5  # minimum cosine between the front of a seat and the direction to the television
 MIN_SCREEN_FACING = 0.25  # minimum cosine between the front of a television and the direction to its seat or bed
-RULED_FAMILIES = {*SEAT_FAMILIES, *BED_FAMILIES, *(name for names in SINGLE_FAMILIES for name in names)}
+UNREPEATED_FAMILIES = ("wall_ornament", "helmet", "pet")  # of each model at most one in a room
+RULED_FAMILIES = {
+    *UNREPEATED_FAMILIES,
+    *SEAT_FAMILIES,
+    *BED_FAMILIES,
+    *(name for names in SINGLE_FAMILIES for name in names),
+}
 
 
 def keeps_rules(present: Sequence[PlacedModel], added: Sequence[PlacedModel]) -> bool:
@@ -24,6 +30,9 @@ def keeps_rules(present: Sequence[PlacedModel], added: Sequence[PlacedModel]) ->
         return True
     items = [item for item in (*present, *added) if item.model.family in RULED_FAMILIES]
     if any(sum(item.model.family in names for item in items) > 1 for names in SINGLE_FAMILIES):
+        return False
+    single = [item.model.id for item in items if item.model.family in UNREPEATED_FAMILIES]
+    if len(set(single)) < len(single):
         return False
     return all(_is_watched(screen, items) for screen in items if screen.model.fine == "television")
 

@@ -27,6 +27,7 @@ CURTAIN_RISE = 0.12  # [m], from the top of a window to the top of its curtain
 MAX_WALL_DEVIATION = 0.003  # [m], maximum deviation of a hanging object from its distance to the wall
 CAFE_SHARE = 0.48  # height of a café curtain's rod above the sill, as a share of the window's height
 CAFE_DROP = 0.05  # [m], from the sill to the lower edge of a café curtain
+RADIATOR_DEPTH = 0.45  # [m], depth of the floor before a radiator that stays free
 CURTAIN_OVERHANG = 0.3  # [m], width of curtains beyond the window, both sides together
 
 
@@ -41,7 +42,9 @@ def hang_kind(room: RoomSpace, kind: str, y: float, probability: float = 1.0) ->
     return hang(room, room.draw_object(kind), y) if room.draw_chance(probability) else None
 
 
-def hang_above(room: RoomSpace, anchor: PlacedModel, item: PlacedModel, y: float, shift: float = 0.0) -> bool:
+def hang_above(
+    room: RoomSpace, anchor: PlacedModel, item: PlacedModel, y: float, shift: float = 0.0, gap: float = HANGING_GAP
+) -> bool:
     """Hang an object on the wall behind another; return whether it fits.
 
     Args:
@@ -50,20 +53,21 @@ def hang_above(room: RoomSpace, anchor: PlacedModel, item: PlacedModel, y: float
         item: The object to hang.
         y: Height of its bottom above the floor [m].
         shift: Offset of its middle to the right of the anchor's middle [m].
+        gap: Distance of its back from the wall [m].
     """
-    back = (float(item.size[2] - anchor.size[2])) / 2 - WALL_GAP + HANGING_GAP
+    back = (float(item.size[2] - anchor.size[2])) / 2 - WALL_GAP + gap
     x, z = anchor.local_point(shift, back)
     spot = item.moved_to(x, FLOOR_TOP + y, z, anchor.quarter)
-    return any(_is_backed_by(wall, spot) for wall in room.plan.walls) and place_object(room, spot) is not None
+    return any(_is_backed_by(wall, spot, gap) for wall in room.plan.walls) and place_object(room, spot) is not None
 
 
-def _is_backed_by(wall: PlanWall, item: PlacedModel) -> bool:
-    """Return whether the whole back of an object is at a wall."""
+def _is_backed_by(wall: PlanWall, item: PlacedModel, gap: float) -> bool:
+    """Return whether the whole back of an object is at a distance from a wall [m]."""
     if tuple(wall.normal) != FRONT_DIRECTIONS[item.quarter]:
         return False
     along, half = item.position[2 * wall.axis], float(item.size[0]) / 2
     off = (item.position[2 * (1 - wall.axis)] - wall.line) * float(wall.normal[1 - wall.axis])
-    near = abs(off - float(item.size[2]) / 2 - PRISM_THICKNESS - HANGING_GAP) < MAX_WALL_DEVIATION
+    near = abs(off - float(item.size[2]) / 2 - PRISM_THICKNESS - gap) < MAX_WALL_DEVIATION
     return near and wall.span[0] <= along - half and along + half <= wall.span[1]
 
 
@@ -158,7 +162,7 @@ def place_radiator(room: RoomSpace, window: PlacedModel) -> bool:
     spot = None
     if wall is not None:
         spot = back_against(room.draw_object("radiator"), wall, window.position[2 * wall.axis], FLOOR_TOP, HANGING_GAP)
-    return spot is not None and bool(place_object(room, spot))
+    return spot is not None and bool(place_object(room, spot, RADIATOR_DEPTH))
 
 
 def furnish_windows(room: RoomSpace, kinds: tuple[str, ...], heated: float) -> None:
@@ -169,7 +173,7 @@ def furnish_windows(room: RoomSpace, kinds: tuple[str, ...], heated: float) -> N
         kinds: Kinds of curtains to choose from, "" for none; without kinds there are no radiators either.
         heated: Probability of a radiator below a window.
     """
-    if not kinds:
+    if not kinds or not room.style.equipment.has_fittings:
         return
     windows = [window for window in room.windows if window.model.fine == "window"]
     options = _curtain_options(room, str(room.rng.choice(kinds)), windows)
@@ -191,6 +195,6 @@ def _curtain_options(room: RoomSpace, kind: str, windows: Sequence[PlacedModel])
 
 def hang_pictures(room: RoomSpace, max_pictures: int) -> None:
     """Hang a random number, at most `max_pictures`, of pictures and other ornaments on walls at eye height."""
-    for _ in range(int(room.rng.integers(0, max_pictures + 1))):
-        item = room.draw_object("picture" if room.draw_chance(0.88) else "wall_ornament")
+    for _ in range(int(room.style.equipment.extras * int(room.rng.integers(0, max_pictures + 1)))):
+        item = room.draw_object("picture" if room.rng.random() < 0.88 else "wall_ornament")
         hang(room, item, float(np.clip(1.6 - float(item.size[1]) / 2, 0.9, 1.5)))

@@ -24,11 +24,11 @@ from home_procgen.floor_plan.placed_model import (
     stack_boxes,
 )
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
+from home_procgen.model_store import get_model
 from home_procgen.plan.shape.cut_rooms import slanted_sides
 from home_procgen.plan.shape.program import WET_TYPES, WINDOWLESS_TYPES
 from home_procgen.primitives.family import FurnitureModel
 from home_procgen.primitives.palette import choose_random
-from home_procgen.things import get_model
 
 SMALL_WINDOW_NUMBER = 1  # model number of small windows
 WINDOW_SETS = ((2, 3, 4), (2, 9, 4), (5, 6, 4), (7, 6, 4), (8, 3, 4))  # sets of matching models, narrow ones first
@@ -41,7 +41,11 @@ SLANTED_WINDOW_MARGIN = 0.1  # [m], minimum distance between a window and the en
 
 
 def draw_windows(
-    rng: np.random.Generator, rooms: Sequence[RoomPlan], doors: Sequence[PlanOpening], stairs: Rect | None
+    rng: np.random.Generator,
+    rooms: Sequence[RoomPlan],
+    doors: Sequence[PlanOpening],
+    stairs: Rect | None,
+    single: bool = False,
 ) -> list[PlanOpening]:
     """Draw the windows of a storey: at least one per habitable room if a wall allows it.
 
@@ -50,6 +54,7 @@ def draw_windows(
         rooms: Rooms of the storey.
         doors: Doors of the storey.
         stairs: Rectangle of the stairs, whose walls have no windows, as these would belong to no room; None if none.
+        single: At most one window per room.
     """
     found: list[PlanOpening] = []
     alike = choose_random(WINDOW_SETS, rng)
@@ -60,11 +65,11 @@ def draw_windows(
         found += bays
         count = len(bays)
         for site in sorted(find_outer_sites(rooms, room), key=lambda site: site.span[0] - site.span[1]):
-            if (count and rng.random() > SECOND_WALL_PROBABILITY) or (
+            if (count and (single or rng.random() > SECOND_WALL_PROBABILITY)) or (
                 stairs is not None and _bounds_rect(site, stairs)
             ):
                 continue
-            new = list(_fit_windows(rng, site, plan.type, alike, [*doors, *found]))
+            new = list(_fit_windows(rng, site, plan.type, alike, [*doors, *found]))[: 1 if single else None]
             found += new
             count += len(new)
     return found

@@ -7,7 +7,7 @@ Frequencies follow SUNCG's: 76.6, 18.6 and 4.9 % of its houses have one, two and
 on average. Weights of the types follow its room labels, within the limits of doors, halls and one kitchen per home.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -128,17 +128,22 @@ class RoomProgram:
     num_storeys: int
 
 
-def draw_program(rng: np.random.Generator) -> RoomProgram:
+def draw_program(rng: np.random.Generator, room_counts: Mapping[int, float] | None = None) -> RoomProgram:
     """Draw a random program: number of storeys, and types of the ground floor's rooms.
+
+    Args:
+        rng: Source of randomness.
+        room_counts: Number of rooms of homes of one storey -> weight; None: homes of any size.
 
     Example:
         >>> program = draw_program(np.random.default_rng(3))
         >>> "Kitchen" in program.ground_types
         True
     """
-    storeys = 1 + int(rng.choice(3, p=STOREY_PROBABILITIES))
-    weights = np.array(list(ROOM_COUNT_WEIGHTS.values()), float)
-    count = int(rng.choice(list(ROOM_COUNT_WEIGHTS), p=weights / weights.sum()))
+    storeys = 1 + int(rng.choice(3, p=STOREY_PROBABILITIES)) if room_counts is None else 1
+    options = ROOM_COUNT_WEIGHTS if room_counts is None else room_counts
+    weights = np.array(list(options.values()), float)
+    count = int(rng.choice(list(options), p=weights / weights.sum()))
     if storeys > 1 and count < MIN_ROOMS_WITH_STAIRS:
         # A range, so that fewer homes are alike.
         count = MIN_ROOMS_WITH_STAIRS + int(rng.integers(NUM_COUNTS_WITH_STAIRS))

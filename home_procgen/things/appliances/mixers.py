@@ -75,6 +75,16 @@ def processor(kind: str = "blender") -> Iterator[Solid]:
     yield from _PROCESSOR_KINDS[kind]()
 
 
+def water_column(high: float = 1.1) -> Iterator[Solid]:
+    """Build a water dispenser without a bottle, on the floor or, if low, for a table."""
+    yield rounded_box("steel", (0.3, high, 0.32), (0.0, 0.0, 0.0), 0.02, 2)
+    yield rounded_box("black", (0.22, 0.28, 0.03), (0.0, high - 0.42, 0.155), 0.012, 2)
+    yield box("gray", (0.2, 0.012, 0.07), (0.0, high - 0.41, 0.19))
+    for x, slot in ((-0.05, "blue"), (0.05, "red")):
+        yield rounded_box(slot, (0.03, 0.02, 0.012), (x, high - 0.1, 0.16), 0.005, 1)
+        yield cylinder("chrome", 0.01, 0.05, (x, high - 0.2, 0.18), sides=12)
+
+
 def dispenser() -> Iterator[Solid]:
     """Build a water dispenser with a large inverted bottle."""
     yield rounded_box("white", (0.31, 0.95, 0.32), (0.0, 0.02, 0.0), 0.025, 2)
@@ -118,5 +128,7 @@ MIXERS = tuple(design(processor, kind=kind) for kind in ("blender", "mixer", "ch
 
 FAMILIES = (
     FurnitureFamily("food_processor", "food_processor", (*MIXERS, design(air_fryer))),
-    FurnitureFamily("water_dispenser", "water_dispenser", (design(dispenser),)),
+    FurnitureFamily(
+        "water_dispenser", "water_dispenser", (design(dispenser), design(water_column), design(water_column, high=0.5))
+    ),
 )

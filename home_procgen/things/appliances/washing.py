@@ -11,6 +11,17 @@ from home_procgen.things.joinery import disc, lay_towards_front
 from home_procgen.things.movable_parts import assign_part, front_part, lid_part, panel
 
 
+def slim_dishwasher(slot: str = "white") -> Iterator[Solid]:
+    """Build a narrow dishwasher with a recessed grip and a display."""
+    yield box("black", (0.43, 0.1, 0.46), (0.0, 0.0, -0.05))
+    yield box(slot, (0.45, 0.76, 0.54), (0.0, 0.1, -0.02))
+    (door,) = panel("bottom", rounded_box(slot, (0.445, 0.66, 0.03), (0.0, 0.11, 0.265), 0.008, 1))
+    yield door
+    yield from assign_part(door.part, [rounded_box("black", (0.2, 0.03, 0.012), (0.0, 0.71, 0.277), 0.004, 1)])
+    yield rounded_box("gray", (0.445, 0.06, 0.035), (0.0, 0.785, 0.262), 0.008, 1)
+    yield box("screen", (0.08, 0.025, 0.004), (0.1, 0.8, 0.281))
+
+
 def dishwasher(open_: bool = False) -> Iterator[Solid]:
     """Build a dishwasher with a door below a button panel."""
     yield box("black", (0.58, 0.1, 0.46), (0.0, 0.0, -0.05))
@@ -58,8 +69,23 @@ def washer(kind: str = "front") -> Iterator[Solid]:
         yield cylinder("black", 0.025, 0.025, (x, 0.0, -0.2), sides=10)
 
 
+def tumble_dryer(slot: str = "white") -> Iterator[Solid]:
+    """Build a tumble dryer with a square door and a lint drawer."""
+    yield rounded_box(slot, (0.6, 0.84, 0.56), (0.0, 0.01, -0.01), 0.012, 2)
+    door = [rounded_box(slot, (0.44, 0.46, 0.03), (0.0, 0.2, 0.28), 0.03, 3)]
+    door += [rounded_box("black", (0.03, 0.16, 0.02), (0.19, 0.35, 0.292), 0.008, 1)]
+    yield from assign_part(front_part("left", (-0.22, 0.2, 0.27), (0.44, 0.46)), door)
+    yield rounded_box("gray", (0.26, 0.1, 0.014), (-0.14, 0.73, 0.272), 0.006, 1)
+    yield disc("chrome", 0.034, 0.03, (0.07, 0.78, 0.27), 22)
+    yield box("screen", (0.12, 0.04, 0.006), (0.2, 0.76, 0.27))
+
+
 FAMILIES = (
-    FurnitureFamily("dishwasher", "dishwasher", (design(dishwasher),)),
+    FurnitureFamily(
+        "dishwasher", "dishwasher", (design(dishwasher), design(slim_dishwasher), design(slim_dishwasher, slot="steel"))
+    ),
     FurnitureFamily("washer", "washer", (design(washer), design(washer, kind="top"), design(washer, kind="black"))),
-    FurnitureFamily("dryer", "dryer", (design(washer, kind="black"),)),
+    FurnitureFamily(
+        "dryer", "dryer", (design(washer, kind="black"), design(tumble_dryer), design(tumble_dryer, slot="gray"))
+    ),
 )

@@ -10,7 +10,7 @@ from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import surface
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import FurnitureFamily, design, design_kinds
+from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import disc, legs, open_case
 
 
@@ -132,26 +132,42 @@ def paper(kind: str = "wall") -> Iterator[Solid]:
 
 
 def soap(kind: str = "pump") -> Iterator[Solid]:
-    """Build a soap dispenser: a tall pump bottle or a round foam bottle."""
+    """Build a soap dispenser: a tall pump bottle, a round foam bottle or a square glass one."""
+    if kind == "square":
+        yield rounded_box("tint", (0.065, 0.12, 0.065), (0.0, 0.0, 0.0), 0.01, 2)
+        yield rounded_box("paper", (0.045, 0.05, 0.002), (0.0, 0.03, 0.0325), 0.0008, 1)
     shape = (
         [(0.034, 0.0), (0.037, 0.01), (0.035, 0.1), (0.014, 0.13)]
         if kind == "pump"
         else [(0.03, 0.0), (0.04, 0.05), (0.03, 0.1), (0.016, 0.12)]
     )
-    yield revolve("glaze" if kind == "pump" else "tint", shape, sides=20, steps=2)
+    if kind != "square":
+        yield revolve("glaze" if kind == "pump" else "tint", shape, sides=20, steps=2)
     yield cylinder("chrome", 0.017, 0.02, (0.0, 0.12, 0.0), sides=14)
     yield rod("chrome", (0.0, 0.13, 0.0), (0.0, 0.165, 0.0), 0.006)
     yield tube("chrome", fillet([(0.0, 0.165, -0.012), (0.0, 0.17, 0.03), (0.0, 0.16, 0.05)], 0.01), 0.007)
 
 
-def soap_dish() -> Iterator[Solid]:
-    """Build a bar of soap on an oval dish."""
+def soap_dish(kind: str = "oval") -> Iterator[Solid]:
+    """Build a bar of soap on an oval dish or on a wooden grate, or three small ones in a bowl."""
+    if kind == "grate":
+        for i in range(5):
+            yield rounded_box("wood", (0.012, 0.012, 0.08), (0.022 * (i - 2), 0.008, 0.0), 0.003, 1)
+        for z in (-0.025, 0.025):
+            yield rounded_box("wood", (0.11, 0.008, 0.012), (0.0, 0.0, z), 0.002, 1)
+        yield padded_block("cream", (0.075, 0.03, 0.05), (0.0, 0.019, 0.0), 3.0, 5)
+        return
+    if kind == "bowl":
+        yield vessel("ceramic", [(0.03, 0.0), (0.05, 0.015), (0.06, 0.04)], 0.004, sides=24, steps=2)
+        for i, (x, z) in enumerate(((-0.018, 0.0), (0.018, 0.014), (0.006, -0.02))):
+            yield padded_block(f"bright_{i}", (0.04, 0.024, 0.03), (x, 0.014 + 0.004 * i, z), 3.0, 5)
+        return
     yield vessel("crockery", [(0.035, 0.0), (0.045, 0.008), (0.06, 0.025)], 0.004, sides=26, steps=2, stretch=0.7)
     yield padded_block("bright", (0.075, 0.026, 0.045), (0.0, 0.01, 0.0), 3.0, 5)
 
 
 FAMILIES = (
     FurnitureFamily("toilet_paper", "toilet_paper", design_kinds(paper, *_PAPER_KINDS)),
-    FurnitureFamily("soap_dispenser", "soap_dispenser", design_kinds(soap, "pump", "foam")),
-    FurnitureFamily("soap_dish", "soap_dish", (design(soap_dish),)),
+    FurnitureFamily("soap_dispenser", "soap_dispenser", design_kinds(soap, "pump", "foam", "square")),
+    FurnitureFamily("soap_dish", "soap_dish", design_kinds(soap_dish, "oval", "grate", "bowl")),
 )

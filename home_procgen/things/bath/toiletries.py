@@ -78,7 +78,11 @@ def toiletries(kind: str = "bottles") -> Iterator[Solid]:
 
 def plunger(kind: str = "plunger") -> Iterator[Solid]:
     """Build a rubber plunger, or a toilet brush in its holder."""
-    if kind == "plunger":
+    if kind == "round":
+        yield vessel("ceramic", [(0.03, 0.0), (0.065, 0.04), (0.06, 0.1), (0.03, 0.13)], 0.005, sides=24, steps=3)
+        yield rod("wood", (0.0, 0.05, 0.0), (0.0, 0.4, 0.0), 0.009, 0.011, 10)
+        yield ball("wood", 0.016, (0.0, 0.41, 0.0), 12, 8)
+    elif kind == "plunger":
         yield revolve("red", [(0.075, 0.0), (0.08, 0.02), (0.06, 0.06), (0.02, 0.09), (0.018, 0.11)], sides=22, steps=2)
         yield rod("wood", (0.0, 0.1, 0.0), (0.0, 0.5, 0.0), 0.012, sides=10)
     else:
@@ -98,6 +102,36 @@ def scale() -> Iterator[Solid]:
     yield cylinder("chrome", 0.04, 0.003, (0.07, 0.034, 0.03), sides=18)
 
 
+def bathroom_scale(kind: str = "round") -> Iterator[Solid]:
+    """Build a round wooden weight scale, or an old one with a dial."""
+    if kind == "round":
+        yield cylinder("wood", 0.16, 0.022, (0.0, 0.012, 0.0), sides=36)
+        yield cylinder("black", 0.15, 0.012, sides=30)
+        yield rounded_box("screen", (0.08, 0.003, 0.035), (0.0, 0.0335, -0.1), 0.001, 1)
+        return
+    yield rounded_box("bright", (0.27, 0.05, 0.3), (0.0, 0.0, 0.0), 0.02, 3)
+    yield rounded_box("black", (0.25, 0.006, 0.2), (0.0, 0.048, 0.03), 0.002, 1)
+    yield cylinder("chrome", 0.045, 0.006, (0.0, 0.048, -0.105), sides=24)
+    yield cylinder("face", 0.038, 0.002, (0.0, 0.053, -0.105), sides=24)
+    yield rounded_box("red", (0.003, 0.002, 0.03), (0.0, 0.0545, -0.095), 0.0008, 1)
+
+
+def styler(kind: str = "brush") -> Iterator[Solid]:
+    """Build a round hot-air brush, or a small folded hair dryer."""
+    if kind == "brush":
+        yield tube("black", [(-0.16, 0.025, 0.0), (-0.02, 0.025, 0.0)], [0.016, 0.02], 14)
+        yield tube("bright", [(-0.02, 0.025, 0.0), (0.13, 0.025, 0.0)], 0.022, 16)
+        for i in range(9):
+            for k in range(6):
+                a, x = np.pi * k / 3 + 0.3 * (i % 2), -0.005 + 0.015 * i
+                foot, tip = ((x, 0.025 + r * np.cos(a), r * np.sin(a)) for r in (0.02, 0.03))
+                yield rod("black", foot, tip, 0.002, sides=4)
+        return
+    yield tube("gray", [(-0.07, 0.04, 0.0), (-0.04, 0.04, 0.0), (0.08, 0.04, 0.0)], [0.03, 0.04, 0.034], 16)
+    yield tube("black", [(0.08, 0.04, 0.0), (0.11, 0.04, 0.0)], [0.036, 0.036], 16)
+    yield tube("gray", [(-0.02, 0.035, 0.035), (0.1, 0.02, 0.06)], [0.02, 0.018], 12)
+
+
 def dryer() -> Iterator[Solid]:
     """Build a hair dryer lying on its side."""
     yield tube(
@@ -113,7 +147,7 @@ def dryer() -> Iterator[Solid]:
 
 FAMILIES = (
     FurnitureFamily("toiletries", "toiletries", design_kinds(toiletries, "bottles", "brushes", "tray", "caddy")),
-    FurnitureFamily("plunger", "toilet_plunger", design_kinds(plunger, "plunger", "brush")),
-    FurnitureFamily("scale", "weight_scale", (design(scale),)),
-    FurnitureFamily("hair_dryer", "hair_dryer", (design(dryer),)),
+    FurnitureFamily("plunger", "toilet_plunger", design_kinds(plunger, "plunger", "brush", "round")),
+    FurnitureFamily("scale", "weight_scale", (design(scale), *design_kinds(bathroom_scale, "round", "dial"))),
+    FurnitureFamily("hair_dryer", "hair_dryer", (design(dryer), *design_kinds(styler, "brush", "small"))),
 )

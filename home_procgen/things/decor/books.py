@@ -40,6 +40,12 @@ def _single_book(seed: int) -> Iterator[Solid]:
     yield box("gold", (0.12, 0.001, 0.012), (0.0, 0.035, -0.03))
 
 
+def _two_books(seed: int) -> Iterator[Solid]:
+    yield from _book(0.26, 0.03, 0.19, "cover")
+    yield from (rotate(move(p, (0.0, 0.03, 0.0)), 1, 0.35) for p in _book(0.18, 0.022, 0.12, "cover_1"))
+    yield box("gold", (0.1, 0.001, 0.008), (0.0, 0.052, 0.0))
+
+
 def _open_book(seed: int) -> Iterator[Solid]:
     for s in (-1, 1):
         page = [(s * t * 0.15, 0.006 + 0.022 * np.sin(np.pi * t) ** 0.7 + 0.004, 0.0) for t in np.linspace(0.02, 1, 9)]
@@ -57,6 +63,7 @@ _BOOKS_KINDS = {
     "pile": _pile,
     "single": _single_book,
     "open": _open_book,
+    "two": _two_books,
 }
 
 
@@ -83,7 +90,12 @@ def _book(width: float, thick: float, depth: float, slot: str) -> Iterator[Solid
 
 
 def magazines(kind: str = "fan") -> Iterator[Solid]:
-    """Build magazines in a fan or in a rack."""
+    """Build magazines in a fan, in a rack or in a pile."""
+    if kind == "pile":
+        for i in range(6):
+            page = box(f"cover_{i % 4}", (0.21, 0.006, 0.28), (0.004 * (i % 3), 0.0062 * i, 0.003 * (i % 2)))
+            yield rotate(page, 1, 0.05 * (i % 3) - 0.06)
+        return
     if kind == "fan":
         for i in range(4):
             page = box(f"picture_{i}", (0.21, 0.005, 0.28), (0.0, 0.005 * i, 0.0))
@@ -126,6 +138,6 @@ FAMILIES = (
             design(books, kind="pile", seed=6),
         ),
     ),
-    FurnitureFamily("book", "book", design_kinds(books, "single", "open")),
-    FurnitureFamily("magazines", "magazines", design_kinds(magazines, "fan", "rack")),
+    FurnitureFamily("book", "book", design_kinds(books, "single", "open", "two")),
+    FurnitureFamily("magazines", "magazines", design_kinds(magazines, "fan", "rack", "pile")),
 )

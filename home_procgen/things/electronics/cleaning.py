@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from home_procgen.primitives.solids import Solid, cylinder, move, rotate
 from home_procgen.shapes.curves import fillet, spline
 from home_procgen.shapes.revolve import revolve
@@ -57,6 +59,39 @@ def ironing() -> Iterator[Solid]:
     yield from (move(p, (-0.1, 0.89, 0.0)) for p in iron())
 
 
+def folded_board(leaning: bool = False) -> Iterator[Solid]:
+    """Build a folded ironing board that leans at a wall, or a short one on small legs for a table."""
+    length, slot = (1.25, "patterned") if leaning else (0.72, "textile")
+    half = length / 2
+    shape = fillet([(-half, -0.16), (half - 0.3, -0.16), (half, 0.0), (half - 0.3, 0.16), (-half, 0.16)], 0.12, 5, True)
+    pieces = [
+        prism(slot, shape, 0.03, (0.0, 0.14, 0.0), "top"),
+        prism("gray", 0.95 * shape, 0.01, (0.0, 0.13, 0.0), "top"),
+    ]
+    for s in (-1, 1):
+        if leaning:
+            pieces += [rod("chrome", (-half + 0.1, 0.12, s * 0.1), (half - 0.3, 0.11, s * 0.07), 0.01)]
+        else:
+            pieces += [
+                tube(
+                    "chrome",
+                    fillet(
+                        [
+                            (s * 0.22, 0.13, -0.1),
+                            (s * 0.22, 0.008, -0.12),
+                            (s * 0.22, 0.008, 0.12),
+                            (s * 0.22, 0.13, 0.1),
+                        ],
+                        0.02,
+                    ),
+                    0.008,
+                    8,
+                )
+            ]
+    for piece in pieces:
+        yield rotate(rotate(piece, 2, 1.45), 1, np.pi / 2) if leaning else piece
+
+
 def iron() -> Iterator[Solid]:
     """Build an iron."""
     sole = fillet([(-0.12, -0.055), (0.02, -0.055), (0.13, 0.0), (0.02, 0.055), (-0.12, 0.055)], 0.06, 4, True)
@@ -72,8 +107,31 @@ def iron() -> Iterator[Solid]:
     yield disc("white", 0.015, 0.03, (-0.02, 0.068, -0.015), 14)
 
 
+def steam_iron() -> Iterator[Solid]:
+    """Build an iron that stands on its heel, beside its water tank."""
+    yield from (move(rotate(p, 2, 1.35), (-0.12, 0.13, 0.0)) for p in iron())
+    yield rounded_box("white", (0.16, 0.1, 0.2), (0.1, 0.0, 0.0), 0.03, 3)
+    yield rounded_box("tint", (0.12, 0.06, 0.17), (0.1, 0.08, 0.0), 0.02, 2)
+
+
+def travel_iron() -> Iterator[Solid]:
+    """Build an old iron with a wooden grip on two posts."""
+    sole = fillet([(-0.1, -0.05), (0.03, -0.05), (0.12, 0.0), (0.03, 0.05), (-0.1, 0.05)], 0.05, 4, True)
+    yield prism("iron", sole, 0.035, plane="top")
+    for x in (-0.07, 0.05):
+        yield rod("iron", (x, 0.03, 0.0), (x, 0.1, 0.0), 0.007)
+    yield tube(
+        "wood",
+        [(-0.085, 0.1, 0.0), (-0.05, 0.1, 0.0), (0.03, 0.1, 0.0), (0.065, 0.1, 0.0)],
+        [0.012, 0.017, 0.017, 0.012],
+        12,
+    )
+
+
 FAMILIES = (
     FurnitureFamily("vacuum_cleaner", "vacuum_cleaner", design_kinds(vacuum, "canister", "upright", "robot")),
-    FurnitureFamily("ironing_board", "ironing_board", (design(ironing),)),
-    FurnitureFamily("iron", "iron", (design(iron),)),
+    FurnitureFamily(
+        "ironing_board", "ironing_board", (design(ironing), design(folded_board), design(folded_board, leaning=True))
+    ),
+    FurnitureFamily("iron", "iron", (design(iron), design(steam_iron), design(travel_iron))),
 )

@@ -1,6 +1,7 @@
 """Telephones and tablets."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 
@@ -74,16 +75,58 @@ def telephone(kind: str = "dial") -> Iterator[Solid]:
     yield from _TELEPHONE_KINDS[kind]()
 
 
+def _phone_on_its_face() -> Iterator[Solid]:
+    yield rounded_box("screen", (0.07, 0.002, 0.148), (0.0, 0.0, 0.0), 0.0008, 1)
+    yield rounded_box("bright", (0.078, 0.01, 0.158), (0.0, 0.0015, 0.0), 0.004, 3)
+    yield rounded_box("black", (0.026, 0.003, 0.034), (-0.018, 0.011, -0.05), 0.0012, 2)
+    for z in (-0.058, -0.042):
+        yield cylinder("glass", 0.005, 0.001, (-0.018, 0.0138, z), sides=14)
+
+
+def _phone_with_keys() -> Iterator[Solid]:
+    yield rounded_box("gray", (0.05, 0.016, 0.12), (0.0, 0.0, 0.0), 0.006, 3)
+    yield rounded_box("tint", (0.04, 0.002, 0.04), (0.0, 0.0155, -0.032), 0.0008, 1)
+    for i in range(3):
+        for j in range(4):
+            yield rounded_box("white", (0.011, 0.003, 0.007), ((i - 1) * 0.013, 0.015, 0.006 + 0.012 * j), 0.001, 1)
+
+
+def _tablet_on_stand() -> Iterator[Solid]:
+    lean = [*_screen(0.17, 0.24)]
+    yield from (move(rotate(p, 0, -1.15), (0.0, 0.11, 0.0)) for p in (rotate(q, 0, np.pi) for q in lean))
+    yield prism("gray", [(-0.1, 0.0), (0.06, 0.0), (0.05, 0.01), (-0.02, 0.06), (-0.03, 0.055)], 0.1, plane="side")
+
+
+def _reader() -> Iterator[Solid]:
+    yield rounded_box("cover", (0.13, 0.006, 0.18), (0.0, 0.0, 0.0), 0.002, 2)
+    yield rounded_box("white", (0.122, 0.008, 0.17), (0.0, 0.006, 0.0), 0.003, 2)
+    yield box("paper", (0.092, 0.001, 0.122), (0.0, 0.0138, -0.012))
+    for i in range(9):
+        yield box("gray", (0.078 - 0.02 * (i % 4 == 3), 0.0008, 0.004), (0.0, 0.0145, -0.06 + 0.012 * i))
+
+
 def slab(kind: str = "phone") -> Iterator[Solid]:
-    """Build a mobile phone or a tablet lying face up."""
-    wide, deep = (0.075, 0.155) if kind == "phone" else (0.19, 0.26)
+    """Build a mobile phone or a tablet: lying face up, on its face, with keys, on a stand, or a reader."""
+    yield from _SLAB_KINDS[kind]()
+
+
+def _screen(wide: float = 0.075, deep: float = 0.155) -> Iterator[Solid]:
     yield rounded_box("black", (wide, 0.008, deep), (0.0, 0.0, 0.0), 0.0035, 3)
     yield rounded_box("screen", (wide - 0.006, 0.002, deep - 0.014), (0.0, 0.0068, 0.0), 0.0008, 1)
     yield rounded_box("chrome", (0.002, 0.003, 0.02), (wide / 2, 0.0025, -0.2 * deep), 0.0008, 1)
 
 
+_SLAB_KINDS = {
+    "phone": _screen,
+    "face": _phone_on_its_face,
+    "keys": _phone_with_keys,
+    "tablet": partial(_screen, 0.19, 0.26),
+    "stand": _tablet_on_stand,
+    "reader": _reader,
+}
+
 FAMILIES = (
     FurnitureFamily("telephone", "telephone", design_kinds(telephone, "dial", "cordless", "desk")),
-    FurnitureFamily("cellphone", "cellphone", design_kinds(slab, "phone")),
-    FurnitureFamily("ipad", "ipad", design_kinds(slab, "tablet")),
+    FurnitureFamily("cellphone", "cellphone", design_kinds(slab, "phone", "face", "keys")),
+    FurnitureFamily("ipad", "ipad", design_kinds(slab, "tablet", "stand", "reader")),
 )

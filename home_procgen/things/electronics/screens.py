@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from home_procgen.primitives.solids import Solid, box, rotate
+from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.rounded import padded_block, rounded_box
 from home_procgen.shapes.sweep import beam, ring
 from home_procgen.things.family import FurnitureFamily, design, design_kinds
@@ -27,6 +27,13 @@ def laptop(open_: float = 1.85, width: float = 0.34) -> Iterator[Solid]:
     yield from (rotate(p, 0, -open_, hinge) for p in lid)
 
 
+def shut_laptop(width: float = 0.32) -> Iterator[Solid]:
+    """Build a closed laptop."""
+    yield rounded_box("gray", (width, 0.011, 0.68 * width), (0.0, 0.002, 0.0), 0.005, 3)
+    yield rounded_box("steel", (width, 0.007, 0.68 * width), (0.0, 0.0135, 0.0), 0.003, 3)
+    yield cylinder("chrome", 0.02, 0.0008, (0.0, 0.0203, 0.0), sides=20)
+
+
 def computer(kind: str = "desk") -> Iterator[Solid]:
     """Build a screen with keyboard and mouse, an all-in-one computer, or a tower."""
     if kind == "tower":
@@ -49,7 +56,7 @@ def computer(kind: str = "desk") -> Iterator[Solid]:
 
 
 FAMILIES = (
-    FurnitureFamily("laptop", "laptop", (design(laptop), design(laptop, open_=2.1, width=0.3))),
+    FurnitureFamily("laptop", "laptop", (design(laptop), design(laptop, open_=2.1, width=0.3), design(shut_laptop))),
     FurnitureFamily("computer", "computer", design_kinds(computer, "desk", "all")),
     FurnitureFamily("computer_tower", "computer", design_kinds(computer, "tower")),
 )

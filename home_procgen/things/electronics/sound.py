@@ -10,7 +10,7 @@ from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.revolve import revolve, shade
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import ring, rod, tube
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.joinery import bow_handle, disc
 
 
@@ -145,6 +145,19 @@ def stereo(kind: str = "rack") -> Iterator[Solid]:
     yield tube("chrome", [(0.16, base + 0.125, -0.1), (0.16, base + 0.125, 0.04), (0.08, base + 0.115, 0.1)], 0.005, 6)
 
 
+def compact_stereo() -> Iterator[Solid]:
+    """Build a small stereo between two loudspeakers."""
+    yield rounded_box("steel", (0.2, 0.13, 0.2), (0.0, 0.0, 0.0), 0.008, 1)
+    yield box("screen", (0.12, 0.035, 0.004), (0.0, 0.08, 0.1))
+    yield disc("chrome", 0.02, 0.02, (0.05, 0.035, 0.1), 18)
+    for k in range(4):
+        yield disc("gray", 0.006, 0.008, (-0.07 + 0.022 * k, 0.035, 0.1), 10)
+    for s in (-1, 1):
+        yield rounded_box("wood", (0.14, 0.22, 0.17), (s * 0.2, 0.0, 0.0), 0.006, 1)
+        yield from _cone(0.05, s * 0.2, 0.075, 0.087)
+        yield from _cone(0.022, s * 0.2, 0.165, 0.087)
+
+
 def console(kind: str = "upright") -> Iterator[Solid]:
     """Build a game console, `upright` or `flat`, with its pad."""
     slot = "black" if kind == "upright" else "white"
@@ -163,12 +176,42 @@ def console(kind: str = "upright") -> Iterator[Solid]:
         yield cylinder("black", 0.01, 0.018, (x + s * 0.022, 0.034, 0.062), sides=12)
 
 
+def handheld(slot: str = "blue") -> Iterator[Solid]:
+    """Build a game console with a screen between its two grips, leaning in its dock."""
+    for piece in (
+        rounded_box("black", (0.17, 0.1, 0.014), (0.0, 0.02, 0.0), 0.005, 2),
+        box("screen", (0.15, 0.082, 0.002), (0.0, 0.03, 0.007)),
+        *(rounded_box(slot, (0.034, 0.1, 0.016), (s * 0.102, 0.02, 0.0), 0.007, 3) for s in (-1, 1)),
+        *(ball("black", (0.008, 0.008, 0.006), (s * 0.102, 0.07 + 0.02 * s, 0.011), 10, 6) for s in (-1, 1)),
+    ):
+        yield rotate(piece, 0, -0.2, (0.0, 0.02, 0.0))
+    yield rounded_box("gray", (0.18, 0.06, 0.05), (0.0, 0.0, -0.035), 0.01, 2)
+
+
+def old_console(slot: str = "gray") -> Iterator[Solid]:
+    """Build an old game console with a cartridge and a wired pad."""
+    yield rounded_box(slot, (0.26, 0.06, 0.2), (0.0, 0.0, 0.0), 0.012, 2)
+    yield rounded_box("black", (0.12, 0.07, 0.02), (0.0, 0.03, -0.02), 0.004, 1)
+    for s in (-1, 1):
+        yield rounded_box("red", (0.03, 0.012, 0.02), (s * 0.09, 0.056, 0.06), 0.004, 1)
+    yield rounded_box("white", (0.13, 0.016, 0.06), (0.02, 0.0, 0.2), 0.006, 2)
+    for k in range(3):
+        yield cylinder("red", 0.008, 0.006, (0.04 + 0.02 * k, 0.014, 0.2), sides=12)
+    yield tube("black", fillet([(0.0, 0.02, 0.1), (-0.06, 0.005, 0.14), (-0.02, 0.008, 0.17)], 0.02), 0.003, 6)
+
+
 FAMILIES = (
     FurnitureFamily("floor_speaker", "loudspeaker", design_kinds(speaker, "tower", "flat", "pillar")),
     FurnitureFamily(
         "speaker", "loudspeaker", design_kinds(speaker, "small", "bar", "ball", "radio", "smart", "boom", "horn")
     ),
-    FurnitureFamily("stereo_set", "stereo_set", design_kinds(stereo, "rack", "turntable")),
-    FurnitureFamily("playstation", "playstation", design_kinds(console, "upright")),
-    FurnitureFamily("xbox", "xbox", design_kinds(console, "flat")),
+    FurnitureFamily("stereo_set", "stereo_set", (*design_kinds(stereo, "rack", "turntable"), design(compact_stereo))),
+    FurnitureFamily(
+        "playstation", "playstation", (*design_kinds(console, "upright"), design(handheld), design(old_console))
+    ),
+    FurnitureFamily(
+        "xbox",
+        "xbox",
+        (*design_kinds(console, "flat"), design(handheld, slot="red"), design(old_console, slot="black")),
+    ),
 )

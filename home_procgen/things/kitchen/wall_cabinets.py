@@ -77,6 +77,13 @@ def flap(width: float = 0.9, height: float = 0.4) -> Iterator[Solid]:
     yield from front("paint", size, corner, "grooves", ("chrome", "bar", 0.5, 0.12), False, "top")
 
 
+def splashback(slot: str = "tiling", trim: bool = False) -> Iterator[Solid]:
+    """Build a panel for the wall between worktops and wall cabinets, which is stretched to its place."""
+    yield rounded_box(slot, (0.6, 0.54, 0.0045), (0.0, 0.0, 0.0), 0.0015, 2)
+    if trim:
+        yield box("chrome", (0.6, 0.008, 0.0055), (0.0, 0.54, 0.0005))
+
+
 WALL_CABINETS = (
     design(hanging), design(hanging, width=0.8, count=2, style="shaker", grip=("brass", "knob")),
     design(hanging, width=0.8, count=2, style="glass"), design(hanging_open), design(corner_hanging), design(flap),
@@ -85,4 +92,9 @@ WALL_CABINETS = (
     design(plate_rack), design(sliding_panes), design(rounded_end), design(crossed),
 )  # fmt: skip
 
-FAMILIES = (FurnitureFamily("hanging_cabinet", "hanging_kitchen_cabinet", WALL_CABINETS),)
+SPLASHBACKS = (design(splashback), design(splashback, trim=True), design(splashback, slot="stone"))
+
+FAMILIES = (
+    FurnitureFamily("hanging_cabinet", "hanging_kitchen_cabinet", WALL_CABINETS),
+    FurnitureFamily("splashback", "partition", SPLASHBACKS),
+)

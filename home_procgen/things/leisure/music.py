@@ -58,6 +58,29 @@ def guitar(kind: str = "folk") -> Iterator[Solid]:
     yield rod("iron", (0.0, 0.0, -0.32), (0.0, 0.5, -0.12), 0.01)
 
 
+def ukulele() -> Iterator[Solid]:
+    """Build a small guitar with four strings on a low stand."""
+    right = [(0.0, -0.15), (0.08, -0.14), (0.11, -0.06), (0.075, 0.01), (0.085, 0.06), (0.07, 0.12), (0.02, 0.14)]
+    outline = spline([*right, *[(-x, y) for x, y in right[-1:0:-1]], right[0]], 3)[:-1]
+    lean = [prism("wood", outline, 0.065, (0.0, 0.24, 0.0)), disc("black", 0.032, 0.002, (0.0, 0.27, 0.033), 22)]
+    lean += [
+        box("wood_1", (0.036, 0.3, 0.018), (0.0, 0.35, 0.024)),
+        rounded_box("wood", (0.055, 0.1, 0.014), (0.0, 0.65, 0.02), 0.005, 1),
+    ]
+    lean += [rounded_box("black", (0.09, 0.014, 0.01), (0.0, 0.16, 0.034), 0.003, 1)]
+    lean += [
+        rod("white", ((k - 1.5) * 0.008, 0.17, 0.044), ((k - 1.5) * 0.007, 0.68, 0.036), 0.001, sides=4)
+        for k in range(4)
+    ]
+    yield from (rotate(p, 0, -0.2, (0.0, 0.08, 0.0)) for p in lean)
+    for s in (-1, 1):
+        yield rod("iron", (s * 0.12, 0.0, 0.1), (s * 0.04, 0.2, -0.06), 0.008)
+        yield tube(
+            "iron", fillet([(s * 0.05, 0.1, -0.02), (s * 0.06, 0.09, 0.07), (s * 0.06, 0.12, 0.08)], 0.02), 0.007, 6
+        )
+    yield rod("iron", (0.0, 0.0, -0.2), (0.0, 0.3, -0.08), 0.008)
+
+
 def drums() -> Iterator[Solid]:
     """Build a drum set with cymbals."""
 
@@ -120,8 +143,26 @@ def microphone() -> Iterator[Solid]:
     yield ring("chrome", 0.028, 0.008, (0.0, 1.415, 0.112), 1, 18)
 
 
+def boom_microphone(low: bool = False) -> Iterator[Solid]:
+    """Build a microphone on a boom above three legs, or a large one on a foot for a table."""
+    high = 0.2 if low else 1.35
+    if low:
+        yield revolve("black", [(0.08, 0.0), (0.075, 0.015), (0.015, 0.022)], sides=24, steps=1)
+    else:
+        for k in range(3):
+            a = 2 * np.pi * k / 3
+            yield rod("black", (0.0, 0.18, 0.0), (0.32 * np.cos(a), 0.01, 0.32 * np.sin(a)), 0.009)
+        yield rod("gray", (0.0, high, -0.25), (0.0, high + 0.2, 0.45), 0.008)
+    yield rod("black", (0.0, 0.015, 0.0), (0.0, high + 0.05 * (not low), 0.0), 0.009)
+    at = (0.0, high - 0.02, 0.0) if low else (0.0, high + 0.1, 0.45)
+    yield revolve("gray", [(0.024, 0.0), (0.03, 0.02), (0.03, 0.1), (0.02, 0.13)], at, 20, 2)
+    yield ring("chrome", 0.031, 0.008, (at[0], at[1] + 0.05, at[2]), 1, 20)
+
+
 FAMILIES = (
-    FurnitureFamily("guitar", "guitar", (design(guitar), design(guitar, kind="electric"))),
+    FurnitureFamily("guitar", "guitar", (design(guitar), design(guitar, kind="electric"), design(ukulele))),
     FurnitureFamily("drumset", "drumset", (design(drums),)),
-    FurnitureFamily("microphone", "microphone", (design(microphone),)),
+    FurnitureFamily(
+        "microphone", "microphone", (design(microphone), design(boom_microphone), design(boom_microphone, low=True))
+    ),
 )

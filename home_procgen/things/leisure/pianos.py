@@ -1,6 +1,7 @@
 """Pianos and keyboards."""
 
 from collections.abc import Iterator
+from functools import partial
 
 from home_procgen.primitives.solids import Solid, box, rotate
 from home_procgen.shapes.curves import spline
@@ -75,7 +76,27 @@ def _electric() -> Iterator[Solid]:
     yield beam("iron", (-0.5, 0.36, 0.02), (0.5, 0.36, 0.02), 0.03)
 
 
+def _on_slab(wide: float) -> Iterator[Solid]:
+    """Build an electric piano on two side panels, or a short keyboard on one crossed stand."""
+    yield rounded_box("wood" if wide > 1 else "white", (wide, 0.09, 0.28), (0.0, 0.68, 0.0), 0.012, 2)
+    yield from keys(wide - 0.1, 0.765, 0.06, 0.12)
+    for i in range(5):
+        yield rounded_box("gray", (0.024, 0.008, 0.014), (-0.12 + 0.06 * i, 0.768, -0.08), 0.003, 1)
+    if wide > 1:
+        for s in (-1, 1):
+            yield rounded_box("wood", (0.03, 0.68, 0.3), (s * (wide / 2 - 0.06), 0.0, 0.0), 0.008, 1)
+        yield rounded_box("wood", (wide - 0.15, 0.12, 0.02), (0.0, 0.25, -0.1), 0.006, 1)
+        for k in (-1, 0, 1):
+            yield rounded_box("brass", (0.03, 0.012, 0.1), (0.07 * k, 0.06, 0.06), 0.004, 1)
+        return
+    for s in (-1, 1):
+        yield beam("iron", (s * 0.3, 0.02, 0.0), (-s * 0.25, 0.68, 0.02 * s), 0.03)
+        yield beam("iron", (s * 0.3, 0.015, -0.18), (s * 0.3, 0.015, 0.18), 0.03)
+
+
 _PIANO_KINDS = {
+    "slab": partial(_on_slab, 1.3),
+    "short": partial(_on_slab, 0.85),
     "upright": _upright,
     "grand": _grand,
     "electric": _electric,
@@ -89,5 +110,9 @@ def piano(kind: str = "upright") -> Iterator[Solid]:
 
 FAMILIES = (
     FurnitureFamily("piano", "piano", (design(piano), design(piano, kind="grand"))),
-    FurnitureFamily("keyboard", "keyboard", (design(piano, kind="electric"),)),
+    FurnitureFamily(
+        "keyboard",
+        "keyboard",
+        (design(piano, kind="electric"), design(piano, kind="slab"), design(piano, kind="short")),
+    ),
 )

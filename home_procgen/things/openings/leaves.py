@@ -143,16 +143,30 @@ def _oval(width: float, height: float) -> Iterator[Solid]:
 
 
 def _chevron(width: float, height: float) -> Iterator[Solid]:
-    """Build a leaf of boards that meet at an angle along the centre line."""
+    """Build a leaf of boards that meet at an angle along the centre line, within a rim."""
     yield box("wood_1", (width, height, LEAF_THICKNESS - 0.012))
-    count = int(height / 0.16)
-    for side in (-1, 1):
-        for s in (-1, 1):
-            z = s * (LEAF_THICKNESS / 2 - 0.006)
-            for k in range(count - 1):
-                y = 0.1 + 0.16 * k
-                a, b = (side * 0.012, y, z), (side * (width / 2 - 0.05), y + 0.2, z)
-                yield beam("wood_1", a, b, 0.008, 0.13)
+    rim, pitch, rise, gap = 0.05, 0.16, 0.2, 0.006
+    high, wide = height - 2 * rim, width / 2 - rim
+    for x in (-1, 1):
+        yield box("wood_1", (rim - gap, height, LEAF_THICKNESS), (x * (width - rim + gap) / 2, 0.0, 0.0))
+    for y in (0.0, height - rim + gap):
+        yield box("wood_1", (width - 2 * rim + 2 * gap, rim - gap, LEAF_THICKNESS), (0.0, y, 0.0))
+    for k in range(-int(rise / pitch) - 1, int(high / pitch) + 1):
+        board = _between(k * pitch, (k + 1) * pitch - gap, rise / wide, wide - gap / 2, high)
+        for side in (-1, 1) if len(board) > 2 else ():
+            outline = [(side * (x + gap / 2), y + rim) for x, y in board]
+            yield prism("wood_1", outline, LEAF_THICKNESS, (0.0, 0.0, 0.0))
+
+
+def _between(lower: float, upper: float, slope: float, wide: float, high: float) -> list[tuple[float, float]]:
+    """Return the part of a strip between two parallel lines, given at x = 0, that is in 0..`wide` x 0..`high` [m]."""
+    start, end = max(0.0, -upper / slope), min(wide, (high - lower) / slope)
+    found: list[tuple[float, float]] = []
+    for line, way in ((lower, 1), (upper, -1)):
+        crossings = [x for y in (0.0, high) if start < (x := (y - line) / slope) < end]
+        xs = sorted((start, *crossings, end))[::way]
+        found += [(x, min(max(line + slope * x, 0.0), high)) for x in xs]
+    return [point for i, point in enumerate(found) if np.hypot(*np.subtract(point, found[i - 1])) > 1e-6]
 
 
 _LEAVES: dict[str, Callable[[float, float], Iterator[Solid]]] = {

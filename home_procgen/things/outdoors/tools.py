@@ -28,6 +28,40 @@ def _step_ladder() -> Iterator[Solid]:
         yield rod("steel", (-0.22, y, -0.4 * (1 - y / 1.5)), (0.22, y, -0.4 * (1 - y / 1.5)), 0.01)
 
 
+def _low_steps() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield beam("wood", (s * 0.22, 0.0, 0.24), (s * 0.18, 0.62, 0.0), 0.03, 0.05)
+        yield beam("wood", (s * 0.22, 0.0, -0.22), (s * 0.18, 0.62, -0.02), 0.03, 0.05)
+    for i in range(3):
+        yield rounded_box("wood", (0.42 - 0.02 * i, 0.024, 0.14), (0.0, 0.2 * (i + 1), 0.17 - 0.08 * i), 0.006, 1)
+
+
+def _reel_mower() -> Iterator[Solid]:
+    for s in (-1, 1):
+        yield from wheel(s * 0.2, 0.13, 0.0, 0.13, 0.04, hub="red")
+    for k in range(5):
+        a = 2 * np.pi * k / 5
+        yield rod(
+            "steel",
+            (-0.18, 0.13 + 0.08 * np.cos(a), 0.08 * np.sin(a)),
+            (0.18, 0.13 + 0.08 * np.cos(a + 0.7), 0.08 * np.sin(a + 0.7)),
+            0.006,
+        )
+    yield rod("black", (-0.2, 0.04, -0.14), (0.2, 0.04, -0.14), 0.025, sides=12)
+    for s in (-1, 1):
+        yield rod("wood", (s * 0.16, 0.13, 0.0), (s * 0.03, 0.9, -0.75), 0.013)
+    yield rod("wood", (-0.22, 0.9, -0.75), (0.22, 0.9, -0.75), 0.016)
+
+
+def _robot_mower() -> Iterator[Solid]:
+    yield padded_block("green", (0.44, 0.2, 0.56), (0.0, 0.05, 0.0), 3.2, 7)
+    yield rounded_box("black", (0.46, 0.06, 0.58), (0.0, 0.05, 0.0), 0.025, 2)
+    for s in (-1, 1):
+        yield from wheel(s * 0.21, 0.11, -0.16, 0.11, 0.05, hub="gray")
+    yield revolve("black", [(0.04, 0.0), (0.045, 0.05)], (0.0, 0.0, 0.22), 14, 1)
+    yield rounded_box("red", (0.07, 0.025, 0.07), (0.0, 0.235, -0.04), 0.012, 2)
+
+
 def _long_ladder() -> Iterator[Solid]:
     for s in (-1, 1):
         yield beam("wood", (s * 0.2, 0.0, 0.28), (s * 0.18, 2.3, -0.28), 0.035, 0.06)
@@ -78,6 +112,33 @@ def _helmet() -> Iterator[Solid]:
     yield revolve("black", [(0.112, -0.004), (0.118, 0.012)], sides=26, steps=1, stretch=1.15)
 
 
+def _cycle_helmet() -> Iterator[Solid]:
+    shell = [(0.115, 0.0), (0.125, 0.04), (0.11, 0.1), (0.07, 0.14), (0.01, 0.155)]
+    yield revolve("bright", shell, sides=26, steps=3, stretch=1.3)
+    for i in range(5):
+        x = 0.04 * (i - 2)
+        yield tube(
+            "black",
+            [(x, 0.1 - 0.6 * abs(x), 0.135), (x, 0.158 - abs(x) / 3, 0.0), (x, 0.1 - 0.6 * abs(x), -0.135)],
+            0.009,
+            6,
+        )
+    for s in (-1, 1):
+        yield tube("gray", [(s * 0.11, 0.02, 0.05), (s * 0.1, 0.004, 0.0), (s * 0.11, 0.02, -0.05)], 0.005, 6)
+
+
+def _hard_hat() -> Iterator[Solid]:
+    shell = [(0.115, 0.012), (0.115, 0.06), (0.09, 0.12), (0.05, 0.145), (0.01, 0.15)]
+    yield revolve("yellow", shell, sides=26, steps=3, stretch=1.2)
+    yield revolve("yellow", [(0.11, 0.004), (0.15, 0.008), (0.15, 0.016), (0.11, 0.02)], sides=28, steps=1, stretch=1.2)
+    yield tube(
+        "yellow",
+        [(0.0, 0.06, 0.138), (0.0, 0.15, 0.05), (0.0, 0.156, 0.0), (0.0, 0.15, -0.05), (0.0, 0.06, -0.138)],
+        0.012,
+        8,
+    )
+
+
 def _barrow() -> Iterator[Solid]:
     yield from wheel(0.0, 0.18, 0.62, 0.18, 0.08)
     sides = [(-0.42, 0.42), (0.5, 0.42), (0.66, 0.68), (-0.55, 0.66)]
@@ -109,23 +170,28 @@ def _paint() -> Iterator[Solid]:
 _TOOLS_KINDS = {
     "ladder": _step_ladder,
     "long": _long_ladder,
+    "steps": _low_steps,
     "mower": _mower,
+    "reel": _reel_mower,
+    "robot": _robot_mower,
     "box": _tool_box,
     "helmet": _helmet,
+    "cycle": _cycle_helmet,
+    "hat": _hard_hat,
     "barrow": _barrow,
     "paint": _paint,
 }
 
 
 def tools(kind: str = "ladder") -> Iterator[Solid]:
-    """Build a step or extension ladder, a mower, a tool box, a helmet, a wheelbarrow or a paint set."""
+    """Build a step or extension ladder, a mower, a tool box, helmets, a wheelbarrow or a paint set."""
     yield from _TOOLS_KINDS[kind]()
 
 
 FAMILIES = (
-    FurnitureFamily("ladder", "ladder", design_kinds(tools, "ladder", "long")),
-    FurnitureFamily("lawn_mower", "lawn_mower", design_kinds(tools, "mower")),
+    FurnitureFamily("ladder", "ladder", design_kinds(tools, "ladder", "long", "steps")),
+    FurnitureFamily("lawn_mower", "lawn_mower", design_kinds(tools, "mower", "reel", "robot")),
     FurnitureFamily("tool_box", "household_appliance", design_kinds(tools, "box", "paint")),
-    FurnitureFamily("helmet", "helmet", design_kinds(tools, "helmet")),
+    FurnitureFamily("helmet", "helmet", design_kinds(tools, "helmet", "cycle", "hat")),
     FurnitureFamily("barrow", "cart", design_kinds(tools, "barrow")),
 )

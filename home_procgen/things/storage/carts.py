@@ -107,7 +107,24 @@ def safe(height: float = 0.5) -> Iterator[Solid]:
         yield cylinder("chrome", 0.012, 0.07, (0.205, y, 0.22), sides=10)
 
 
+def key_safe() -> Iterator[Solid]:
+    """Build a low steel box with a keypad, for a cupboard."""
+    yield rounded_box("black", (0.36, 0.26, 0.3), (0.0, 0.0, 0.0), 0.008, 1)
+    door = rounded_box("black", (0.32, 0.22, 0.02), (0.0, 0.02, 0.155), 0.006, 1)
+    lock = [
+        rounded_box("gray", (0.09, 0.13, 0.008), (-0.06, 0.07, 0.168), 0.003, 1),
+        cylinder("chrome", 0.02, 0.02, (0.07, 0.12, 0.165), sides=16),
+    ]
+    keys = [
+        rounded_box(
+            "white", (0.018, 0.016, 0.005), (-0.085 + 0.025 * (k % 3), 0.085 + 0.025 * (k // 3), 0.173), 0.002, 1
+        )
+        for k in range(12)
+    ]
+    yield from panel("right", door, *lock, *keys)
+
+
 FAMILIES = (
     FurnitureFamily("cart", "cart", (design(tea_trolley), design(bar_trolley), design(basket_trolley))),
-    FurnitureFamily("safe", "safe", (design(safe), design(safe, height=0.8))),
+    FurnitureFamily("safe", "safe", (design(safe), design(safe, height=0.8), design(key_safe))),
 )

@@ -8,7 +8,7 @@ from home_procgen.primitives.solids import Solid, box, cylinder, rotate
 from home_procgen.shapes.revolve import vessel
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 
 
 def knives(kind: str = "block") -> Iterator[Solid]:
@@ -122,8 +122,24 @@ def utensils(kind: str = "jar") -> Iterator[Solid]:
             yield vessel("steel", [(0.012, 0.0), (0.03, 0.01), (0.034, 0.03)], 0.003, (x, y - 0.01, z), 16, 2)
 
 
+def cutlery_stand() -> Iterator[Solid]:
+    """Build spoons and forks that hang around a small stand."""
+    yield cylinder("wood", 0.075, 0.014, sides=26)
+    yield rod("chrome", (0.0, 0.012, 0.0), (0.0, 0.34, 0.0), 0.006)
+    yield ring("chrome", 0.05, 0.008, (0.0, 0.3, 0.0), 1, 22)
+    yield ball("wood", 0.014, (0.0, 0.345, 0.0), 12, 8)
+    for i in range(5):
+        a = 2 * np.pi * i / 5
+        x, z = 0.055 * np.cos(a), 0.055 * np.sin(a)
+        slot = ("wood", "steel", "black", "steel", "wood")[i]
+        yield rod(slot, (x, 0.3, z), (x, 0.11, z), 0.005)
+        yield ball(slot, (0.022, 0.035, 0.012), (x, 0.085, z), 12, 8)
+
+
 FAMILIES = (
     FurnitureFamily("knife_rack", "knife_rack", design_kinds(knives, "block", "holder", "bar")),
     FurnitureFamily("cutting_board", "cutting_board", design_kinds(board, "plain", "vegetables", "stand")),
-    FurnitureFamily("utensil_holder", "utensil_holder", design_kinds(utensils, "jar", "rail")),
+    FurnitureFamily(
+        "utensil_holder", "utensil_holder", (*design_kinds(utensils, "jar", "rail"), design(cutlery_stand))
+    ),
 )

@@ -38,7 +38,14 @@ def cake(kind: str = "whole") -> Iterator[Solid]:
 
 
 def bread(kind: str = "loaf") -> Iterator[Solid]:
-    """Build a loaf, or rolls in a basket."""
+    """Build a loaf, rolls in a basket, or a cut baguette on a cloth."""
+    if kind == "baguette":
+        yield rounded_box("linen", (0.4, 0.006, 0.16), (0.0, 0.0, 0.0), 0.002, 2)
+        yield padded_block("crust", (0.3, 0.06, 0.075), (-0.04, 0.006, 0.0), 2.4, 7)
+        for i in range(3):
+            slice_ = padded_block("cream", (0.014, 0.055, 0.07), (0.13 + 0.022 * i, 0.006, 0.01 * i), 2.6, 5)
+            yield rotate(slice_, 2, -0.25 - 0.3 * i, (0.13 + 0.022 * i, 0.006, 0.0))
+        return
     if kind == "loaf":
         yield padded_block("crust", (0.28, 0.11, 0.13), (0.0, 0.0, 0.0), 2.8, 7)
         for i in range(4):
@@ -108,17 +115,20 @@ def meal(kind: str = "pizza") -> Iterator[Solid]:
     yield from _MEAL_KINDS[kind]()
 
 
-def mortar() -> Iterator[Solid]:
-    """Build a stone mortar with its pestle."""
-    yield vessel(
-        "stone", [(0.05, 0.0), (0.055, 0.015), (0.045, 0.03), (0.07, 0.06), (0.075, 0.1)], 0.014, sides=24, steps=2
-    )
-    yield tube("stone", [(0.0, 0.045, 0.0), (0.03, 0.09, 0.01), (0.075, 0.15, 0.02)], [0.02, 0.013, 0.018], 10)
+def mortar(slot: str = "stone", wide: float = 1.0) -> Iterator[Solid]:
+    """Build a mortar with its pestle; `wide` is a factor on its width."""
+    profile = [(0.05, 0.0), (0.055, 0.015), (0.045, 0.03), (0.07, 0.06), (0.075, 0.1)]
+    yield vessel(slot, [(wide * r, y) for r, y in profile], 0.014 * wide, sides=24, steps=2)
+    yield tube(slot, [(0.0, 0.045, 0.0), (0.03, 0.09, 0.01), (0.075, 0.15, 0.02)], [0.02, 0.013, 0.018], 10)
 
 
 FAMILIES = (
     FurnitureFamily("cake", "cake", design_kinds(cake, "whole", "muffins", "bell")),
-    FurnitureFamily("bread", "bread", design_kinds(bread, "loaf", "rolls")),
+    FurnitureFamily("bread", "bread", design_kinds(bread, "loaf", "rolls", "baguette")),
     FurnitureFamily("food", "food", design_kinds(meal, "pizza", "salad", "sushi")),
-    FurnitureFamily("mortar", "mortar_and_pestle", (design(mortar),)),
+    FurnitureFamily(
+        "mortar",
+        "mortar_and_pestle",
+        (design(mortar), design(mortar, slot="wood", wide=0.8), design(mortar, slot="ceramic", wide=1.25)),
+    ),
 )

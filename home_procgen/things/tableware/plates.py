@@ -95,7 +95,15 @@ def _cutlery(left: float, right: float) -> Iterator[Solid]:
 
 
 def setting(mat: str = "round") -> Iterator[Solid]:
-    """Build a place setting: a mat with plates, cutlery, a glass and a napkin."""
+    """Build a place setting: a mat with plates, cutlery, a glass and a napkin; or a breakfast on a tray."""
+    if mat == "tray":
+        yield rounded_box("wood", (0.42, 0.012, 0.3), (0.0, 0.0, 0.0), 0.005, 2)
+        for s in (-1, 1):
+            yield rounded_box("wood", (0.014, 0.03, 0.3), (s * 0.203, 0.008, 0.0), 0.005, 2)
+        yield from (move(p, (-0.06, 0.012, 0.03)) for p in plates("bowls"))
+        yield vessel("glaze", [(0.03, 0.0), (0.036, 0.05), (0.036, 0.085)], 0.003, (0.12, 0.012, -0.05), 18, 1)
+        yield rounded_box("linen", (0.08, 0.012, 0.12), (0.12, 0.012, 0.06), 0.004, 1)
+        return
     if mat == "round":
         yield cylinder("cane", 0.19, 0.004, sides=30)
     else:
@@ -111,5 +119,7 @@ def setting(mat: str = "round") -> Iterator[Solid]:
 
 FAMILIES = (
     FurnitureFamily("plates", "plates", design_kinds(plates, "stack", "bowls", "rack", "platter", "set")),
-    FurnitureFamily("place_setting", "place_setting", (design(setting), design(setting, mat="cloth"))),
+    FurnitureFamily(
+        "place_setting", "place_setting", (design(setting), design(setting, mat="cloth"), design(setting, mat="tray"))
+    ),
 )

@@ -1,6 +1,7 @@
 """Pets and fish."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,8 +10,9 @@ from home_procgen.shapes.curves import spline
 from home_procgen.shapes.revolve import revolve, vessel
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sheets import leaf
-from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.shapes.sweep import beam, prism, ring, rod, tube
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
+from home_procgen.things.joinery import corners
 
 
 def _cat() -> Iterator[Solid]:
@@ -139,9 +141,44 @@ def fish(kind: str = "tank") -> Iterator[Solid]:
     yield ball("gray", (0.09, 0.06, 0.07), (0.14, 0.79, -0.06), 12, 8)
 
 
+def small_tank(wide: float = 0.36, lid: bool = False) -> Iterator[Solid]:
+    """Build a small glass tank for a table, with a lamp on its lid or open."""
+    yield box("black", (wide, 0.012, 0.2))
+    yield box("cream", (wide - 0.016, 0.025, 0.184), (0.0, 0.013, 0.0))
+    yield box("water", (wide - 0.018, 0.15, 0.182), (0.0, 0.039, 0.0))
+    for s in (-1, 1):
+        yield box("glass", (wide, 0.22, 0.005), (0.0, 0.012, s * 0.0975))
+        yield box("glass", (0.005, 0.22, 0.188), (s * (wide / 2 - 0.0025), 0.012, 0.0))
+    for i in range(3):
+        yield from _one(
+            -0.08 + 0.08 * i, 0.09 + 0.025 * (i % 2), 0.03 * (-1) ** i, ("orange", "yellow", "blue")[i], 0.6
+        )
+    for i in range(6):
+        yield leaf("leaf", 0.12, 0.012, (0.3 * wide * (-1) ** i, 0.04, -0.05), 1.1 * i, 1.4, 0.4, pieces=3)
+    if lid:
+        yield rounded_box("black", (wide + 0.01, 0.03, 0.21), (0.0, 0.233, 0.0), 0.008, 1)
+
+
+def tank_on_frame(tall: bool = False) -> Iterator[Solid]:
+    """Build a fish tank on an iron frame, long or tall."""
+    size = 0.62 if tall else 1.0
+    for piece in small_tank(0.36 if tall else 0.5, True):
+        yield replace(piece, vertices=piece.vertices * (1.6, 2.4 if tall else 1.9, 1.8) + (0.0, 0.7, 0.0))
+    for x, z in corners(size - 0.2, 0.3):
+        yield beam("iron", (x, 0.0, z), (x, 0.68, z), 0.03)
+    for y in (0.14, 0.66):
+        yield rounded_box("wood", (size - 0.14, 0.035, 0.36), (0.0, y, 0.0), 0.006, 1)
+
+
 FAMILIES = (
     FurnitureFamily("pet", "pet", design_kinds(pet, "cat", "dog", "basket")),
     FurnitureFamily("bird_cage", "pet", design_kinds(pet, "cage")),
-    FurnitureFamily("fish_tank", "fish_tank", design_kinds(fish, "tank")),
-    FurnitureFamily("fishbowl", "fishbowl", design_kinds(fish, "bowl")),
+    FurnitureFamily(
+        "fish_tank", "fish_tank", (*design_kinds(fish, "tank"), design(tank_on_frame), design(tank_on_frame, tall=True))
+    ),
+    FurnitureFamily(
+        "fishbowl",
+        "fishbowl",
+        (*design_kinds(fish, "bowl"), design(small_tank), design(small_tank, wide=0.28, lid=True)),
+    ),
 )

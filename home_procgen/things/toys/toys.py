@@ -97,6 +97,31 @@ def chess() -> Iterator[Solid]:
                 )
 
 
+def board_game(kind: str = "draughts") -> Iterator[Solid]:
+    """Build a game of draughts, or one with a track, counters and a die."""
+    yield rounded_box("wood", (0.4, 0.02, 0.4), (0.0, 0.0, 0.0), 0.006, 1)
+    if kind == "draughts":
+        for i in range(8):
+            for j in range(8):
+                if (i + j) % 2 == 0:
+                    yield box("cream", (0.044, 0.002, 0.044), ((i - 3.5) * 0.045, 0.0195, (j - 3.5) * 0.045))
+                elif j in (0, 1, 6, 7) and (i * 5 + j) % 7:
+                    at = ((i - 3.5) * 0.045, 0.02, (j - 3.5) * 0.045)
+                    yield cylinder("white" if j < 2 else "red", 0.017, 0.009, at, sides=14)
+        return
+    yield box("cream", (0.37, 0.002, 0.37), (0.0, 0.0195, 0.0))
+    for k in range(24):
+        a = 2 * np.pi * k / 24
+        at = (0.15 * np.cos(a), 0.0212, 0.15 * np.sin(a))
+        yield cylinder(("red", "blue", "green", "yellow")[k % 4], 0.014, 0.001, at, sides=12)
+        if k % 5 == 0:
+            slot = ("red", "blue", "green", "yellow")[k // 5 % 4]
+            yield revolve(
+                slot, [(0.011, 0.0), (0.006, 0.014), (0.007, 0.02), (0.002, 0.028)], (at[0], 0.022, at[2]), 12, 2
+            )
+    yield rounded_box("white", (0.016, 0.016, 0.016), (0.04, 0.0215, 0.02), 0.003, 2)
+
+
 SMALL_TOYS = (
     design(teddy), design(blocks), design(train), *design_kinds(toy_car, "car", "lorry", "fire"),
     *design_kinds(ball_pit, "ball", "rings", "xylophone", "robot"), design(teddy, slot="white", ears="long"),
@@ -114,5 +139,5 @@ LARGE_TOYS = (
 FAMILIES = (
     FurnitureFamily("toy", "toy", SMALL_TOYS),
     FurnitureFamily("large_toy", "toy", LARGE_TOYS),
-    FurnitureFamily("chessboard", "chessboard", (design(chess),)),
+    FurnitureFamily("chessboard", "chessboard", (design(chess), *design_kinds(board_game, "draughts", "track"))),
 )

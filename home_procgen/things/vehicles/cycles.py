@@ -1,12 +1,15 @@
 """Motorcycles, bicycles, tricycles."""
 
 from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
 
 from home_procgen.primitives.solids import Solid, rotate
 from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import ball, padded_block, rounded_box
 from home_procgen.shapes.sweep import prism, ring, rod, tube
-from home_procgen.things.family import FurnitureFamily, design_kinds
+from home_procgen.things.family import FurnitureFamily, design, design_kinds
 from home_procgen.things.vehicles.wheels import wheel
 
 
@@ -102,11 +105,17 @@ def bicycle(kind: str = "bike") -> Iterator[Solid]:
             yield rod("chrome", (0.0, 0.16, 0.3), (s * 0.1, 0.16 + 0.06 * s, 0.3), 0.006)
             yield rounded_box("black", (0.07, 0.02, 0.05), (s * 0.12, 0.15 + 0.06 * s, 0.3), 0.006, 1)
         return
-    r, back, front_ = 0.34, -0.52, 0.54
+    yield from _two_wheels(0.34, kind == "step")
+
+
+def _two_wheels(r: float, low_step: bool) -> Iterator[Solid]:
+    """Build a bicycle with a wheel radius [m]; with a low step it has a basket and mudguards."""
+    back, front_ = -0.52, 0.54
     for z in (back, front_):
         yield from wheel(0.0, r, z, r, 0.04, 18)
     crank, seat, head = (0.0, 0.29, -0.08), (0.0, 0.82, -0.24), (0.0, 0.8, 0.36)
-    for a, b in ((crank, seat), (crank, (0.0, 0.72, 0.38)), ((0.0, 0.78, -0.22), head)):
+    upper = ((0.0, 0.4, -0.1), (0.0, 0.72, 0.38)) if low_step else ((0.0, 0.78, -0.22), head)
+    for a, b in ((crank, seat), (crank, (0.0, 0.66, 0.39)), upper):
         yield rod("bright", a, b, 0.016)
     for s in (-1, 1):
         yield rod("bright", crank, (s * 0.05, r, back), 0.009)
@@ -122,12 +131,28 @@ def bicycle(kind: str = "bike") -> Iterator[Solid]:
     )
     for s in (-1, 1):
         yield rod("rubber", (s * 0.265, 0.972, 0.2), (s * 0.285, 0.97, 0.1), 0.016)
+    if low_step:
+        yield rounded_box("cane", (0.34, 0.22, 0.24), (0.0, 0.72, 0.56), 0.03, 2)
+        for z in (back, front_):
+            arc = [(0.0, r + 0.4 * np.sin(a), z + 0.4 * np.cos(a)) for a in np.linspace(0.3, np.pi - 0.3, 12)]
+            yield tube("bright", arc, 0.016, 6)
+        yield rounded_box("black", (0.16, 0.016, 0.4), (0.0, 0.74, back), 0.006, 1)
     yield ring("chrome", 0.09, 0.01, (0.035, 0.29, -0.08), 0, 22)
     yield rod("black", (0.06, 0.29, -0.1), (0.2, 0.0, -0.16), 0.008)
 
 
+def child_bicycle() -> Iterator[Solid]:
+    """Build a child's bicycle with stabilisers."""
+    size = 0.62
+    for piece in bicycle("bike"):
+        yield replace(piece, vertices=piece.vertices * size)
+    for s in (-1, 1):
+        yield from wheel(s * 0.16, 0.05, -0.33, 0.05, 0.02, hub="white")
+        yield tube("chrome", [(s * 0.03, 0.21, -0.32), (s * 0.13, 0.19, -0.33), (s * 0.15, 0.05, -0.33)], 0.007, 6)
+
+
 FAMILIES = (
     FurnitureFamily("motorcycle", "motorcycle", design_kinds(motorcycle, "road", "scooter")),
-    FurnitureFamily("bicycle", "bicycle", design_kinds(bicycle, "bike")),
+    FurnitureFamily("bicycle", "bicycle", (*design_kinds(bicycle, "bike", "step"), design(child_bicycle))),
     FurnitureFamily("tricycle", "tricycle", design_kinds(bicycle, "tricycle")),
 )

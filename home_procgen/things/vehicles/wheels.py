@@ -36,15 +36,15 @@ def wheel(
         (0.72 * radius, wide / 2),
     ]
     yield move(rotate(revolve("rubber", profile, sides=24, steps=1), 2, np.pi / 2), (x, y, z))
-    rim = [(0.72 * radius, -0.46 * wide), (0.72 * radius, 0.46 * wide)]
+    rim = [(0.72 * radius, -0.52 * wide), (0.72 * radius, 0.52 * wide)]  # in front of the tyre, which is a closed disc
     yield move(rotate(revolve(hub, rim, sides=24, steps=1), 2, np.pi / 2), (x, y, z))
     for i in range(5):
         a = 2 * np.pi * i / 5
         for s in (-1, 1):
             yield rod(
                 "black",
-                (x + s * 0.46 * wide, y + 0.25 * radius * np.cos(a), z + 0.25 * radius * np.sin(a)),
-                (x + s * 0.47 * wide, y + 0.6 * radius * np.cos(a), z + 0.6 * radius * np.sin(a)),
+                (x + s * 0.52 * wide, y + 0.25 * radius * np.cos(a), z + 0.25 * radius * np.sin(a)),
+                (x + s * 0.53 * wide, y + 0.6 * radius * np.cos(a), z + 0.6 * radius * np.sin(a)),
                 0.09 * radius,
                 sides=6,
             )

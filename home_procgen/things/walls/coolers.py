@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from home_procgen.primitives.solids import Solid, box, rotate
-from home_procgen.shapes.curves import fillet, spline
+from home_procgen.shapes.curves import fillet
 from home_procgen.shapes.rounded import ball, rounded_box
-from home_procgen.shapes.sweep import prism, tube
+from home_procgen.shapes.sweep import prism
 from home_procgen.things.family import FurnitureFamily, design_kinds
 from home_procgen.things.joinery import corners, disc
 
@@ -37,24 +37,31 @@ def _mobile() -> Iterator[Solid]:
     for i in range(6):
         yield box("gray", (0.26, 0.01, 0.012), (0.0, 0.5 + 0.028 * i, 0.165))
     yield box("screen", (0.16, 0.004, 0.08), (0.0, 0.729, 0.06))
-    yield tube(
-        "white", spline([(0.0, 0.6, -0.16), (0.0, 0.62, -0.32), (0.1, 0.9, -0.4), (0.1, 1.1, -0.38)], 5), 0.06, 12
-    )
+    yield rounded_box("tint", (0.3, 0.16, 0.012), (0.0, 0.1, 0.168), 0.006, 1)
+
+
+def _tower() -> Iterator[Solid]:
+    yield rounded_box("black", (0.34, 0.03, 0.34), (0.0, 0.0, 0.0), 0.014, 2)
+    yield rounded_box("white", (0.28, 0.92, 0.28), (0.0, 0.03, 0.0), 0.06, 4)
+    for i in range(18):
+        yield box("gray", (0.15, 0.01, 0.01), (0.0, 0.3 + 0.03 * i, 0.138))
+    yield box("screen", (0.1, 0.04, 0.004), (0.0, 0.87, 0.14))
 
 
 _COOLER_KINDS = {
     "split": _split,
     "window": _window,
     "mobile": _mobile,
+    "tower": _tower,
 }
 
 
 def cooler(kind: str = "split") -> Iterator[Solid]:
-    """Build an air conditioner for a wall or a window, or on wheels."""
+    """Build an air conditioner for a wall or a window, or a cooler that stands and needs no hose."""
     yield from _COOLER_KINDS[kind]()
 
 
 FAMILIES = (
-    FurnitureFamily("air_conditioner", "air_conditioner", design_kinds(cooler, "split", "mobile")),
+    FurnitureFamily("air_conditioner", "air_conditioner", design_kinds(cooler, "split", "mobile", "tower")),
     FurnitureFamily("window_cooler", "air_conditioner", design_kinds(cooler, "window")),
 )

@@ -76,7 +76,33 @@ def _cage(y: float, size: float) -> Iterator[Solid]:
         yield tube("white", [(0.1 * c, y + 0.1 * s, 0.125), (c, y + s, 0.1), (c, y + s, 0.02)], 0.002, 4)
 
 
+def _short_fan() -> Iterator[Solid]:
+    """Build a flat fan close below the ceiling, with four broad blades."""
+    yield revolve("white", [(0.11, 0.12), (0.12, 0.2), (0.1, 0.26)], sides=26, steps=1)
+    yield revolve("wood", [(0.06, 0.06), (0.1, 0.09), (0.1, 0.12)], sides=24, steps=2)
+    outline = fillet([(-0.06, 0.09), (0.06, 0.09), (0.085, 0.5), (-0.085, 0.5)], 0.05, 4, True)
+    blade = rotate(prism("wood", outline, 0.01, (0.0, 0.1, 0.0), "top"), 2, 0.18, (0.0, 0.1, 0.0))
+    yield from repeat_around([blade], 4)
+    yield ball("opal", (0.09, 0.05, 0.09), (0.0, 0.05, 0.0), 18, 10)
+
+
+def _box_fan() -> Iterator[Solid]:
+    """Build a square fan on the floor."""
+    for s in (-1, 1):
+        yield rounded_box("white", (0.03, 0.5, 0.14), (s * 0.24, 0.02, 0.0), 0.01, 2)
+        yield rounded_box("white", (0.45, 0.03, 0.14), (0.0, 0.02 + 0.235 * (s + 1), 0.0), 0.01, 2)
+        yield rounded_box("black", (0.05, 0.022, 0.2), (s * 0.2, 0.0, 0.0), 0.008, 1)
+    for i in range(15):
+        yield rod("chrome", (-0.21 + 0.03 * i, 0.04, 0.06), (-0.21 + 0.03 * i, 0.5, 0.06), 0.002, sides=4)
+    for i in range(5):
+        outline = fillet([(-0.02, 0.03), (0.03, 0.03), (0.08, 0.2), (-0.06, 0.2)], 0.03, 3, True)
+        yield move(rotate(rotate(prism("blue", outline, 0.004), 1, 0.4), 2, 0.4 * np.pi * i), (0.0, 0.27, 0.0))
+    yield disc("white", 0.04, 0.03, (0.0, 0.27, -0.01), 16)
+
+
 _FAN_KINDS = {
+    "short": _short_fan,
+    "box": _box_fan,
     "ceiling": partial(_under_ceiling, False),
     "ceiling_wood": partial(_under_ceiling, True),
     "stand": partial(_on_foot, 1.15, 0.2, 0.19, 0.2),
@@ -85,7 +111,7 @@ _FAN_KINDS = {
 
 
 def fan(kind: str = "ceiling") -> Iterator[Solid]:
-    """Build a `ceiling`, `ceiling_wood`, `stand` or `table` fan."""
+    """Build a `ceiling`, `ceiling_wood`, `short`, `stand`, `table` or `box` fan."""
     yield from _FAN_KINDS[kind]()
 
 
@@ -102,8 +128,26 @@ def whiteboard() -> Iterator[Solid]:
         yield box(("blue", "black", "black", "red")[i], (w, 0.014, 0.002), (x, y, 0.004))
 
 
+def pin_board(kind: str = "cork") -> Iterator[Solid]:
+    """Build a board of cork with notes, or a blackboard with chalk."""
+    cork = kind == "cork"
+    wide, high = (0.9, 0.6) if cork else (0.7, 1.0)
+    yield box("brown" if cork else "black", (wide, high, 0.012), (0.0, 0.02, -0.004))
+    for s in (-1, 1):
+        yield rounded_box("wood", (0.03, high + 0.06, 0.024), (s * (wide + 0.03) / 2, -0.01, 0.0), 0.006, 1)
+        yield rounded_box("wood", (wide, 0.03, 0.024), (0.0, -0.01 + (high + 0.03) * (s + 1) / 2, 0.0), 0.006, 1)
+    for i in range(6):
+        x, y = (-0.36 + 0.3 * (i % 3), 0.1 + 0.28 * (i // 3)) if cork else (-0.2 + 0.03 * (i % 2), 0.8 - 0.1 * i)
+        size = (0.12 + 0.03 * (i % 2), 0.16, 0.002) if cork else (0.3 - 0.04 * (i % 3), 0.014, 0.001)
+        yield rotate(
+            box(("paper", "yellow", "white")[i % 3] if cork else "white", size, (x, y, 0.003)), 2, 0.04 * (i % 3 - 1)
+        )
+        if cork:
+            yield ball("red", 0.007, (x, y + 0.15, 0.008), 8, 6)
+
+
 FAMILIES = (
-    FurnitureFamily("ceiling_fan", "ceiling_fan", design_kinds(fan, "ceiling", "ceiling_wood")),
-    FurnitureFamily("stand_fan", "pedestal_fan", design_kinds(fan, "stand", "table")),
-    FurnitureFamily("whiteboard", "whiteboard", (design(whiteboard),)),
+    FurnitureFamily("ceiling_fan", "ceiling_fan", design_kinds(fan, "ceiling", "ceiling_wood", "short")),
+    FurnitureFamily("stand_fan", "pedestal_fan", design_kinds(fan, "stand", "table", "box")),
+    FurnitureFamily("whiteboard", "whiteboard", (design(whiteboard), *design_kinds(pin_board, "cork", "chalk"))),
 )

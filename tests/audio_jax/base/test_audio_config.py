@@ -87,7 +87,7 @@ def test_presets():
         ({"late": "none", "detector": "sphere"}, "detector` has no effect with NoLate"),
         ({"receiver": "omni", "pinna": True}, "pinna` has no effect with Omni"),
         ({"receiver": "ambisonics", "positions": ((0, 0, 0),)}, "positions` has no effect with Ambisonics"),
-        ({"tail_seconds": 0.4}, "tail_seconds` has no effect with None. Set .* to True too"),
+        ({"motion": None, "tail_seconds": 0.4}, "tail_seconds` has no effect with None. Set .* to True too"),
         ({"motion": 1}, "unknown `.*motion` 1"),
         ({"early": "home"}, "early` must be .*EarlyPaths"),
         ({"microphones": ((0, 0, 0),)}, "unknown option `microphones`"),
@@ -103,12 +103,16 @@ def test_no_option_is_ignored(options, message):
 
 def test_words_and_flat_names_select_records():
     air, few = Air(temperature=10.0), Traced(num_rays=7)
-    named = make_config(receiver="array", positions=[[0, 0, 0.1]], motion=True, tail_seconds=0.5, temperature=10.0)
+    traced = {"audio": AudioConfig(), "late": "traced", "temperature": 10.0}
+    named = make_config(receiver="array", positions=[[0, 0, 0.1]], motion=True, tail_seconds=0.5, **traced)
     array = MicrophoneArray(((0.0, 0.0, 0.1),))
     assert named.audio == AudioConfig(air=air, receiver=array, motion=Motion(tail_seconds=0.5))
-    assert make_config(**{"audio.late": "traced", "audio.late.num_rays": 7}).audio == AudioConfig(late=few)
+    assert make_config().audio == audio_preset("balanced")
+    assert make_config(**{"audio.late": "traced", "audio.late.num_rays": 7}).audio == replace(
+        audio_preset("balanced"), late=few
+    )
     assert make_config(audio=audio_preset("fast"), tail_seconds=0.5).audio.motion == Motion(8, 0.5)
-    assert make_config(late=Baked(), receiver=Omni()).audio == AudioConfig(late=Baked(), receiver=Omni())
+    assert make_config(receiver=Omni()).audio == audio_preset("balanced", receiver="omni")
     assert make_config(pinna=True).audio.receiver == Binaural(pinna=True)
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from storeys import Storey, metadata_of, stacked
 
-from home_mjx.audio_jax.late_reverb.bake.bake import BakeOptions, bake_house
+from home_mjx.audio_jax.late_reverb.bake.bake import bake_house
+from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
 from home_mjx.datasets.outlines import RoomOutline
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 from home_mjx.scene_compile.pipeline.compile import compile_house

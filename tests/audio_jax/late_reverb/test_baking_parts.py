@@ -1,8 +1,7 @@
-"""Cells, tallies, spans and the splitting of rays, on data made by hand."""
+"""Cells, tallies and spans, on data made by hand."""
 
 from itertools import pairwise
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -10,6 +9,7 @@ from acoustic_rooms import coupled
 from handmade import shoebox
 
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator, factor_hidden_pairs, smooth_octaves, weigh_cells
+from home_mjx.audio_jax.late_reverb.bake.pair_sums import sum_pairs
 from home_mjx.audio_jax.late_reverb.lookup.lookup import _delay
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import (
     FINE_BINS,
@@ -21,7 +21,6 @@ from home_mjx.audio_jax.late_reverb.lookup.time_grid import (
     span_index,
 )
 from home_mjx.audio_jax.late_reverb.trace.cells import CELL_CEILING_GAP, CELL_FLOOR_GAP, MAX_CELLS, divide_rooms
-from home_mjx.audio_jax.late_reverb.trace.resampling import resample_rays
 
 
 def test_cells_fill_the_rooms():
@@ -43,10 +42,15 @@ def test_no_cell_lies_in_two_rooms_and_there_are_never_too_many():
 def exponentials(rates: np.ndarray, flown: int, bins: int = 400) -> Accumulator:
     """A tally of one room of four cells that hear a decay per octave, only as long as rays flew."""
     tally = Accumulator(np.zeros(4, int), np.zeros((4, 4)), len(rates), bins, 1.0)
-    for octave, rate in enumerate(rates):
-        decay = np.exp(-rate * np.arange(bins)) * (np.arange(bins) < flown)
-        tally.add(octave, np.tile(decay, (4, 4, 1)), float(flown))
+    decay = np.exp(-rates * np.arange(bins)[:, None]) * (np.arange(bins) < flown)[:, None]
+    add(tally, np.tile(decay, (4, 4, 1, 1)), float(flown))
     return tally
+
+
+def add(tally: Accumulator, own: np.ndarray, flown: float) -> None:
+    """Decays (n, n, bins, octaves) without any gate."""
+    count, bins, octaves = own.shape[1:]
+    tally.add(own, np.zeros((octaves, count, 0, 1)), np.zeros((octaves, 0, count, bins)), flown)
 
 
 def test_a_decay_goes_on_beyond_the_traced_time():
@@ -70,7 +74,7 @@ def test_a_late_slope_is_as_loud_as_between_its_own_cells():
     time, near = np.arange(NUM_BINS), np.array([1.0, 1.0, 2.0, 2.0])
     decay = np.exp(-0.22 * time) + 0.003 * np.outer(near, near)[:, :, None] * np.exp(-0.045 * time)
     tally = Accumulator(np.zeros(4, int), np.zeros((4, 4)), 1, NUM_BINS, 1.0)
-    tally.add(0, decay, float(NUM_BINS))
+    add(tally, decay[..., None], float(NUM_BINS))
     level, shape = tally.finish()
     read = np.exp(level[..., span_index(NUM_BINS), 0]) * shape[0, 0, 0]
     late = slice(2 * FINE_BINS, 200)
@@ -103,29 +107,32 @@ def test_the_last_slope_goes_on_after_the_last_knot():
 def test_arrivals_count_from_the_first_possible_one():
     """What comes 30 bins late between cells 30 bins apart is in the first span."""
     tally = Accumulator(np.zeros(2, int), np.array([[0.0, 30.0], [30.0, 0.0]]), 1, 100, 1.0)
-    heard = np.zeros((2, 2, 100))
+    heard = np.zeros((2, 2, 100, 1))
     heard[0, 1, 31] = 5.0
-    tally.add(0, heard, 100.0)
+    add(tally, heard, 100.0)
     assert tally.pair[0, 1].ravel().tolist() == [5, 0, 0, 0, 0]
 
 
-def test_splitting_keeps_the_energy_of_each_room():
-    """Over many draws the energy of every ray's descendants is its own; a room of 1 % has 9 % of the rays."""
+def test_sums_are_those_of_convolutions():
+    """Over spans and pairs of rooms, counted from arrivals; what is too early counts to the first bin."""
     rng = np.random.default_rng(0)
-    octave = jnp.repeat(jnp.arange(7, dtype=jnp.int32), 50)
-    room = jnp.asarray(rng.random(350) < 0.2, jnp.int32)
-    energy = jnp.asarray(rng.random(350) * np.where(np.asarray(room) == 1, 0.05, 1.0), jnp.float32)
-
-    def left(key: jax.Array) -> tuple[jax.Array, jax.Array]:
-        pick, new = resample_rays(energy, room, octave, 2, key)
-        return jnp.zeros(350).at[pick].add(new), jnp.mean(room[pick] == 1)
-
-    after, share = jax.vmap(left)(jax.random.split(jax.random.key(1), 4000))
-    np.testing.assert_allclose(after.mean(axis=0), energy, atol=0.02)
-    assert float(share.mean()) > 3 * float(energy[room == 1].sum() / energy.sum())
-    assert np.array_equal(
-        np.asarray(octave)[np.asarray(resample_rays(energy, room, octave, 2, jax.random.key(2))[0])], octave
-    )
+    cells, gates, bins, room = 5, 3, 60, np.array([0, 0, 1, 1, 1])
+    own, after = rng.random((cells, cells, 20, 2)), rng.random((2, gates, cells, bins))
+    emitted = rng.random((2, cells, gates, 12)) * (rng.random((2, cells, gates, 12)) < 0.5)
+    arrival = rng.integers(0, 9, (cells, cells))
+    pair, shape = sum_pairs(own, emitted, after, arrival, room)
+    whole = np.zeros((cells, cells, bins, 2))
+    whole[:, :, :20] = own
+    for lag in range(12):
+        whole[:, :, lag:] += np.einsum("big,bgjk->ijkb", emitted[..., lag], after[..., : bins - lag])
+    exact = np.zeros((2, 2, 2, bins))
+    for i, j in np.ndindex(cells, cells):
+        since = np.maximum(np.arange(bins) - arrival[i, j], 0)
+        decay = np.stack([np.bincount(since, whole[i, j, :, b], bins) for b in range(2)])
+        exact[room[i], room[j]] += decay
+        np.testing.assert_allclose(pair[i, j], np.add.reduceat(decay, SPAN_STARTS, axis=1).T, rtol=1e-5)
+    known = slice(bins - arrival.max())  # later decays are extrapolated
+    np.testing.assert_allclose(shape[..., known], exact[..., known], rtol=1e-5)
 
 
 def test_rooms_apart_are_smoothed_without_losing_energy():

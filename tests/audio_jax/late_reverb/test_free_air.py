@@ -5,8 +5,8 @@ from handmade import Furniture, shoebox
 
 from home_mjx.audio_jax.late_reverb.bake.cell_points import sample_free_points
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
+from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
 from home_mjx.bank.bank import HouseBank
-from home_mjx.raycast_render.scene.scene import make_open_scene
 
 SCREEN = Furniture((1.1, 0.3), (0.1, 2.4, 2.5))  # 0.35 m before the wall, open at one end
 
@@ -16,7 +16,7 @@ def test_air_behind_a_screen_counts_as_air():
     house = shoebox((3.0, 3.0, 2.5), furniture=[SCREEN])
     cells = divide_rooms(house)
     starts, free = sample_free_points(
-        make_open_scene(HouseBank.from_compiled([house]), 0), cells, 1000, np.random.default_rng(0)
+        HouseRays.from_bank(HouseBank.from_compiled([house]), 0), cells, 1000, np.random.default_rng(0)
     )
     low, high = (np.array(SCREEN.position) + sign * np.array(SCREEN.size[:2]) / 2 for sign in (-1, 1))
     plan = cells.origin + (np.argwhere(cells.lookup[0] >= 0)[:, ::-1] + 0.5) * cells.step

@@ -1,18 +1,17 @@
 """What is heard through gates: against chains of rooms whose energies are powers of a matrix."""
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.audio_jax.late_reverb.bake.portal_transfer import (
+    Transfer,
     build_portal_states,
     build_second_states,
-    solve_renewal,
     sum_transfer,
     total_flux,
 )
+from home_mjx.audio_jax.late_reverb.bake.renewal import solve_renewal
 from home_mjx.audio_jax.late_reverb.trace.ray_pool import RayPool
-from home_mjx.audio_jax.late_reverb.trace.trace_cells import PortalRays, RayBatch, _add_transfer, _distance_in_bin
+from home_mjx.audio_jax.late_reverb.trace.tracer import EndedRays
 from home_mjx.schema.compiled import BANDS
 
 BINS = 200
@@ -42,9 +41,15 @@ def by_gates() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     return own, given, given[entered], own[entered]
 
 
+def solved(transfer: np.ndarray, received: np.ndarray, states: slice) -> np.ndarray:
+    """Energy from gates, of transfer (g, g, k)."""
+    source, target = np.nonzero(transfer.any(axis=2))
+    return solve_renewal(source, target, transfer[source, target], received, states)
+
+
 def after_gates(given: np.ndarray, passed: np.ndarray, heard: np.ndarray) -> np.ndarray:
     """What cells hear of what sources send through gates, bin by bin."""
-    each, bins = solve_renewal(passed, heard, slice(len(passed))), given.shape[-1]
+    each, bins = solved(passed, heard, slice(len(passed))), given.shape[-1]
     out = np.zeros((len(given), heard.shape[1], bins))
     for lag in range(bins):
         out[..., lag:] += np.einsum("cg,gnk->cnk", given[..., lag], each[..., : bins - lag])
@@ -60,17 +65,16 @@ def test_rooms_hear_what_powers_of_a_matrix_say():
 
 def test_some_gates_are_heard_as_among_all():
     _, _, passed, heard = by_gates()
-    every = solve_renewal(passed, heard, slice(len(passed)))
-    np.testing.assert_allclose(solve_renewal(passed, heard, slice(1, 3)), every[1:3], rtol=1e-9, atol=1e-12)
+    every = solved(passed, heard, slice(len(passed)))
+    np.testing.assert_allclose(solved(passed, heard, slice(1, 3)), every[1:3], rtol=1e-9, atol=1e-12)
 
 
 def test_energy_through_gates_is_the_sum_over_all_ways():
     _, given, passed, _ = by_gates()
-    one, more = given.sum(axis=-1), passed.sum(axis=-1)
-    total, going = np.zeros_like(one), one
-    for _ in range(400):
-        total, going = total + going, going @ more
-    np.testing.assert_allclose(total_flux(one, more), total, rtol=1e-6)
+    source, target = np.nonzero(passed.any(axis=2))
+    found = total_flux(given.sum(axis=(0, 2))[None], Transfer(source, target, passed[source, target][:, None]))
+    exact = np.linalg.solve(np.eye(len(passed)) - passed.sum(axis=2).T, given.sum(axis=(0, 2)))
+    np.testing.assert_allclose(found[0], exact, rtol=1e-6)
 
 
 def test_what_has_grown_old_starts_anew_in_its_room():
@@ -125,40 +129,45 @@ def went_on(rooms: np.ndarray, share: float) -> np.ndarray:
     return went
 
 
-def ended(energy: np.ndarray, room: int, entered: int) -> PortalRays:
-    """Rays of all octaves that left a room; where they are tells which they are."""
-    count = len(energy)
-    mark = np.repeat(np.arange(count, dtype=float)[:, None], 3, axis=1)
-    whole = np.full(count, room)
-    return PortalRays(RayBatch(mark, mark, energy, energy, energy, whole, whole), np.full(count, entered))
+def ended(energy: np.ndarray, left: int, entered: int) -> EndedRays:
+    """Rays (n, octaves) that left a room; where they are tells which they are."""
+    place = np.repeat(np.arange(len(energy), dtype=np.float32)[:, None], 7, axis=1)
+    return EndedRays(place, energy.astype(np.float32), np.tile(np.int32([left, entered]), (len(energy), 1)))
 
 
-def test_rays_start_as_often_as_they_have_energy_in_their_own_octave():
+def test_rays_carry_the_energy_of_each_octave_on():
+    """Of four rays with other shares in each octave: what those drawn carry together is what the pool has."""
     rng = np.random.default_rng(0)
-    energy = np.tile([0.0, 1.0, 3.0, 6.0], len(BANDS))
-    gone, none = ended(energy, 0, 1), ended(np.zeros(len(energy)), 0, 0)
-    pool = RayPool()
-    pool.add(jax.tree.map(lambda a, b: np.stack([a, b])[None], gone, none), np.zeros(1, int))
+    energy = rng.random((4, len(BANDS))) * np.array([0.0, 1.0, 3.0, 6.0])[:, None]
+    energy[:, 2] = 0  # reached by no ray: taken as the mean of the others
+    pool = RayPool([ended(energy, 0, 1), ended(np.ones((5, len(BANDS))), 1, 1)])
+    gates = build_portal_states(np.array([[0.0, 1.0], [0.0, 1.0]]))
+    entering = gates.ranges()[2]
+    (flight,) = pool.draw_flights(gates.rooms[entering], gates.number, entering.start, 7000, 40.0, rng)
+    assert flight.room == 1
+    number = flight.origin[:, 0].astype(int)
+    carried = np.stack([np.bincount(number, flight.energy[:, b], 4) for b in range(len(BANDS))], axis=1) / 7000
+    share = energy / np.maximum(energy.sum(axis=0), 1e-9)
+    share[:, 2] = share.sum(axis=1) / share.sum()
+    np.testing.assert_allclose(carried, share, atol=2e-3)
+    assert flight.energy.max() < len(BANDS)
+
+
+def test_a_state_without_rays_has_an_empty_flight():
     gates = build_portal_states(np.array([[0.0, 1.0], [0.0, 0.0]]))
     entering = gates.ranges()[2]
-    (flights,) = pool.draw_flights(gates.rooms[entering], gates.number, entering.start, (2, 100), 40.0, rng)
-    assert [flight.room for flight in flights] == [1, 1]
-    drawn = np.stack([flight.origin[:, 0] for flight in flights]).reshape(2, len(BANDS), 100)
-    for band in range(len(BANDS)):
-        times = np.bincount(drawn[:, band].ravel().astype(int) - 4 * band, minlength=4)
-        np.testing.assert_allclose(times, [0, 20, 60, 120], atol=1)
-
-
-def test_sound_is_as_late_behind_gates_as_without_them():
-    """Half a bin less at each gate makes decays of houses 4 % short: bins before and after a gate add up to its own."""
-    metres, rng = 1.4, np.random.default_rng(0)
-    when, inside, way = rng.uniform(0, 12, size=(3, 2000)).astype(np.float32) * [[1], [metres], [metres]]
-    same = jnp.zeros(when.size, jnp.int32)
-    went = _add_transfer(
-        jnp.zeros((len(BANDS), 1, 1, 20), jnp.float32), same, same, same, jnp.float32(when), jnp.ones(when.size)
+    (flight,) = RayPool([]).draw_flights(
+        gates.rooms[entering], gates.number, entering.start, 10, 40.0, np.random.default_rng(0)
     )
-    gone = np.repeat(np.arange(20), np.asarray(went)[0, 0, 0].astype(int))
-    after = np.floor((_distance_in_bin(jnp.float32(when), jnp.float32(inside), metres) + way) / metres)
-    whole = np.floor(when + (inside + way) / metres)
-    np.testing.assert_array_equal(gone, np.sort(np.floor(when)))
-    assert np.mean(np.floor(when) + after == whole) > 0.999
+    assert len(flight.origin) == len(flight.energy) == 0
+
+
+def test_what_passes_within_a_bin_comes_through_all_gates_at_once():
+    """Three gates in a row, each of which lets half through in the same bin, and one back to the first."""
+    transfer, received = np.zeros((3, 3, 4)), np.zeros((3, 1, 4))
+    transfer[0, 1, 0] = transfer[1, 2, 0] = 0.5
+    transfer[2, 0, 1] = 0.25
+    received[2, 0, 0] = 1.0
+    found = solved(transfer, received, slice(0, 3))[:, 0]
+    np.testing.assert_allclose(found[:, 0], [0.25, 0.5, 1.0])
+    np.testing.assert_allclose(found[2], [1, 1 / 16, 1 / 256, 1 / 4096])

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+from generated import generate_flats
 from handmade import Furniture, shoebox
 from mujoco import mjx
 from numpy.testing import assert_allclose
@@ -13,7 +14,6 @@ from robots import WHEELED
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.physics import MujocoModel, robot_in_house
-from home_procgen.v1.dataset import generate_dataset
 
 SUBSTEPS, DT = 5, 0.01
 DRIVE = np.array([8.0, 8.0, 0.5], np.float32)  # [rad/s] of both wheels, [rad] of the arm
@@ -99,7 +99,7 @@ def test_a_robot_pushes_what_is_movable():
 
 
 def test_doors_meet_the_robot_but_not_the_house(tmp_path):
-    (house,) = HouseSet(tmp_path, ids=generate_dataset(tmp_path, [0])).load()
+    (house,) = HouseSet(tmp_path, ids=generate_flats(tmp_path, [0])).load()
     x, y, _ = house.doors.pos[0]
     spec = robot_in_house(house, mujoco.MjSpec.from_string(WHEELED), (x, y, 0.02), visuals=False)
     model = spec.compile()

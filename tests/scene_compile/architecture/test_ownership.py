@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from generated import generate_flats
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scenes import scene_of
@@ -20,7 +21,6 @@ from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.house import Material, Metadata
 from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.vocabulary import encode_name
-from home_procgen.v1.dataset import generate_dataset
 
 HALL = RoomOutline("Hall", [(0, 0), (8, 0), (8, 6), (0, 6)])
 NICHE = RoomOutline("Bedroom", [(5, 3), (8, 3), (8, 6), (5, 6)], floor=Material("red", (0.9, 0.1, 0.1)))
@@ -129,7 +129,7 @@ def test_textures_stay_where_they_were(nested):
 
 def test_generated_houses_are_not_cut(tmp_path, monkeypatch):
     """Their floors share strips of 4 cm under walls only: the compiled architecture is the same, byte for byte."""
-    ids = generate_dataset(tmp_path, range(3))
+    ids = generate_flats(tmp_path, range(3))
     dataset = open_dataset(tmp_path)
     houses = [dataset.load_house(house_id) for house_id in ids]
     ours = [shell_module.build_shell(find_frame(house)).model.key for house in houses]

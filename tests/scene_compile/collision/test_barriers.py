@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from door_states import with_doors
 from flood import farthest_from_rooms, outside_rooms, reached, rows
+from generated import generate_flats
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
@@ -15,7 +16,6 @@ from home_mjx.scene_compile.collision.barriers import MAX_HALF_THICKNESS, build_
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse, RoomTable
 from home_mjx.schema.house import House
-from home_procgen.v1.dataset import generate_dataset
 
 WALL = 0.3  # [m]: an agent that stands in an outer doorway is no farther from its room
 SQUARE = np.array([[-2, -2], [2, -2], [2, 2], [-2, 2]], float)
@@ -132,7 +132,7 @@ def check_enclosed(house: CompiledHouse) -> None:
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated")
-    generate_dataset(root, range(2))
+    generate_flats(root, range(2))
     return open_dataset(root)
 
 
@@ -145,12 +145,12 @@ def test_nobody_leaves_generated_houses(dataset):
     for house in HouseSet(dataset).load():
         check_enclosed(house)
         assert house.report["barriers"] == 0
-        assert house.report["shut_leaves"] == 1
+        assert house.report["shut_leaves"] in (1, 2)  # of the entrance
 
 
 @pytest.mark.slow
 def test_nobody_leaves_more_generated_houses(tmp_path):
-    generate_dataset(tmp_path / "houses", range(100, 124))
+    generate_flats(tmp_path / "houses", range(100, 124))
     more = open_dataset(tmp_path / "houses")
     for house_id in more.house_ids:
         check_enclosed(compile_house(more.load_house(house_id), more.metadata))

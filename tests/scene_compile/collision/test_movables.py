@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from block_houses import FLOOR, ROOM, block, place
 from boxes_by_hand import Solids
+from generated import generate_flats
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import ConfigError
@@ -19,7 +20,6 @@ from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import ObjectNode
-from home_procgen.v1.dataset import generate_dataset
 
 TABLE = block((0, 0, FLOOR), (1, 1, FLOOR + 0.7), "table")
 ALL = MovableOptions()
@@ -130,7 +130,7 @@ def rests(house: CompiledHouse) -> None:
 
 @pytest.mark.parametrize("count", [2, pytest.param(20, marks=pytest.mark.slow)])
 def test_generated_houses_rest(tmp_path, count):
-    houses = HouseSet(tmp_path, ids=generate_dataset(tmp_path, range(count))).load()
+    houses = HouseSet(tmp_path, ids=generate_flats(tmp_path, range(1, 1 + count))).load()
     for house in houses:
         rests(house)
     assert np.mean([len(house.bodies.mass) for house in houses]) > 20

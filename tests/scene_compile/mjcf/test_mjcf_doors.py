@@ -3,19 +3,19 @@
 import mujoco
 import numpy as np
 import pytest
+from generated import generate_flats
 from numpy.testing import assert_allclose
 
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import CompiledHouse
-from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")
 def house(tmp_path_factory) -> CompiledHouse:
     root = tmp_path_factory.mktemp("generated")
-    return HouseSet(root, ids=generate_dataset(root, [0])).load()[0]
+    return HouseSet(root, ids=generate_flats(root, [2])).load()[0]
 
 
 @pytest.fixture(scope="module")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from cuboids import cuboid, turned
 from door_states import other_state
+from generated import generate_flats
 from scipy.spatial import cKDTree
 
 from home_mjx.datasets.registry import open_dataset
@@ -16,7 +17,6 @@ from home_mjx.geometry.meshes import transform, triangles_z_up
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import AgentBody
-from home_procgen.v1.dataset import generate_dataset
 
 FRAME = (
     cuboid((-0.45, -0.05, 0), (-0.4, 0.05, 2.1)),
@@ -146,7 +146,7 @@ def _check_house(dataset, house_id):
 
 
 def test_leaves_of_generated_doors_close(tmp_path):
-    ids = generate_dataset(tmp_path / "houses", [0])
+    ids = generate_flats(tmp_path / "houses", [5])
     dataset = open_dataset(tmp_path / "houses")
     compiled, _ = _check_house(dataset, ids[0])
     assert len(compiled.doors.instance) == compiled.report["hinged_leaves"] >= 3
@@ -164,7 +164,7 @@ def test_leaves_of_the_real_house_close(suncg_root):
 
 def test_agent_pushes_a_leaf_open(tmp_path):
     """Walks straight at a closed leaf; the capsule's 60 kg turn its 13 kg without trouble."""
-    ids = generate_dataset(tmp_path / "houses", [0])
+    ids = generate_flats(tmp_path / "houses", [5])
     dataset = open_dataset(tmp_path / "houses")
     compiled, model = _check_house(dataset, ids[0])
     data = mujoco.MjData(model)

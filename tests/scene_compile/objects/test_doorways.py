@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from door_states import other_state, with_doors
+from generated import generate_flats
 from scipy.spatial import cKDTree
 
 from home_mjx.datasets.registry import open_dataset
@@ -11,13 +12,12 @@ from home_mjx.geometry.meshes import transform, triangles_z_up
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.objects.doorways import find_doorways, shut_outer_doors
 from home_mjx.scene_compile.objects.placed_objects import place_objects
-from home_procgen.v1.dataset import generate_dataset
 
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated")
-    generate_dataset(root, range(2))
+    generate_flats(root, range(2))
     return open_dataset(root)
 
 

@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 from door_states import with_doors
+from generated import generate_flats
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes, penetration_depth
@@ -15,7 +16,6 @@ from home_mjx.scene_compile.objects.leaves import CLEARANCE, find_blocking_leave
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse, PortalKind
 from home_mjx.schema.house import BoxNode
-from home_procgen.v1.dataset import generate_dataset
 
 LENGTH, THICK = 0.8, 0.04  # [m]
 
@@ -202,7 +202,7 @@ def check_ranges(house: CompiledHouse) -> None:
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated")
-    generate_dataset(root, range(2))
+    generate_flats(root, range(2))
     return open_dataset(root)
 
 

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 from door_states import other_state
+from generated import generate_flats
 from numpy.testing import assert_allclose, assert_array_equal
 
 from home_mjx import HouseBank, physics
@@ -22,7 +23,6 @@ from home_mjx.raycast_render import cast, make_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import AgentBody
-from home_procgen.v1.dataset import generate_dataset
 
 WAY = 0.7  # [m]
 HOUSE = jnp.int32(0)
@@ -39,7 +39,7 @@ def slid(closed, shown):
 @pytest.fixture(scope="module")
 def house(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated")
-    (name,) = generate_dataset(root, [1])
+    (name,) = generate_flats(root, [1])
     dataset = open_dataset(root)
     found = dataset.load_house(name)
     models, objects = dict(found.models), []

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from generated import generate_flats
 from house_checks import cell_points, crossed_partitions, mujoco_contacts, nearest, obstacle_points
 
 from home_mjx.datasets.registry import open_dataset
@@ -9,7 +10,6 @@ from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.semantic import Semantic
-from home_procgen.v1.dataset import generate_dataset
 
 TOUCH = 2e-4  # [m]: what lies on something touches it
 
@@ -17,7 +17,7 @@ TOUCH = 2e-4  # [m]: what lies on something touches it
 @pytest.fixture(scope="module")
 def houses(tmp_path_factory) -> list[CompiledHouse]:
     root = tmp_path_factory.mktemp("generated")
-    ids = generate_dataset(root, range(2))
+    ids = generate_flats(root, range(2))
     dataset = open_dataset(root)
     return [compile_house(dataset.load_house(i), dataset.metadata) for i in ids]
 
@@ -48,7 +48,7 @@ def test_nobody_starts_where_a_leaf_may_stand(houses):
         samples = np.concatenate(samples)
         assert nearest(samples, n.start[:, :2]).min() > 0.1
         assert nearest(samples, n.goal[:, :2]).min() > 0.15 - 0.01
-        assert nearest(samples, cell_points(house)[n.home_mask]).min() < 0.02
+        assert nearest(samples, cell_points(house)[n.home_mask]).min() < n.cell / 2
 
 
 def test_bodies_stand_free(houses):
@@ -85,7 +85,7 @@ def test_semantic_rows_name_their_instances(houses):
 
 
 def test_compiling_again_gives_the_same(houses, tmp_path):
-    ids = generate_dataset(tmp_path, [0])
+    ids = generate_flats(tmp_path, [0])
     dataset = open_dataset(tmp_path)
     again = compile_house(dataset.load_house(ids[0]), dataset.metadata)
     for record, field in (("navigation", "start"), ("colliders", "pos"), ("bodies", "mass"), ("planes", "center")):

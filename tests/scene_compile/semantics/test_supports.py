@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import trimesh
 from block_houses import CEILING, FLOOR, ROOM, block, place
+from generated import generate_flats
 
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.rooms import find_frame
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
 from home_mjx.scene_compile.semantics.supports import MAX_CONTACT_GAP, WALL_HUNG, WALL_OPENINGS, Support, find_supports
-from home_procgen.v1.dataset import generate_dataset
 
 TABLE = block((0, 0, FLOOR), (1, 1, 0.8), "table")
 ON_FLOOR = Support("floor")
@@ -111,7 +111,7 @@ def _below(item: PlacedObject, others: list[PlacedObject]) -> list[int]:
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory):
     root = tmp_path_factory.mktemp("supports")
-    generate_dataset(root, range(3))
+    generate_flats(root, range(3))
     dataset = open_dataset(root)
     houses = [dataset.load_house(house_id) for house_id in dataset.house_ids]
     found = []

@@ -9,6 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from boxes_by_hand import Solids
+from generated import generate_flats
 from scipy import ndimage
 from scipy.spatial.transform import Rotation
 
@@ -23,7 +24,6 @@ from home_mjx.scene_compile.mjcf.initial_overlaps import measure_rest_drift
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.arrangements import build, with_arrangements
 from home_mjx.tasks.arrangements.house_layout import HouseLayout
-from home_procgen.v1.dataset import generate_dataset
 
 NUM = 3
 KEY = jax.random.key(7)
@@ -35,7 +35,7 @@ def made(tmp_path_factory):
     patch, folder = pytest.MonkeyPatch(), tmp_path_factory.mktemp("arrangements")
     patch.setattr(build, "cache_folder", lambda: folder)
     root = tmp_path_factory.mktemp("generated")
-    houses = HouseSet(root, ids=generate_dataset(root, range(2))).load(False)
+    houses = HouseSet(root, ids=generate_flats(root, range(2))).load(False)
     bank = HouseBank.from_compiled(houses)
     arranged, settled = with_arrangements(bank, NUM, KEY)
     yield SimpleNamespace(root=root, houses=houses, bank=bank, arranged=arranged, settled=settled, folder=folder)

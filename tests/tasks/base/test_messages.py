@@ -85,9 +85,11 @@ def test_colours_of_other_palettes_are_told(column, name, words):
         ("procedural", "did you mean `procedural:N`"),
         ("proceduralll", "did you mean `procedural:N`"),
         ("procedural://2", "did you mean `procedural:2`"),
-        ("procedural:2?version=2", "no generator of houses has version 2.* one of 1, 3"),
+        ("procedural:2?version=2", "no option `version`.*preset=flat"),
         ("procedural:2?sead=3", "Did you mean `seed`"),
-        ("procedural:two", "does not name generated houses.*V is 1 or 3"),
+        ("procedural:2?preset=flats", "Did you mean `flat`"),
+        ("procedural:2?detail=lo", "Did you mean `low`"),
+        ("procedural:two", "does not name generated houses.*N and S are whole"),
         ("habitat:hm3d", "no dataset has the scheme `habitat:`"),
     ],
 )

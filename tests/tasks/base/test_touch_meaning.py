@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from generated import generate_flats
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.registry import open_dataset
@@ -16,14 +17,13 @@ from home_mjx.schema.contact_materials import CONTACT_BY_KIND, DEFAULT_CONTACT, 
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.sensors import BodyContacts, contact_semantics
-from home_procgen.v1.dataset import generate_dataset
 
 
 class World:
     """Two generated houses in a bank; the second as compiled, and what its file means."""
 
     def __init__(self, root):
-        ids = generate_dataset(root, [0, 1])
+        ids = generate_flats(root, [0, 1])
         dataset = open_dataset(root)
         files = [dataset.load_house(i) for i in ids]
         houses = HouseSet(dataset, ids=ids).load()

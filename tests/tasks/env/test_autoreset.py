@@ -19,7 +19,14 @@ LENGTH = 3
 
 @pytest.fixture(scope="module")
 def core() -> HouseholdEnv:
-    options = {"sensors": ("depth", "audio", "state", "goal"), "width": 8, "height": 8, "num_rays": 8, "num_bounces": 2}
+    options = {
+        "sensors": ("depth", "audio", "state", "goal"),
+        "width": 8,
+        "height": 8,
+        "late": "traced",
+        "num_rays": 8,
+        "num_bounces": 2,
+    }
     return HouseholdEnv(make_config(episode_length=LENGTH, **options))
 
 

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from checked import checked
+from generated import generate_flats
 from handmade import Furniture, shoebox
 from storey_homes import homes_bank
 
@@ -33,7 +34,6 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.suite.navigation import RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.task_io import save_tasks
-from home_procgen import generate_dataset
 
 
 def houses():
@@ -217,16 +217,16 @@ def test_episodes_of_other_houses_are_refused(bank, env):
 
 
 def test_an_environment_of_a_file_is_in_the_houses_that_it_names(tmp_path):
-    """By name alone: of a folder, in the order of the file, and of those that are generated without one."""
+    """By name alone: of a folder or a name, in the order of the file."""
     root = tmp_path / "houses"
-    ids = generate_dataset(root, range(3))
+    ids = generate_flats(root, range(3))
     wanted = [ids[2], ids[0]]
     bank = load_bank(root, ids=wanted)
     episodes = sample_episodes(bank, 4)
     file = tmp_path / "e.jsonl"
     save_episodes(file, bank, episodes)
     assert read_house_ids(file) == tuple(wanted)
-    for houses in (str(root), None):
+    for houses in (str(root), "procedural:3?preset=flat"):
         made = home_mjx.make("PointNav-v0", houses, episodes=file, sensors=("goal",))
         assert list(made.bank.house_ids) == wanted
         jax.tree.map(np.testing.assert_array_equal, made.params.tasks, episodes)

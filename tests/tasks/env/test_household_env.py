@@ -26,6 +26,7 @@ from home_mjx.tasks.sensors.cameras import agent_ids, render_images
 SMALL = {
     "width": 16,
     "height": 16,
+    "late": "traced",
     "num_rays": 16,
     "num_bounces": 3,
     "sensors": ("rgb", "depth", "instance", "fine", "audio", "state", "goal"),

@@ -17,7 +17,7 @@ from home_mjx import HouseBank, EnvParams, HouseholdEnv
 from home_mjx.tasks import make_config
 from home_mjx.tasks.sensors import SENSORS
 
-config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, shader=sys.argv[1])
+config = make_config(sensors=(*SENSORS, "goal"), width=8, height=8, num_agents=2, shader=sys.argv[1], late="traced")
 core, params = HouseholdEnv(config), EnvParams(HouseBank.from_compiled([shoebox()]))
 keys = jnp.zeros((2, 2), jnp.uint32)
 start = functools.partial(core.reset, observe=False)  # a whole reset is this and what a step ends with

@@ -42,10 +42,11 @@ def test_large_banks_in_a_program_are_warned_of_once(env, monkeypatch):
 
 
 def test_a_spec_tells_before_the_device_holds_anything(tmp_path):
-    from home_mjx import EnvSpec
-    from home_procgen import generate_dataset
+    from generated import generate_flats
 
-    generate_dataset(tmp_path, [0])
+    from home_mjx import EnvSpec
+
+    generate_flats(tmp_path, [0])
     spec = EnvSpec(
         "PointNav-v0", "home_mjx.tasks.suite:PointNav", {"sensors": ("state",)}, houses=str(tmp_path), num_houses=1
     )

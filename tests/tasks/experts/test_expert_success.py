@@ -1,12 +1,12 @@
 """Experts succeed: in whole episodes of every task as it is registered, in houses that nothing was tuned on."""
 
 import pytest
+from generated import generate_flats
 
 import home_mjx
 from home_mjx.houses import load_bank
 from home_mjx.tasks import add_expert
 from home_mjx.training.evaluation import evaluate, expert_policy
-from home_procgen import generate_dataset
 
 LEAST = 0.99  # share of episodes that succeed
 EPISODES = 24
@@ -37,7 +37,7 @@ CASES = {
 @pytest.fixture(scope="module")
 def bank(tmp_path_factory):
     root = tmp_path_factory.mktemp("unseen")
-    return load_bank(root, ids=generate_dataset(root, HOUSES))
+    return load_bank(root, ids=generate_flats(root, HOUSES))
 
 
 @pytest.mark.slow

@@ -178,7 +178,7 @@ def test_a_picture_shows_it(env, begun, remember, draw):
 
 
 def test_goals_of_rows_are_their_rooms_and_things():
-    bank = load_bank(None, num_houses=1)
+    bank = load_bank("procedural:1?preset=flat")
     env = HouseholdEnv(make_config(impl="kinematic", sensors=("state",)), HouseTasks(num_tasks=6)).bind(bank)
     rows = len(env.params.tasks)
 

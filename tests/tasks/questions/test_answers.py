@@ -29,7 +29,7 @@ ASKED = {"colour": Semantic.COLOR, "material": Semantic.MATERIAL, "size": Semant
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=4)
+    return load_bank("procedural:4?preset=flat")
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +163,10 @@ def test_the_best_that_only_reads_is_at_chance(tasks):
 
 @pytest.mark.slow
 def test_the_best_that_only_reads_is_at_chance_in_houses_that_it_has_not_met():
-    learned, held_out = (HouseQA().task_bank(load_bank(None, num_houses=8, split=split)) for split in ("train", "test"))
+    learned, held_out = (
+        HouseQA().task_bank(load_bank("procedural:65536?preset=flat", num_houses=8, split=split))
+        for split in ("train", "test")
+    )
     for tasks in (learned, held_out):
         assert prior_accuracy(tasks, tasks) == pytest.approx(chance_accuracy(tasks), abs=1e-12)
     assert len(held_out) > 100
@@ -221,4 +224,4 @@ def test_kinds_say_which_words_answer():
 
 def test_one_house_asks_nothing(bank):
     with pytest.raises(ConfigError, match="two answers in 1 houses"):
-        HouseQA().task_bank(load_bank(None, num_houses=1))
+        HouseQA().task_bank(load_bank("procedural:1?preset=flat"))

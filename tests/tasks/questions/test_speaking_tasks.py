@@ -40,7 +40,7 @@ def config_of(num_agents, sensors=("state",)):
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=4)
+    return load_bank("procedural:4?preset=flat")
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from home_mjx.tasks.rules.cell_graph import (
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=4)
+    return load_bank("procedural:4?preset=flat")
 
 
 def test_fields_to_the_banks_goals_are_the_banks(bank):

@@ -19,7 +19,7 @@ CHUNK = 512
 
 @pytest.fixture(scope="module")
 def views():
-    return house_views(load_bank(None, num_houses=4))
+    return house_views(load_bank("procedural:4?preset=flat"))
 
 
 def seen_one_by_one(view, eyes, boxes):
@@ -97,6 +97,6 @@ def test_of_several_things_the_one_that_is_nearest_is_seen(views):
 def test_views_made_again_compile_nothing(views, caplog):
     """As each file of tasks that is read asks for them."""
     with jax.log_compiles():
-        again = house_views(load_bank(None, num_houses=4))
+        again = house_views(load_bank("procedural:4?preset=flat"))
     assert not [record for record in caplog.records if "Compiling" in record.getMessage()]
     assert again[0].objects[0].box == pytest.approx(views[0].objects[0].box)

@@ -14,7 +14,7 @@ from home_mjx.tasks.rules.resolve import SEMANTIC_COLUMNS, resolve_targets_on_ho
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=4)
+    return load_bank("procedural:4?preset=flat")
 
 
 @pytest.fixture(scope="module")

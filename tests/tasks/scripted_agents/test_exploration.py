@@ -23,7 +23,7 @@ FORWARD, LEFT = 1, 2
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=2)
+    return load_bank("procedural:2?preset=flat")
 
 
 @pytest.fixture(scope="module")

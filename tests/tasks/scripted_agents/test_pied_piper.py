@@ -23,7 +23,7 @@ LEFT, HORIZON = 2, 500
 
 @pytest.fixture(scope="module")
 def env():
-    return HouseholdEnv(CONFIG, PiedPiper(num_tasks=4)).bind(load_bank(None, num_houses=2))
+    return HouseholdEnv(CONFIG, PiedPiper(num_tasks=4)).bind(load_bank("procedural:2?preset=flat"))
 
 
 @pytest.fixture(scope="module")

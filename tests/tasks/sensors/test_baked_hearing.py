@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from generated import generate_flats
 from handmade import Slab, _architecture_rows, _room_planes, _rooms, _shell, build_house, shoebox
 
 from home_mjx import HouseBank, HouseholdEnv
@@ -22,7 +23,6 @@ from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.tasks import make_config
 from home_mjx.tasks.env.checks import check_bank
-from home_procgen.v1.dataset import generate_dataset
 
 FEW = BakeOptions(cell_size=2.0, rays=40, max_bounces=40)
 BAKED = AudioConfig(late=Baked())
@@ -64,9 +64,7 @@ def test_a_step_hears_baked_sound(bank):
 
 def test_it_is_baked_once(bank, room, monkeypatch):
     assert bake_entry(LateReverbBake(FEW), room).is_file()
-    monkeypatch.setattr(
-        "home_mjx.audio_jax.late_reverb.bake.field_cache.bake_house", lambda *_: pytest.fail("baked again")
-    )
+    monkeypatch.setattr("home_mjx.audio_jax.late_reverb.bake.bake.bake_house", lambda *_: pytest.fail("baked again"))
     again = add_bakes(HouseBank.from_compiled([room]), [room], LateReverbBake(FEW))
     assert all(
         map(np.array_equal, jax.tree.leaves(again.bakes["late_reverb"]), jax.tree.leaves(bank.bakes["late_reverb"]))
@@ -129,7 +127,7 @@ def scene_of(bank, angle):
 def house(tmp_path_factory):
     """A generated one."""
     root = tmp_path_factory.mktemp("generated")
-    return HouseSet(root, generate_dataset(root, range(1))).load()[0]
+    return HouseSet(root, generate_flats(root, range(1))).load()[0]
 
 
 @pytest.mark.slow

@@ -16,7 +16,14 @@ from home_mjx.tasks.language import tokenize
 
 OCTAVES = 125 * 2.0 ** np.arange(7)
 TONE, NOISE, SILENT = CLIPS.index("tone"), CLIPS.index("noise"), -1
-OPTIONS = {"impl": "kinematic", "sensors": ("audio", "ear_levels"), "clips": ("tone", "noise"), "actions": "discrete"}
+OPTIONS = {
+    "impl": "kinematic",
+    "sensors": ("audio", "ear_levels"),
+    "clips": ("tone", "noise"),
+    "actions": "discrete",
+    "late": "traced",
+    "motion": False,
+}
 
 
 @pytest.fixture(scope="module")

@@ -21,9 +21,11 @@ def core_of(**options):
 def test_an_agent_remembers_little(generated_bank):
     """Of a source: less than a tenth of an impulse response; with its frame less than the limit."""
     key = jax.ShapeDtypeStruct((2,), np.uint32)
-    state = jax.eval_shape(core_of(motion=True).reset, EnvParams(generated_bank), key).world.sensor_states["audio"]
+    state = jax.eval_shape(core_of(late="traced").reset, EnvParams(generated_bank), key).world.sensor_states["audio"]
     assert sum(x.size * x.dtype.itemsize for x in jax.tree.leaves(state)) < 2 * MOST
-    whole = jax.eval_shape(core_of().reset, EnvParams(generated_bank), key).world.sensor_states["audio"]
+    whole = jax.eval_shape(
+        core_of(late="traced", motion=False).reset, EnvParams(generated_bank), key
+    ).world.sensor_states["audio"]
     size = [sum(x.size for x in jax.tree.leaves(s.response)) for s in (state, whole)]
     assert 8 * size[0] < size[1]
 
@@ -33,7 +35,7 @@ def test_who_stands_still_hears_the_same_either_way(generated_bank):
     """Frames of impulse responses, and of paths that do not move; who walks hears something else."""
     heard = {}
     for motion in (False, True):
-        core = core_of(motion=Motion(tail_seconds=0.0) if motion else None, num_rays=16, num_bounces=4)
+        core = core_of(motion=Motion(tail_seconds=0.0) if motion else None, late="traced", num_rays=16, num_bounces=4)
         params, step = EnvParams(generated_bank), jax.jit(core.step)
         state = jax.jit(core.reset)(params, jax.random.key(3))
         frames = [state.obs["audio"]]

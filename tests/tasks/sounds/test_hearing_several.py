@@ -13,7 +13,7 @@ from home_mjx.audio_jax import CLIPS
 from home_mjx.tasks import make_config
 
 TONE, BELL, SILENT = CLIPS.index("tone"), CLIPS.index("bell"), -1
-OPTIONS = {"num_rays": 4, "num_bounces": 1, "impl": "kinematic", "sensors": ("audio",)}
+OPTIONS = {"late": "traced", "num_rays": 4, "num_bounces": 1, "impl": "kinematic", "sensors": ("audio",)}
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from home_mjx.tasks import AutoReset, Status, make_config
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.suite import PointNav
 
-BARE = {"late": "none", "num_reflections": 0, "impl": "kinematic", "sensors": ("audio",)}
+BARE = {"late": "none", "motion": False, "num_reflections": 0, "impl": "kinematic", "sensors": ("audio",)}
 
 
 @dataclasses.dataclass(frozen=True)

@@ -37,7 +37,7 @@ CONFIG = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=2)
+    return load_bank("procedural:2?preset=flat")
 
 
 @pytest.fixture(scope="module")

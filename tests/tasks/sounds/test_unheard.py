@@ -11,7 +11,7 @@ from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.tasks import Status, make_config
 
 INSIDE, IN_WALL, OUTSIDE, NOWHERE = (-1.0, 0.0, 1.0), (3.05, 0.0, 1.0), (9.0, 0.0, 1.0), (jnp.nan, 0.0, 1.0)
-FEW = {"num_rays": 8, "num_bounces": 3, "impl": "kinematic", "num_agents": 2}
+FEW = {"late": "traced", "num_rays": 8, "num_bounces": 3, "impl": "kinematic", "num_agents": 2}
 
 
 @pytest.mark.parametrize(

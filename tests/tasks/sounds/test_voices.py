@@ -58,7 +58,7 @@ def decoded(audio):
 
 @pytest.fixture(scope="module")
 def env():
-    return CORE.bind(load_bank(None, num_houses=2))
+    return CORE.bind(load_bank("procedural:2?preset=flat", bakes=CORE.bakes))
 
 
 @pytest.fixture(scope="module")
@@ -192,8 +192,8 @@ def test_the_level_falls_with_distance(env, step, quiet):
     audio = np.asarray(states.obs["audio"])[:3, LISTENER]
     level = [np.abs(sound[:, begin - 10 : begin + 40]).max(axis=1) for sound, begin in zip(audio, first, strict=True)]
     before = [np.abs(sound[:, : begin - 20]).max() for sound, begin in zip(audio, first, strict=True)]
-    # What comes first falls as the way grows; at the third place a wall beside the listener adds to it.
-    np.testing.assert_allclose(np.mean(level[0]) / np.mean(level[1]), way[1] / way[0], rtol=0.1)
+    # What comes first, with reflections in the same 3 ms, falls as the way grows; at the third place a wall adds to it.
+    np.testing.assert_allclose(np.mean(level[0]) / np.mean(level[1]), way[1] / way[0], rtol=0.15)
     assert np.min(np.max(level, axis=1)) > 10 * max(before)  # nothing comes before it
     power = np.sum(audio**2, axis=(-2, -1))
     assert min(power[:2]) > power[2]  # near the speaker tones and their reflections add up as it happens

@@ -36,7 +36,7 @@ MOST_STEPS = 400
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=4)
+    return load_bank("procedural:4?preset=flat")
 
 
 @pytest.fixture(scope="module")
@@ -234,22 +234,22 @@ def test_who_takes_a_thing_can_turn_round_with_it(tasks, views, name):
             assert turns_at(view, thing, int(np.argmin(field)), slack=0.05)
 
 
-def test_a_bin_is_taken_from_where_one_can_turn_round_with_it():
-    """Beside a toilet hands reach it from twelve cells that were tried; in some the turn sweeps it into the wall."""
-    (view,) = house_views(load_bank("procedural:1?seed=130043", num_houses=1))
-    (thing,) = [x.object for x in find_portable_objects(view, 10.0, 0.5) if x.instance == 55]
-    cells, _ = view.take_cells(55)
-    assert 0 < len(cells) < 12
+def test_a_thing_is_taken_from_where_one_can_turn_round_with_it():
+    """Hands reach it from eighteen cells that were tried; in some the turn sweeps it into a wall."""
+    (view,) = house_views(load_bank("procedural:1?seed=202&preset=flat"))
+    (thing,) = [x.object for x in find_portable_objects(view, 10.0, 0.5) if x.instance == 35]
+    cells, _ = view.take_cells(35)
+    assert 0 < len(cells) < 18
     assert all(turns_at(view, thing, cell, slack=0.05) for cell in cells.tolist())
 
 
 def test_what_lies_in_a_pocket_is_not_to_be_carried():
-    """A chair and a wardrobe leave 37 cm there: an agent fits through, the thing that it holds does not."""
-    (view,) = house_views(load_bank("procedural:1?seed=110022", num_houses=1))
+    """An agent fits into the gap before it, with the thing in its hands it does not."""
+    (view,) = house_views(load_bank("procedural:1?seed=207&preset=flat"))
     bodies = [portable.object.body for portable in find_portable_objects(view, 10.0, 0.5)]
-    assert 0 not in bodies
+    assert 9 not in bodies
     assert bodies
-    ahead = view.bank.physics.body_pos[0, 0]
+    ahead = view.bank.physics.body_pos[0, 9]
     assert np.linalg.norm(view.graph.place[:, :2] - np.asarray(ahead)[:2], axis=1).min() < 0.93  # within reach
 
 

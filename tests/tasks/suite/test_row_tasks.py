@@ -31,7 +31,7 @@ MOST_STEPS = 400
 
 @pytest.fixture(scope="module")
 def bank():
-    return load_bank(None, num_houses=4)
+    return load_bank("procedural:4?preset=flat")
 
 
 @pytest.fixture(scope="module")

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from generated import generate_flats
 from whole_episodes import begun
 
 import home_mjx
@@ -26,11 +27,11 @@ from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Selector, TaskStage
 from home_mjx.tasks.rules.resolve import resolve_targets_on_host
 from home_mjx.tasks.suite import Fetch, RoomNav
-from home_procgen.v1.dataset import generate_dataset
 
 KITCHEN, DINING, LIVING, BEDROOM, OFFICE = (
     ROOM_TYPES.index(name) for name in ("Kitchen", "Dining_Room", "Living_Room", "Bedroom", "Office")
 )
+FURNISHED = 1  # a flat with a living room and a bedroom
 BOXES = {"Living_Room": 0, "Kitchen": 4, "Dining_Room": 8}  # room by its left side [m]
 
 
@@ -58,7 +59,7 @@ def row_of_rooms() -> HouseBank:
 def furnished(tmp_path_factory):
     """A generated house of which the living room is a kitchen and an office as well; semantics and bank."""
     root = tmp_path_factory.mktemp("furnished")
-    (house_id,) = generate_dataset(root, range(1))
+    (house_id,) = generate_flats(root, [FURNISHED])
     dataset = open_dataset(root)
     house, metadata = dataset.load_house(house_id), dataset.metadata
     assert {"Living_Room", "Bedroom"} <= {room.types[0] for level in house.levels for room in level.rooms}

@@ -51,6 +51,7 @@ OPTIONS = {
     "shader": LIT,
     "actions": "discrete",
     "clips": ("bell",),
+    "late": "traced",
     "num_rays": 8,
     "num_bounces": 1,
 }

@@ -10,6 +10,8 @@ from full_disk import full_disk
 
 pytest.importorskip("pyarrow", reason="needs the extra `data`")
 
+from generated import generate_flats
+
 import home_mjx
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
@@ -17,7 +19,6 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.training.trajectories import Trajectories
 from home_mjx.training.trajectories.minari_format import count_complete_episodes
 from home_mjx.training.trajectories.writer import TrajectoryWriter
-from home_procgen import generate_dataset
 
 SENSORS = ("rgb", "depth", "audio", "instruction", "goal")
 
@@ -138,7 +139,7 @@ def test_mistakes_are_refused(env: Env, written, tmp_path: Path):
 @pytest.mark.slow
 def test_an_expert_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture):
     houses = tmp_path / "houses"
-    generate_dataset(houses, range(6))
+    generate_flats(houses, range(6))
     command = [
         "record", "RoomNav", "--dataset", str(houses), "--houses", "1", "--frames", "200", "--num-envs", "4",
         "--sensors", "rgb,state", "--env", "width=16", "--env", "height=16", "--env", "impl=kinematic",

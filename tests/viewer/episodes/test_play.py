@@ -10,6 +10,7 @@ import imageio_ffmpeg
 import numpy as np
 import pytest
 from full_disk import full_disk
+from generated import generate_flats
 from PIL import Image
 
 from home_mjx.cli import main
@@ -20,7 +21,6 @@ from home_mjx.tasks.env.observers import EpisodeResult, ObserverGroup
 from home_mjx.viewer.episodes.observers import FilmObserver, ResultsObserver, ShotCache
 from home_mjx.viewer.episodes.run import PlayOptions, run_play
 from home_mjx.viewer.episodes.video import VideoWriter, compose_frame, fit_image
-from home_procgen import generate_dataset
 
 
 def film_of(path: Path) -> np.ndarray:
@@ -114,7 +114,7 @@ def test_a_task_must_be_named(capsys: pytest.CaptureFixture):
 @pytest.fixture(scope="module")
 def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("play")
-    generate_dataset(root, range(2))
+    generate_flats(root, range(2))
     return root
 
 

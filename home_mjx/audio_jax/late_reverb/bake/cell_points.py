@@ -1,17 +1,13 @@
-"""Points in cells and visibility between them; on the host, except for the rays."""
+"""Points in cells and visibility between them."""
 
-from collections.abc import Callable
-
-import jax
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.sparse.csgraph import dijkstra
 
-from home_mjx.audio_jax.late_reverb.bake.decay_fit import weigh_cells
+from home_mjx.audio_jax.late_reverb.bake.decay_fit import horizontal_distance, weigh_cells
 from home_mjx.audio_jax.late_reverb.trace.cells import Cells
-from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import CompiledHouse, RayKind
+from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
+from home_mjx.schema.compiled import CompiledHouse
 
 CELLS_PER_PLACE = 4  # maximum cells per lattice point
 CELL_REACH = 1.7  # [cell sizes], distance at which a cell's weight becomes zero
@@ -20,22 +16,22 @@ EAR_HEIGHT = 1.4  # [m], height of lattice points above the floor
 NUM_WITNESS_CELLS = 5  # nearest cells whose centres are tested for a view of a cell's points
 NUM_WITNESS_POINTS = 6  # free points per such cell that are tested next, for points hidden from the centres
 MAX_ROUNDS = 4  # maximum rounds of that search, and so of corners on the way
-RAYS_PER_BATCH = 1 << 15  # rays per batch
+MIN_TRIED_POINTS = 800  # minimum points per cell by which its free fraction is estimated
 NUM_CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
 
 
-def choose_points(scene: Scene, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+def choose_points(rays: HouseRays, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
     """Choose an unobstructed point of each cell: the candidate that sees most others of its room."""
     tried = np.stack([sample_points(cells, cell, NUM_CANDIDATES, rng) for cell in range(len(cells.room))])
     tried[:, 0] = cells.center
-    flat = tried.reshape(-1, 3)
-    room = np.repeat(cells.room, NUM_CANDIDATES)
-    score = (compute_visibility(scene, flat, flat) & (room[:, None] == room[None])).sum(axis=1)
+    flat, room = tried.reshape(-1, 3), np.repeat(cells.room, NUM_CANDIDATES)
+    start, end = np.nonzero(room[:, None] == room[None])
+    score = np.bincount(start, ~rays.occluded(flat[start], flat[end]), len(flat))
     return tried[np.arange(len(tried)), np.argmax(score.reshape(tried.shape[:2]), axis=1)]
 
 
 def sample_free_points(
-    scene: Scene, cells: Cells, count: int, rng: np.random.Generator
+    rays: HouseRays, cells: Cells, count: int, rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
     """Sample random points in the free part of each cell; return them and the free fraction of its volume.
 
@@ -44,7 +40,9 @@ def sample_free_points(
     least 0.1.
     """
     points, free = [], []
-    tried = np.stack([sample_points(cells, cell, 2 * count, rng) for cell in range(len(cells.room))])
+    tried = np.stack(
+        [sample_points(cells, cell, max(2 * count, MIN_TRIED_POINTS), rng) for cell in range(len(cells.room))]
+    )
     apart = np.linalg.norm(cells.center[:, None] - cells.center[None], axis=2)
     apart[cells.room[:, None] != cells.room[None]] = np.inf
     nearest = np.argsort(apart, axis=1, kind="stable")[:, :NUM_WITNESS_CELLS]
@@ -52,8 +50,8 @@ def sample_free_points(
     free_points = np.zeros(tried.shape[:2], bool)
     for column in nearest.T:
         cell, point = np.nonzero(~free_points)
-        free_points[cell, point] = _is_visible(scene, cells.center[column][cell], tried[cell, point])
-    free_points = _extend_free(scene, tried, free_points, nearest, rng)
+        free_points[cell, point] = _is_visible(rays, cells.center[column][cell], tried[cell, point])
+    free_points = _extend_free(rays, tried, free_points, nearest, rng)
     for seen, some in zip(free_points, tried, strict=True):
         good = some[seen] if seen.any() else some
         points.append(good[np.arange(count) % len(good)])
@@ -62,7 +60,7 @@ def sample_free_points(
 
 
 def _extend_free(
-    scene: Scene,
+    rays: HouseRays,
     points: Float[np.ndarray, "n r 3"],
     free: Bool[np.ndarray, "n r"],
     nearest: Int[np.ndarray, "n w"],
@@ -76,7 +74,7 @@ def _extend_free(
         witness = points[own, drawn][nearest].reshape(len(points), -1, 3)
         known = free[own, drawn][nearest].reshape(len(points), -1)
         cell, hidden = np.nonzero(~free)
-        seen = (_is_visible(scene, witness[cell], points[cell, hidden][:, None]) & known[cell]).any(axis=1)
+        seen = (_is_visible(rays, witness[cell], points[cell, hidden][:, None]) & known[cell]).any(axis=1)
         if not seen.any():
             break
         free[cell[seen], hidden[seen]] = True
@@ -92,10 +90,10 @@ def sample_points(cells: Cells, cell: int, count: int, rng: np.random.Generator)
 
 
 def compute_visibility(
-    scene: Scene, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]
+    rays: HouseRays, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]
 ) -> Bool[np.ndarray, "p n"]:
     """Test the visibility between all pairs of points."""
-    return _is_visible(scene, start[:, None], end[None])
+    return _is_visible(rays, start[:, None], end[None])
 
 
 def shortest_paths(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
@@ -105,17 +103,14 @@ def shortest_paths(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n
     return np.where(np.isfinite(found), found, straight)
 
 
-def launch_lattice(
-    house: CompiledHouse, scene: Scene, cells: Cells, size: float
-) -> Callable[[], dict[str, np.ndarray]]:
-    """Launch rays from lattice points to cells; return a function that computes the lattice fields of a `LateField`.
+def build_lattice(house: CompiledHouse, rays: HouseRays, cells: Cells, size: float) -> dict[str, np.ndarray]:
+    """Compute the lattice fields of a `LateField`: the visible cells around each lattice point, and their weights.
 
-    The fields are the visible cells around each lattice point, their weights, and the lattice itself. Points are about
-    `LATTICE_STEP` apart, at `EAR_HEIGHT`. A GPU can do other work until that call.
+    Points are about `LATTICE_STEP` apart, at `EAR_HEIGHT`.
 
     Args:
         house: The house.
-        scene: Its scene, for visibility rays.
+        rays: Its arrays, for visibility rays.
         cells: Its cells.
         size: Edge length of a cell [m]; cells have weight up to `CELL_REACH * size`.
     """
@@ -125,44 +120,34 @@ def launch_lattice(
     x, y = cells.origin[0] + (across + 0.5) * cells.step, cells.origin[1] + (down + 0.5) * cells.step
     floor = house.navigation.floor[:levels]
     place = np.stack(np.broadcast_arrays(x[None, None], y[None, :, None], floor[:, None, None] + EAR_HEIGHT), -1)
-    flat = place.reshape(-1, 3)
-    seen = _launch_visibility(scene, flat[:, None], cells.center[None])
+    flat, reach = place.reshape(-1, 3), CELL_REACH * size
+    near = np.less(horizontal_distance(cells.center, flat), reach)
+    seen = np.zeros(near.shape, bool)
+    seen[near] = _sees_pairs(rays, flat, cells.center, near)
+    alone = np.zeros(near.shape, bool)
+    alone[~seen.any(axis=1)] = True
+    seen[alone] = _sees_pairs(rays, flat, cells.center, alone)
+    number, weight = weigh_cells(cells.center, flat, seen, reach, CELLS_PER_PLACE)
+    return {
+        "near": number.reshape(*place.shape[:3], -1).astype(np.uint8),
+        "weight": weight.reshape(*place.shape[:3], -1),
+        "floor": floor,
+        "origin": np.array([x[0], y[0]]) - stride * cells.step / 2,
+        "step": np.asarray(stride * cells.step),
+    }
 
-    def fields() -> dict[str, np.ndarray]:
-        near, weight = weigh_cells(cells.center, flat, seen(), CELL_REACH * size, CELLS_PER_PLACE)
-        return {
-            "near": near.reshape(*place.shape[:3], -1).astype(np.uint8),
-            "weight": weight.reshape(*place.shape[:3], -1),
-            "floor": floor,
-            "origin": np.array([x[0], y[0]]) - stride * cells.step / 2,
-            "step": np.asarray(stride * cells.step),
-        }
 
-    return fields
+def _sees_pairs(
+    rays: HouseRays, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"], pairs: Bool[np.ndarray, "p n"]
+) -> Bool[np.ndarray, " m"]:
+    """Test the visibility between some pairs of points."""
+    first, second = np.nonzero(pairs)
+    return ~rays.occluded(start[first], end[second])
 
 
 def _is_visible(
-    scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
+    rays: HouseRays, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
 ) -> Bool[np.ndarray, "..."]:
     """Test for unobstructed lines between points."""
-    return _launch_visibility(scene, start, end)()
-
-
-def _launch_visibility(
-    scene: Scene, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
-) -> Callable[[], Bool[np.ndarray, "..."]]:
-    """Launch rays between points; return a function that waits for them and returns the visibility.
-
-    Batches have a fixed size, so houses of all sizes share one program.
-    """
-    start, end = np.broadcast_arrays(np.asarray(start, np.float32), np.asarray(end, np.float32))
-    rays = np.stack([start.reshape(-1, 3), end.reshape(-1, 3)])
-    chunks = np.pad(rays, ((0, 0), (0, -rays.shape[1] % RAYS_PER_BATCH), (0, 0))).reshape(2, -1, RAYS_PER_BATCH, 3)
-    hidden = [_hidden(scene, a, b) for a, b in zip(*chunks, strict=True)]
-    shape, count = start.shape[:-1], rays.shape[1]
-    return lambda: ~np.concatenate([*map(np.asarray, hidden), np.zeros(0, bool)])[:count].reshape(shape)
-
-
-@jax.jit
-def _hidden(scene: Scene, start: Float[Array, "n 3"], end: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    return occluded(scene, start, end - start, t_max=1.0, mask=int(RayKind.SOUND))
+    start, end = np.broadcast_arrays(start, end)
+    return ~rays.occluded(start.reshape(-1, 3), end.reshape(-1, 3)).reshape(start.shape[:-1])

@@ -1,12 +1,9 @@
 """Decay fit of received energies: time spans, decay shapes, and extrapolation beyond the traced time."""
 
-from itertools import pairwise
-
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Bool, Float, Int
 
+from home_mjx.audio_jax.late_reverb.bake.pair_sums import sum_pairs
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import FINE_BINS, MIN_ENERGY, SPAN_STARTS
 
 GAP_BLOCK = 10  # [bins], resolution of the search for gaps in a decay
@@ -14,7 +11,7 @@ ROOM_PRIOR = 0.05  # weight of the rooms' distribution over spans in that of eac
 
 
 class Accumulator:
-    """Accumulator of the energy between cells and between rooms; one call of `add` per octave.
+    """Accumulator of the energy between cells and between rooms.
 
     Args:
         room: Room of each cell.
@@ -32,28 +29,20 @@ class Accumulator:
         count, rooms = len(room), room.max() + 1
         self.pair = np.zeros((count, count, len(SPAN_STARTS), bands))
         self.shape = np.zeros((rooms, rooms, bands, bins))
-        self.valid: list[int] = []
+        self.valid = 0
 
-    def add(self, octave: int, heard: Float[Array | np.ndarray, "m m k"], flown: float) -> None:
-        """Add an octave: energy between cells, zero-padded, and the path length that most rays travelled [m]."""
-        self.valid.append(int((flown - self.distance.max()) / self.metres))
-        count, rooms = len(self.room), len(self.shape)
-        member = np.zeros((heard.shape[0], rooms + -rooms % 8), np.float32)
-        member[np.arange(count), self.room] = 1
-        pair, shape = _sums(heard, self._first(heard.shape[0]), member)
-        self.pair[..., octave] = pair[:count, :count]
-        self.shape[:, :, octave] = shape[:rooms, :rooms]
-
-    def spans(self, heard: Float[Array | np.ndarray, "m m k"]) -> Float[np.ndarray, "n n s"]:
-        """Sum the energy between cells over each span."""
-        count = len(self.room)
-        return np.asarray(_sums_of_spans(heard, self._first(heard.shape[0])))[:count, :count]
-
-    def _first(self, size: int) -> Int[np.ndarray, "m m"]:
-        count = len(self.room)
-        out = np.zeros((size, size), np.int32)
-        out[:count, :count] = np.minimum(self.arrival, self.bins)
-        return out
+    def add(
+        self,
+        own: Float[np.ndarray, "n n u bands"],
+        emitted: Float[np.ndarray, "bands n g t"],
+        after: Float[np.ndarray, "bands g n k"],
+        flown: float,
+    ) -> None:
+        """Add energies, see `sum_pairs`, and the path length that most rays travelled [m]."""
+        pair, shape = sum_pairs(own, emitted, after, self.arrival, self.room)
+        self.pair += pair
+        self.shape += shape
+        self.valid = int((flown - self.distance.max()) / self.metres)
 
     def finish(
         self, seen: Bool[np.ndarray, "n n"] | None = None
@@ -65,7 +54,7 @@ class Accumulator:
                 `factor_hidden_pairs`. None: all cells are visible.
         """
         shape = self.shape + np.swapaxes(self.shape, 0, 1)
-        valid = int(np.clip(np.median(self.valid), 3 * FINE_BINS, shape.shape[3]))
+        valid = int(np.clip(self.valid, 3 * FINE_BINS, shape.shape[3]))
         rooms = np.arange(len(shape))
         slowest = [_decay_rate(band, valid) for band in shape[rooms, rooms].sum(axis=0)]
         found = np.add.reduceat(shape, SPAN_STARTS, axis=3)
@@ -82,33 +71,6 @@ class Accumulator:
         width = np.diff([*SPAN_STARTS, shape.shape[3]])
         shape /= np.maximum(np.repeat(spans, width, axis=3), MIN_ENERGY)
         return np.log(np.maximum(pair, MIN_ENERGY)), shape
-
-
-@jax.jit
-def _sums(
-    heard: Float[Array, "m m k"], arrival: Int[Array, "m m"], member: Float[Array, "m r"]
-) -> tuple[Float[Array, "m m s"], Float[Array, "r r k"]]:
-    """Sum the energy between cells over each span, and between rooms over their cells."""
-    after = _shift_to_arrival(heard, arrival)
-    return _spans(after), jnp.einsum("ia,ijk,jb->abk", member, after, member, precision="highest")
-
-
-@jax.jit
-def _sums_of_spans(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m s"]:
-    return _spans(_shift_to_arrival(heard, arrival))
-
-
-def _shift_to_arrival(heard: Float[Array, "m m k"], arrival: Int[Array, "m m"]) -> Float[Array, "m m k"]:
-    """Shift decays to the first possible arrival, and add earlier energy to that bin."""
-    heard, first = heard.astype(jnp.float32), arrival[:, :, None]
-    count, bins = heard.shape[2], jnp.arange(heard.shape[2], dtype=jnp.int32)
-    later = jnp.take_along_axis(heard, jnp.minimum(bins + first, count - 1), axis=2)
-    after = jnp.where(bins + first < count, later, 0.0)
-    return after.at[:, :, 0].add(jnp.sum(jnp.where(bins < first, heard, 0.0), axis=2))
-
-
-def _spans(after: Float[Array, "m m k"]) -> Float[Array, "m m s"]:
-    return jnp.stack([after[:, :, a:b].sum(axis=2) for a, b in pairwise([*SPAN_STARTS, after.shape[2]])], axis=2)
 
 
 def smooth_octaves(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
@@ -195,7 +157,7 @@ def weigh_cells(
     """Return the visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
 
     A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one. Distances d
-    are horizontal, plus 100 m for cells more than 2 m above or below.
+    are those of `horizontal_distance`.
 
     Args:
         center: Centres of the cells [m].
@@ -204,9 +166,7 @@ def weigh_cells(
         reach: Distance at which a cell's weight becomes zero [m].
         count: Maximum cells per place.
     """
-    apart = np.linalg.norm(place[:, None, :2] - center[None, :, :2], axis=2) + 100 * (
-        np.abs(place[:, None, 2] - center[None, :, 2]) > 2
-    )
+    apart = horizontal_distance(center, place)
     weight = np.where(seen, np.maximum(1 - apart / reach, 0) ** 2, 0)
     alone = weight.sum(axis=1) <= 0
     weight[alone, np.argmin(np.where(seen, apart, apart + 1000), axis=1)[alone]] = 1
@@ -214,3 +174,9 @@ def weigh_cells(
     near = np.argsort(-weight, axis=1, kind="stable")[:, :count]
     weight = np.take_along_axis(weight, near, 1)
     return near, weight / weight.sum(axis=1, keepdims=True)
+
+
+def horizontal_distance(center: Float[np.ndarray, "n 3"], place: Float[np.ndarray, "p 3"]) -> Float[np.ndarray, "p n"]:
+    """Return horizontal distances from places to cells [m], plus 100 m for cells more than 2 m above or below."""
+    apart = np.linalg.norm(place[:, None, :2] - center[None, :, :2], axis=2)
+    return apart + 100 * (np.abs(place[:, None, 2] - center[None, :, 2]) > 2)

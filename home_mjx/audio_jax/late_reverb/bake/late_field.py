@@ -69,7 +69,7 @@ def pack_field(values: dict[str, np.ndarray]) -> LateField:
     return LateField(**rest, **half)
 
 
-def stack_fields(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " k"]]) -> LateReverb:
+def stack_fields(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " _"]]) -> LateReverb:
     """Stack the fields of several houses, padded to the largest.
 
     Args:

@@ -10,32 +10,41 @@ import numpy as np
 from jaxtyping import Float, Int
 
 INTERVAL_EDGES = (0, 2, 6, 14, 30, 55, 87)  # [bins] after a portal state; energies are summed between edges
+NUM_BATCHES = 7  # batches of rays per portal state, from whose variance the noise is estimated
 RECORDED_BINS = INTERVAL_EDGES[-1]  # [bins], recorded time of rays without termination
 PRIOR_STD = 0.15  # prior relative error of the portal model; weights the Monte Carlo correction
+OWN_ROOM_STD = 0.02  # the same in the room of the portal state
 MAX_CORRECTION = 3.0  # maximum correction factor, and its reciprocal the minimum
 MIN_ENERGY = 1e-30  # minimum energy in ratios
 
 
 def portal_ratio(
-    predicted: Float[np.ndarray, "b g n k"], measured: Float[np.ndarray, "b g n m"], room: Int[np.ndarray, " n"]
+    predicted: Float[np.ndarray, "b g n k"],
+    measured: Float[np.ndarray, "m b g n t"],
+    room: Int[np.ndarray, " n"],
+    entered: Int[np.ndarray, " g"],
 ) -> Float[np.ndarray, "g n k"]:
     """Return the ratio of measured to predicted energy for each portal state over time, equal in all cells of a room.
 
-    The ratio is the mean over octaves, each of which has its own rays. Its noise is estimated from the variance over
-    octaves and from the share of octaves without a ray. Noisy ratios are shrunk towards 1.
+    The ratio is the mean over octaves. Its noise is estimated from the variance over batches of rays and from the share
+    of batches without a ray. Noisy ratios are shrunk towards 1, and more so in the room of the portal state, where the
+    model hardly errs.
 
     Args:
         predicted: Predicted energy per octave, portal state, cell and bin.
-        measured: Energy in the first bins from rays without termination; zeros for states without such rays.
+        measured: Energy in the first bins from batches of rays without termination; zeros for states without such rays.
         room: Room of each cell.
+        entered: Room that paths of each portal state are in.
     """
     member = np.eye(room.max() + 1)[room]
-    said, told = (_sum_rooms(x, member) for x in (predicted, measured))
-    known = (said > MIN_ENERGY) & (told.sum(axis=(2, 3), keepdims=True) > 0)
-    ratio = np.where(known, told / np.maximum(said, MIN_ENERGY), 1.0)
-    missed = (told <= 0).mean(axis=0) * known.any(axis=0)
+    said, told = _sum_rooms(predicted, member), np.stack([_sum_rooms(x, member) for x in measured])
+    known = (said > MIN_ENERGY) & (told.sum(axis=(0, 3, 4), keepdims=True)[0] > 0)
+    ratio = np.where(known, told / np.maximum(said, MIN_ENERGY), 1.0).mean(axis=1)
+    missed = (told.sum(axis=1) <= 0).mean(axis=0) * known.any(axis=0)
     noise = np.maximum(ratio.var(axis=0, ddof=1) / len(ratio), missed**2)
-    factor = 1 + PRIOR_STD**2 / (PRIOR_STD**2 + noise) * (ratio.mean(axis=0) - 1)
+    own = entered[:, None, None] == np.arange(said.shape[2])[None, :, None]
+    prior = np.where(own, OWN_ROOM_STD, PRIOR_STD) ** 2
+    factor = 1 + prior / (prior + noise) * (ratio.mean(axis=0) - 1)
     middle = np.convolve(INTERVAL_EDGES, [0.5, 0.5], "valid") - 0.5
     factor = np.clip(factor, 1 / MAX_CORRECTION, MAX_CORRECTION)
     return np.stack([[np.interp(np.arange(predicted.shape[3]), middle, one) for one in gate] for gate in factor])[

@@ -1,4 +1,4 @@
-"""Portal states, at which rays are restarted, and the renewal equation that adds up their energies (NumPy, host only).
+"""Portal states, at which rays are restarted (NumPy, host only).
 
 Sound that has passed a doorway no longer depends on its start, except for its time and energy. The same holds for sound
 that has been reflected often in a room. Rays end at such *portal states*, and new rays start there:
@@ -11,20 +11,19 @@ New rays continue those that reached a state, regardless of their start cell. So
 many doors away.
 
 D is the energy that cells receive from a source before any portal state, and G its emission into portal states over
-time. H is the energy that cells receive from a state before the next one, and K the transfer between states. Cells then
-receive D + G U in total. U = H + K U is the energy from a state including transfer through others: a renewal equation,
-solved by its Fourier transform.
+time. Cells receive D + G U in total, where U is the energy from a state including transfer through others; see
+`renewal`.
 """
 
-from functools import lru_cache
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Float, Int
 
 MIN_STATE_SHARE = 0.05  # share of the energy into a room below which a path has no portal state of its own
-FFT_LENGTH_RATIO = 1.25  # length of the Fourier transform re the signal
-FFT_DAMPING = 1e-6  # exponential damping over the length of the transform; bounds circular wrap-around
+MIN_GOING_SHARE = 1e-9  # share of all energy that is left in transfer between portal states when its sum ends
+MAX_PASSES = 10_000  # maximum states that energy passes in that sum
 
 
 class PortalStates(NamedTuple):
@@ -38,6 +37,14 @@ class PortalStates(NamedTuple):
         """Return the index ranges of states of very old paths, of old paths, and of paths from another room."""
         own = int((self.rooms[:, 0] == self.rooms[:, 1]).sum()) // 2
         return slice(0, own), slice(own, 2 * own), slice(2 * own, len(self.rooms))
+
+
+class Transfer(NamedTuple):
+    """Energy from portal state to portal state over time, as a list of the pairs that exchange energy."""
+
+    source: Int[np.ndarray, " p"]  # in ascending order
+    target: Int[np.ndarray, " p"]
+    energy: Float[np.ndarray, "p bands k"]
 
 
 def build_portal_states(portal_energy: Float[np.ndarray, "r r"]) -> PortalStates:
@@ -83,7 +90,7 @@ def build_second_states(
     number[tuple(main.T)] = len(gates.rooms) + np.arange(len(main))
     rooms = main[:, 1:]
     before = gates.number[tuple(rooms.T)] - first
-    return rooms, number, np.where(before[:, None, None] >= 0, number[before], gates.number)
+    return rooms, number, np.where(before[:, None, None] >= 0, number[np.maximum(before, 0)], gates.number)
 
 
 def sum_transfer(
@@ -98,35 +105,38 @@ def sum_transfer(
     return out
 
 
-def total_flux(emitted: Float[np.ndarray, "s g"], transfer: Float[np.ndarray, "g g"]) -> Float[np.ndarray, "s g"]:
-    """Compute the total energy through each portal state, from sources and from other states."""
-    return np.linalg.solve(np.eye(len(transfer)) - transfer.T, emitted.T).T
-
-
-def solve_renewal(
-    transfer: Float[np.ndarray, "g g k"], received: Float[np.ndarray, "g c k"], states: slice
-) -> Float[np.ndarray, "s c k"]:
-    """Compute the energy over time that cells receive from some states, including transfer through others.
+def list_transfers(
+    parts: Sequence[tuple[Int[np.ndarray, " _"], Float[np.ndarray, "_ bands r r _"]]],
+    number: Int[np.ndarray, "g r r"],
+    bins: int,
+) -> Transfer:
+    """List the transfers between portal states.
 
     Args:
-        transfer: Energy from state (axis 0) to state (axis 1), by time bin.
-        received: Energy that cells receive from each state before the next one.
-        states: Indices of the states.
+        parts: States in ascending order, and their energy from room to room.
+        number: Index of the next state per pair of rooms, for each state.
+        bins: Number of bins of the result.
     """
-    bins = received.shape[-1]
-    one = np.eye(len(transfer))
-    rate = np.linalg.solve(one - np.swapaxes(_spectrum(transfer), 1, 2), one[:, states])
-    found = np.moveaxis(np.swapaxes(rate, 1, 2) @ _spectrum(received), 0, -1)
-    over_time = np.fft.irfft(np.ascontiguousarray(found), int(FFT_LENGTH_RATIO * bins))
-    return over_time[..., :bins] / _damping(bins)
+    sources, targets, energies = [], [], []
+    for rows, portal_energy in parts:
+        dense = sum_transfer(portal_energy, number[rows], len(number))
+        source, target = np.nonzero(dense.any(axis=(1, 3)))
+        energies.append(np.zeros((len(source), dense.shape[1], bins), np.float32))
+        energies[-1][..., : dense.shape[3]] = dense[source, :, target]
+        sources.append(rows[source])
+        targets.append(target)
+    return Transfer(*(np.concatenate(x) for x in (sources, targets, energies)))
 
 
-@lru_cache
-def _damping(bins: int) -> Float[np.ndarray, " k"]:
-    return FFT_DAMPING ** (np.arange(bins) / int(FFT_LENGTH_RATIO * bins))
-
-
-def _spectrum(values: Float[np.ndarray, "a b k"]) -> Complex[np.ndarray, "f a b"]:
-    """Transform damped signals, so that circular wrap-around is negligible."""
-    bins = values.shape[-1]
-    return np.ascontiguousarray(np.moveaxis(np.fft.rfft(values * _damping(bins), int(FFT_LENGTH_RATIO * bins)), -1, 0))
+def total_flux(emitted: Float[np.ndarray, "bands g"], transfer: Transfer) -> Float[np.ndarray, "bands g"]:
+    """Compute the total energy through each portal state, emitted and from other states."""
+    share = transfer.energy.sum(axis=2, dtype=float).T
+    total, going, count = emitted.copy(), emitted, emitted.shape[1]
+    for _ in range(MAX_PASSES):
+        going = np.stack(
+            [np.bincount(transfer.target, e[transfer.source] * s, count) for e, s in zip(going, share, strict=True)]
+        )
+        total += going
+        if going.sum() <= MIN_GOING_SHARE * total.sum():
+            break
+    return total

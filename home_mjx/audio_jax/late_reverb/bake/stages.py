@@ -1,92 +1,140 @@
 """Stages of ray tracing in a house: from points of its cells, then from the portal states that rays reached."""
 
-from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from home_mjx.audio_jax.late_reverb.bake.accumulate import fill_accumulator, propagate_portals
-from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
-from home_mjx.audio_jax.late_reverb.bake.portal_correction import RECORDED_BINS
-from home_mjx.audio_jax.late_reverb.bake.portal_transfer import build_portal_states, build_second_states, sum_transfer
-from home_mjx.audio_jax.late_reverb.trace.batches import FlightStart, FlightTracer, StageResult, merge_results
+from home_mjx.audio_jax.late_reverb.bake.options import StageSizes
+from home_mjx.audio_jax.late_reverb.bake.portal_correction import NUM_BATCHES, RECORDED_BINS
+from home_mjx.audio_jax.late_reverb.bake.portal_transfer import (
+    Transfer,
+    build_portal_states,
+    build_second_states,
+    list_transfers,
+    sum_transfer,
+)
+from home_mjx.audio_jax.late_reverb.lookup.time_grid import NUM_BINS
 from home_mjx.audio_jax.late_reverb.trace.ray_pool import RayPool
+from home_mjx.audio_jax.late_reverb.trace.tracer import FlightStart, FlightTracer, SourceSums
 from home_mjx.schema.compiled import BANDS
 
 CELL_MIXING_LENGTH = 40.0  # [m], path length after which the start cell within a room hardly affects the field
 STATIONARY_LENGTH = 120.0  # [m], further path length after which the decay no longer depends on the time since emission
-UNTERMINATED_FLIGHTS = 2  # flights per first portal state whose rays portals do not terminate
+YOUNG_BINS = 64  # recorded bins of flights that end by age after `CELL_MIXING_LENGTH`, with room for one long segment
+OLD_BINS = 128  # the same of `STATIONARY_LENGTH`
+UNTERMINATED_TOTAL = 8000  # rays that portals do not terminate, from all states of small houses together
 UNTERMINATED_LENGTH_RATIO = 1.25  # path length of these flights re the recorded one, because not all rays reach its end
-FLIGHTS_PER_STATE = (1, 3, 2, 1)  # per portal state: very old, old, after one door, after two doors
 
 
-class Baker:
-    """Ray tracing stages of one house.
+class BakedRays(NamedTuple):
+    """Results of all stages."""
+
+    cells: SourceSums  # of the sources in cells
+    states: list[tuple[Int[np.ndarray, " s"], SourceSums]]  # portal states, and their sums
+    number: int  # of portal states
+    first: slice  # portal states into which cells emit
+    entered: Int[np.ndarray, " g"]  # rooms of these states
+    emitted: Float[np.ndarray, "c bands g k"]  # energy from cells into each portal state
+    transfer: Transfer  # energy from portal state to portal state
+    # Energy in cells from the first states without termination; None: not traced
+    unterminated: Float[np.ndarray, "batches bands g n k"] | None
+
+
+def trace_stages(
+    tracer: FlightTracer,
+    points: Float[np.ndarray, "c r 3"],
+    room: Int[np.ndarray, " c"],
+    sizes: StageSizes,
+    seed: int,
+) -> BakedRays:
+    """Trace rays from all cells, and from the portal states that they reach.
 
     Args:
-        house: Ray tracer of the house.
-        tally: Accumulator of the energy that cells receive.
+        tracer: Ray tracer of the house.
+        points: Start points of rays in each cell [m].
+        room: Room of each cell.
+        sizes: Numbers of rays.
         seed: Seed of all random numbers of rays.
     """
+    rng = np.random.default_rng(seed)
 
-    def __init__(self, house: FlightTracer, tally: Accumulator, seed: int) -> None:
-        self.tracer, self.tally = house, tally
-        self.rng = np.random.default_rng(seed)
+    def trace(starts: list[FlightStart], bins: int, **how: bool) -> tuple[SourceSums, RayPool]:
+        sums, ended = tracer.trace(starts, bins, int(rng.integers(2**31)), **how)
+        return sums, RayPool(ended)
 
-    def run(self, points: Float[np.ndarray, "c r 3"], room: Int[np.ndarray, " c"]) -> dict[str, np.ndarray]:
-        """Run all stages and fill the tally; return `comes_from` and sums over all rays, see `fill_accumulator`.
+    sources = [_source_rays(p, int(r), rng) for p, r in zip(points, room, strict=True)]
+    cells, sent = trace(sources, YOUNG_BINS, from_source=True, keeps_ended=True)
+    gates = build_portal_states(cells.portal.sum(axis=(0, 3, 4), dtype=float))
+    oldest, old, entering = gates.ranges()
+    young = sent.draw_flights(
+        gates.rooms[entering], gates.number, entering.start, sizes.entering, CELL_MIXING_LENGTH, rng
+    )
+    between, met = trace(young, YOUNG_BINS, keeps_ended=True)
+    rooms, first, second = build_second_states(gates, between.portal.sum(axis=(3, 4), dtype=float))
+    last, _ = trace(met.draw_flights(rooms, first, len(gates.rooms), sizes.second, CELL_MIXING_LENGTH, rng), YOUNG_BINS)
+    sent.extend(met)
+    grown = sent.draw_flights(gates.rooms[old], gates.number, old.start, sizes.old, STATIONARY_LENGTH, rng)
+    middle, aged = trace(grown, OLD_BINS, keeps_ended=True)
+    late = aged.draw_flights(gates.rooms[oldest], gates.aged_number, oldest.start, sizes.oldest, np.inf, rng)
+    final, _ = trace(late, NUM_BINS)
+    count = len(gates.rooms) + len(rooms)
+    number = np.arange(count)
+    states = [
+        (number[oldest], final),
+        (number[old], middle),
+        (number[entering], between),
+        (number[entering.stop :], last),
+    ]
+    goes = np.concatenate([np.repeat(gates.aged_number[None], entering.start, axis=0), first, second])
+    transfer = list_transfers([(rows, _octaves_first(sums.portal)) for rows, sums in states], goes, NUM_BINS)
+    emitted = sum_transfer(_octaves_first(cells.portal), gates.number, count)
+    unterminated = None
+    if sizes.unterminated:
+        unterminated = _trace_unterminated(tracer, [*grown, *young], sizes.unterminated, int(rng.integers(2**31)))
+    first_states = slice(old.start, entering.stop)
+    return BakedRays(cells, states, count, first_states, gates.rooms[first_states, 1], emitted, transfer, unterminated)
 
-        Args:
-            points: Start points of rays in each cell [m].
-            room: Room of each cell.
-        """
-        sent, met, aged = RayPool(), RayPool(), RayPool()
-        cells = self._trace([[self._source_rays(p, int(r))] for p, r in zip(points, room, strict=True)], True, sent)
-        gates = build_portal_states(
-            cells.gather(lambda gave: np.asarray(gave.portal_energy).sum(axis=(1, 4))).sum(axis=0)
-        )
-        oldest, old, entering = gates.ranges()
-        sizes = [(flights, points.shape[1]) for flights in FLIGHTS_PER_STATE]
-        young = sent.draw_flights(
-            gates.rooms[entering], gates.number, entering.start, sizes[2], CELL_MIXING_LENGTH, self.rng
-        )
-        between = self._trace(young, False, met)
-        sent.rays += met.rays
-        grown = sent.draw_flights(gates.rooms[old], gates.number, old.start, sizes[1], STATIONARY_LENGTH, self.rng)
-        middle = self._trace(grown, False, aged)
-        rooms, first, second = build_second_states(
-            gates, between.gather(lambda gave: np.asarray(gave.portal_energy).sum(axis=(1, 4)))
-        )
-        starts = aged.draw_flights(gates.rooms[oldest], gates.aged_number, oldest.start, sizes[0], np.inf, self.rng)
-        after = met.draw_flights(rooms, first, len(gates.rooms), sizes[3], CELL_MIXING_LENGTH, self.rng)
-        last = self._trace([*starts, *after], False)
-        count = len(gates.rooms) + len(rooms)
-        number = np.arange(count)
-        others = np.concatenate([number[oldest], number[entering.stop :]])
-        heard = merge_results(count, [(number[old], middle), (number[entering], between), (others, last)])
-        goes = np.concatenate([np.repeat(gates.aged_number[None], entering.start, axis=0), first, second])
-        passed = sum_transfer(heard.gather(lambda gave: gave.portal_energy), goes, count)
-        with ThreadPoolExecutor(1) as pool:  # overlaps host work with ray tracing on a GPU
-            later = pool.submit(propagate_portals, heard, passed, slice(old.start, entering.stop), len(room))
-            told = self._trace_unterminated([*grown, *young])
-            given = cells.gather(lambda gave: sum_transfer(np.asarray(gave.portal_energy), gates.number, count))
-            return fill_accumulator(self.tally, cells, heard, given, passed, told, later.result())
 
-    def _source_rays(self, points: Float[np.ndarray, "r 3"], room: int) -> FlightStart:
-        count = len(points) * len(BANDS)
-        way = self.rng.normal(size=(count, 3))
-        way /= np.linalg.norm(way, axis=1, keepdims=True)
-        return FlightStart(np.tile(points, (len(BANDS), 1)), way, np.zeros(count), room, CELL_MIXING_LENGTH)
+def _source_rays(points: Float[np.ndarray, "r 3"], room: int, rng: np.random.Generator) -> FlightStart:
+    """Return rays in all directions from the points of a cell: a spiral of equal areas, randomly turned."""
+    count = len(points)
+    z = 1 - 2 * (np.arange(count) + rng.random()) / count
+    turn = np.pi * (1 + 5**0.5) * np.arange(count) + 2 * np.pi * rng.random()
+    radius = np.sqrt(1 - z * z)
+    way = np.stack([radius * np.cos(turn), radius * np.sin(turn), z], axis=1)
+    return FlightStart(points, way, np.zeros(count), np.ones((count, len(BANDS))), room, CELL_MIXING_LENGTH)
 
-    def _trace_unterminated(self, starts: list[list[FlightStart]]) -> StageResult:
-        """Trace some flights of each portal state without termination at other portals."""
-        far = UNTERMINATED_LENGTH_RATIO * RECORDED_BINS * self.tally.metres
-        return self._trace(
-            [[one._replace(age=far) for one in some[:UNTERMINATED_FLIGHTS]] for some in starts], False, ends=False
-        )
 
-    def _trace(
-        self, starts: list[list[FlightStart]], fresh: bool, pool: RayPool | None = None, ends: bool = True
-    ) -> StageResult:
-        seed, heard = int(self.rng.integers(2**31)), None if ends else RECORDED_BINS
-        return self.tracer.trace(starts, fresh, seed, ends, heard, pool.add if pool else None)
+def _trace_unterminated(
+    tracer: FlightTracer, starts: list[FlightStart], count: int, seed: int
+) -> Float[np.ndarray, "batches bands g n k"]:
+    """Trace batches of rays of each portal state without termination at other portals.
+
+    Args:
+        tracer: Ray tracer of the house.
+        starts: Flights of the states.
+        count: Maximum rays per state; more in houses of few states, see `UNTERMINATED_TOTAL`.
+        seed: Seed of all random numbers of rays.
+    """
+    count = max(count, UNTERMINATED_TOTAL // max(len(starts), 1))
+    far = UNTERMINATED_LENGTH_RATIO * RECORDED_BINS * tracer.bin_length
+    strides = [NUM_BATCHES * max(-(-len(one.origin) // count), 1) for one in starts]
+    batches = [
+        _thin_out(one, slice(batch, None, stride), far)
+        for batch in range(NUM_BATCHES)
+        for one, stride in zip(starts, strides, strict=True)
+    ]
+    sums, _ = tracer.trace(batches, RECORDED_BINS, seed, end_in_rooms=False)
+    energy = sums.energy.reshape(NUM_BATCHES, len(starts), *sums.energy.shape[1:])[..., : len(BANDS)]
+    return np.moveaxis(energy, 4, 1)
+
+
+def _thin_out(one: FlightStart, rows: slice, age: float) -> FlightStart:
+    """Return some rays of a source, which end by age at a path length `age` [m]."""
+    origin, direction, travelled, energy = (x[rows] for x in (one.origin, one.direction, one.travelled, one.energy))
+    return FlightStart(origin, direction, travelled, energy, one.room, age)
+
+
+def _octaves_first(portal: Float[np.ndarray, "s r r k lanes"]) -> Float[np.ndarray, "s bands r r k"]:
+    return np.moveaxis(portal[..., : len(BANDS)], 4, 1)

@@ -140,23 +140,26 @@ def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]
     _write_folder(root, Path("texture"), {f"{name}.png": image for name, image in textures.items()}, mend=True)
 
 
-def write_tables(root: Path, models: Sequence[LibraryModel], digests: bool = False) -> None:
+def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
     """Write the metadata tables below a dataset root; files that differ are rewritten.
 
     Args:
         root: Dataset root.
         models: The models, in the order of their rows.
-        digests: Also write digests of the tables, for `is_folder_complete`.
 
     Raises:
         DatasetError: The folder cannot be written.
     """
-    tables = {
+    _write_folder(root, Path("metadata"), format_tables(models), mend=True)
+
+
+def format_tables(models: Sequence[LibraryModel]) -> dict[str, str]:
+    """Return the texts of the tables of models, without joints, by file name."""
+    return {
         "ModelCategoryMapping.csv": categories_csv(models),
         "models.csv": sizes_csv(models),
         "suncgModelLights.json": lights_json(models),
     }
-    _write_folder(root, Path("metadata"), {**tables, **(_digests(tables) if digests else {})}, mend=True)
 
 
 def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
@@ -169,7 +172,25 @@ def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
     Raises:
         DatasetError: The folder cannot be written.
     """
-    table = joints_csv(models)
+    _write_joint_table(root, joints_csv(models))
+
+
+def write_table_texts(root: Path, tables: Mapping[str, str]) -> None:
+    """Write metadata tables with their digests, for `is_folder_complete`; files that differ are rewritten.
+
+    Args:
+        root: Dataset root.
+        tables: Texts by file name, that of the joints among them.
+
+    Raises:
+        DatasetError: The folder cannot be written.
+    """
+    others = {name: text for name, text in tables.items() if name != JOINTS}
+    _write_folder(root, Path("metadata"), {**others, **_digests(others)}, mend=True)
+    _write_joint_table(root, tables[JOINTS])
+
+
+def _write_joint_table(root: Path, table: str) -> None:
     digest = json.dumps({JOINTS: _digest(table)})
     _write_folder(root, Path("metadata"), {JOINTS: table, JOINTS_DIGEST: digest}, mend=True)
 

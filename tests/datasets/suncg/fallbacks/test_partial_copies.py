@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from generated import generate_flats
 from tiny_dataset import DEPTH, DOOR, HOUSE_ID, TABLE, WIDTH, edit_house, write_tiny_dataset
 
 from home_mjx.cli import main
@@ -19,7 +20,6 @@ from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.job import compile_dataset
 from home_mjx.houses.report import read_report
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
-from home_procgen.v1.dataset import generate_dataset
 
 STRICT, TOLERANT = ReadOptions(strict=True), ReadOptions(strict=False)
 FOLDERS = ("object", "texture", "room", "metadata")
@@ -265,7 +265,7 @@ def check_partial(source: Path, target: Path, house_id: str, seed: int) -> None:
 def as_if_real(tmp_path_factory) -> tuple[Path, str]:
     """A generated house, written as if it were real."""
     root = tmp_path_factory.mktemp("generated")
-    (house_id,) = generate_dataset(root, [5])
+    (house_id,) = generate_flats(root, [5])
     (root / "generated.json").unlink()
     return root, house_id
 

@@ -1,1 +1,0 @@
-"""The `home-mjx story` command: its house, its script, and its film."""

@@ -1,1 +1,0 @@
-"""The first generator: flats on one floor, from parametric furniture and recursively split floor plans."""
