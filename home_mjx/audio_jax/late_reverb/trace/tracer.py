@@ -183,7 +183,8 @@ class FlightTracer:
         whole = energy.sum(axis=0, dtype=float)
         unit[:NUM_OCTAVES] = np.where(whole > 0, 1 / np.maximum(whole, 1e-30), 0)
         for x in sums[1:]:
-            x *= unit
+            for room in np.flatnonzero(x.reshape(len(x), -1).any(axis=1)):  # writing zeros would take their memory
+                x[room] *= unit
         unit[NUM_OCTAVES : NUM_OCTAVES + 3] = unit.max()
         density = (4 * np.pi * self.bin_length / self.volume).astype(np.float32)
         for cell in np.flatnonzero(sums.energy.any(axis=(1, 2))):
