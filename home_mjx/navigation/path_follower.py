@@ -6,7 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import ground_fields
+from home_mjx.geometry.geodesic import is_walkable_rise
+from home_mjx.navigation.grid import ground_fields, row_of_cell
 
 MAX_GOAL_RISE = 1.5  # [m], maximum height above the lowest floor of goals on the ground floor
 LOOK_AHEAD_CELLS = 5  # [cells], distance of the point that the agent steers to
@@ -23,6 +24,7 @@ class PathFollower:
         targets: Goals in the order of visits; repeated cyclically.
         turn_per_step: Maximum turn in one step [rad].
         visited: Number of goals reached.
+        height: Height of the cells [m]; the agent does not step to cells that are too high or low. None: equal heights.
     """
 
     fields: Float[np.ndarray, "g ny nx"]
@@ -31,6 +33,7 @@ class PathFollower:
     targets: list[int]
     turn_per_step: float
     visited: int = field(default=0)
+    height: Float[np.ndarray, "ny nx"] | None = None
 
     def action(self, pos: Float[np.ndarray, " 3"], yaw: float) -> Float[np.ndarray, " 4"]:
         """Return the next action, see `steer`; count a target within 0.4 m by path as visited and head for the next.
@@ -65,6 +68,9 @@ class PathFollower:
             y, x = cell
             y0, x0 = max(y - 1, 0), max(x - 1, 0)
             window = self._field[y0 : y + 2, x0 : x + 2]
+            if self.height is not None:
+                rise = self.height[y0 : y + 2, x0 : x + 2] - self.height[cell]
+                window = np.where(is_walkable_rise(rise, self.cell), window, np.inf)
             dy, dx = np.unravel_index(np.argmin(window), window.shape)
             cell = (y0 + int(dy), x0 + int(dx))
         return cell
@@ -111,7 +117,9 @@ def make_path_follower(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"]
     """
     navigation = bank.navigation
     fields = ground_fields(bank, house)
-    walker = PathFollower(fields, np.asarray(navigation.origin[house]), bank.spec.cell, [0], turn_per_step)
+    height = np.asarray(navigation.height[row_of_cell(navigation.cell[house, 0])])
+    origin = np.asarray(navigation.origin[house])
+    walker = PathFollower(fields, origin, bank.spec.cell, [0], turn_per_step, height=height)
     rooms = [_room(bank, house, goal) for goal in np.asarray(navigation.goal[house])]
     seen = [_room(bank, house, pos)]
     reach = fields[:, *walker._free_cell(walker._cell(pos))]
