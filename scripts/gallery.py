@@ -51,7 +51,7 @@ class Studio:
 
     def draw(self, camera, lens, kinds=("rgb",), shader="fast", depth_max=None, drawn=None):
         """Render images to the host; `drawn` applies an episode's variation."""
-        scene = self.scene() if drawn is None else self.scene().replace(appearance=drawn.look)
+        scene = self.scene() if drawn is None else self.scene().replace(appearance=drawn.appearance)
         images = look(lens, kinds, shader, depth_max)(scene, camera)
         return {kind: np.asarray(image) for kind, image in images.items()}
 

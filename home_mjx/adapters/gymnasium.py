@@ -63,13 +63,16 @@ class GymEnv(gymnasium.Env, EzPickle):
         self._reset: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.reset), "reset")
         self._step: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.step), "step")
         self._state: State | None = None
-        self._next_episode = 0
+        # Rows of saved episodes: the first, and from one to the next. Those of a `SyncVectorEnv` share the rows.
+        self._first_row, self._row_step = tools.position_in_batch()
+        self._next_episode = self._first_row
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
         """Start an episode; `options={"house": i}` selects a house, `{"episode": i}` a row of saved episodes or tasks.
 
         Without rows, the default house is random. With rows, `house` is refused, because a row has its own house. The
-        default row is the one after the last, the first after a seed, or sampled if rows have weights.
+        default row is the one after the last, the first after a seed, or sampled if rows have weights. Environment i of
+        n in a `SyncVectorEnv` uses the rows i, i + n, ...
 
         Raises:
             ConfigError: An option is unknown, out of range, or `house` beside rows.
@@ -80,8 +83,8 @@ class GymEnv(gymnasium.Env, EzPickle):
         house = tools.index_option(options, "house", self.env.bank.num_houses)
         episode = tools.index_option(options, "episode", count) if count else None
         if is_sequential(self.env.params.tasks) and episode is None:
-            episode = np.int32(0 if seed is not None else self._next_episode)
-        self._next_episode = 0 if episode is None else int(episode) + 1
+            episode = np.int32(self._first_row if seed is not None else self._next_episode)
+        self._next_episode = self._first_row if episode is None else int(episode) + self._row_step
         self._state = self._reset(self.env.params, tools.draw_key(self.np_random), house, episode)
         return tools.to_numpy(self._state.obs), _scalars(self._state)
 

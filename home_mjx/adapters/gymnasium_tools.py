@@ -2,6 +2,7 @@
 
 import inspect
 import multiprocessing
+import weakref
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,8 @@ HOUSE_OPTIONS = {
 }  # options that select houses; without them the episode file selects them
 MAX_LISTED_ROWS = 8  # maximum number of rows that a message lists
 DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
+# Number of environments that each batch of Gymnasium has made so far.
+_num_built: weakref.WeakKeyDictionary[gymnasium.vector.SyncVectorEnv, int] = weakref.WeakKeyDictionary()
 
 
 def make_env(
@@ -53,21 +56,39 @@ def make_env(
 def refuse_forking_workers() -> None:
     """Raise if Gymnasium's `AsyncVectorEnv` makes this environment to learn its spaces, before it forks workers.
 
-    Forked workers lack JAX's threads and would wait forever. Their own errors reach the caller as `EOFError` only, so
-    the frames of the callers are searched here.
+    Forked workers lack JAX's threads and would wait forever. Their own errors reach the caller as `EOFError` only.
 
     Raises:
         BackendError: Names the batch that needs no workers.
     """
+    owner = _building(gymnasium.vector.AsyncVectorEnv)
+    if owner is not None and multiprocessing.get_context(owner.context).get_start_method() == "fork":
+        hint = "Omit `vectorization_mode` for one jitted batch, or give vector_kwargs={'context': 'spawn'}."
+        raise BackendError("asynchronous environments would fork this process, which runs JAX", hint=hint)
+
+
+def position_in_batch() -> tuple[int, int]:
+    """Return the index of the environment that Gymnasium's `SyncVectorEnv` makes, and their number; else (0, 1).
+
+    Gymnasium does not pass the index, so the frames of the callers are searched, and the calls counted.
+    """
+    owner = _building(gymnasium.vector.SyncVectorEnv)
+    if owner is None:
+        return 0, 1
+    index = _num_built.get(owner, 0)
+    _num_built[owner] = index + 1
+    return index, len(owner.env_fns)
+
+
+def _building(kind: type) -> Any:
+    """Return the innermost object of a class whose `__init__` is among the callers; None if there is none."""
     frame = inspect.currentframe()
     while frame is not None:
         owner = frame.f_locals.get("self") if frame.f_code.co_name == "__init__" else None
-        if isinstance(owner, gymnasium.vector.AsyncVectorEnv):
-            if multiprocessing.get_context(owner.context).get_start_method() == "fork":
-                hint = "Omit `vectorization_mode` for one jitted batch, or give vector_kwargs={'context': 'spawn'}."
-                raise BackendError("asynchronous environments would fork this process, which runs JAX", hint=hint)
-            return
+        if isinstance(owner, kind):
+            return owner
         frame = frame.f_back
+    return None
 
 
 def check_render_mode(render_mode: str | None) -> None:

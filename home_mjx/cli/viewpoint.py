@@ -16,6 +16,7 @@ from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.compiled import RoomTable
 
 EYE_HEIGHT = AgentBody().eye_height  # [m] above the floor
+FLOOR_TOLERANCE = 0.05  # [m] a Z this far below the lowest floor still counts as on it
 CEILING_CLEARANCE = 0.05  # [m] distance of a downward camera from the ceiling
 
 
@@ -37,14 +38,14 @@ class Viewpoint:
 
 
 def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `HOUSE`, `--dataset`, `--at X Y` [m] and `--yaw` [degrees]; the last two are None by default."""
+    """Add `HOUSE`, `--dataset`, `--at X Y [Z]` [m] and `--yaw` [degrees]; the last two are None by default."""
     add_house_arguments(parser)
     parser.add_argument(
         "--at",
         type=number_type(),
-        nargs=2,
-        metavar=("X", "Y"),
-        help="standing position [m] (default: a start position of agents)",
+        nargs="+",
+        metavar=("X Y", "Z"),
+        help="standing position [m], on the storey below Z or the lowest one (default: a start position of agents)",
     )
     parser.add_argument(
         "--yaw", type=number_type(), help="direction of view [degrees] from +x (default: the longest free path)"
@@ -59,15 +60,37 @@ def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
         pitch: Elevation of the view [degrees], up positive.
 
     Raises:
-        ConfigError: The head would be outside of the house.
+        ConfigError: The head would be outside of the house, or `--at` has neither two nor three numbers.
     """
+    if args.at is not None and len(args.at) not in (2, 3):
+        raise ConfigError(f"--at takes two or three numbers, got {len(args.at)}", hint="Pass X Y, or X Y Z.")
     bank = HouseBank.from_compiled([load_compiled_house(args)], MAX_TEXTURE_SIZE)
-    start = np.asarray(bank.navigation.start[0, 0])
-    feet = start if args.at is None else np.array([*args.at, start[2]], np.float32)
-    check_inside(bank, feet, "--at")
+    feet = np.asarray(bank.navigation.start[0, 0]) if args.at is None else _standing_point(bank, args.at)
     yaw = longest_free_direction(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
     eyes = feet + np.array([0, 0, EYE_HEIGHT], np.float32)
     return Viewpoint(bank, _scene_of(bank), eyes, _quat(yaw, np.deg2rad(pitch)))
+
+
+def _standing_point(bank: HouseBank, at: list[float]) -> np.ndarray:
+    """Return the point (3,) on the floor at X and Y of `--at` [m], on the storey below Z, else on the lowest one.
+
+    Raises:
+        ConfigError: The point is outside of the first house, or Z is below all floors.
+    """
+    import jax.numpy as jnp
+
+    from home_mjx.navigation import cell_below, grid_position
+
+    point = np.array([*at, np.inf][:3], np.float32)
+    check_inside(bank, point, "--at")
+    house, floors = jnp.int32(0), np.asarray(bank.navigation.floor[0])
+    floors = floors[np.isfinite(floors)]
+    if point[2] < floors.min() - FLOOR_TOLERANCE:
+        heights = ", ".join(f"{z:.2f}" for z in floors)
+        raise ConfigError(f"--at: Z {point[2]:g} is below all floors", hint=f"Pass a Z above a floor, at {heights} m.")
+    place = cell_below(bank, house, jnp.asarray(point))
+    place = place if len(at) == 3 else place.at[0].set(0)
+    return np.array([*at[:2], grid_position(bank, house, place)[2]], np.float32)
 
 
 def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
@@ -136,10 +159,15 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
 def longest_free_direction(bank: HouseBank, feet: np.ndarray) -> float:
     """Return the direction from +x [rad], of 72, of the longest straight walkable path from `feet` (3,) [m].
 
-    It is measured in the lowest storey of the first house; -pi if no direction is free.
+    It is measured on the storey of the feet in the first house; -pi if no direction is free.
     """
+    import jax.numpy as jnp
+
+    from home_mjx.navigation import cell_at_feet
+
     navigation, cell = bank.navigation, bank.spec.cell
-    free, origin = np.asarray(navigation.region[0, 0] == 0), np.asarray(navigation.origin[0])
+    level = int(cell_at_feet(bank, jnp.int32(0), jnp.asarray(feet, jnp.float32))[0])
+    free, origin = np.asarray(navigation.region[0, level] == 0), np.asarray(navigation.origin[0])
     yaw = np.linspace(-np.pi, np.pi, 72, endpoint=False)
     reach = np.arange(1, max(free.shape)) * cell
     points = feet[:2] + reach[None, :, None] * np.stack([np.cos(yaw), np.sin(yaw)], -1)[:, None]

@@ -52,17 +52,16 @@ class Pytree:
 
     @classmethod
     def build_unchecked(cls: type[T], **values: Any) -> T:
-        """Build a record from values of all fields, such as the `in_axes` of `jax.vmap`; no type or name is checked."""
+        """Build a record from values of all fields, such as `in_axes` of `jax.vmap`; only their names are checked."""
+        names = [field.name for field in dataclasses.fields(cls)]
+        if unknown := ", ".join(sorted(set(values) - set(names))):
+            raise TypeError(f"{cls.__name__} has no field {unknown}; it has {', '.join(names)}")
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:
         """Return a copy with some fields replaced, without type checks; raise `TypeError` for unknown names."""
         names = _names(type(self), True) + _names(type(self), False)
-        unknown = set(changes) - set(names)
-        if unknown:
-            wrong, known = ", ".join(sorted(unknown)), ", ".join(names)
-            raise TypeError(f"{type(self).__name__} has no field {wrong}; it has {known}")
-        return _build(type(self), {name: getattr(self, name) for name in names} | changes)
+        return self.build_unchecked(**{name: getattr(self, name) for name in names} | changes)
 
 
 def _names(cls: type, is_static: bool) -> list[str]:

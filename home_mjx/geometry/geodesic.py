@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -90,9 +91,9 @@ def _neighbours(
     return number[here][way], number[there][way], length
 
 
-def is_walkable_rise(rise: Float[np.ndarray, "*s"], away: float) -> Bool[np.ndarray, "*s"]:
+def is_walkable_rise(rise: Float[Any, "*s"], away: float) -> Bool[Any, "*s"]:
     """Return whether agents can walk between cells with a height difference `rise` and a plan distance `away` [m]."""
-    return np.abs(rise) < max(MAX_RISE, MAX_SLOPE * away)
+    return abs(rise) < max(MAX_RISE, MAX_SLOPE * away)
 
 
 def _shifted(dy: int, dx: int) -> tuple[tuple, tuple]:

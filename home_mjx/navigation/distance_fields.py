@@ -1,10 +1,29 @@
 """Geodesic distance fields on the device, for goals that are defined at run time."""
 
+import functools
+import math
+from typing import NamedTuple
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.geometry.geodesic import is_walkable_rise
+from home_mjx.navigation.grid import row_of_cell
+
+REGION_DISTANCE = 1e4  # [m], height difference by which regions without heights are separated
+FORTH, BACK = slice(None), slice(None, None, -1)  # orders of rows
+
+
+class _GridMoves(NamedTuple):
+    """Moves that a sweep may make into each cell: from the row before, straight and diagonal, and along the row."""
+
+    free: Bool[Array, "ny nx"]
+    straight: Bool[Array, "ny nx"]  # from the cell in the row before
+    right: Bool[Array, "ny nx"]  # diagonal, from one column before
+    left: Bool[Array, "ny nx"]  # diagonal, from one column behind
+    along: Bool[Array, "ny nx"]  # between the cell and that one column before; in both directions
 
 
 def distance_field(
@@ -12,6 +31,7 @@ def distance_field(
     source: Bool[Array, "ny nx"],
     cell: float,
     step_factor: Float[Array, "ny nx"] | float = 1.0,
+    height: Float[Array, "ny nx"] | None = None,
 ) -> Float[Array, "ny nx"]:
     """Compute the length of the shortest 8-connected path over free cells to the nearest source, without corner cuts.
 
@@ -25,10 +45,11 @@ def distance_field(
         cell: Cell size [m].
         step_factor: Factor on the length of steps between cells; positive. A step has that of its farther cell from
             the source.
+        height: Height of the cells [m], which are joined as in `geometry.geodesic.grid_edges`; None: equal heights.
 
     Returns:
-        Distances [m]; inf if there is no path. With a factor of 1 equal to `geometry.geodesic.distance_fields` up to
-        rounding.
+        Distances in plan [m]; inf if there is no path. With a factor of 1 and equal heights, equal to
+        `geometry.geodesic.distance_fields` up to rounding.
 
     Example:
         >>> fields = jax.vmap(distance_field, (None, 0, None))(free, sources, 0.1)  # doctest: +SKIP
@@ -36,43 +57,63 @@ def distance_field(
     far = jnp.float32(jnp.inf)
     start = jnp.where(free & source, jnp.float32(0), far)
     step = jnp.broadcast_to(jnp.float32(cell) * step_factor, free.shape)
+    down, up = (_grid_moves(free[way], None if height is None else height[way], cell) for way in (FORTH, BACK))
 
     def changed(carry: tuple[Array, Array]) -> Array:
         return jnp.any(carry[0] < carry[1])
 
     def rounds(carry: tuple[Array, Array]) -> tuple[Array, Array]:
         distance, _ = carry
-        down = _sweep(free, distance, step)
-        return _sweep(free[::-1], down[::-1], step[::-1])[::-1], distance
+        return _sweep(up, _sweep(down, distance, step)[BACK], step[BACK])[BACK], distance
 
     first = jnp.where(jnp.isfinite(start), start, far)
     distance, _ = jax.lax.while_loop(changed, rounds, rounds((first, first)))
     return distance
 
 
-def _sweep(
-    free: Bool[Array, "ny nx"], distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]
-) -> Float[Array, "ny nx"]:
+def _grid_moves(free: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None, cell: float) -> _GridMoves:
+    """Return the moves between cells in the order of a sweep; None for `height`: equal heights."""
+
+    def joined(rows: int, columns: int) -> Array:
+        move = functools.partial(_shift_grid, rows=rows, columns=columns)
+        both = free & move(free, fill=False)
+        if height is None:
+            return both
+        return both & is_walkable_rise(height - move(height, fill=0.0), cell * math.hypot(rows, columns))
+
+    straight, along = joined(1, 0), joined(0, 1)
+    sides = {}
+    for column in (1, -1):
+        beside = along if column == 1 else _shift_grid(along, 0, -1, False)
+        corners = straight & _shift_grid(straight, 0, column, False) & beside & _shift_grid(beside, 1, 0, False)
+        sides[column] = corners & joined(1, column)
+    return _GridMoves(free, straight, sides[1], sides[-1], along)
+
+
+def _sweep(moves: _GridMoves, distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]) -> Float[Array, "ny nx"]:
     """Return distances lowered row by row from the first: from the row before and then along the row itself.
 
     `step` is the length of a straight step into each cell [m]. Cells that are not free get inf.
     """
 
-    def row(
-        above: tuple[Bool[Array, " nx"], Float[Array, " nx"]], here: tuple[Array, Array, Array]
-    ) -> tuple[tuple[Array, Array], Array]:
-        free_above, there = above
-        open_, known, length = here
-        best = jnp.minimum(known, there + length)
+    def row(there: Float[Array, " nx"], here: tuple[_GridMoves, Array, Array]) -> tuple[Array, Array]:
+        move, known, length = here
         diagonal = length * jnp.float32(2**0.5)
-        for side in (1, -1):
-            beside = _shift(open_, side, False) & free_above & _shift(free_above, side, False)
-            best = jnp.minimum(best, jnp.where(beside, _shift(there, side, jnp.inf) + diagonal, jnp.inf))
-        best = _along(open_, jnp.where(open_, best, jnp.inf), length)
-        return (open_, best), best
+        best = jnp.minimum(known, jnp.where(move.straight, there + length, jnp.inf))
+        for side, is_open in ((1, move.right), (-1, move.left)):
+            best = jnp.minimum(best, jnp.where(is_open, _shift(there, side, jnp.inf) + diagonal, jnp.inf))
+        best = _along(move.along, jnp.where(move.free, best, jnp.inf), length)
+        return best, best
 
-    nothing = jnp.zeros(free.shape[1], bool), jnp.full(free.shape[1], jnp.inf, jnp.float32)
-    return jax.lax.scan(row, nothing, (free, distance, step))[1]
+    nothing = jnp.full(step.shape[1], jnp.inf, jnp.float32)
+    return jax.lax.scan(row, nothing, (moves, distance, step))[1]
+
+
+def _shift_grid(values: Array, rows: int, columns: int, fill: float | bool) -> Array:
+    """Return at each cell the value `rows` rows and `columns` columns before it; `fill` where there is none."""
+    pad = [(max(by, 0), max(-by, 0)) for by in (rows, columns)]
+    wide = jnp.pad(values, pad, constant_values=fill)
+    return wide[max(-rows, 0) :, max(-columns, 0) :][: values.shape[0], : values.shape[1]]
 
 
 def _shift(values: Array, step: int, fill: float | bool) -> Array:
@@ -82,17 +123,21 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
 
 
 def _along(
-    open_: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
+    joined: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
 ) -> Float[Array, " nx"]:
-    """Lower distances along a row in both directions; `length` is that of steps into a cell. Blocked cells have inf."""
+    """Lower distances along a row in both directions; `length` is that of steps into a cell. Blocked cells have inf.
+
+    `joined` cells can be entered from one column before, and left to there.
+    """
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
         # (length of the segment, inf if it is blocked; minimum distance at its end)
         return a[0] + b[0], jnp.minimum(b[1], a[1] + b[0])
 
-    step = jnp.where(open_, length, jnp.float32(jnp.inf))
-    right = jax.lax.associative_scan(join, (step, distance))[1]
-    left = jax.lax.associative_scan(join, (step, distance), reverse=True)[1]
+    far = jnp.float32(jnp.inf)
+    right = jax.lax.associative_scan(join, (jnp.where(joined, length, far), distance))[1]
+    back = jnp.where(_shift(joined, -1, False), length, far)
+    left = jax.lax.associative_scan(join, (back, distance), reverse=True)[1]
     return jnp.minimum(right, left)
 
 
@@ -110,11 +155,15 @@ def goal_fields(
     Returns:
         Distances over cells of any region to each goal's sources [m]; inf if there is no path, or no source.
     """
-    free = bank.navigation.region[house, level] >= 0
+    region = bank.navigation.region[house, level]
+    free, height = region >= 0, bank.navigation.height[row_of_cell(bank.navigation.cell[house, level])]
+    # Other regions have no heights. They are not joined to the home region or to one another.
+    height = jnp.where(region == 0, height, jnp.float32(REGION_DISTANCE) * region.astype(jnp.float32))
     rows, columns = free.shape
     scaled = (goals[:, :2] - bank.navigation.origin[house][None]) / jnp.float32(bank.spec.cell)
     x, y = jnp.arange(columns, dtype=jnp.float32) + 0.5, jnp.arange(rows, dtype=jnp.float32) + 0.5
     near_x = jnp.abs(x[None] - scaled[:, :1]) <= 1
     near_y = jnp.abs(y[None] - scaled[:, 1:]) <= 1
     source = near_y[:, :, None] & near_x[:, None, :]
-    return jax.vmap(distance_field, (None, 0, None))(free, source, bank.spec.cell)
+    field = functools.partial(distance_field, cell=bank.spec.cell, height=height)
+    return jax.vmap(field, (None, 0))(free, source)

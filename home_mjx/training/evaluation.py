@@ -98,11 +98,15 @@ def evaluate(
         A task with `success` and a shortest path `length` also gets `spl` (Anderson et al., arXiv:1807.06757). With
         `distance` it also gets `soft_spl` (Datta et al., arXiv:2009.03231).
 
+    Raises:
+        ConfigError: `num_episodes` or `max_batch` is not a whole number, or is out of range.
+
     Example:
         >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
         >>> results["success"].mean()  # doctest: +SKIP
     """
     check_episodes(num_episodes)
+    check_number("max_batch", max_batch, 1, integer=True)
     env = with_episodes(env, num_episodes, seed)
     batch = min(num_episodes, max_batch)
     keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))

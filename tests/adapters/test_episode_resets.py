@@ -216,6 +216,18 @@ def test_a_step_after_the_end_is_refused(make, made):
     env.step(idle(env))
 
 
+def test_environments_of_a_sync_batch_share_the_rows(make):
+    """Each begins at its own row, as in `GymVectorEnv`; all began at row 0."""
+    options = make("episodes")
+    envs = gymnasium.vector.SyncVectorEnv([lambda: GymEnv(**options)] * 2)
+    for reset, wanted in (({}, [0, 1]), ({}, [2, 3]), ({"seed": 4}, [0, 1]), ({}, [2, 3])):
+        assert envs.reset(**reset)[1]["episode_index"].tolist() == wanted
+    envs.step(envs.action_space.sample())  # ends the episodes
+    assert envs.step(envs.action_space.sample())[4]["episode_index"].tolist() == [4, 5]
+    assert envs.reset(options={"episode": 5})[1]["episode_index"].tolist() == [5, 5]
+    assert GymEnv(**options).reset()[1]["episode_index"] == 0
+
+
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # JAX's, of every fork
 @pytest.mark.filterwarnings("ignore:os.fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")

@@ -26,3 +26,9 @@ def test_records_pass_through_transformations():
 def test_records_are_frozen():
     with pytest.raises(AttributeError):
         make().t = 2
+
+
+@pytest.mark.parametrize("build", [lambda **x: make().replace(**x), Hit.build_unchecked])
+def test_unknown_names_of_fields_are_refused(build):
+    with pytest.raises(TypeError, match=r"^Hit has no field look, sounds; it has .*\bfront\b"):
+        build(sounds=0, t=0, look=0)

@@ -1,13 +1,18 @@
 """Distance fields on the device against SciPy's Dijkstra on the host."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import Furniture, shoebox
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry import geodesic as host
+from home_mjx.navigation import path_follower
 from home_mjx.navigation.distance_fields import distance_field, goal_fields
 
 
@@ -72,6 +77,46 @@ def test_ways_are_led_around_what_is_slow(rng):
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
         found = np.asarray(jax.jit(distance_field, static_argnums=2)(free, source, 1.0, slow.astype(np.float32)))
     np.testing.assert_allclose(found, relaxed(free, source, slow), rtol=1e-5)
+
+
+def plan_distances(free: np.ndarray, height: np.ndarray, goals: np.ndarray, cell: float) -> np.ndarray:
+    """Distances in plan over the cells that `grid_edges` joins, by Dijkstra."""
+    sources, targets, _ = host.grid_edges(free[None], height[None], cell)
+    place = np.argwhere(free) * cell
+    graph = csr_matrix((np.linalg.norm(place[sources] - place[targets], axis=1), (sources, targets)), (len(place),) * 2)
+    number = np.cumsum(free).reshape(free.shape) - 1
+    return dijkstra(graph, directed=False, indices=number[tuple(goals.T)])
+
+
+@pytest.mark.parametrize("cell", [0.1, 0.3])
+def test_cells_are_joined_only_if_agents_can_walk_between_their_heights(rng, cell):
+    free, height = (
+        rng.random((40, 50)) < 0.9,
+        np.float32(rng.choice([0.0, 0.2, 0.4, 0.7], (40, 50), p=[0.6, 0.2, 0.1, 0.1])),
+    )
+    goals = rng.permutation(np.argwhere(free))[:8]
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        field = functools.partial(distance_field, cell=cell, height=jnp.asarray(height))
+        found = np.asarray(jax.jit(jax.vmap(field, (None, 0)))(free, single(free, goals)))
+    wanted = plan_distances(free, height, goals, cell)
+    np.testing.assert_allclose(found[:, free], wanted, rtol=1e-5)
+    level = on_device(free, single(free, goals), cell)[:, free]
+    assert (wanted > level + 0.1).mean() > 0.05
+
+
+def test_fields_and_followers_do_not_leave_a_gallery_across_its_edge(monkeypatch):
+    """A gallery, and beside it a ramp of 3 m from its height down to a hall: they meet only at the top of the ramp."""
+    free, height = np.ones((12, 40), bool), np.full((12, 40), 2.8, np.float32)
+    height[5:] = np.clip(np.linspace(2.8, -0.9, 40), 0, None)
+    goal = single(free, np.array([[11, 39]]))[0]
+    field = np.asarray(distance_field(jnp.asarray(free), jnp.asarray(goal), 0.1, 1.0, jnp.asarray(height)))
+    assert 6.5 < field[0, 35] < 8.0
+    monkeypatch.setattr(path_follower, "LOOK_AHEAD_CELLS", 1)
+    walker, cells = path_follower.PathFollower(field[None], np.zeros(2), 0.1, [0], 0.3, height=height), [(0, 35)]
+    for _ in range(90):
+        cells.append(walker._downhill(cells[-1]))
+    assert cells[-1] == (11, 39)
+    assert np.abs(np.diff([height[cell] for cell in cells])).max() < host.MAX_RISE
 
 
 def test_sources_that_are_not_free_lead_nowhere():

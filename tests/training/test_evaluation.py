@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import home_mjx
+from home_mjx.errors import ConfigError
 from home_mjx.training.evaluation import evaluate, random_policy, summarize, with_episodes
 from home_mjx.training.rollout import Policy
 
@@ -101,3 +102,10 @@ def test_summary_is_mean_and_standard_error(rng: np.random.Generator):
     x = rng.normal(3, 2, 10_000)
     found = summarize({"x": x})["x"]
     assert found == {"mean": pytest.approx(x.mean()), "stderr": pytest.approx(x.std() / 100)}
+
+
+@pytest.mark.parametrize("option", ["num_episodes", "max_batch"])
+@pytest.mark.parametrize("value", [0, -1])
+def test_numbers_that_allow_no_episode_are_refused(env, option, value):
+    with pytest.raises(ConfigError, match=option):
+        evaluate(env, walker, **{option: value})

@@ -68,7 +68,7 @@ class Scene(Pytree):
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
             >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
         """
-        return cls.build_unchecked(bank=None, house=0, moving=0, backend=backend, look=0, materials=0)
+        return cls.build_unchecked(bank=None, house=0, moving=0, backend=backend, appearance=0, sound_materials=0)
 
 
 class Rays(Pytree):

@@ -13,6 +13,7 @@ from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.lighting.gloss import gloss_table
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, SurfaceRows, material_table
+from home_mjx.scene_compile.navigation.reach import find_unreachable_storeys
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.pipeline.levels import LevelGeometry
 from home_mjx.schema.compiled import Bodies, CompiledHouse, HouseNavigation, Instances, MaterialTable, Model, Planes
@@ -95,7 +96,7 @@ def assemble(
         ground_floor=ground_floor_height(frame.rooms),
         lot=lot_bounds(frame.rooms),
         agent_materials=material_table(AGENT_SURFACES),
-        report=_report(frame, shell, objects, levels),
+        report=_report(frame, shell, objects, levels, navigation),
         doors=levels.doors,
         ramps=levels.ramps,
         lights=lights,
@@ -127,10 +128,15 @@ def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarr
 
 
 def _report(
-    frame: HouseFrame, shell: BuildingShell, objects: Sequence[PlacedObject], levels: LevelGeometry
+    frame: HouseFrame,
+    shell: BuildingShell,
+    objects: Sequence[PlacedObject],
+    levels: LevelGeometry,
+    navigation: HouseNavigation,
 ) -> dict[str, int]:
     """Return counts by name of the input and of the compiled house, such as `rooms` and `colliders`."""
     house = frame.house
+    lost = find_unreachable_storeys(levels.spaces, navigation.region, levels.stairs, navigation.cell)
     return {
         "levels": len(house.levels),
         "rooms": sum(len(level.rooms) for level in house.levels),
@@ -148,4 +154,5 @@ def _report(
         "problems": len(house.problems),
         "fallbacks": len(house.fallbacks),
         **levels.report,
+        "unreachable_storeys": len(lost),
     }

@@ -5,6 +5,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.audio_jax.base.endpoints import MeasuredHead, SoundSources
@@ -16,6 +17,7 @@ from home_mjx.physics import BodyScale, PhysicsState
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import EnvConfig
+from home_mjx.tasks.base.specs import WALK_NAMES
 from home_mjx.tasks.variation.sample import CameraOffsets, VariationSample
 
 MAX_FLOOR_BOX_HEIGHT = 0.15  # [m], maximum height above a body's bottom of tops of static boxes that count as floor
@@ -87,6 +89,13 @@ class Snapshot(Pytree):
     def camera_offsets(self) -> CameraOffsets | None:
         """Camera offsets of this episode; None: as in the options."""
         return None if self.variation is None else self.variation.camera_offsets
+
+    @property
+    def has_collided(self) -> Bool[Array, " a"]:
+        """True where the last action was to walk and the agent touched anything but the floor, as Habitat counts it."""
+        columns = [i for i, name in enumerate(self.config.action_names) if name in WALK_NAMES]
+        walked = jnp.any(self.action[:, np.array(columns)] != 0, axis=1)
+        return self.in_contact & walked
 
     @property
     def feet(self) -> Float[Array, "a 3"]:

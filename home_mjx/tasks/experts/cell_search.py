@@ -53,7 +53,8 @@ def turns_to_nearest_cell(
 
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
-        near = distance_field(home[level], targets[level], bank.spec.cell, slow[level])
+        height = navigation.height[row_of_cell(numbers[level])]
+        near = distance_field(home[level], targets[level], bank.spec.cell, slow[level], height)
         y, x = (
             jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
         )

@@ -6,12 +6,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.geometry.geodesic import MAX_RISE
 from home_mjx.navigation.grid import cell_at_feet, continue_levels, grid_position, is_home_cell, row_of_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cost_factors
 from home_mjx.tasks.experts.local_planner import (
     HALF_WIDTH,
-    MAX_STEP_RISE,
     WIDTH,
     descend_window,
     nearest_walkable,
@@ -138,7 +138,7 @@ def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFun
     known = jnp.where(home, field(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * cost_factors(snapshot, middle, agent)
     height, far = middle[:, 2], window_distances(known, length, middle[:, 2])
-    elsewhere |= jnp.abs(height - snapshot.feet[agent, 2]) > jnp.float32(MAX_STEP_RISE)
+    elsewhere |= jnp.abs(height - snapshot.feet[agent, 2]) >= jnp.float32(MAX_RISE)
     path = descend_window(far, height, nearest_walkable(known, elsewhere), MAX_LOOK_AHEAD)
     row, column = (path + HALF_WIDTH).T
     return jnp.concatenate([places[row * WIDTH + column, :1], at[1:] + path], axis=1)

@@ -5,6 +5,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
+from home_mjx.geometry.geodesic import MAX_RISE
+
 HALF_WIDTH = 14  # [cells], from the centre of a window to its edge; enough to get round a leaf
 WIDTH = 2 * HALF_WIDTH + 1
 NUM_RELAXATIONS = 64  # [cells], maximum length of a path within a window
@@ -15,7 +17,6 @@ DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = 0.05, 20.0
 RETREAT_COST = 100.0
 EDGE_COST = 5.0  # [m], extra distance of an exit of the window beside a leaf, of which the rest may lie beyond the edge
 OTHER_ROOM_COST = 10.0  # [cells], extra cost of a cell in another room: a wall may be in between
-MAX_STEP_RISE = 0.3  # [m], maximum height difference between neighbouring cells that agents walk across
 # [m]: distance of unreachable cells, and advantage of the current cell, so that agents stay put on ties.
 UNREACHABLE_DISTANCE, STAY_BONUS = 1e4, 1e-2
 OFFSETS = np.array([(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)])
@@ -46,7 +47,7 @@ def window_distances(
     Other cells at the edge do not: known distances ignore current obstacles, and such a path could lead back through
     them. Where paths leave the window farther from the end than its centre is, they cost `RETREAT_COST` more, and
     beside an obstacle `EDGE_COST`. Paths cut no corners, and do not lead from a floor to one above or below it, see
-    `MAX_STEP_RISE`.
+    `MAX_RISE`.
 
     Args:
         global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
@@ -85,8 +86,8 @@ def _step_lengths(
 
 
 def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
-    """Return which of the 3 × 3 cells around each differ from it in height [m] by at most `MAX_STEP_RISE`."""
-    return jnp.abs(_neighbours(height, jnp.inf) - height) <= jnp.float32(MAX_STEP_RISE)
+    """Return which of the 3 × 3 cells around each differ from it in height [m] by less than `MAX_RISE`."""
+    return jnp.abs(_neighbours(height, jnp.inf) - height) < jnp.float32(MAX_RISE)
 
 
 def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
@@ -129,7 +130,7 @@ def _lowest_neighbour(far: Float[Array, "w w"], height: Float[Array, "w w"], at:
     """Return row and column of the lowest distance among a cell and its neighbours as high; the cell itself on ties."""
     around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
     rise = jnp.abs(height[around[:, 0], around[:, 1]] - height[at[0], at[1]])
-    known = jnp.where(rise <= jnp.float32(MAX_STEP_RISE), far[around[:, 0], around[:, 1]], jnp.inf)
+    known = jnp.where(rise < jnp.float32(MAX_RISE), far[around[:, 0], around[:, 1]], jnp.inf)
     known = jnp.minimum(known, jnp.float32(UNREACHABLE_DISTANCE))
     return around[jnp.argmin(known.at[_offset_index(0, 0)].add(-STAY_BONUS))]
 

@@ -52,7 +52,7 @@ class RowState(Pytree):
     position: Float[Array, "a 3"]  # [m], position of each agent
     path_length: Float[Array, " a"]  # [m], length of each agent's path; 0 if the task is fulfilled at the start
     is_fulfilled_at_start: Bool[Array, ""]  # success holds at the start, so the first step's way does not count
-    collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
+    collisions: Int[Array, " a"]  # steps with `Snapshot.has_collided`
     speech: SpeechColumns
     reply: Int[Array, " a"]  # token of the oracle's reply in the last step; -1 if none
     num_questions: Int[Array, ""]  # number of questions that the oracle has answered
@@ -222,7 +222,7 @@ class RowTask(Task):
             distance=distance,
             position=snapshot.pose.pos,
             path_length=state.path_length + moved,
-            collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
+            collisions=state.collisions + snapshot.has_collided.astype(jnp.int32),
             reply=reply,
             num_questions=state.num_questions + jnp.sum(reply >= 0, dtype=jnp.int32),
             num_words=state.num_words + jnp.sum(snapshot.spoken_token >= 0, dtype=jnp.int32),

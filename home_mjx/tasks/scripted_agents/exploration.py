@@ -38,7 +38,7 @@ class ExplorationState(Pytree):
     room: Int[Array, "levels ty tx"]
     covered: Bool[Array, "levels ty tx"]
     gained: Float[Array, " a"]  # [m²], area that each agent covered in the last step
-    collisions: Int[Array, " a"]  # steps in which an agent touched anything but the floor
+    collisions: Int[Array, " a"]  # steps with `Snapshot.has_collided`
 
     def expert(self, snapshot: Snapshot) -> Array:
         """Return all agents' actions towards their nearest uncovered tile; `stop` if none is left."""
@@ -93,7 +93,7 @@ class Exploration(Task):
         return state.replace(
             covered=state.covered | jnp.any(near, axis=0),
             gained=cells.astype(jnp.float32) * jnp.float32(snapshot.bank.spec.cell**2),
-            collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
+            collisions=state.collisions + snapshot.has_collided.astype(jnp.int32),
         )
 
     def reward(self, snapshot: Snapshot, before: ExplorationState, state: ExplorationState) -> Float[Array, " a"]:

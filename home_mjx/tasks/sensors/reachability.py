@@ -172,7 +172,7 @@ def can_pick_from(
         way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
         hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
         own = (hit.instance == instance) & is_reachable(eye, eye + way * hit.t[:, None], reach)
-        return jnp.sum(own) > MIN_VISIBLE_POINTS
+        return jnp.sum(own) >= MIN_VISIBLE_POINTS
 
     return jax.vmap(one)(eyes)
 

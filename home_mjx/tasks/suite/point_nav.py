@@ -32,7 +32,7 @@ class PointNavState(Pytree):
     length: Float[Array, " a"]  # [m], of the shortest path from the start
     path_length: Float[Array, " a"]  # [m], length of the path until arrival; 0 if it begins there
     last_pos: Float[Array, "a 3"]  # [m], position in the last step
-    collisions: Int[Array, " a"]  # steps in touch with anything but the floor
+    collisions: Int[Array, " a"]  # steps with `Snapshot.has_collided`
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class PointNav(Task):
             arrived=there & ~state.reached,
             path_length=state.path_length + jnp.where(arrived, 0.0, moved),
             last_pos=place,
-            collisions=state.collisions + snapshot.in_contact.astype(jnp.int32),
+            collisions=state.collisions + snapshot.has_collided.astype(jnp.int32),
         )
 
     def observe(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Array]:

@@ -54,7 +54,7 @@ class TrajectoryWriter:
     def __init__(
         self, folder: Path, env: Env[HouseholdEnv], agent: str, omit: tuple[str, ...] = (), resume: bool = False
     ) -> None:
-        self.data, self.without = folder / DATA_FOLDER, omit
+        self.data = folder / DATA_FOLDER
         self.metadata = _make_metadata(env, agent, omit)
         self.episodes = self.steps = 0
         if (self.data / METADATA_FILE).exists():

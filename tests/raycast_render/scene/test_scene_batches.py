@@ -8,9 +8,12 @@ from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.audio_jax import AudioConfig, Listener, SoundSource, impulse_response
 from home_mjx.audio_jax.base.options import Traced
+from home_mjx.audio_jax.propagation.surfaces import sound_materials
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render import Camera, Lens, Scene, cast, make_scene, occluded, render
 from home_mjx.raycast_render.backends.cpu import TARGET
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
+from home_mjx.raycast_render.scene.types import SoundMaterials
 
 E = 3
 LEVEL = jnp.array([0.5**0.5, 0.5**0.5, 0, 0], jnp.float32)
@@ -51,6 +54,40 @@ def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, b
     assert scenes.house.shape == (E,)
     outside = jax.jit(jax.vmap(sense, in_axes=(Scene.axes(), 0)))(scenes, eyes)
     jax.tree.map(np.testing.assert_array_equal, inside, outside)
+
+
+def shine(scene, factor):
+    """Draw a scene that one factor makes brighter."""
+    return scene.replace(appearance=AppearanceOverrides(seed=jnp.uint32(0), exposure=factor))
+
+
+def muffle(scene, factor):
+    """Give all materials of a scene one absorption and scattering."""
+    field = jnp.full(sound_materials(scene).absorption.shape, factor)
+    return scene.replace(sound_materials=SoundMaterials(absorption=field, scattering=field, transmission=0 * field))
+
+
+def overridden(bank, override, sense):
+    """Senses of scenes with an override each, built outside and inside of `vmap`."""
+    eye, factors = jnp.array([-1.0, -1, 1.5]), jnp.array([0.2, 0.5, 0.9])
+    build = jax.vmap(lambda factor: override(place(bank, jnp.int32(0)), factor), out_axes=Scene.axes())
+    outside = jax.vmap(sense, in_axes=(Scene.axes(), None))(jax.jit(build)(factors), eye)
+    return outside, jax.vmap(lambda factor: sense(override(place(bank, jnp.int32(0)), factor), eye))(factors)
+
+
+def test_appearance_that_crosses_the_border_of_vmap_reaches_its_environment(bank):
+    draw = lambda scene, eye: render(scene, Camera(eye, LEVEL, jnp.float32(1.2)), Lens(4, 4), shader="fast")["rgb"]  # noqa: E731
+    outside, inside = overridden(bank, shine, draw)
+    means = [float(image.mean()) for image in np.asarray(outside)]
+    assert means[0] < means[1] < means[2], means
+    np.testing.assert_array_equal(outside, inside)
+
+
+def test_sound_materials_that_cross_the_border_of_vmap_reach_their_environment(bank):
+    outside, inside = overridden(bank, muffle, hear)
+    energies = np.square(outside).sum(axis=tuple(range(1, outside.ndim)))
+    assert energies[0] > energies[1] > energies[2]
+    np.testing.assert_allclose(outside, inside, atol=1e-5 * float(np.abs(inside).max()))
 
 
 def shapes_of(jaxpr):

@@ -8,7 +8,7 @@ positions that agents observe, actions, contacts, and which cells of the houses 
 - success: the agent has called `stop`, and its distance to the goal is within the success distance;
 - SPL: success times l / max(l, p), with the distance l at the start and the length p of the agent's path;
 - soft SPL: the same with max(0, 1 - d / l) instead of success, with the distance d at the end;
-- collisions: number of steps in which the agent touched an obstacle.
+- collisions: number of forward moves that an obstacle blocked; turns and stops beside one do not count.
 """
 
 from dataclasses import dataclass
@@ -189,10 +189,10 @@ def test_spl_by_the_outsiders_own_distances(walks, distance, counted):
 
 
 def test_collisions(walks, counted):
-    """Steps in contact; whoever is kept from walking its 25 cm has touched something."""
-    np.testing.assert_array_equal(
-        walks.metrics["collisions"][1:][counted], np.cumsum(walks.touched & counted, axis=0)[counted]
-    )
+    """Moves in contact, no turns; whoever is kept from walking its 25 cm has touched something."""
+    collided = walks.touched & counted & (walks.action == FORWARD)
+    np.testing.assert_array_equal(walks.metrics["collisions"][1:][counted], np.cumsum(collided, axis=0)[counted])
+    assert (walks.touched & counted & ~collided).any()  # turns and stops beside an obstacle
     moved = np.linalg.norm(np.diff(walks.feet, axis=0)[..., :2], axis=-1)
     kept = (walks.action == FORWARD) & (moved < 0.1) & counted
     assert walks.touched[kept].all()

@@ -96,11 +96,14 @@ def near_tiles(bank, house: int, room: np.ndarray, pos: np.ndarray) -> np.ndarra
 
 def test_reward_is_the_area_that_is_new(env, walk):
     task, gains = env.task, []
+    look = jax.jit(jax.vmap(lambda state: env.core.snapshot(env.params, state)))
     for before, after in itertools.pairwise(walk):
         free = np.asarray(after.task.free)
         new = (free * (np.asarray(after.task.covered) & ~np.asarray(before.task.covered))).sum(axis=(1, 2, 3)) * 0.01
         gains.append(new)
-        touches = np.asarray(after.task.collisions - before.task.collisions)[:, 0]
+        touches = np.asarray(look(after).in_contact)[:, 0]
+        collided = np.asarray(after.task.collisions - before.task.collisions)[:, 0]
+        np.testing.assert_array_equal(collided, touches * (np.asarray(look(after).action)[:, 0, FORWARD] > 0))
         costs = task.step_cost + task.contact_cost * touches
         np.testing.assert_allclose(after.reward, task.area_reward * new - costs, atol=1e-5)
         share = (free * np.asarray(after.task.covered)).sum(axis=(1, 2, 3)) / free.sum(axis=(1, 2, 3))

@@ -65,6 +65,9 @@ RULES: Mapping[str, ValidationRule] = {
     "floor-down": ValidationRule("warning", "a floor whose upper side faces down"),
     "flat-wall": ValidationRule("warning", "a wall without length"),
     "element-type": ValidationRule("warning", "an architectural element of an unknown type"),
+    "unreachable-storey": ValidationRule(
+        "warning", "a storey that agents cannot reach from the ground floor; `home-mjx inspect --validate` reports it"
+    ),
     # models
     "flat-model": ValidationRule("warning", "a model without thickness, which never moves"),
     "bridged-face": ValidationRule("warning", "a face that visits a corner twice, such as one with a hole"),
