@@ -34,8 +34,8 @@ class NamedIntEnum(IntEnum, metaclass=_SuggestingMeta):
         ...     RIGHT = 1
         >>> Side.LEFT, Side["RIGHT"]
         (<Side.LEFT: 0>, <Side.RIGHT: 1>)
-        >>> Side.LEFFT
+        >>> Side.LEFFT  # doctest: +ELLIPSIS
         Traceback (most recent call last):
         ...
-        home_mjx.errors.UnknownMemberError: Side has no member `LEFFT`. Did you mean `LEFT`? Known: LEFT, RIGHT
+        home_mjx.errors.UnknownMemberError: Side has no member `LEFFT`. Did you mean `LEFT`? Known: LEFT, RIGHT...
     """
