@@ -1,5 +1,7 @@
 """Settings of every test: two CPU devices, a compile cache, and where the real SUNCG sample is, if it is."""
 
+import contextlib
+import ctypes
 import gc
 import os
 import sys
@@ -13,6 +15,7 @@ import pytest
 import quick_checks
 
 ROOT = Path(__file__).resolve().parent.parent
+MAX_MEMORY = 2_500_000_000  # [bytes], of a worker between two modules
 
 # In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
@@ -63,6 +66,28 @@ def suncg_root() -> Path:
     if not (root / "house").is_dir():
         pytest.skip("the real SUNCG sample is not here: set SUNCG_DATA_DIR to run this test")
     return root
+
+
+@pytest.fixture(autouse=True, scope="module")
+def _limited_memory():
+    """Drop compiled programs between modules once they fill `MAX_MEMORY`; the next ones load theirs from disk."""
+    yield
+    if _resident_bytes() > MAX_MEMORY:
+        import jax
+
+        jax.clear_caches()
+        gc.collect()
+        with contextlib.suppress(OSError, AttributeError):
+            ctypes.CDLL(None).malloc_trim(0)  # glibc keeps freed memory otherwise
+
+
+def _resident_bytes() -> int:
+    """Return the memory of this process, 0 where the system does not say."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[1])
+    except OSError:
+        return 0
+    return pages * os.sysconf("SC_PAGE_SIZE")
 
 
 @pytest.fixture
