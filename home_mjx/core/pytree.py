@@ -53,15 +53,15 @@ class Pytree:
     @classmethod
     def build_unchecked(cls: type[T], **values: Any) -> T:
         """Build a record from values of all fields, such as `in_axes` of `jax.vmap`; only their names are checked."""
-        names = [field.name for field in dataclasses.fields(cls)]
+        names = _names(cls, True) + _names(cls, False)
         if unknown := ", ".join(sorted(set(values) - set(names))):
             raise TypeError(f"{cls.__name__} has no field {unknown}; it has {', '.join(names)}")
         return _build(cls, values)
 
     def replace(self: T, **changes: Any) -> T:
         """Return a copy with some fields replaced, without type checks; raise `TypeError` for unknown names."""
-        names = _names(type(self), True) + _names(type(self), False)
-        return self.build_unchecked(**{name: getattr(self, name) for name in names} | changes)
+        values = {name: getattr(self, name) for static in (True, False) for name in _names(type(self), static)}
+        return self.build_unchecked(**values | changes)
 
 
 def _names(cls: type, is_static: bool) -> list[str]:
