@@ -24,7 +24,7 @@ def at(bank):
 
 
 def test_the_lowest_storey_is_the_default(bank, at):
-    low, high = np.asarray(bank.navigation.floor[0])[:2]
+    low, high = np.asarray(bank.navigation.floor[0])[:2].tolist()
     assert high - low == pytest.approx(UP, abs=0.01)
     for z, floor in (([], low), ([low], low), ([high - 0.1], low), ([high], high), ([high + 1.5], high)):
         np.testing.assert_allclose(_standing_point(bank, [*at, *z]), [*at, floor], atol=0.01)
