@@ -37,7 +37,6 @@ import home_mjx
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.core.profiling import device_name
-from home_mjx.datasets.seeds import house_id
 from home_mjx.datasets.splits import split_of
 from home_mjx.houses import load_bank
 from home_mjx.tasks import add_expert
@@ -45,6 +44,7 @@ from home_mjx.tasks.env.actions import spoken_tokens
 from home_mjx.training import Policy, evaluate, expert_policy, random_policy, summarize
 from home_mjx.training.evaluation import with_episodes
 from home_procgen import generate_dataset
+from home_procgen.presets import HOME_VARIANT
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "baselines.md"
@@ -115,7 +115,7 @@ def main() -> None:
 
 def unseen(root: Path, split: str, num: int) -> HouseBank:
     """Return a bank of generated houses of a split, with seeds that nobody tuned on."""
-    seeds = islice((seed for seed in count(FIRST_SEED) if split_of(house_id(seed)) == split), num)
+    seeds = islice((seed for seed in count(FIRST_SEED) if split_of(HOME_VARIANT.house_id(seed)) == split), num)
     return load_bank(root, ids=generate_dataset(root, list(seeds)))
 
 

@@ -5,11 +5,11 @@ import logging
 import os
 import shutil
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple, SupportsIndex
+from typing import SupportsIndex
 
 from home_mjx.core.files import write_synced
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
@@ -17,12 +17,9 @@ from home_mjx.core.progress import ProgressCount, plural, say
 from home_mjx.core.workers import usable_cores, worker_pool
 from home_mjx.datasets.seeds import GENERATED_MARKER
 from home_mjx.datasets.suncg.write.house import PARTIAL_PREFIX, is_house_complete
-from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.schema.house import ModelInfo
+from home_procgen.model_library import has_intact_library, save_intact_index, write_library_tables
 from home_procgen.presets import GENERATOR_VERSION, Variant
-from home_procgen.primitives.categories import CATEGORIES, Category
-from home_procgen.primitives.family import FurnitureModel
 
 MAX_WRITING_TIME = 3600.0  # [s], of a folder; older partial folders are left over from killed writers
 REMOVE_HINT = "Remove that folder: it is made again."
@@ -31,35 +28,39 @@ MIN_POOL_HOUSES = 24  # fewer houses are written faster than worker processes st
 log = logging.getLogger(__name__)
 
 
-class Generator(NamedTuple):
-    """Variant and writing functions of a generator."""
-
-    variant: Variant
-    write_library: Callable[[Path], None]  # writes the files shared by all houses below a dataset root
-    write_house: Callable[[Path, int], None]  # writes the house of a seed below a dataset root
-    has_library: Callable[[Path, str], bool]  # whether the shared files that a house uses are intact
-
-
 def write_seeds(
-    root: str | Path, seeds: Sequence[int], generator: Generator, progress: bool = False
+    root: str | Path,
+    seeds: Sequence[int],
+    variant: Variant,
+    write_house: Callable[[Path, int], None],
+    progress: bool = False,
 ) -> tuple[str, ...]:
-    """Write one house per seed by a generator; arguments and errors are those of `home_procgen.generate_dataset`."""
+    """Write one house per seed of a variant, and the tables of the shared library.
+
+    Other arguments and errors are those of `home_procgen.generate_dataset`.
+
+    Args:
+        root: Folder of the dataset.
+        seeds: Seeds of the houses.
+        variant: Variant of the houses.
+        write_house: Writes the house of a seed below a dataset root; called in worker processes.
+        progress: Show a progress bar.
+    """
     seeds = [_check_seed(seed) for seed in seeds]
     root = Path(root).expanduser().absolute()
-    _claim_root(root, generator.variant)
-    generator.write_library(root)
-    names = {seed: generator.variant.house_id(seed) for seed in seeds}
+    _claim_root(root, variant)
+    write_library_tables(root, variant.detail)
+    names = {seed: variant.house_id(seed) for seed in seeds}
     missing = [
-        seed
-        for seed, name in names.items()
-        if not (_has_intact_house(root, name) and generator.has_library(root, name))
+        seed for seed, name in names.items() if not (_has_intact_house(root, name) and has_intact_library(root, name))
     ]
     text = f"generating {plural(len(missing), 'house')}"
     if missing:
         say(f"{text} (once, then cached)" if root.parent == cache_folder().absolute() else text, progress)
     with _pool_map(len(missing)) as run, ProgressCount(text, len(missing), "house", progress) as bar:
-        for _ in run(partial(generator.write_house, root), missing):
+        for _ in run(partial(write_house, root), missing):
             bar.update()
+    save_intact_index(root)
     return tuple(names[seed] for seed in seeds)
 
 
@@ -134,19 +135,6 @@ def _has_intact_house(root: Path, house: str) -> bool:
     for kind in ("house", "room"):  # in this order, so that no house is without its rooms
         shutil.rmtree(root / kind / house, ignore_errors=True)
     return False
-
-
-def library_model(model: FurnitureModel, categories: Mapping[str, Category] = CATEGORIES) -> LibraryModel:
-    """Return a model with its rows in the metadata tables.
-
-    Args:
-        model: The model.
-        categories: Categories by fine class.
-    """
-    category = categories[model.fine]
-    variants = {f"{model.id}_0": model.closed} if model.closed is not None else {}
-    info = ModelInfo(model.id, model.fine, category.coarse, category.nyu40)
-    return LibraryModel(info, model.mesh, category.synset, variants, model.lights, model.joints)
 
 
 @contextmanager

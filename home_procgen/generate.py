@@ -8,8 +8,8 @@ from pathlib import Path
 
 from home_mjx.datasets.suncg.write.house import write_house
 from home_procgen.build import build_home
-from home_procgen.dataset_writer import Generator, write_seeds
-from home_procgen.model_library import has_intact_library, save_intact_index, write_library_tables, write_used_models
+from home_procgen.dataset_writer import write_seeds
+from home_procgen.model_library import write_used_models
 from home_procgen.presets import HOME_VARIANT, Variant
 
 
@@ -41,11 +41,7 @@ def generate_dataset(
         >>> ids = generate_dataset("houses", range(8))  # doctest: +SKIP
     """
     variant = Variant(preset, detail)
-    library = partial(write_library_tables, detail=variant.detail)
-    generator = Generator(variant, library, partial(write_home, variant=variant), has_intact_library)
-    ids = write_seeds(root, seeds, generator, progress)
-    save_intact_index(Path(root).expanduser().absolute())
-    return ids
+    return write_seeds(root, seeds, variant, partial(write_home, variant=variant), progress)
 
 
 def write_home(root: Path, seed: int, variant: Variant = HOME_VARIANT) -> None:

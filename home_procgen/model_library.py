@@ -19,11 +19,9 @@ from home_mjx.datasets.suncg.write.house import (
 )
 from home_mjx.datasets.suncg.write.metadata import LibraryModel
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import House, Material
-from home_procgen.dataset_writer import library_model
+from home_mjx.schema.house import House, Material, ModelInfo
 from home_procgen.floor_plan.structure import structure_models
-from home_procgen.model_store import library_model as stored_model
-from home_procgen.model_store import model_store
+from home_procgen.model_store import library_model, model_store
 from home_procgen.outside.models import outside_models
 from home_procgen.primitives.categories import CATEGORIES, Category
 from home_procgen.primitives.detail import DETAILS
@@ -55,7 +53,14 @@ def write_library_tables(root: Path, detail: str = DETAILS[0]) -> None:
 
 def table_rows(models: Iterable[FurnitureModel]) -> list[LibraryModel]:
     """Return models with their rows in the metadata tables."""
-    return [library_model(model, MODEL_CATEGORIES) for model in models]
+    return [_with_row(model) for model in models]
+
+
+def _with_row(model: FurnitureModel) -> LibraryModel:
+    category = MODEL_CATEGORIES[model.fine]
+    variants = {f"{model.id}_0": model.closed} if model.closed is not None else {}
+    info = ModelInfo(model.id, model.fine, category.coarse, category.nyu40)
+    return LibraryModel(info, model.mesh, category.synset, variants, model.lights, model.joints)
 
 
 def has_intact_library(root: Path, house_id: str) -> bool:
@@ -163,8 +168,8 @@ def write_used_models(root: Path, home: House, detail: str = DETAILS[0]) -> None
     """
     for name in sorted({item.model_id for level in home.levels for item in level.objects}):
         if not _model_facts(root, f"object/{name}").digest:
-            model = building_models().get(name) or stored_model(name, detail)
-            write_model(root, library_model(model, MODEL_CATEGORIES), digests=True)
+            model = building_models().get(name) or library_model(name, detail)
+            write_model(root, _with_row(model), digests=True)
     every = (material for materials in _materials(home) for material in materials)
     _write_textures(root, {material.texture.stem for material in every if material.texture is not None})
 

@@ -111,9 +111,8 @@ def other_bank(tmp_path_factory: pytest.TempPathFactory):
 def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
     from generated import generate_flats
 
-    from home_mjx.audio_jax import BakeOptions, LateReverbBake
+    from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
     from home_mjx.houses import load_bank
 
     root = tmp_path_factory.mktemp("generated")
-    bakes = (LateReverbBake(BakeOptions(quality="coarse")),)
-    return load_bank(root, ids=generate_flats(root, seeds), bakes=bakes)
+    return load_bank(root, ids=generate_flats(root, seeds), bakes=(COARSE_BAKE,))

@@ -6,7 +6,6 @@ from typing import NamedTuple
 # "home" in hexadecimal. SUNCG's ids are hashes; one of its 45,622 has this prefix with probability 1e-5.
 ID_PREFIX = "686f6d65"
 GENERATED_MARKER = "generated.json"  # file in the root of a generated dataset
-DEFAULT_VARIANT = 0x400  # homes of version 4
 
 
 class HouseKey(NamedTuple):
@@ -16,7 +15,7 @@ class HouseKey(NamedTuple):
     seed: int
 
 
-def house_id(seed: int, variant: int = DEFAULT_VARIANT) -> str:
+def house_id(seed: int, variant: int) -> str:
     """Return the id of a generated house: 32 hexadecimal digits, in the order of variants and seeds.
 
     Args:
@@ -24,7 +23,7 @@ def house_id(seed: int, variant: int = DEFAULT_VARIANT) -> str:
         variant: Number of the generator's variant.
 
     Example:
-        >>> house_id(26)
+        >>> house_id(26, 0x400)
         '686f6d6500000400000000000000001a'
     """
     return f"{ID_PREFIX}{variant:08x}{seed:016x}"

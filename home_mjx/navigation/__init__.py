@@ -1,8 +1,6 @@
 """Navigation grids, geodesic distances, rooms and free positions on the device."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
+from home_mjx.navigation.distance_fields import distance_field, goal_fields
 from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals
 from home_mjx.navigation.grid import (
     cell_at_feet,
@@ -16,11 +14,6 @@ from home_mjx.navigation.grid import (
     room_below,
 )
 from home_mjx.navigation.spawn import random_source, random_yaw, sample_starts
-
-if TYPE_CHECKING:
-    from home_mjx.navigation.distance_fields import distance_field, goal_fields
-
-_FIELDS = ("distance_field", "goal_fields")  # loaded on first use: the audio engine needs no distance fields
 
 __all__ = [
     "cell_at_feet",
@@ -41,9 +34,3 @@ __all__ = [
     "room_below",
     "sample_starts",
 ]
-
-
-def __getattr__(name: str) -> Any:
-    if name not in _FIELDS:
-        raise AttributeError(f"module 'home_mjx.navigation' has no attribute {name!r}")
-    return getattr(importlib.import_module("home_mjx.navigation.distance_fields"), name)

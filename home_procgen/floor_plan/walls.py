@@ -18,7 +18,6 @@ from home_procgen.floor_plan.rooms import PlanWall
 PRISM_THICKNESS = WALL_DEPTH / 2  # thickness of one prism
 HOLE_INSET = 0.02  # inset of a hole from the opening's bounding box
 FLOOR_TOP = 0.05  # height of the floor's top; also the thickness of floors and ceilings
-SLAB_OVERHANG = 0.02  # overhang of floors and ceilings beyond the wall centre-lines
 CEILING_DROP = 0.01  # distance of a ceiling's underside below the nominal height
 VIEW_DEPTH = 0.35  # depth of the clear space on each side of a window
 

@@ -1,12 +1,10 @@
 """Furniture families; each variant is a library model."""
 
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -142,28 +140,6 @@ class VariantFamily:
         shift = -(low + high) / 2 * (1, 0, 1) * self.centred
         solids = [move(solid, shift) for solid in solids]
         return solids, tuple(_light(piece, shift) for piece in built if isinstance(piece, Bulb))
-
-
-@runtime_checkable
-class ModelSource(Protocol):
-    """Source of library models."""
-
-    def models(self) -> Iterator[FurnitureModel]:
-        """Generate the models in order."""
-        ...
-
-
-def models_by_id(families: Iterable[ModelSource]) -> Mapping[str, FurnitureModel]:
-    """Return the models of all families in order, by id."""
-    return MappingProxyType({model.id: model for family in families for model in family.models()})
-
-
-def models_by_family(models: Iterable[FurnitureModel]) -> Mapping[str, Sequence[FurnitureModel]]:
-    """Return models by family name, in their order."""
-    families: dict[str, list[FurnitureModel]] = defaultdict(list)
-    for model in models:
-        families[model.family].append(model)
-    return dict(families)
 
 
 def make_variant(**parameters: Any) -> Mapping[str, Any]:

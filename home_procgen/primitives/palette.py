@@ -68,9 +68,6 @@ DRY_WALLS = (
     *_textured("wallp_1", "wallp_2", "wallp_3", "wallp_4"),
 )
 WET_WALLS = _textured("tile_1", "tile_2", "tile_5")
-WOODEN_FLOORS = _textured("prkt_1", "prkt_2", "prkt_3", "laminate_1", "laminate_2")
-SOFT_FLOORS = (*_textured("carpet_1", "carpet_2"), *WOODEN_FLOORS)
-WET_FLOORS = _textured("tile_1", "tile_2", "tile_3", "tile_4", "stone_2")
 FACADES = (*_textured("bricks_1", "bricks_2"), textured("stucco_1", "#f3ead6"))
 CEILINGS = (plain("#fafaf7"), textured("stucco_1"))
 CUT_MATERIAL = plain("#808080")  # SUNCG's grey of cut wall faces

@@ -54,9 +54,3 @@ def repeat_around(pieces: Iterable[Piece], count: int, start: float = 0.0) -> It
     kept = list(pieces)
     for i in range(count):
         yield from rotate_pieces(kept, 1, start + 2 * np.pi * i / count)
-
-
-def scale_solids(pieces: Iterable[Solid], x: float = 1.0, y: float = 1.0, z: float = 1.0) -> Iterator[Solid]:
-    """Generate the pieces, scaled about the origin by positive factors; drop movable parts, which would not fit."""
-    for piece in pieces:
-        yield replace(piece, vertices=piece.vertices * (x, y, z), part=None)

@@ -197,7 +197,7 @@ def test_the_first_houses_stay_the_first_when_others_are_added(tmp_path):
 
 
 def test_houses_come_by_variant_and_seed_and_others_after_them():
-    far, near, home = house_id(2**63 - 1), house_id(9), house_id(1, 0x500)
+    far, near, home = house_id(2**63 - 1, 0x400), house_id(9, 0x400), house_id(1, 0x500)
     assert sort_house_ids([home, far, "0" * 32, near]) == (near, far, home, "0" * 32)
     assert parse_house_id(far) == (0x400, 2**63 - 1)
     for other in ("0" * 32, "", near[:-1], near + "0", near.replace("6f", "6F"), f"{near[:-2]}+9", f"{near[:-2]} 9"):

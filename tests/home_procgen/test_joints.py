@@ -20,8 +20,7 @@ from home_mjx.datasets.suncg.write.obj import mtl_text, obj_text
 from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Joint, Mesh
 from home_procgen import generate_dataset
-from home_procgen.dataset_writer import library_model
-from home_procgen.model_library import MODEL_CATEGORIES
+from home_procgen.model_library import table_rows
 from home_procgen.model_store import library
 from home_procgen.primitives.solids import box, move, rotate
 from home_procgen.shapes.transforms import add_mirror_images
@@ -245,5 +244,5 @@ def test_the_digest_of_the_tables_is_that_of_before_there_were_joints(root):
 
 def test_joints_are_written_alike_each_time(root, tmp_path):
     (tmp_path / "metadata").mkdir()
-    write_joints(tmp_path, [library_model(model, MODEL_CATEGORIES) for model in JOINTED])
+    write_joints(tmp_path, table_rows(JOINTED))
     assert (tmp_path / "metadata" / "joints.csv").read_bytes() == (root / "metadata" / "joints.csv").read_bytes()

@@ -7,15 +7,13 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.boxes import BoxSet
-from home_mjx.geometry.geodesic import grid_edges
 from home_mjx.geometry.polygons import find_smallest_room, is_inside_polygon
 from home_mjx.scene_compile.navigation.clearance import compute_clearance
+from home_mjx.scene_compile.navigation.regions import label_regions
 from home_mjx.scene_compile.objects.stairs import Staircase
 from home_mjx.schema.agent import AGENT_MARGIN
 from home_mjx.schema.compiled import RoomTable
@@ -79,13 +77,8 @@ class FreeSpace:
     @cached_property
     def free(self) -> Bool[np.ndarray, "ny nx"]:
         """Mask of the largest connected region of standable cells."""
-        free, count = self.standable.copy(), int(self.standable.sum())
         cell = float(self.x[1] - self.x[0]) if len(self.x) > 1 else 1.0
-        sources, targets, _ = grid_edges(free[None], self.height[None], cell)
-        joined = coo_matrix((np.ones(len(sources), bool), (sources, targets)), shape=(count, count))
-        part = connected_components(joined, directed=False)[1]
-        free[self.standable] = part == np.bincount(part, minlength=1).argmax()
-        return free
+        return label_regions(self.standable[None], (), cell, self.height[None])[0][0] == 0
 
 
 def find_free_space(

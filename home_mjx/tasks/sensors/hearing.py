@@ -23,8 +23,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, SoundSources
 from home_mjx.audio_jax.base.options import Ambisonics, Baked, MicrophoneArray
 from home_mjx.audio_jax.contact_sounds.sound_slots import ContactSounds, emitted_signals, has_sound, sound_positions
-from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
-from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
+from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
 from home_mjx.audio_jax.moving_sources.frames import render_frames
 from home_mjx.audio_jax.moving_sources.receiver_state import (
     MIN_DECAY_RATIO,
@@ -79,7 +78,7 @@ class Hearing(Sensor):
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
         """Return the bake of late reverberation if `audio.late` is `Baked`; else none."""
-        return (LateReverbBake(BakeOptions(quality="coarse")),) if isinstance(config.audio.late, Baked) else ()
+        return (COARSE_BAKE,) if isinstance(config.audio.late, Baked) else ()
 
     def init(self, config: EnvConfig) -> HearingState:
         """Return a silent state."""

@@ -13,7 +13,7 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.viewer.episodes.camera import FilmCamera, scene_without_agents
 from home_mjx.viewer.pictures import media, pictures
-from home_mjx.viewer.pictures.top_view import AGENT_COLOUR, SOURCE_COLOUR, Marker, TopView
+from home_mjx.viewer.pictures.top_view import AGENT_COLOUR, FLOOR_MARGIN, SOURCE_COLOUR, Marker, TopView, find_level
 
 WIDTH, HEIGHT = 640, 480  # [px] of a view
 INSET_SCALE, INSET_MARGIN = 2, 8  # factor of the observed image in a corner of the view, and its margin [px]
@@ -81,23 +81,13 @@ def _draw_plans(
 ) -> list[Picture]:
     """Return the plan of each storey, lowest first, with the part of the path on it, its end, and the radio."""
     house, scene = int(state.world.house), scene_without_agents(env, state)
-    floors = np.asarray(env.bank.navigation.floor[house])
-    floors = floors[np.isfinite(floors) & (np.arange(len(floors)) < _count_storeys(env, house))]
+    raised = np.array([0.0, 0.0, FLOOR_MARGIN])
+    levels = [find_level(env.bank, house, point + raised) for point in (*path, source)]
     plans = []
-    for level in range(len(floors)):
+    for level in range(int(np.isfinite(np.asarray(env.bank.navigation.floor[house])).sum())):
         top = TopView(env.bank, scene, 2 * HEIGHT, level)
-        marks = [Marker(path[-1], AGENT_COLOUR, 7), Marker(source, SOURCE_COLOUR, 9)]
-        marks = [mark for mark in marks if _level_of(mark.pos, floors) == level]
-        own = path[[_level_of(point, floors) == level for point in path]]
+        ends = (levels[-2], Marker(path[-1], AGENT_COLOUR, 7)), (levels[-1], Marker(source, SOURCE_COLOUR, 9))
+        marks, own = [mark for at, mark in ends if at == level], path[np.array(levels[:-1]) == level]
         image = Image.fromarray(top.draw_markers(marks, own if len(own) else None))
         plans.append(np.asarray(image.resize((HEIGHT, HEIGHT), Image.Resampling.LANCZOS)))
     return plans
-
-
-def _count_storeys(env: Env[HouseholdEnv], house: int) -> int:
-    """Return the number of storeys of a house that have rooms."""
-    return int((np.asarray(env.bank.navigation.room[house]) >= 0).any(axis=(1, 2)).sum())
-
-
-def _level_of(point: Float[np.ndarray, " 3"], floors: Float[np.ndarray, " l"]) -> int:
-    return max(int((floors <= point[2]).sum()) - 1, 0)

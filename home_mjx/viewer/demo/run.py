@@ -12,8 +12,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
-from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
+from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
 from home_mjx.core import profiling
 from home_mjx.core.files import write_all_or_none
 from home_mjx.env_factory import make
@@ -70,8 +69,7 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     started = time.perf_counter()
     observer.on_run_start(RunStart("demo", None, "steps", options.num_steps + NUM_PHASES))
     observer.on_phase("houses")
-    bakes = (LateReverbBake(BakeOptions(quality="coarse")),)
-    bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=bakes, texture_size=TEXTURE_SIZE)
+    bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=(COARSE_BAKE,), texture_size=TEXTURE_SIZE)
     env = make("PointNav-v0", bank, episode_length=10**6)
     observer.on_phase("houses", "compiling the step (once)")
     observer.on_update(1)
@@ -149,7 +147,7 @@ def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> Sta
         return geodesic_distance(params.bank, state.world.house, None, feet).argmax().astype(jnp.int32)
 
     keys = jax.random.key_data(jax.random.split(jax.random.key(options.seed), options.num_envs))
-    storeys = (np.asarray(env.bank.navigation.room) >= 0).any(axis=(2, 3)).sum(axis=1)
+    storeys = np.isfinite(np.asarray(env.bank.navigation.floor)).sum(axis=1)
     order = np.argsort(-storeys, kind="stable").astype(np.int32)
     houses = jnp.asarray(order[np.arange(options.num_envs) % env.bank.num_houses])
     states = begin(env.params, keys, houses)

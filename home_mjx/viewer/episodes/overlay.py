@@ -10,13 +10,12 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.viewer.episodes.camera import VIEW_CONE_HALF_ANGLE, CameraShot
 from home_mjx.viewer.episodes.goal_markers import GoalMarkers
-from home_mjx.viewer.pictures.top_view import TopView
+from home_mjx.viewer.pictures.top_view import FLOOR_MARGIN, TopView, find_level
 
 PLAN_PIXELS = 640  # length of the longer side of the house [px]
 AGENT_COLOURS = ((20, 200, 90), (255, 150, 40), (190, 110, 255), (60, 200, 230))
 PATH_COLOUR, GOAL_COLOUR, START_COLOUR = (40, 120, 255), (255, 205, 40), (235, 235, 235)
 SHORTEST_STRIDE = 2  # [cells], distance of the dots of a shortest path
-FLOOR_MARGIN = 0.01  # [m], by which a point on a floor is raised to count as above it
 VIEW_CONE_LENGTH = 0.9  # [m] length of a view cone
 
 
@@ -61,7 +60,7 @@ class TopDownOverlay:
         return top.crop(np.asarray(picture))
 
     def _level(self, pos: Float[np.ndarray, " 3"]) -> int:
-        return max(int((pos[2] > np.asarray(self.bank.navigation.floor[self.house])).sum()) - 1, 0)
+        return find_level(self.bank, self.house, pos)
 
     def _tinted(self, top: TopView, goals: GoalMarkers, level: int) -> UInt8[np.ndarray, "s s 3"]:
         """Return the image of storey `level` with its goal rooms tinted; unchanged without goal rooms."""

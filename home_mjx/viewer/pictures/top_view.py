@@ -18,6 +18,7 @@ from home_mjx.schema.compiled import ARCHITECTURE
 
 CUT_HEIGHT = 2.2  # [m] cut height above the floor: above furniture and doors, below lintels' tops and ceilings
 VIEW_MARGIN = 0.4  # [m] around the walls
+FLOOR_MARGIN = 0.01  # [m], by which a point on a floor is raised to count as above it
 CUT_WALL_GREY = 0.02  # linear grey of cut walls
 Colour = tuple[int, int, int]
 PATH_COLOUR, AGENT_COLOUR, SOURCE_COLOUR = (40, 90, 255), (20, 200, 90), (235, 40, 40)
@@ -81,6 +82,11 @@ class TopView:
         """Return column and row, with fractions, of a point in the world [m]; outside the image for points outside."""
         x, y = (np.asarray(point[:2]) - self.low) * self.scale
         return float(x), float(self.image.shape[0] - y)
+
+
+def find_level(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"]) -> int:
+    """Return the index of the storey below a point [m]; the lowest for points below all floors."""
+    return max(int((pos[2] > np.asarray(bank.navigation.floor[house])).sum()) - 1, 0)
 
 
 def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]:

@@ -51,3 +51,6 @@ class LateReverbBake:
         """Return the records of all houses as one pytree, padded to the largest."""
         spec = bank.spec
         return stack_fields(records, [house.doors.bank_rows(spec.num_doors, spec.num_slides) for house in houses])
+
+
+COARSE_BAKE = LateReverbBake(BakeOptions(quality="coarse"))  # serves at once where no fine record is stored

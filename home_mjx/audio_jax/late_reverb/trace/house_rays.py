@@ -18,6 +18,7 @@ from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES
 from home_mjx.core.workers import usable_cores
 from home_mjx.geometry.meshes import invert
+from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.raycast_render.backends.numba import cutouts, intersect, packet, traverse
 from home_mjx.raycast_render.backends.numba.packet import FIRST_RAY_OPERAND, RowCounts, make_tiling
 from home_mjx.raycast_render.backends.numba.traverse import cast_packet
@@ -191,7 +192,7 @@ def _door_motion(
 ) -> Float[np.ndarray, "n 3 4"]:
     """Return rotations about vertical lines through `pivot`; displacements along `slide` of sliding doors."""
     angle = np.where((slide != 0).any(axis=1), 0.0, turn)
-    out = _rigid(np.zeros((len(turn), 3)), np.stack([np.cos(angle / 2), 0 * angle, 0 * angle, np.sin(angle / 2)], 1))
+    out = _rigid(np.zeros((len(turn), 3)), yaw_quat(angle))
     out[:, :2, 3] = pivot - np.einsum("dij,dj->di", out[:, :2, :2], pivot) + turn[:, None] * slide
     return out
 
