@@ -9,6 +9,7 @@ import pytest
 from numba import cfunc, njit, types
 
 from home_mjx.core.native import ffi
+from home_mjx.core.native import kernel as native_kernel
 from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.kernel import Kernel, call_native, launch_ptx
 from home_mjx.core.native.memory import pointer_to
@@ -69,6 +70,38 @@ def test_the_fallback_runs_without_a_version_for_the_platform(kernel):
     for each, factor in ((kernel, 3), (Kernel("test_none", "slower"), 2)):
         found = jax.jit(lambda x, each=each: each.select(lambda y: 2 * y, native, x))(values)
         np.testing.assert_array_equal(found, factor * values)
+
+
+@pytest.fixture
+def deferred(monkeypatch):
+    """A kernel in a process whose default platform is not the CPU, and the list of its compilations."""
+    compilations = []
+    later = Kernel("test_deferred", "slower", cpu=lambda: (compilations.append(1), compile_chunks())[1])
+    monkeypatch.setattr(native_kernel, "_is_cpu_default", lambda: False)
+    monkeypatch.setattr(native_kernel, "_deferred", {})
+    native_kernel._find_problem.cache_clear()
+    return later, compilations
+
+
+def test_where_gpus_are_the_default_tracing_compiles_nothing_for_the_cpu(deferred):
+    kernel, compilations = deferred
+    scaled = lambda x: kernel.select(lambda y: 2 * y, {"cpu": lambda y: scale(kernel.name, y)}, x)  # noqa: E731
+    values = jnp.ones((2, 3, 4), jnp.float32)
+    jax.make_jaxpr(scaled)(values[0])
+    assert not compilations
+    looped = jax.jit(lambda x: jax.lax.map(scaled, x))
+    for _ in range(2):
+        np.testing.assert_array_equal(looped(values), 3 * values)
+    assert len(compilations) == 1
+
+
+def test_a_fault_that_lowering_for_the_cpu_finds_is_an_error(monkeypatch):
+    broken = Kernel("test_broken_later", "sums are slower", cpu=compile_chunks, test=lambda platform: "wrong")
+    monkeypatch.setattr(native_kernel, "_is_cpu_default", lambda: False)
+    assert broken.is_usable("cpu")
+    with pytest.raises(BackendError, match="test_broken_later does not work on the CPU: wrong") as caught:
+        jax.jit(lambda x: scale(broken.name, x))(jnp.ones((2, 2), jnp.float32))
+    assert "JAX_PLATFORMS=cpu" in caught.value.hint
 
 
 def test_a_wrong_self_test_warns_once_and_is_the_reason():

@@ -54,7 +54,8 @@ def blocks_instead(compiled: Callable[[str, list[np.ndarray], int], ctypes.CDLL]
 
     def ffi_call(target, results):
         def call(*operands, **sizes):
-            given, result = [np.ascontiguousarray(x) for x in operands], np.full(results[0].shape, np.nan, np.float32)
+            given = [np.ascontiguousarray(x) for x in operands]
+            result = np.full(results[0].shape, np.nan if results[0].dtype == np.float32 else -1, results[0].dtype)
             pointers = [x.ctypes.data for x in (*given, result)]
             words, threads = int(sizes["shared_mem_bytes"]) // 4, int(sizes["block_x"])
             kernel = compiled(sizes["name"], given, threads)

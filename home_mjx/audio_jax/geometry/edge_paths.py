@@ -9,20 +9,20 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.geometry.wedge import WedgeGeometry
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import length3, sum3
+from home_mjx.core.transforms import sum3
 from home_mjx.geometry.diffraction_edges import edge_number
 
 MIN_EDGE_DISTANCE = 0.01  # [m], minimum distance from edges
 
 
 class BarrierBoxes(Pytree):
-    """Oriented boxes that may block direct sound."""
+    """Oriented boxes that may block direct sound; some have a leading axis of houses."""
 
-    center: Float[Array, "n 3"]  # [m]
-    axis: Float[Array, "n 3 3"]  # unit vectors, one per row
-    half: Float[Array, "n 3"]  # [m]
-    exposed: Bool[Array, "n edges"]  # edges surrounded by air, in the order of `schema.edges`
-    object_id: Int[Array, " n"]  # -1 architecture
+    center: Float[Array, "*h n 3"]  # [m]
+    axis: Float[Array, "*h n 3 3"]  # unit vectors, one per row
+    half: Float[Array, "*h n 3"]  # [m]
+    exposed: Bool[Array, "*h n edges"]  # edges surrounded by air, in the order of `schema.edges`
+    object_id: Int[Array, "*h n"]  # -1 architecture
 
 
 class EdgePaths(Pytree):
@@ -59,39 +59,6 @@ _FACE_CROSSINGS = np.array(
     [(u, d, v, s) for v in range(3) for s in (-1, 1) for u in range(3) if u != v for d in (-1, 1)]
 )
 _SIDES = np.array([[edge_number(u, side * d, v, s) for side in (-1, 1)] for u, d, v, s in _FACE_CROSSINGS.tolist()])
-
-
-def select_nearest_barriers(
-    boxes: BarrierBoxes, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
-) -> BarrierBoxes:
-    """Select the boxes with exposed edges over which the path from source to listener is shortest.
-
-    Args:
-        boxes: n boxes.
-        source: [m].
-        listener: [m].
-        count: Maximum number of boxes.
-
-    Returns:
-        `count` boxes, or n if there are fewer, by that length; boxes without exposed edges come last.
-    """
-    way = listener - source
-
-    def local(point: Float[Array, "#n 3"]) -> Float[Array, "n 3"]:
-        return sum3(boxes.axis * (point - boxes.center)[:, None])
-
-    def closer(place: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
-        """Project one point per box onto the segment from source to listener, and that point back onto its box."""
-        share = sum3((place - source[None]) * way[None]) / jnp.maximum(sum3(way * way), MIN_EDGE_DISTANCE**2)
-        on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
-        inside = jnp.clip(local(on_line), -boxes.half, boxes.half)
-        return boxes.center + sum3(jnp.swapaxes(boxes.axis * inside[:, :, None], 1, 2))
-
-    place = closer(closer(closer(boxes.center)))
-    longer = length3(place - source[None]) + length3(place - listener[None])
-    longer = jnp.where(jnp.any(boxes.exposed, axis=1), longer, jnp.inf)
-    _, nearest = jax.lax.top_k(-longer, min(count, longer.size))
-    return jax.tree.map(lambda x: x[nearest], boxes)
 
 
 class _EdgeContacts(NamedTuple):

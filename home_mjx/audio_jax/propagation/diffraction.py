@@ -9,7 +9,8 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
-from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, EdgePaths, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, EdgePaths, find_edge_paths
+from home_mjx.audio_jax.geometry.nearest_boxes import WITHOUT_EDGES, nearest_boxes
 from home_mjx.audio_jax.geometry.wedge import diffracted_pressure, second_edge_factor
 from home_mjx.audio_jax.propagation.paths import (
     MIN_PATH_LENGTH,
@@ -45,23 +46,87 @@ class _DirectField(NamedTuple):
 
 def barrier_boxes(scene: Scene) -> BarrierBoxes:
     """Return all boxes: static ones, then movable objects, doors, agents; unused slots have no exposed edges."""
-    physics, house, moving = scene.bank.physics, scene.house, scene.moving
-    bits = scene.bank.acoustics.collider_edges[house]
-    exposed = (bits[:, None] >> jnp.arange(NUM_EDGES, dtype=jnp.int32)[None]) & 1 == 1
-    axis = jnp.swapaxes(jax.vmap(quat_matrix)(physics.collider_quat[house]), 1, 2)
+    static = jax.tree.map(lambda x: x[scene.house], _static_boxes(scene))
+    return jax.tree.map(lambda *parts: jnp.concatenate(parts), static, _moving_boxes(scene))
+
+
+def _static_boxes(scene: Scene) -> BarrierBoxes:
+    """Return the static boxes of all houses, with a leading axis of houses."""
+    physics = scene.bank.physics
+    bits = scene.bank.acoustics.collider_edges
+    return BarrierBoxes(
+        center=physics.collider_pos,
+        axis=jnp.swapaxes(jax.vmap(jax.vmap(quat_matrix))(physics.collider_quat), 2, 3),
+        half=physics.collider_size,
+        exposed=(bits[..., None] >> jnp.arange(NUM_EDGES, dtype=jnp.int32)[None, None]) & 1 == 1,
+        object_id=physics.collider_object,
+    )
+
+
+def _moving_boxes(scene: Scene) -> BarrierBoxes:
+    """Return the boxes of movable objects, doors and agents; unused slots have no exposed edges."""
+    moving = scene.moving
     box = scene.geometry.model_box[moving.model]
     columns = jnp.swapaxes(moving.pose[:, :, :3], 1, 2)
     stretch = jnp.maximum(jnp.linalg.norm(columns, axis=2), 1e-6)
-    middle = jnp.mean(box, axis=1)
-    center = jnp.sum(columns * middle[:, :, None], axis=1) + moving.pose[:, :, 3]
-    there = jnp.broadcast_to((moving.instance >= 0)[:, None], (moving.instance.shape[0], NUM_EDGES))
+    center = jnp.sum(columns * jnp.mean(box, axis=1)[:, :, None], axis=1) + moving.pose[:, :, 3]
     return BarrierBoxes(
-        center=jnp.concatenate([physics.collider_pos[house], center]),
-        axis=jnp.concatenate([axis, columns / stretch[:, :, None]]),
-        half=jnp.concatenate([physics.collider_size[house], (box[:, 1] - box[:, 0]) / 2 * stretch]),
-        exposed=jnp.concatenate([exposed, there]),
-        object_id=jnp.concatenate([physics.collider_object[house], moving.object_id]),
+        center=center,
+        axis=columns / stretch[:, :, None],
+        half=(box[:, 1] - box[:, 0]) / 2 * stretch,
+        exposed=jnp.broadcast_to((moving.instance >= 0)[:, None], (moving.instance.shape[0], NUM_EDGES)),
+        object_id=moving.object_id,
     )
+
+
+def nearest_barriers(scene: Scene, source: SoundSource, listener: Listener, count: int) -> BarrierBoxes:
+    """Select the boxes with exposed edges over which the path from source to listener is shortest.
+
+    Boxes of the source's and the listener's bodies have no exposed edges.
+
+    Args:
+        scene: The environment.
+        source: The source.
+        listener: The listener.
+        count: Maximum number of boxes.
+
+    Returns:
+        `count` boxes, or all if there are fewer, shortest path first; those without exposed edges come last.
+    """
+    static, moving = _static_boxes(scene), _moving_boxes(scene)
+    bodies = jnp.stack([jnp.asarray(body, jnp.int32) for body in (source.body, listener.body)])
+    chosen = nearest_boxes(
+        _box_fields(static),
+        _owners(static),
+        scene.house,
+        _box_fields(moving),
+        _owners(moving),
+        source.pos,
+        listener.pos,
+        bodies,
+        count,
+    )
+    num_static, num_moving = static.object_id.shape[1], moving.object_id.shape[0]
+    place = scene.house, jnp.minimum(chosen, num_static - 1)
+    boxes = jax.tree.map(lambda x: x[place], static)
+    if num_moving:
+        other = jnp.clip(chosen - num_static, 0, num_moving - 1)
+        boxes = jax.tree.map(
+            lambda a, b: jnp.where((chosen < num_static).reshape(-1, *[1] * (b.ndim - 1)), a, b[other]), boxes, moving
+        )
+    own = (boxes.object_id >= 0) & jnp.any(boxes.object_id[:, None] == bodies[None], axis=1)
+    return boxes.replace(exposed=boxes.exposed & ~own[:, None])
+
+
+def _box_fields(boxes: BarrierBoxes) -> Float[Array, "*h 15 n"]:
+    """Return centres, axes and half sizes of boxes as rows, see `nearest_boxes`."""
+    axes = boxes.axis.reshape(*boxes.center.shape[:-1], 9)
+    return jnp.swapaxes(jnp.concatenate([boxes.center, axes, boxes.half], axis=-1), -1, -2)
+
+
+def _owners(boxes: BarrierBoxes) -> Int[Array, "*h n"]:
+    """Return the object of each box; `WITHOUT_EDGES` if it has no exposed edge."""
+    return jnp.where(jnp.any(boxes.exposed, axis=-1), boxes.object_id, WITHOUT_EDGES)
 
 
 def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
@@ -127,13 +192,7 @@ def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array
 
 def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, count: int) -> EdgePaths:
     """Select up to `count` strings by detour, missing ones (inf) last; none is over the source's or listener's body."""
-    boxes = barrier_boxes(scene)
-    body = boxes.object_id
-    own = (body >= 0) & ((body == jnp.int32(source.body)) | (body == jnp.int32(listener.body)))
-    boxes = boxes.replace(exposed=boxes.exposed & ~own[:, None])
-    found = find_edge_paths(
-        select_nearest_barriers(boxes, source.pos, listener.pos, BOXES_PER_EDGE * count), source.pos, listener.pos
-    )
+    found = find_edge_paths(nearest_barriers(scene, source, listener, BOXES_PER_EDGE * count), source.pos, listener.pos)
     _, nearest = jax.lax.top_k(-found.finite_edge_detour, min(count, found.finite_edge_detour.size))
     return jax.tree.map(lambda x: x[nearest], found)
 

@@ -68,7 +68,8 @@ class LateReverb(Pytree):
     floor: Float[Array, "h levels"]  # [m], height; inf padding
     origin: Float[Array, "h 2"]  # [m], corner of grid point (0, 0)
     step: Float[Array, " h"]  # [m], grid spacing
-    volume: Float[Array, "h r"]  # [m³], volume of each room
+    num_rooms: Int[Array, " h"]  # number of rooms; later ones are padding
+    volume: Float[Array, "h r"]  # [m³], volume of each room; 1 padding
     loss: Float[Array, "h r bands"]  # [1/m], fraction of a room's energy absorbed by surfaces and air
     opening: Float[Array, "h r r bands"]  # [m²], exchange of rooms through openings: volume times fraction per metre
     wall: Float[Array, "h r r bands"]  # [m²], exchange through walls

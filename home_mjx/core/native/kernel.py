@@ -1,7 +1,8 @@
 """Native kernels: compilation on first use, availability by platform, and their calls.
 
 A kernel is Numba code that XLA calls on CPUs, PTX that XLA launches on NVIDIA GPUs, or both. A fallback runs where
-neither works.
+neither works. JAX traces a program for all platforms of a process. So where the CPU is not the default one, its code
+is compiled only when a program is lowered for the CPU: Numba takes a minute, and programs for GPUs do not need it.
 """
 
 import functools
@@ -27,6 +28,7 @@ TITLES = {"cpu": "CPU backend", "cuda": "NVIDIA GPU"}
 GRID_AXES = 3
 
 _registered: list[object] = []  # keeps functions alive that XLA may call until the process ends
+_deferred: dict[str, "Kernel"] = {}  # kernels whose CPU version is compiled when a program is lowered for the CPU
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +64,13 @@ class Kernel:
         return _find_problem(self, platform)
 
     def is_usable(self, platform: str) -> bool:
-        """Return whether `find_problem` is None; warn once if the kernel has a version for a device here that fails."""
+        """Return whether `find_problem` is None; warn once if the kernel has a version for a device here that fails.
+
+        Where the CPU is not the default platform, its version is taken to work, and `call_native` compiles it.
+        """
+        if platform == "cpu" and self.cpu and not _is_cpu_default():
+            _deferred[self.name] = self
+            return True
         return _is_usable(self, platform)
 
     def check_usable(self, platform: str, label: str, hint: str) -> None:
@@ -108,8 +116,13 @@ def call_native(
         operands: Arguments in the kernel's order; converted to float32 or int32.
         results: Shapes and dtypes of the results.
         attributes: Static int32 values, which the kernel reads in the order of their names.
+
+    Raises:
+        BackendError: When a program is lowered for the CPU, and the kernel has a fault.
     """
     values = {key: np.int32(value) for key, value in attributes.items()}
+    if name in _deferred:
+        operands = (_compile_at_lowering().bind(operands[0], name=name), *operands[1:])
     return _call(name, operands, results, values)
 
 
@@ -157,6 +170,40 @@ def _call(
 ) -> tuple[Array, ...]:
     plain = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
     return varying_as(operands, jax.ffi.ffi_call(target, tuple(results))(*plain, **attributes))
+
+
+def _is_cpu_default() -> bool:
+    device = jax.config.jax_default_device
+    return (getattr(device, "platform", device) or jax.default_backend()) == "cpu"
+
+
+def _compile_deferred(name: str) -> None:
+    """Compile a kernel of `_deferred` for the CPU, unless that is done; raise `BackendError` if it has a fault."""
+    problem = _deferred[name].find_problem("cpu")
+    if problem:
+        hint = "With JAX_PLATFORMS=cpu, slower operations take over."
+        raise BackendError(f"the kernel {name} does not work on the CPU: {problem}", hint=hint)
+
+
+@functools.cache
+def _compile_at_lowering() -> Any:
+    """Return a JAX primitive: the identity, whose lowering for the CPU compiles the kernel `name` of `_deferred`."""
+    from jax.extend.core import Primitive  # loads Pallas
+    from jax.interpreters import batching, mlir
+
+    def compile_kernel(operand: Any, *, name: str) -> Any:
+        _compile_deferred(name)
+        return operand
+
+    primitive = Primitive("compile_kernel")
+    primitive.def_impl(compile_kernel)
+    primitive.def_abstract_eval(lambda operand, *, name: operand)
+    mlir.register_lowering(primitive, lambda context, operand, *, name: [compile_kernel(operand, name=name)])
+    batching.primitive_batchers[primitive] = lambda operands, axes, *, name: (
+        primitive.bind(operands[0], name=name),
+        axes[0],
+    )
+    return primitive
 
 
 @functools.cache

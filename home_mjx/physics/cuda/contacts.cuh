@@ -80,6 +80,30 @@ INLINE real moved(const Env& e, int m) {
   return sqrt(square) + e.radius[m] * sqrt(turn);
 }
 
+// Appends the lanes' static boxes `c`, if they are valid, to the lists of the dynamic bodies `looks` that they are near.
+INLINE void list_near(const Env& e, const House& house, int c, bool valid, const int* looks) {
+  const Box box = static_box(house, valid ? c : 0);
+  for (int m = 0; m < e.free; ++m) {
+    if (!looks[m]) continue;
+    const Box own = mobile_box(e, m);
+    const real reach = e.radius[m] + NEAR_DISTANCE;
+    const Vec at = box.local(own.pos - box.pos);
+    real square = 0;
+#pragma unroll
+    for (int k = 0; k < 3; ++k) {
+      const real beyond = fmax(absolute(at[k]) - box.half[k], real(0));
+      square += beyond * beyond;
+    }
+    const bool close = valid && square < reach * reach && !apart(own, box, NEAR_DISTANCE);
+    const unsigned mask = warp_ballot(close);
+    const int place = e.num_near[m] + count_bits(mask & ((1u << LANE) - 1));
+    if (close && place < MAX_NEAR_BOXES) e.near[MAX_NEAR_BOXES * m + place] = c;
+    sync_warp();
+    if (LANE == 0) e.num_near[m] += count_bits(mask);
+    sync_warp();
+  }
+}
+
 // Updates the lists of static boxes near bodies that have moved; the static boxes are distributed over the lanes.
 __device__ void keep_near(const Env& e, const House& house) {
   bool any = false;
@@ -92,29 +116,20 @@ __device__ void keep_near(const Env& e, const House& house) {
   }
   if (!warp_ballot(any)) return;
   sync_warp();
-  for (int base = 0; base < e.statics; base += WARP_SIZE) {
-    const int c = base + LANE;
-    const bool here = c < e.statics && house.half[3 * c] >= 0;
-    const Box box = static_box(house, here ? c : 0);
-    for (int m = 0; m < e.free; ++m) {
-      if (!looks[m]) continue;
-      const Box own = mobile_box(e, m);
-      const real reach = e.radius[m] + NEAR_DISTANCE;
-      const Vec at = box.local(own.pos - box.pos);
-      real square = 0;
+  // Most slots of a typical house are empty: these are skipped, SKIP groups of them with one wait for memory.
+  constexpr int SKIP = 4;
+  for (int start = 0; start < e.statics; start += SKIP * WARP_SIZE) {
+    int valid = 0, any = 0;  // a bit per group: of this lane, of any lane
 #pragma unroll
-      for (int k = 0; k < 3; ++k) {
-        const real beyond = fmax(absolute(at[k]) - box.half[k], real(0));
-        square += beyond * beyond;
-      }
-      const bool close = here && square < reach * reach && !apart(own, box, NEAR_DISTANCE);
-      const unsigned mask = warp_ballot(close);
-      const int place = e.num_near[m] + count_bits(mask & ((1u << LANE) - 1));
-      if (close && place < MAX_NEAR_BOXES) e.near[MAX_NEAR_BOXES * m + place] = c;
-      sync_warp();
-      if (LANE == 0) e.num_near[m] += count_bits(mask);
-      sync_warp();
+    for (int k = 0; k < SKIP; ++k) {
+      const int c = start + k * WARP_SIZE + LANE;
+      valid |= (c < e.statics && house.half[3 * c] >= 0) << k;
     }
+#pragma unroll
+    for (int k = 0; k < SKIP; ++k) any |= (warp_ballot(valid >> k & 1) != 0) << k;
+#pragma unroll 1
+    for (int k = 0; k < SKIP; ++k)
+      if (any >> k & 1) list_near(e, house, start + k * WARP_SIZE + LANE, valid >> k & 1, looks);
   }
   for (int m = LANE; m < e.free; m += WARP_SIZE)
     if (e.num_near[m] > MAX_NEAR_BOXES) e.num_near[m] = MAX_NEAR_BOXES, e.counts[STATIC_OVERFLOW] = 1;

@@ -13,7 +13,7 @@ from home_mjx.audio_jax.late_reverb.lookup import coupled_decay
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
 
-ARGUMENTS = "(float*)p[0], (float*)p[1], (float*)p[2], (int*)p[3], (float*)p[4]"
+ARGUMENTS = "(float*)p[0], (float*)p[1], (float*)p[2], (int*)p[3], (int*)p[4], (float*)p[5]"
 
 
 @pytest.fixture
@@ -21,8 +21,7 @@ def here(tmp_path, monkeypatch):
     """Calls of XLA run the kernel on the CPU."""
 
     def compiled(name, given, threads):
-        size = given[1].shape[1]
-        defines = {"SIZE": size, "LANES": coupled_decay.threads_per_matrix(size)}
+        defines = {"ROOMS": given[1].shape[1], "MAX_ELEMENTS": coupled_decay.MAX_REGISTER_ELEMENTS}
         return shared_library(tmp_path, block_program([coupled_decay.SOURCE], defines, name, ARGUMENTS))
 
     monkeypatch.setattr(coupled_decay, "ptx_of", lambda size: "")
@@ -40,7 +39,8 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
     own = exchange.sum(axis=-1) + rng.uniform(0.01, 0.5, (2, states, octaves, size))
     rates = own[..., None] * np.eye(size) - exchange
     start, listener = rng.uniform(0, 1, (2, 2, size))
-    (got,) = coupled_decay.launch_decay(bins, *(jnp.float32(x) for x in (rates, start, listener)))
+    counts = jnp.full(2, size, jnp.int32)
+    (got,) = coupled_decay.launch_decay(bins, *(jnp.float32(x) for x in (rates, start, listener)), counts)
     assert got.shape == (2, states, bins, octaves)
     for env, state, octave in np.ndindex(2, states, octaves):
         wanted = [listener[env] @ expm(-n * rates[env, state, octave]) @ start[env] for n in range(bins)]
@@ -53,7 +53,23 @@ def test_it_gives_what_xla_does(here, rng, monkeypatch):
     rates = jnp.float32(np.eye(4) * rng.uniform(0.1, 0.4, (2, 3, 7, 1, 4)))
     start, listener = (jnp.float32(rng.uniform(0, 1, (2, 4))) for _ in range(2))
     wanted = jax.vmap(lambda *one: coupled_decay.decay_in_rooms_by_xla(*one, 125))(rates, start, listener)
-    got = jnp.stack([coupled_decay._decay_by_cuda(*one, 125) for one in zip(rates, start, listener, strict=True)])
+    counts = jnp.full(2, 4, jnp.int32)
+    each = zip(rates, start, listener, counts, strict=True)
+    got = jnp.stack([coupled_decay._decay_by_cuda(*one, 125) for one in each])
+    np.testing.assert_allclose(got, wanted, rtol=2e-4, atol=1e-9)
+
+
+def test_padding_changes_nothing(here, rng):
+    """Houses of 3, 11, 17 and 30 rooms in one batch, each computed at a size of its own."""
+    counts = np.array([3, 11, 17, 30])
+    inside = np.arange(32)[None] < counts[:, None]
+    exchange = rng.uniform(0, 0.1, (4, 2, 7, 32, 32)) * (1 - np.eye(32))
+    exchange *= (inside[:, :, None] & inside[:, None])[:, None, None]
+    own = exchange.sum(axis=-1) + rng.uniform(0.01, 0.5, (4, 2, 7, 32))
+    rates = jnp.float32(own[..., None] * np.eye(32) - exchange)
+    start, listener = (jnp.float32(x * inside) for x in rng.uniform(0, 1, (2, 4, 32)))
+    wanted = jax.vmap(lambda *one: coupled_decay.decay_in_rooms_by_xla(*one, 60))(rates, start, listener)
+    (got,) = coupled_decay.launch_decay(60, rates, start, listener, jnp.int32(counts))
     np.testing.assert_allclose(got, wanted, rtol=2e-4, atol=1e-9)
 
 
@@ -64,6 +80,5 @@ def test_nvrtc_compiles_it():
     except BackendError:
         pytest.skip("there is no NVRTC here")
     for size in (1, 8, 32):
-        assert ".entry" in nvrtc.compile_ptx(
-            coupled_decay.SOURCE, 90, {"SIZE": size, "LANES": coupled_decay.threads_per_matrix(size)}
-        )
+        defines = {"ROOMS": size, "MAX_ELEMENTS": coupled_decay.MAX_REGISTER_ELEMENTS}
+        assert ".entry" in nvrtc.compile_ptx(coupled_decay.SOURCE, 90, defines)

@@ -7,7 +7,7 @@ import pytest
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.options import Omni
-from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, find_edge_paths, select_nearest_barriers
+from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, find_edge_paths
 from home_mjx.audio_jax.propagation.diffraction import assemble_paths
 from home_mjx.audio_jax.propagation.paths import StraightLine, air_attenuation
 from home_mjx.geometry.diffraction_edges import find_exposed_edges
@@ -155,19 +155,3 @@ def test_walls_back_to_back_bend_sound_once(turn):
     places = on_circle(60), on_circle(240 + turn)
     leaves = boxes(([-0.01, -30, -30], [0, 0, 30]), ([0, -30, -30], [0.01, 0, 30]))
     np.testing.assert_allclose(level(leaves, *places), level(screen(0.02), *places), atol=1.0)
-
-
-def test_the_nearest_boxes_are_those_of_the_shortest_ways(rng):
-    """Against ways over the nearest of many points in each box; those without edges are left out."""
-    low = rng.uniform(-4, 4, (30, 3))
-    many = boxes(*zip(low, low + rng.uniform(0.1, 1.5, (30, 3)), strict=True), yaw=0.4)
-    many = many.replace(exposed=jnp.ones_like(many.exposed).at[7].set(False))
-    source, listener = rng.uniform(-4, 4, (2, 3))
-    inside = rng.uniform(-1, 1, (4000, 1, 3)) * np.asarray(many.half)
-    points = np.asarray(many.center) + np.einsum("pba,baw->pbw", inside, np.asarray(many.axis))
-    way = (np.linalg.norm(points - source, axis=-1) + np.linalg.norm(points - listener, axis=-1)).min(axis=0)
-    way[7] = np.inf
-    kept = select_nearest_barriers(many, jnp.float32(source), jnp.float32(listener), 8)
-    chosen = [int(np.argmin(np.linalg.norm(np.asarray(many.center) - c, axis=1))) for c in np.asarray(kept.center)]
-    assert 7 not in chosen
-    assert way[chosen].max() < np.sort(way)[7] + 0.15

@@ -78,7 +78,8 @@ def stack_fields(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray
     """
     rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]
     fields = [dataclasses.replace(field, portal_leaf=leaf) for field, leaf in zip(fields, rows, strict=True)]
-    return LateReverb(**{f.name: jnp.asarray(_pad(f.name, fields)) for f in dataclasses.fields(LateField)})
+    arrays = {f.name: jnp.asarray(_pad(f.name, fields)) for f in dataclasses.fields(LateField)}
+    return LateReverb(num_rooms=jnp.asarray([len(field.volume) for field in fields], jnp.int32), **arrays)
 
 
 def _pad(name: str, fields: Sequence[LateField]) -> np.ndarray:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from home_mjx.core.native.kernel import Kernel, compile_sources, launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes, with_fallback_gradient
@@ -15,14 +15,19 @@ from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
 SERIES_TERMS = 6  # terms of the exponential series
 HALVINGS = 3  # halvings of the step before the series is evaluated
 SOURCE = Path(__file__).with_name("coupled_decay.cu")
-THREADS, WARP = 64, 32  # threads of a block, as in coupled_decay.cu, and of a warp
+WARP = 32  # threads of a block
+SIZES = (8, 12, 16, 24)  # sizes of matrices below that of the largest house, as in coupled_decay.cu
 BINS_PER_COLUMN = 8  # consecutive bins computed from one column, as in coupled_decay.cu
 MAX_REGISTER_ELEMENTS = 100  # maximum matrix elements in a thread's registers
 KERNEL = Kernel("home_mjx_rooms", "room energy decay uses slower XLA operations", cuda=lambda: ptx_of(8))
 
 
 def decay_in_rooms(
-    rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
+    rates: Float[Array, "s bands r r"],
+    start: Float[Array, " r"],
+    listener: Float[Array, " r"],
+    bins: int,
+    num_rooms: Int[Array, ""] | int | None = None,
 ) -> Float[Array, "s k bands"]:
     """Compute the energy density at a listener after n = 0, 1 ... `bins` - 1 bins from dw / dn = -M w.
 
@@ -31,10 +36,13 @@ def decay_in_rooms(
         start: Initial energy density w of each room.
         listener: Weight of the listener in each room.
         bins: Number of bins.
+        num_rooms: Number of rooms before padding, with which the others exchange nothing; None: r.
     """
     rooms = start.shape[0]
     fast = {"cuda": functools.partial(_decay_by_cuda, bins=bins)} if _available(rooms) else {}
-    return with_fallback_gradient(functools.partial(decay_in_rooms_by_xla, bins=bins), fast)(rates, start, listener)
+    count = jnp.full((), rooms if num_rooms is None else num_rooms, jnp.int32)
+    by_xla = lambda *given: decay_in_rooms_by_xla(*given[:3], bins)  # noqa: E731
+    return with_fallback_gradient(by_xla, fast)(rates, start, listener, count)
 
 
 def decay_in_rooms_by_xla(
@@ -85,8 +93,8 @@ def _multiply(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Fl
 
 
 def ptx_of(rooms: int) -> str:
-    """Return PTX for exactly `rooms` rooms; all GPUs of this process can run it."""
-    return compile_sources(SOURCE, SIZE=rooms, LANES=threads_per_matrix(rooms))
+    """Return PTX for up to `rooms` rooms; all GPUs of this process can run it."""
+    return compile_sources(SOURCE, ROOMS=rooms, MAX_ELEMENTS=MAX_REGISTER_ELEMENTS)
 
 
 def threads_per_matrix(rooms: int) -> int:
@@ -107,15 +115,24 @@ def _available(rooms: int) -> bool:
     return supported and KERNEL.is_usable("cuda") and _bytes(rooms) <= max_shared_bytes()
 
 
+def _sizes(rooms: int) -> list[int]:
+    """Return the sizes of matrices of a kernel for up to `rooms` rooms."""
+    return [size for size in SIZES if size < rooms] + [rooms]
+
+
 def _bytes(rooms: int) -> int:
     """Return the shared memory of a block [bytes]: elements and `BINS_PER_COLUMN` rows per matrix, at an odd pitch."""
-    return 4 * (THREADS // threads_per_matrix(rooms) + 1) * rooms * (rooms + BINS_PER_COLUMN)
+    return max(4 * (WARP // threads_per_matrix(n) + 1) * n * (n + BINS_PER_COLUMN) for n in _sizes(rooms))
 
 
 def _decay_by_cuda(
-    rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
+    rates: Float[Array, "s bands r r"],
+    start: Float[Array, " r"],
+    listener: Float[Array, " r"],
+    count: Int[Array, ""],
+    bins: int,
 ) -> Float[Array, "s k bands"]:
-    return _op(bins)(rates[None], start[None], listener[None])[0][0]
+    return _op(bins)(rates[None], start[None], listener[None], count[None])[0][0]
 
 
 @functools.cache
@@ -124,9 +141,14 @@ def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
 
 
 def launch_decay(bins: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for matrices (e s bands r r), starts (e r), listeners (e r); return (e s bins bands)."""
+    """Launch the kernel for matrices (e s bands r r), starts (e r), listeners (e r) and numbers of rooms (e).
+
+    Returns:
+        One array (e s bins bands).
+    """
     envs, states, octaves, rooms, _ = given[0].shape
-    blocks = -(-envs * states * octaves // (THREADS // threads_per_matrix(rooms)))
+    matrices = states * octaves
+    groups = max(-(-matrices * threads_per_matrix(size) // WARP) for size in _sizes(rooms))
     result = jax.ShapeDtypeStruct((envs, states, bins, octaves), jnp.float32)
     operands = *given, traced_constant((envs, states, octaves, bins))
-    return launch_ptx("decay_in_rooms", ptx_of(rooms), (blocks,), THREADS, _bytes(rooms), operands, (result,))
+    return launch_ptx("decay_in_rooms", ptx_of(rooms), (envs * groups,), WARP, _bytes(rooms), operands, (result,))

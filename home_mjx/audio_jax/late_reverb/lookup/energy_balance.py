@@ -54,7 +54,7 @@ def solve_energy_balance(
     states = jnp.stack([_rate_matrix(volume, loss, k) for k in (free, free - shut)])
     through = states[1] - jnp.moveaxis(leaky, -1, 0) / volume[None, :, None]
     rates = jnp.concatenate([states, through[None]]) * metres  # (3, bands, r, r)
-    found = decay_in_rooms(rates, source / volume, listener, bins)  # (3, k, bands)
+    found = decay_in_rooms(rates, source / volume, listener, bins, late.num_rooms[house])  # (3, k, bands)
     kept = jnp.minimum(found[1] / jnp.maximum(found[0], MIN_ENERGY_DENSITY), MAX_DOOR_GAIN)
     return RoomCorrection(kept, 4 * jnp.pi * metres * jnp.maximum(found[2] - found[1], 0.0))
 
