@@ -133,6 +133,7 @@ class BraxEnv(BraxBaseEnv):
         return {**out, **({"state": jnp.concatenate(vectors, axis=-1)} if vectors else {})}
 
     def _pixels(self, name: str, value: Array) -> Array:
+        """Scale depth to 0 .. 1, and rgb to `pixels_dtype`: 0 .. 1, or uint8 unchanged."""
         if name.endswith("_depth"):
             return value / self.env.config.max_depth
         if value.dtype == jnp.uint8 and self.pixels_dtype != jnp.uint8:
@@ -177,6 +178,7 @@ class TrainingWrapper(Wrapper):
         return self._to_brax(new, info)
 
     def _to_brax(self, state: State, info: dict[str, Any]) -> BraxState:
+        """Convert a batch; add `truncation` and `final_obs` to `info`, which becomes the result's."""
         info["truncation"] = state.truncated.astype(jnp.float32)
         info["final_obs"] = self.brax_env.to_brax_obs(state.info["final_obs"])
         brax: Any = self.brax_env.to_brax(state)
@@ -189,6 +191,7 @@ def _final_metrics(state: State) -> dict[str, Array]:
 
 
 def _inner_state(state: Any) -> Any:
+    """Return our state within a Brax state; other objects unchanged."""
     return state.pipeline_state if isinstance(state, BraxState) else state
 
 

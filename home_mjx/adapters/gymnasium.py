@@ -91,9 +91,6 @@ class GymEnv(gymnasium.Env, EzPickle):
     def step(self, action: Any) -> tuple[dict, float, bool, bool, dict]:
         """Apply one control step; the reward of several agents is their mean, `info["agent_reward"]` has each.
 
-        Args:
-            action: An element of `action_space`: an array, or an integer.
-
         Raises:
             gymnasium.error.ResetNeeded: The episode is over, or none was started.
             ConfigError: The action is not in the action space.
@@ -219,9 +216,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
     ) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
         """Return the result of `step` by autoreset mode; update the mask of environments whose next step only resets.
 
-        Args:
-            state: State after the step.
-            infos: From `collect_infos`; `agent_reward` is added in place if there are several agents.
+        `infos` is from `collect_infos`; `agent_reward` is added to it if there are several agents.
         """
         moved, obs = ~self._pending_reset, tools.to_numpy(state.obs)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1) * moved[:, None]
@@ -248,6 +243,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return tuple(self._picture.render(state) for state in states)
 
     def _keys(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
+        """Return raw keys (n, 2), from `seed` as in `reset`, or drawn; raise `ConfigError` if the number differs."""
         if seed is None:
             return np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
         seed = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
@@ -269,6 +265,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return np.where(is_seeded, first, following).astype(np.int32)
 
     def _mask(self, mask: Any) -> np.ndarray:
+        """Return a valid `reset_mask`, all True if it is None; else raise `ConfigError`."""
         if mask is None:
             return np.ones(self.num_envs, bool)
         if np.shape(mask) != (self.num_envs,) or np.asarray(mask).dtype != bool:
@@ -279,4 +276,5 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
 
 
 def _scalars(state: State) -> dict[str, Any]:
+    """Return `collect_infos` of one environment as Python numbers."""
     return {name: value.item() for name, value in tools.collect_infos(state).items()}

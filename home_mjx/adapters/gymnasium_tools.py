@@ -146,10 +146,7 @@ def index_option(options: Mapping[str, Any], name: str, count: int, num_envs: in
 def check_options(env: Env, options: Mapping[str, Any], others: tuple[str, ...] = ()) -> None:
     """Raise for options of reset without effect: unknown ones, `episode` without rows, and `house` with rows.
 
-    Args:
-        env: The environment.
-        options: Options of reset.
-        others: Further known options.
+    Names in `others` are known as well.
 
     Raises:
         ConfigError: Names the option, and the rows of the house that was asked for.
@@ -215,17 +212,13 @@ def with_masks(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
 
 
 class DisplayCamera:
-    """Renderer of images of any size for display, independent of the observations.
-
-    Args:
-        env: The environment.
-        size: Width and height [px].
-    """
+    """Renderer of images of `size` (width, height) [px] for display, independent of the observations."""
 
     def __init__(self, env: Env[HouseholdEnv], size: tuple[int, int]) -> None:
         view = AgentCamera("picture", ("rgb",), Lens(*size), env.config.fovy, shader=env.config.shader)
 
         def draw(params: Any, state: State) -> Any:
+            """Render the first agent's view (H, W, 3) uint8."""
             snapshot = env.core.snapshot(params, state)
             camera = jax.tree.map(
                 lambda x: x[0], place_cameras(env.config, view, snapshot.pose, snapshot.camera_offsets)

@@ -117,4 +117,5 @@ class GymnaxEnv:
         return DictSpace({name: make_jax_space(spec) for name, spec in self.env.observation_spec.items()})
 
     def _seen(self, obs: dict[str, Array]) -> GymnaxObs:
+        """Return observations by name, or joined if `vector`."""
         return obs if self._vector is None else join_vectors(obs, vector_observations(self.env.observation_spec))

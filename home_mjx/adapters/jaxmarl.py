@@ -116,10 +116,12 @@ class JaxMarlEnv(MultiAgentEnv):
         return {agent: jnp.ones(self.env.action_size, bool) for agent in self.agents}
 
     def _action(self, actions: Mapping[str, Array]) -> Array:
+        """Return the actions as one array (A, ...); without the agent axis for one agent."""
         taken = ordered_values({agent: actions[agent] for agent in self.agents if agent in actions}, self.agents)
         return taken[0] if len(taken) == 1 else jnp.stack(taken)
 
     def _result(self, state: State, final: dict[str, Array] | None) -> MarlStepResult:
+        """Return the result of `step`, by agent; `final` are the observations before the reset, None: omitted."""
         flags = {"status": state.status, "terminated": state.terminated, "truncated": state.truncated}
         infos: dict[str, Any] = {**state.metrics, **flags}
         infos = {name: jnp.broadcast_to(value, (self.num_agents,)) for name, value in infos.items()}
@@ -129,6 +131,7 @@ class JaxMarlEnv(MultiAgentEnv):
         return self._seen(state.obs), strip_observations(state), split_by_agent(state.reward, self.agents), dones, infos
 
     def _seen(self, obs: dict[str, Array]) -> MarlObs:
+        """Return observations by agent, by name or joined if `vector`."""
         each = split_by_agent(obs, self.agents)
         return (
             each if self._vectors is None else {agent: join_vectors(own, self._vectors) for agent, own in each.items()}
@@ -136,10 +139,12 @@ class JaxMarlEnv(MultiAgentEnv):
 
 
 def _box(spec: ArraySpec) -> Space:
+    """Return JaxMARL's box with the shape, type and bounds of a spec."""
     return Box(*spec.bounds(), spec.shape, jnp.dtype(spec.dtype))
 
 
 def _action_space(env: Env[HouseholdEnv]) -> Space:
+    """Return JaxMARL's space of one agent's actions."""
     if env.config.discrete is not None:
         return Discrete(env.action_size)
     return _box(env.action_spec.for_one_agent(env.num_agents))

@@ -116,10 +116,12 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         return self.gym.render()
 
     def _each(self, info: dict[str, Any]) -> dict[str, dict[str, Any]]:
+        """Return a copy of `info` for every agent."""
         return {agent: dict(info) for agent in self.possible_agents}
 
 
 def _stack_actions(actions: list[Any]) -> np.ndarray:
+    """Stack the actions of several agents (A, ...); raise `ConfigError` if shapes differ."""
     shapes = [np.shape(action) for action in actions]
     if len(set(shapes)) > 1:
         raise ConfigError(f"expected actions of one shape, got {', '.join(map(str, shapes))}")

@@ -93,11 +93,7 @@ class PlaygroundEnv(MjxEnv):
         super().__init__(config)
 
     def reset(self, rng: Array) -> State:
-        """Start a new episode of one environment.
-
-        Args:
-            rng: One key, raw as Playground's wrappers need, or typed.
-        """
+        """Start a new episode of one environment; `rng` is one key, raw as Playground's wrappers need, or typed."""
         return _from_brax(self.brax.reset(rng))
 
     def step(self, state: State, action: Array) -> State:
@@ -185,12 +181,8 @@ def wrap_for_training(env: PlaygroundEnv, episode_length: int = 1000, **options:
     """Wrap an environment for Brax's trainers, instead of Playground's `wrap_for_brax_training`.
 
     Each new episode starts in a new house and pose. Playground's wrapper restarts the first episode, or with
-    `full_reset=True` draws a new episode for every environment in every step.
-
-    Args:
-        env: The environment.
-        episode_length: Steps until truncation.
-        **options: As for `home_mjx.adapters.brax.wrap_for_training`.
+    `full_reset=True` draws a new episode for every environment in every step. Options are those of
+    `home_mjx.adapters.brax.wrap_for_training`; `episode_length` counts steps until truncation.
     """
     return brax_wrapped(env.brax, episode_length, **options)
 

@@ -40,6 +40,7 @@ def to_torch(tree: Any) -> Any:
 
 
 def _to_torch(array: Any) -> Any:
+    """Convert one array, see `to_torch`."""
     if isinstance(array, jax.Array) and jnp.issubdtype(array.dtype, jax.dtypes.prng_key):
         hint = "Convert with `jax.random.key_data(keys)`; `jax.random.wrap_key_data` converts back."
         raise ConfigError(f"expected an array of numbers, got typed random keys: {array.aval}", hint=hint)

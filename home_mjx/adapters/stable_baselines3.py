@@ -67,11 +67,7 @@ class BatchVecEnv(VecEnv):
         return obs
 
     def step_async(self, actions: np.ndarray) -> None:
-        """Store the actions of the next `step_wait`.
-
-        Args:
-            actions: One per environment.
-        """
+        """Store the actions of the next `step_wait`, one per environment."""
         self._actions = np.asarray(actions)
 
     def step_wait(self) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray, list[dict[str, Any]]]:

@@ -46,7 +46,7 @@ def ordered_values(values: Mapping[str, Any], names: list[str]) -> list[Any]:
 
 
 def vector_observations(specs: Specs) -> tuple[str, ...]:
-    """Return the names of those observations of one agent that can be joined to a vector: float32 with one axis."""
+    """Return the names of the observations of one agent that can be joined to a vector: float32 with one axis."""
     return tuple(name for name, spec in specs.items() if len(spec.shape) == 1 and spec.dtype == "float32")
 
 

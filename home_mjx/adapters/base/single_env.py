@@ -29,12 +29,14 @@ def as_single_env(run: Callable[..., State]) -> Callable[..., State]:
     """
 
     def alone(params: EnvParams, *args: Any) -> State:
+        """Run a batch of one environment."""
         return jax.tree.map(lambda x: x[0], run(params, *jax.tree.map(lambda x: jnp.asarray(x)[None], args)))
 
     one = custom_vmap(alone)
 
     @one.def_vmap
     def fold(size: int, is_batched: Any, params: EnvParams, *args: Any) -> Any:
+        """Run a batch of `size` environments, or as many batches of one if their `params` differ."""
         shared, *own = is_batched
         if any(jax.tree.leaves(shared)):
             axes = jax.tree.map(lambda b: 0 if b else None, (shared, *own))
