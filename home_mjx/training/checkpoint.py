@@ -57,6 +57,7 @@ def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
 
 
 def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
+    """Return the leaves as NumPy arrays by key path, such as `.net['params']['bias']`."""
     return {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(tree)}
 
 
@@ -141,11 +142,7 @@ def read_config(path: str | Path) -> RunConfig:
 
 
 def check_same_config(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
-    """Reject a checkpoint of another configuration.
-
-    Raises:
-        ConfigError: The configurations differ; the error names the differences.
-    """
+    """Raise `ConfigError`, which names the differences, if a checkpoint has another configuration than this run."""
     there, here = (dict(_flat(json.loads(to_json(config)), "")) for config in (theirs, ours))
     wrong = [name for name in {**there, **here} if there.get(name) != here.get(name)]
     if wrong:
@@ -177,6 +174,10 @@ def is_finite(net: Any) -> bool:
 
 
 def _load_tree(path: str | Path, like: Any, below: str) -> Any:
+    """Load a tree with the shapes and types of `like`, whose arrays' names begin with `below`; errors as in `load_net`.
+
+    Float16 arrays become float32 where `like` has float32. Only parameters must be finite.
+    """
     leaves, structure = jax.tree_util.tree_flatten_with_path(like)
     names = [below + jax.tree_util.keystr(place) for place, _ in leaves]
     arrays = _read_checked(path, names)
@@ -193,4 +194,5 @@ def _load_tree(path: str | Path, like: Any, below: str) -> Any:
 
 
 def _read_checked(path: str | Path, names: list[str]) -> list[np.ndarray]:
+    """Read arrays by name; raise `MissingFileError` or `DatasetError` as `read_config`."""
     return read_arrays(as_path(path, "a checkpoint"), names, "checkpoint", CHECKPOINT_HINT)

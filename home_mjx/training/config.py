@@ -105,12 +105,7 @@ class PPOConfig:
         return -(-self.num_timesteps // self.batch_size)
 
     def check_devices(self, num_devices: int, num_agents: int = 1) -> None:
-        """Raise `ConfigError` if batch sizes do not divide evenly.
-
-        Raises:
-            ConfigError: `num_envs` is not a multiple of the devices, or `num_minibatches` does not divide the agents of
-                a device.
-        """
+        """Raise `ConfigError` unless devices divide `num_envs`, and `num_minibatches` divides the agents per device."""
         if self.num_envs % num_devices:
             message = f"`num_envs` must be a multiple of the {num_devices} devices, got {self.num_envs}"
             raise ConfigError(message, hint="Or train on fewer: PPO(..., devices=jax.devices()[:1]).")

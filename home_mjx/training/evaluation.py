@@ -63,7 +63,7 @@ def evaluation_spec(
 
 
 class EpisodeBatch(Pytree):
-    """Loop state of N episodes that run in parallel."""
+    """Loop state of N episodes that run in parallel; rows r are their agents."""
 
     env: State
     memory: Any
@@ -119,11 +119,7 @@ def evaluate(
 
 
 def check_episodes(num: object) -> None:
-    """Validate a number of episodes before any house is compiled.
-
-    Raises:
-        ConfigError: It is not a whole number from 1 to `MAX_EPISODES`.
-    """
+    """Raise `ConfigError` unless `num` is a whole number from 1 to `MAX_EPISODES`; call before compiling houses."""
     check_number("num_episodes", num, 1, MAX_EPISODES, integer=True)
 
 
@@ -174,6 +170,7 @@ def summarize(results: Results) -> dict[str, dict[str, float]]:
 def _run_batch(
     core: HouseholdEnv, policy: Policy, params: EnvParams, keys: UInt32[Array, "n 2"], numbers: Int[Array, " n"]
 ) -> dict[str, Float[Array, " n"]]:
+    """Run n episodes to their end, row `numbers[i]` with key `keys[i]`; return final metrics, path metrics included."""
     num, agents = keys.shape[0], core.num_agents
     reset_keys, row_keys = split_keys(keys)
     rows = jax.vmap(lambda key: jax.random.split(key, agents))(row_keys).reshape(-1, 2)

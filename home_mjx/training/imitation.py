@@ -32,12 +32,8 @@ class AdvisedPPO(PPO):
     """PPO with an additional cloning loss on an expert's advice, because rewards alone are sparse at first.
 
     The loss is PPO's plus `advice_cost` times the negative log-likelihood of the expert's action. The weight falls
-    linearly to 0 (kickstarting: Schmitt et al., 2018, arXiv:1803.03835; there the teacher is a network).
-
-    Args:
-        core: The environment's functions.
-        config: Options.
-        devices: Devices to train on; all of JAX's by default.
+    linearly to 0 (kickstarting: Schmitt et al., 2018, arXiv:1803.03835; there the teacher is a network). Arguments are
+    those of `PPO`.
 
     Raises:
         ConfigError: As in `PPO`; or the task has no expert.
@@ -78,13 +74,8 @@ def advice_loss(choose: Distribution, params: Array, advice: Array) -> tuple[Arr
 class BehaviorCloning(AdvisedPPO):
     """Learn from an expert's advice alone; the value function is learned too, so that PPO can continue from it.
 
-    Options are PPO's; `entropy_cost`, `clip_range` and `advice_cost` have no effect here. For continuous actions the
-    likelihood's gradient is that of the squared error, scaled by the learned variance.
-
-    Args:
-        core: The environment's functions.
-        config: Options.
-        devices: Devices to train on; all of JAX's by default.
+    Arguments and options are PPO's; `entropy_cost`, `clip_range` and `advice_cost` have no effect here. For continuous
+    actions the likelihood's gradient is that of the squared error, scaled by the learned variance.
 
     Raises:
         ConfigError: As in `PPO`; or the task has no expert.

@@ -111,19 +111,17 @@ class TensorBoardLog(Observer):
                 self._writer.close()
 
     def _write(self, **event: Any) -> None:
+        """Write one event with these fields and the current time."""
         with self._writing():
             self._writer.write(self._proto.Event(wall_time=time.time(), **event).SerializeToString())
 
     def _writing(self) -> AbstractContextManager[None]:
+        """Return a context that converts write errors to `ConfigError`."""
         return convert_write_errors("events of TensorBoard", self.path, FREE_SPACE_HINT)
 
 
 class CurvesPlot(Observer):
-    """Image `curves.png` with the metrics over steps, drawn at each checkpoint.
-
-    Args:
-        log: The lines of the run.
-    """
+    """Image `curves.png` with the metrics of `log` over steps, drawn at each checkpoint."""
 
     def __init__(self, log: MetricsLog) -> None:
         self.log = log
@@ -156,6 +154,7 @@ def read_lines(path: Path) -> list[Line]:
 
 
 def _parse_line(text: str, path: Path, number: int) -> Line:
+    """Parse line `number`, from 1; raise `DatasetError` unless it has finite numbers by name and a whole `steps`."""
     try:
         line = json.loads(text)
         if isinstance(line, dict) and type(line.get("steps")) is int and all(_is_number(x) for x in line.values()):

@@ -13,7 +13,7 @@ MIN_SCALED_TOTAL = 1000  # totals from here are shown as 1.5k
 
 
 class RunClock:
-    """Time of a run, without compilation."""
+    """Time of a run, without compilation; continues from `last`, its last line of metrics ({}: a new run)."""
 
     def __init__(self, last: dict[str, Any]) -> None:
         self.begun = time.perf_counter()

@@ -40,9 +40,9 @@ class Policy(NamedTuple):
     """Policy as functions: PPO's network, an expert, or random actions.
 
     Attributes:
-        act: Function from `(initial_memory, obs, is_first, keys)` to memory, actions, and other outputs to store; R
+        act: Function from `(memory, obs, is_first, keys)` to the next memory, actions, and other outputs to store; R
             rows each.
-        value: Function from `(initial_memory, obs, outputs)` to the values (R,) of observations after truncated
+        value: Function from `(memory, obs, outputs)` after a step to the values (R,) of observations after truncated
             steps; None: 0.
         clip: Function from actions to valid actions of the environment.
         initial_memory: Function from a number of rows to their memory before the first step.
@@ -111,12 +111,8 @@ def _truncation_values(
 ) -> Array:
     """Return the values (r,) of the observations after truncated steps; 0 elsewhere, or if the policy has no values.
 
-    Args:
-        policy: The policy.
-        memory: Its memory after the step.
-        last: Last observations of the episodes that ended.
-        outputs: Its other outputs at the step.
-        late: True for truncated rows.
+    `memory` is that after the step, `last` are the last observations of ended episodes, `late` is True for truncated
+    rows.
     """
     nothing, value = jnp.zeros(late.shape, jnp.float32), policy.value
     if value is None:

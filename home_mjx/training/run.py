@@ -171,7 +171,7 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
 
 @dataclass
 class _Run:
-    """Checkpoint, observers and clock of a run."""
+    """Checkpoint file, observers and clock of a run."""
 
     config: RunConfig
     path: Path

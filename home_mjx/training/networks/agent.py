@@ -148,6 +148,7 @@ class RecurrentAgent(nn.Module):
         return jax.jit(self.init)(key, self.initial_memory(1), obs, jnp.ones((1, 1), bool))
 
     def _policy(self, x: Array) -> Array:
+        """Return distribution parameters from features: outputs of a layer, then state-independent scales."""
         distribution: Distribution = self.distribution
         small = nn.initializers.orthogonal(0.01)  # nearly uniform action probabilities at first
         outputs = nn.Dense(distribution.num_outputs, kernel_init=small, name="policy")(x)

@@ -97,6 +97,7 @@ class Gaussian:
         return jnp.clip(action, jnp.asarray(self.low), jnp.asarray(self.high))
 
     def _mean_and_scale(self, params: Array) -> tuple[Array, Array]:
+        """Return means and standard deviations."""
         mean, log_scale = jnp.split(params, 2, axis=-1)
         return mean, jnp.exp(jnp.clip(log_scale, -5.0, 0.5))
 
@@ -149,10 +150,12 @@ class Categorical:
         return action
 
     def _logits(self, params: Array) -> list[Array]:
+        """Return normalised log probabilities of the options of each choice."""
         ends = [int(end) for end in np.cumsum(self.sizes)[:-1]]
         return [jax.nn.log_softmax(x) for x in jnp.split(params, ends, axis=-1)]
 
     def _stack_choices(self, choices: list[Array]) -> Array:
+        """Stack choices along a last int32 axis, which a single one does not have."""
         joined = jnp.stack(choices, axis=-1).astype(jnp.int32)
         return joined[..., 0] if self.is_single else joined
 

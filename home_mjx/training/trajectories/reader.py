@@ -104,6 +104,7 @@ class Trajectories:
             raise DatasetError(f"episode cannot be read: {error}", file=path, hint=hint) from None
 
     def _episode(self, batch: pa.RecordBatch, notes: dict[str, Any]) -> Trajectory:
+        """Convert an episode's table; its last row has only an observation."""
         seen = batch.column("observations")
         ends = {name: batch.column(name).slice(0, len(seen) - 1) for name in Trajectory._fields[1:-1]}
         return Trajectory(

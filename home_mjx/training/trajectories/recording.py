@@ -131,6 +131,7 @@ class _RecordingBatch:
         return ended
 
     def _begun(self, which: Any, host: dict[str, Any]) -> None:
+        """Begin an episode record of each environment in `which` with its first observation."""
         ids = self.env.bank.house_ids
         for i in which:
             self.open[i] = _RunningEpisode(self._asked(host, i) | {"house": ids[int(host["house"][i])]})
@@ -144,6 +145,7 @@ class _RecordingBatch:
         return {"task": task, "instruction": describe_goal(task, host["tokens"][i], host["descriptor"][i])}
 
     def _host(self, state: State) -> dict[str, Any]:
+        """Return observations, houses and, of row tasks, their columns for `_asked`, as NumPy arrays."""
         own = {"obs": state.obs, "house": state.world.house}
         if isinstance(state.task, RowState):
             row = {"task": state.task.task, "tokens": state.task.tokens}
@@ -151,6 +153,7 @@ class _RecordingBatch:
         return jax.device_get(own)
 
     def _stepped(self, params: EnvParams, carry: tuple) -> tuple[tuple, dict[str, Any]]:
+        """Step all environments (jitted); return the next carry, and the step's arrays that are recorded, by name."""
         state, memory, keys, begins = carry
         keys, now = split_keys(keys)
         memory, action, _ = self.policy.act(memory, to_rows(state.obs, self.agents), begins, now)

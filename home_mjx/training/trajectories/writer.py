@@ -129,7 +129,7 @@ def _reraise(done: "Future[None]") -> None:
 
 
 def _make_metadata(env: Env[HouseholdEnv], agent: str, without: tuple[str, ...]) -> dict[str, Any]:
-    """Return Minari's metadata, without the observations `without`; with the environment's spec if it can be stored."""
+    """Return Minari's metadata, except the observations `without`; with the environment's spec if it can be stored."""
     seen = observation_space(env)
     seen = type(seen)({name: space for name, space in seen.spaces.items() if name not in without})
     task = env.spec.id if env.spec is not None else type(env.task).__name__
