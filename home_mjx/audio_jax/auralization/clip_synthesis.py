@@ -9,12 +9,13 @@ Samples = Float[np.ndarray, "_"]
 
 
 def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
-    """Add copies of `shape`, as long as the loop, every `seconds`, whole periods only; parts beyond its end wrap."""
+    """Sum copies of `shape`, as long as the loop, shifted circularly by 0, 1, ... `seconds`; whole periods only."""
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
 
 
 def _time(length: int, sample_rate: int) -> Samples:
+    """Return the time of each sample [s]."""
     return np.arange(length) / sample_rate
 
 
@@ -24,6 +25,7 @@ def _pulse(time: Samples, begin: float, end: float, ramp: float = 0.01) -> Sampl
 
 
 def _noise(length: int, seed: int) -> Samples:
+    """Return white Gaussian noise of unit variance."""
     return np.random.default_rng(seed).normal(size=length)
 
 
@@ -59,7 +61,7 @@ def bell(length: int, sample_rate: int) -> Samples:
 
 
 def alarm(length: int, sample_rate: int) -> Samples:
-    """Synthesize an alarm: odd harmonics of 800 and 1000 Hz in turn, 0.25 s each."""
+    """Synthesize an alarm: 800 and 1000 Hz in turn, 0.25 s each, both with a third harmonic."""
     time = _time(length, sample_rate)
     low, high = (sum(np.sin(2 * np.pi * pitch * n * time) / n for n in (1, 3)) for pitch in (800, 1000))
     return _repeat(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)

@@ -47,6 +47,7 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
 @functools.cache
 def _clip(name: str, sample_rate: int) -> Float[np.ndarray, " n"]:
+    """Return a clip with zero mean and RMS `CLIP_RMS`, read-only float32."""
     samples = _MAKERS[name](round(CLIP_SECONDS * sample_rate), sample_rate)
     samples = samples - samples.mean()
     samples = (samples * (CLIP_RMS / np.sqrt(np.mean(samples**2)))).astype(np.float32)

@@ -21,9 +21,9 @@ def convolve_clip_frame(
 ) -> Float[Array, "e m"]:
     """Convolve one frame of an endlessly looped clip with the responses at the frame's start and end.
 
-    The clip's past is gathered from the clip, so there is no state to keep or reset: overlap-save convolution with a
-    single FFT. Within the frame the output is cross-faded linearly from the old response to the new one. With equal
-    responses the frames are those of one long convolution.
+    Overlap-save convolution with a single FFT reads the past from the clip, so there is no state to keep or reset.
+    Within the frame the output is cross-faded linearly from the old response to the new one. With equal responses the
+    frames are those of one long convolution.
 
     Args:
         clip: Pressure at 1 m from the source, any length.
@@ -53,7 +53,7 @@ def emitted_signal(
     time: Int[Array, ""],
     config: AudioConfig,
 ) -> Float[Array, "e w"]:
-    """Return the signal emitted by each source during this frame and the preceding memory of the response.
+    """Return the pressure at 1 m that each source emits: in the memory before the frame, the frame, and the look-ahead.
 
     Args:
         clips: All clips.
@@ -114,11 +114,8 @@ def schedule_gain(
 ) -> Float[Array, " n"]:
     """Compute a schedule's gain at times: 0 off, 1 on, linear ramps of 5 ms inside; 1 if `duration` >= `interval`.
 
-    Args:
-        time: Samples since the start; negative before it.
-        interval: Period, see `SoundSources` [s].
-        duration: Duration, see `SoundSources` [s].
-        sample_rate: [Hz].
+    `time` counts samples since the start, negative before it. `interval` and `duration` are `SoundSources.period` and
+    `duration` [s]: with an infinite interval the source sounds once, from time 0 on.
 
     Example:
         >>> schedule_gain(jnp.array([500, 8500, 12000]), jnp.float32(1.0), jnp.float32(0.6), 16000).tolist()

@@ -38,15 +38,8 @@ def energy_envelope(
 ) -> EnergyEnvelope:
     """Compute the energy envelope of `impulse_response` from the same paths and rays, without synthesis.
 
-    Energies of paths are added incoherently. Interaural leads are those of a rigid sphere (Woodworth), or of the
-    listener's measured head.
-
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        key: Random key; with the same key, rays are those of `impulse_response`.
-        config: Options.
+    With the same `key` the rays are the same. Energies of paths are added incoherently. Interaural leads are those of a
+    rigid sphere (Woodworth), or of the listener's measured head.
 
     Example:
         >>> envelope = energy_envelope(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
@@ -69,7 +62,7 @@ def energy_envelope(
 def _late(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """Return late energies of the channels, and n world directions of incidence with energies, to average ear leads."""
+    """Return late energies, and n world directions of incidence (0: `NoLate`, 2: `Baked`) with energies per octave."""
     if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing
@@ -89,7 +82,7 @@ def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w 
 
     Args:
         envelope: Energy per time bin, see `EnergyEnvelope`.
-        power: Power emitted by the source per bin and octave: w = k - 1 + n bins, the last n being the frame's.
+        power: Power at 1 m from the source per bin and octave: w = k - 1 + n bins, the last n being the frame's.
     """
     count = envelope.shape[0]
     frame = power.shape[0] - count + 1
@@ -101,11 +94,7 @@ def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w 
 
 @functools.cache
 def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"]:
-    """Compute the mean power of a clip in each time bin and octave at 1 m from its source; a partial last bin is cut.
-
-    Args:
-        name: Name of the clip, see `clip_samples`.
-        config: Options; provides sample rate and bins.
+    """Compute a clip's mean power at 1 m from its source, per time bin and octave; a partial last bin is omitted.
 
     Example:
         >>> power = clip_power("tone", AudioConfig())

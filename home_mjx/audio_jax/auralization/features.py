@@ -62,14 +62,10 @@ def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array
 
 
 def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Float[Array, "*c windows mels"]:
-    """Compute the power in `NUM_MELS` mel bands [dB re 1], clipped to `MIN_MEL_LEVEL` .. `MAX_MEL_LEVEL`.
+    """Compute the power in `NUM_MELS` mel bands [dB re 1] from `stft_magnitude`, clipped to -100 .. 100 dB.
 
     Bands are triangles of height 1 whose corners are equally spaced on the mel scale from 0 to half the sample rate,
     see `hz_to_mel`.
-
-    Args:
-        magnitude: From `stft_magnitude`.
-        sample_rate: [Hz].
 
     Example:
         >>> log_mel(stft_magnitude(jnp.zeros((2, 1600)), 16000), 16000).shape

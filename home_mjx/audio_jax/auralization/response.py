@@ -63,15 +63,9 @@ def late_energy(
 ) -> Float[Array, "k e bands"]:
     """Compute late energy per time bin, channel and octave, re the free field of the source at 1 m.
 
-    For ambisonics e is 7: the energies of W, Y, Z and X, then the cross energies of W with Y, Z and X (intensity).
-    Energies are 0 if the listener's quaternion is not of unit length.
-
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        key: Random key of the rays; unused unless `late` is `Traced`.
-        config: Options; `late` selects traced or baked energies, or zeros.
+    `config.late` selects rays drawn by `key`, baked energies, or zeros. For ambisonics e is 7: the energies of W, Y, Z
+    and X, then the cross energies of W with Y, Z and X (intensity). Energies are 0 if the listener's quaternion is not
+    of unit length.
     """
     if isinstance(config.late, NoLate):
         return jnp.zeros((config.num_bins, config.num_late_channels, len(BANDS)), jnp.float32)
@@ -141,7 +135,7 @@ def combine_early_late(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "c l"]:
-    """Synthesize paths, plus noise (drawn by `key`) with energies of `late_energy`, which is 0 before direct sound."""
+    """Return the impulse response: paths plus noise (drawn by `key`) with the late energies, 0 before direct sound."""
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config, head) + mask_before_direct(late, paths, config)
 
@@ -271,4 +265,5 @@ def _transform_size(config: AudioConfig) -> int:
 
 
 def _direct_transform_size(config: AudioConfig) -> int:
+    """Return the transform size of the direct path's octave filters and kernel [samples], a power of two."""
     return 2 ** math.ceil(math.log2(MAX_RINGING_SECONDS * config.sample_rate + _transform_size(config)))

@@ -28,7 +28,7 @@ def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 
 def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
-    """Upsample a signal by two with `windowed_sinc`, m = 2 n; even results are its samples, outside it is zero.
+    """Upsample by two with `windowed_sinc` (m = 2 n): even samples are the input, odd ones halfway between; 0 outside.
 
     Example:
         >>> [round(float(x), 3) for x in upsample_twice(jnp.array([1.0, 0.0]))[:2]]
@@ -80,7 +80,7 @@ def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
 
 @functools.cache
 def _pulses() -> Float[np.ndarray, "three read k"]:
-    """Return the taps by which each half sample read adds to `delay_kernel`, after delays of 0, 1, 2 half samples."""
+    """Return the taps of each half sample read in `delay_kernel`, for reads moved by 0, 1 or 2 half samples."""
     sample = np.arange(KERNEL_WIDTH) - HALF_WIDTH - 3
     at = 2 * sample[None, None] - np.arange(3)[:, None, None] + (FIRST_READ + np.arange(NUM_READ))[None, :, None]
     return windowed_sinc(at / 2).astype(np.float32)
@@ -88,7 +88,7 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 
 @functools.cache
 def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
-    """Fit each weight of `interpolation_weights` by a polynomial in `rest`, lowest power first, to 0.45 of the rate."""
+    """Fit polynomials in `rest`, lowest power first, to `interpolation_weights`, up to 0.45 of the sample rate."""
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
     power = rest[:, None] ** np.arange(POLYNOMIAL_DEGREE + 1)

@@ -95,7 +95,7 @@ def talker_directivity() -> Directivity:
 
 
 def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
-    """Return pressure gains per octave at cosines (clipped) of angles to the axis; energies are linear in angle."""
+    """Return pressure gains per octave at cosines (clipped) of angles to the axis; energy is linear between angles."""
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
     low = jnp.clip(place.astype(jnp.int32), 0, last - 1)
@@ -123,6 +123,7 @@ def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
 
 
 def _angles() -> Float[np.ndarray, " a"]:
+    """Return `NUM_ANGLES` angles from 0 to pi [rad]."""
     return np.linspace(0, np.pi, NUM_ANGLES)
 
 

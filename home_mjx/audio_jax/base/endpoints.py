@@ -72,6 +72,7 @@ def check_source(source: SoundSource) -> None:
 
 
 def _check_quat(whose: str, quat: Float[Array, "4"]) -> None:
+    """Raise `ConfigError` unless a quaternion has unit length; skip tracers."""
     if isinstance(quat, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
         return
     norm = float(np.linalg.norm(quat))
@@ -96,13 +97,9 @@ def emission_gains(source: SoundSource, direction: Float[Array, "n 3"]) -> Float
 
 
 def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether a point is above the floor of a room and outside all walls.
+    """Return whether a point [m, world] is above the floor of a room and outside all walls.
 
     A source elsewhere is valid, but rays from a listener indoors do not reach it.
-
-    Args:
-        scene: The environment.
-        point: [m], world.
 
     Example:
         >>> bool(is_indoors(scene, jnp.array([100.0, 0.0, 1.0])))  # doctest: +SKIP

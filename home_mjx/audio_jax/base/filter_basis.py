@@ -43,10 +43,7 @@ def num_basis_taps(sample_rate: int) -> int:
 
 @functools.cache
 def filter_basis(sample_rate: int) -> FilterBasis:
-    """Compute the filter basis of a sample rate.
-
-    Args:
-        sample_rate: [Hz].
+    """Compute the filter basis of a sample rate [Hz]; it is cached.
 
     Example:
         >>> s = filter_basis(16000)
@@ -100,6 +97,7 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
 
 
 def _filter(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:
+    """Return minimum-phase spectra at the knots from natural log gains per octave."""
     both = _product(level, table.octaves)
     amplitude, phase = jnp.exp(jnp.real(both)), jnp.imag(both)
     return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
@@ -135,7 +133,7 @@ def _spectra_at(
 
 
 def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
-    """Return natural logs of gains, raised to 1e-3 of the path's loudest octave, and per path 1 if audible, else 0."""
+    """Return natural logs of gains, raised to 1e-3 of the path's largest octave, and per path 1 if audible, else 0."""
     loudest = jnp.max(gain, axis=1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)

@@ -49,10 +49,9 @@ def high_pass(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, " f"]:
 def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray, "bands f"]:
     """Compute a table such that exp(log(gain) @ table) is the `rfft` of a filter with amplitude gains per octave.
 
-    Levels in dB are interpolated between octaves by `octave_gains`. The phase is minimum phase, so the response is
-    causal. It is computed by folding the cepstrum, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5;
-    the cepstrum fades out within `CEPSTRUM_SECONDS`. Cepstra of products add, so one product with this table serves
-    any gains.
+    Levels in dB are interpolated between octaves by `octave_gains`. The filter has minimum phase, by folding the
+    cepstrum, as in Oppenheim and Schafer, Discrete-Time Signal Processing, 13.5; the cepstrum fades out within
+    `CEPSTRUM_SECONDS`. Cepstra of products add, so one product with this table serves any gains.
 
     Args:
         size: Samples of the transform that will use it, at least `CEPSTRUM_SECONDS`.

@@ -130,12 +130,14 @@ def bank_power(bank: Float[np.ndarray, "c n"], sample_rate: int, size: int) -> F
 
 
 def _read_only(bank: Float[np.ndarray, "c n"]) -> Float[np.ndarray, "c n"]:
+    """Return a read-only float32 copy."""
     bank = bank.astype(np.float32)
     bank.flags.writeable = False
     return bank
 
 
 def _time(seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
+    """Return the time of each sample [s]."""
     return np.arange(round(seconds * sample_rate)) / sample_rate
 
 

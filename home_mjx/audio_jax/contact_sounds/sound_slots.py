@@ -154,7 +154,7 @@ def update_sustained(
 
 
 def sound_positions(noises: ContactSounds) -> tuple[Float[Array, "e 3"], Int[Array, " e"]]:
-    """Return positions [m] and object ids of all slots, empty ones included: transient, then sustained ones."""
+    """Return world positions [m] and object ids of all slots, empty ones included: transient, then sustained ones."""
     both = noises.transients, noises.sustained
     return jnp.concatenate([x.pos for x in both]), jnp.concatenate([x.body for x in both])
 
@@ -165,12 +165,9 @@ def has_sound(noises: ContactSounds) -> Bool[Array, " e"]:
 
 
 def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w"]:
-    """Return the signal of each slot in a frame and in the response's memory before it, as `emitted_signal`.
+    """Return the signal of each slot, transient ones first, in the samples of `emitted_signal`.
 
-    Args:
-        noises: Sounds after the step of this frame.
-        time: Start of the frame since the episode's start [samples].
-        audio: Options for the lengths.
+    `noises` are the sounds after the step of this frame, `time` is its start [samples since the episode's start].
     """
     span = jnp.arange(1 - audio.memory_length, audio.frame + audio.num_lookahead, dtype=jnp.int32)
     blows, loops = jnp.asarray(transient_bank(audio.sample_rate)), jnp.asarray(sustained_bank(audio.sample_rate))
@@ -191,13 +188,7 @@ def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioCon
 def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w bands"]:
     """Compute the power of `emitted_signals` per time bin and octave, as input of `mean_band_power`.
 
-    Args:
-        noises: Sounds after the step of this frame.
-        time: Start of the frame since the episode's start [samples].
-        audio: Options for the lengths.
-
-    Returns:
-        Power of each slot, transient ones first. Of w bins, the first `audio.num_bins - 1` precede the frame.
+    Of the w bins, the first `audio.num_bins - 1` precede the frame. Arguments are those of `emitted_signals`.
     """
     size, rate = audio.bin_samples, audio.sample_rate
     frame = max(round(audio.frame / size), 1)

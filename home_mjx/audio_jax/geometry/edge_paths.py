@@ -104,6 +104,7 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
     bend, turn, depth = _edge_geometry(frame, course, near, far, 1 / jnp.sqrt(1 + rising**2))
 
     def place(u: Array, z: Array) -> Array:
+        """Return world positions of edge coordinates (u, z), `MIN_EDGE_DISTANCE` above and beyond the edge."""
         local = jnp.stack([u + MIN_EDGE_DISTANCE * jnp.sign(u), jnp.full_like(u, MIN_EDGE_DISTANCE), z], axis=-1)
         return frame.middle + sum3(jnp.swapaxes(frame.axes * local[..., None], -1, -2))
 
@@ -175,6 +176,7 @@ def _edge_frame(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Float[
     middle = boxes.center[:, None] + axes[:, :, 1] * half[:, :, 1, None]
 
     def local(point: Float[Array, "3"]) -> Float[Array, "n e 3"]:
+        """Return a point in the coordinates of all crossings."""
         return sum3(axes * (point[None, None] - middle)[:, :, None])
 
     return _EdgeFrame(local(source), local(listener), half, axes, middle, boxes.exposed[:, _SIDES])

@@ -83,7 +83,7 @@ def find_image_sources(
 def _of_order(
     mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
 ) -> ImageSources:
-    """Validate one path per sequence of mirror indices in `rows`, from the source on; invalid ones have length inf.
+    """Validate one path per sequence of mirror indices (from the source on) in `rows`; invalid ones have length inf.
 
     Reflections are padded to `highest`, see `ImageSources`.
     """
@@ -138,10 +138,13 @@ def select_nearest_mirrors(
 
 
 def _height(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
+    """Return signed distances of points from the mirrors' planes [m], positive on the reflecting side."""
     return sum3((point - mirror.center) * mirror.normal)
 
 
 def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
+    """Return whether points in the planes of mirrors are inside their rectangles, with `CORNER_TOLERANCE`."""
+
     def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
         size = length3(half)
         return jnp.abs(sum3((point - mirror.center) * half)) <= size * (size + CORNER_TOLERANCE)
