@@ -45,7 +45,7 @@ class DelayReads(Pytree):
 
 
 def mix_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
-    """Read the paths of all sources, the leading axis of `reads`, and mix them into buses at `sample_times`."""
+    """Read the paths of all sources, the leading axis of `reads`, and sum them into buses (e s) at `sample_times`."""
     return jnp.sum(jax.vmap(lambda one: _mix(_read_paths(one, config), one.gain, fade_weights(config)))(reads), axis=0)
 
 
@@ -65,10 +65,7 @@ def path_delays(
 ) -> tuple[Int[Array, " k"], Float[Array, "d k"]]:
     """Compute the delay of a path [samples]: whole ones to the head centre, and the rest plus the delay of each ear.
 
-    Args:
-        way: One path.
-        time: Time in frames: 0 to 1 within the frame, also before and after.
-        config: Options.
+    `time` counts frames: 0 to 1 within the frame, also before and after.
     """
     curve = time * (1 - time)
     line = way.start_length + time * (way.end_length - way.start_length)  # in this form static paths are exact
@@ -118,6 +115,7 @@ def _read_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "q d k"]
     double = jax.lax.optimization_barrier(jnp.concatenate(halves))
 
     def one(_: None, row: tuple[PathDelays, Array, Array, Array]) -> tuple[None, Float[Array, "d k"]]:
+        """Read one path, whose half samples are from index `first` to `last` (exclusive)."""
         way, start, first, last = row
         whole, rest = path_delays(way, time, config)
         low = jnp.floor(-2 * rest)

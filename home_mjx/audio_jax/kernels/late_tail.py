@@ -36,7 +36,7 @@ def tail_gains(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[
     Octaves continue to decay as over that half: by a least-squares fit to the log energy summed over channels.
 
     Args:
-        energy: Histogram from `energy_histogram`.
+        energy: Late energies, see `late_energy`.
         config: Options for the lengths.
 
     Returns:
@@ -63,7 +63,7 @@ def tail_gains(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[
 def late_spectra(
     source: Float[Array, " n"], late: Float[Array, "2 e l"], tail: Float[Array, "2 m bands"], config: AudioConfig
 ) -> Complex[Array, "2 e f"]:
-    """Compute the spectra of a source through late responses and their tails; sources can be summed.
+    """Compute the spectra of a source through late responses and their tails; spectra of several sources can be added.
 
     The first spectrum belongs to the frame's start, the second is the change until its end.
 
@@ -133,6 +133,7 @@ def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Ar
 
 
 def _size(config: AudioConfig) -> int:
+    """Return the transform size of source windows [samples]."""
     return int(next_fast_len(source_window_width(config), real=True) or 0)
 
 

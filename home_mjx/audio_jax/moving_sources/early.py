@@ -43,7 +43,10 @@ def render_early_paths(
 def _reads(
     source: Float[Array, " n"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None
 ) -> DelayReads:
-    """Return a source's reads; path 0 is two rows, from signals filtered for each frame end. `past`: those before."""
+    """Return a source's reads: two rows of the direct path, filtered for each frame end, then the other paths.
+
+    `past`: number of samples of `source` before the frame.
+    """
     toward, distances = _to_head(pairs)
     ways = _path_delays(pairs, channel_delays(toward, distances, config, head))
     # Delays beyond the response length are not read.

@@ -49,15 +49,7 @@ def render_frames(
 ) -> Float[Array, "e m"]:
     """Render the sum of several sources in one frame; they share the final filters and transforms.
 
-    Args:
-        sources: Signal of each source, as in `render_frame`.
-        old: States at the frame's start, with a leading axis of sources.
-        new: States at its end.
-        config: Options with `motion=True`.
-        head: Measured HRTFs of the listener; None: a rigid sphere.
-
-    Returns:
-        Pressure per channel, `config.frame` samples.
+    `sources`, `old` and `new` are those of `render_frame` with a leading axis of sources; so is the result, without it.
 
     Example:
         >>> from home_mjx.audio_jax import AudioConfig, Motion

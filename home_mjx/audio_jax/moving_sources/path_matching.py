@@ -62,12 +62,15 @@ def _is_same_path(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "n
 
 
 def _names(paths: Paths) -> Int[Array, " p"]:
+    """Return names of paths, by default their indices."""
     return jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
 
 
 def _silenced(paths: Paths) -> Paths:
+    """Return the paths with gain 0."""
     return paths.replace(gain=jnp.zeros_like(paths.gain))
 
 
 def _expand_mask(mask: Bool[Array, " p"], like: Array) -> Array:
+    """Append axes of length 1, up to the rank of `like`."""
     return mask.reshape(mask.shape + (1,) * (like.ndim - 1))

@@ -64,7 +64,7 @@ def render_receiver_state(
 def pack_receiver_state(
     paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> ReceiverState:
-    """Return a state of paths, made `config.num_paths` by `pad_paths`, and a histogram; `key` draws the noise."""
+    """Return a state of paths, made `config.num_paths` by `pad_paths`, and late energies; `key` draws the noise."""
     return ReceiverState(pad_paths(paths, config.num_paths), head_quat, energy, draw_noise(key, config))
 
 

@@ -45,6 +45,7 @@ def compile_chunks() -> tuple[Any, Any]:
 @compiled
 @no_type_check
 def _render_chunk(frame, chunk):
+    """Render environments of a chunk, early or late sound by the call's `KIND`; `frame`: XLA's call frame (address)."""
     first, end = chunk * ENVS_PER_CHUNK, min((chunk + 1) * ENVS_PER_CHUNK, ffi.dim(frame, ffi.RESULTS, 0, 0))
     if constant(frame, KIND) == EARLY:
         render_early_chunk(frame, first, end)

@@ -66,12 +66,14 @@ def transform(size, lanes, turns, values, spare):
 @inlined
 @no_type_check
 def _get(values, at):
+    """Load `LANES` complex values from index `at` on of arrays (real, imaginary)."""
     return load(values[0], at), load(values[1], at)
 
 
 @inlined
 @no_type_check
 def _put(values, at, value):
+    """Store `LANES` complex values from index `at` on in arrays (real, imaginary)."""
     store(values[0], at, value[0])
     store(values[1], at, value[1])
 
@@ -79,6 +81,7 @@ def _put(values, at, value):
 @inlined
 @no_type_check
 def _turned(value, turns, k):
+    """Return complex values times twiddle factor `k` of `turns`."""
     cosine, sine = turns[0][k], turns[1][k]
     re, im = value
     return multiply_add(cosine, re, -sine * im), multiply_add(cosine, im, sine * re)
@@ -106,6 +109,7 @@ def _sub_turned(a, b):
 @inlined
 @no_type_check
 def _dft_4(a, b, c, d):
+    """Return the forward DFT of four complex values."""
     even, odd = _add(a, c), _sub(a, c)
     plus, minus = _add(b, d), _sub_turned(b, d)
     return _add(even, plus), _add(odd, minus), _sub(even, plus), _sub(odd, minus)
@@ -114,6 +118,10 @@ def _dft_4(a, b, c, d):
 @compiled
 @no_type_check
 def _pass_8(size, left, stride, turns, here, there):
+    """Do one Stockham pass of radix 8 from `here` to `there`; `left`: length of the transforms that remain.
+
+    `stride` is the distance between values at successive indices; its product with `left` is `size` times the lanes.
+    """
     part, step = left // 8, size // left
     far = part * stride
     for p in range(part):
@@ -146,6 +154,7 @@ def _pass_8(size, left, stride, turns, here, there):
 @compiled
 @no_type_check
 def _pass_4(size, left, stride, turns, here, there):
+    """Do one pass of radix 4, see `_pass_8`."""
     part, step = left // 4, size // left
     far = part * stride
     for p in range(part):
@@ -164,6 +173,7 @@ def _pass_4(size, left, stride, turns, here, there):
 @compiled
 @no_type_check
 def _pass_2(size, left, stride, turns, here, there):
+    """Do one pass of radix 2, see `_pass_8`."""
     part, step = left // 2, size // left
     far = part * stride
     for p in range(part):
@@ -178,6 +188,7 @@ def _pass_2(size, left, stride, turns, here, there):
 @compiled
 @no_type_check
 def _pass_3(size, left, stride, turns, here, there):
+    """Do one pass of radix 3, see `_pass_8`."""
     part, step = left // 3, size // left
     far = part * stride
     for p in range(part):
@@ -197,6 +208,7 @@ def _pass_3(size, left, stride, turns, here, there):
 @compiled
 @no_type_check
 def _pass_5(size, left, stride, turns, here, there):
+    """Do one pass of radix 5, see `_pass_8`."""
     part, step = left // 5, size // left
     far = part * stride
     for p in range(part):

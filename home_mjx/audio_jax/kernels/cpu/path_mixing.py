@@ -129,6 +129,7 @@ def _read_run(signal, place, rest, count, heard):
 @inlined
 @no_type_check
 def _read(even, uneven, k, rest):
+    """Interpolate `LANES` samples at index `k` between half samples, `even` and `uneven` ones; `rest`: fractions."""
     value = _weight(0, rest) * load(even, k)
     value = multiply_add(_weight(1, rest), load(uneven, k), value)
     value = multiply_add(_weight(2, rest), load(even, k + 1), value)
@@ -142,6 +143,7 @@ def _read(even, uneven, k, rest):
 @inlined
 @no_type_check
 def _weight(i, rest):
+    """Evaluate the weight of half sample `i` at fractions `rest`, see `interpolation_polynomials`."""
     a, b, c, d, e, f = READ_POLYNOMIALS[i]
     value = multiply_add(rest, broadcast(f), broadcast(e))
     value = multiply_add(rest, value, broadcast(d))
@@ -153,6 +155,7 @@ def _weight(i, rest):
 @compiled
 @no_type_check
 def _read_one(even, uneven, k, rest):
+    """Interpolate sample `k`, as `_read`."""
     value = ZERO
     for i in range(NUM_READ):
         weight = ZERO

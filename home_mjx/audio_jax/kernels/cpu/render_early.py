@@ -58,7 +58,7 @@ class EarlyScratch(NamedTuple):
 @compiled
 @no_type_check
 def render_early_chunk(frame, first, end):
-    """Render the frames of environments `first` to `end` (exclusive), at most `LANES` of them."""
+    """Render early sound of environments `first` to `end` (exclusive, at most `LANES`); `frame`: XLA's call frame."""
     size, points = _sizes(frame), dim(frame, TURNS, 1)
     room = _allocate(size, points)
     turns = complex_table(frame, TURNS, points)
@@ -179,6 +179,7 @@ def _write(frame, env, left, lane, size, made):
 @compiled
 @no_type_check
 def _sizes(frame):
+    """Read the sizes from shapes and constants of XLA's call frame."""
     return EarlySizes(
         dim(frame, SOURCE, 1),
         dim(frame, SOURCE, 2),

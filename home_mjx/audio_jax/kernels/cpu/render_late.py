@@ -72,7 +72,7 @@ class LateScratch(NamedTuple):
 @compiled
 @no_type_check
 def render_late_chunk(frame, first, end):
-    """Render the frames of environments `first` to `end` (exclusive), at most `LANES / 2` of them."""
+    """Render late sound of environments `first` to `end` (exclusive, at most `LANES / 2`); `frame`: XLA call frame."""
     size = _sizes(frame)
     room = _allocate(size)
     turns = complex_table(frame, TURNS, size.points)
@@ -99,7 +99,10 @@ def render_late_chunk(frame, first, end):
 @compiled
 @no_type_check
 def _prepare(frame, env, source, left, place, size, room):
-    """Prepare responses of channels `left`, `left` + 1 and windows of a source; write their addresses to `streams`."""
+    """Prepare the transforms of a source in row `place` of a batch; write the addresses of their signals to `streams`.
+
+    They are the responses of channels `left`, `left` + 1, and the windows of the source that convolve with their parts.
+    """
     number = env * size.sources + source
     most = size.first + size.half
     responses = offset_pointer(room.responses, place * ENDS * 2 * most)
@@ -296,6 +299,7 @@ def _write(frame, env, left, lane, made, size):
 @compiled
 @no_type_check
 def _sizes(frame):
+    """Read the sizes from shapes and constants of XLA's call frame."""
     each = ENDS * PARTS + 1 + (constant(frame, ECHOES) + 1) // 2
     return LateSizes(
         dim(frame, SOURCE, 1),

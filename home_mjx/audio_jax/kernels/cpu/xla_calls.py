@@ -50,15 +50,19 @@ def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Floa
 
 
 def _twiddles(size: int) -> Array:
+    """Return the factors exp(-2 pi i j / size), real and imaginary parts (2, size)."""
     return _parts(np.exp(-2j * np.pi * np.arange(size) / size))
 
 
 def _parts(values: np.ndarray) -> Array:
+    """Stack real and imaginary parts along a new first axis, float32."""
     return jnp.asarray(np.stack([np.real(values), np.imag(values)]), jnp.float32)
 
 
 @functools.cache
 def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched early kernel, a function of `_early_tables` and arrays with a first axis of environments."""
+
     def run(spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
         sizes = traced_constant((EARLY, frame_begin(config), filter_history(config), sample_times(config).shape[0]))
         rate = traced_constant([config.sample_rate / config.speed_of_sound], jnp.float32)
@@ -89,6 +93,7 @@ def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
 
 @functools.cache
 def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched late kernel, a function of `_late_tables` and arrays with a first axis of environments."""
     first, half = config.response_length - config.tail_period, config.tail_period
     start = config.memory_length - first - config.num_tail_ringing
     sizes = (LATE, first, half, config.num_tail_repeats, start, source_window_width(config), late_begin(config))
@@ -100,6 +105,7 @@ def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:
+    """Call the native code; the result is (environments, channels, samples of a frame) float32."""
     envs, channels = operands[-1].shape[0], config.num_channels
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     return call_native(TARGET, operands, (result,))

@@ -42,6 +42,7 @@ def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Floa
 
 @functools.cache
 def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched `launch_direct`."""
     return batch_kernel(functools.partial(launch_direct, config), NUM_TABLES, 1)
 
 
@@ -57,6 +58,7 @@ def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
 
 
 def _size(config: AudioConfig) -> int | None:
+    """Return the transform size; None if none is large enough."""
     return cuda.transform_size(num_filter_samples(config) + num_output_samples(config))
 
 

@@ -36,6 +36,7 @@ def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
 
 
 def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
+    """Mix the reads of one environment into the buses of its channels by the CUDA kernel."""
     shapes, ears = reads.gain.shape[3], reads.paths.ear_delays.shape[-1]
     return _mix_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
 
@@ -48,6 +49,7 @@ def read_operands(reads: DelayReads) -> tuple[Array, ...]:
 
 @functools.cache
 def _mix_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched `launch_mix`."""
     return batch_kernel(functools.partial(launch_mix, config, shapes, ears), 0, 1)
 
 
@@ -79,6 +81,7 @@ def _mix_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, wa
 def _filter_buses(
     sums: Float[Array, "e s k"], kernels: Float[np.ndarray, "s t"], begin: int, frame: int
 ) -> Float[Array, "e m"]:
+    """Filter buses by the CUDA kernel; return `frame` samples per channel from filtered sample `begin` on."""
     return _filter_op(begin, frame)(*filter_tables(kernels, sums.shape[-1]), sums[None])[0][0]
 
 
@@ -93,6 +96,7 @@ def filter_tables(
 
 @functools.cache
 def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched `launch_filter`."""
     return batch_kernel(functools.partial(launch_filter, begin, frame), 2, 1)
 
 

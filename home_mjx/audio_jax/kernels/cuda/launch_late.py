@@ -50,6 +50,7 @@ def late_tables(
 
 @functools.cache
 def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched `launch_late_frames`."""
     return batch_kernel(functools.partial(launch_late_frames, config), NUM_TABLES, 1)
 
 
