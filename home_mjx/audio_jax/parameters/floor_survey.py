@@ -48,6 +48,7 @@ def survey_floor(
     level = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)
 
     def hear(place: Float[Array, "3"]) -> tuple[Float[Array, " bands"], Float[Array, " bands"]]:
+        """Return strength and T30 at one position."""
         listener = Listener(place, level)
         paths = early_paths(scene, source, listener, config)
         late = late_energy(scene, source, listener, key, config)[:, 0]

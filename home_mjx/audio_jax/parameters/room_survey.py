@@ -85,7 +85,7 @@ def survey_room(
 def _late_energies(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k 2 bands"], Float[Array, "k 2 bands"]]:
-    """Return late energies of the left and right ear, and of an omnidirectional and a figure-of-eight microphone."""
+    """Return late energies per bin of the two ears, and of an omnidirectional and a figure-of-eight microphone."""
     if isinstance(config.late, NoLate):
         nothing = jnp.zeros((config.num_bins, 2, len(BANDS)), jnp.float32)
         return nothing, nothing

@@ -136,12 +136,6 @@ def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, conf
     blocked, sound arrives from the edges and through partitions. The level is continuous between the two cases.
     Transmission through objects counts only if no edge leads around them.
 
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        config: Options.
-
     Returns:
         1 + `config.early.num_edges` paths, silent ones included; the first is the direct one.
     """
@@ -273,6 +267,7 @@ def _is_visible(scene: Scene, source: SoundSource, listener: Listener, found: Ed
     there = jnp.isfinite(found.finite_edge_detour)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:
+        """Return whether lines from `start` to the points `end` are occluded; False for missing paths."""
         way = end - start[None]
         length = jnp.linalg.norm(way, axis=1)
         direction = way / jnp.maximum(length, MIN_PATH_LENGTH)[:, None]

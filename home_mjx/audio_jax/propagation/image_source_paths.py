@@ -40,7 +40,7 @@ def house_mirrors(scene: Scene) -> Mirrors:
 
 
 def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mirrors:
-    """Return six faces per box of `barrier_boxes`; valid: of objects, doors, agents but source and listener bodies."""
+    """Return six faces per box of `barrier_boxes`; valid: those of objects except the bodies of source and listener."""
     boxes = barrier_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
@@ -57,12 +57,6 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
 
     Sequences are made of the mirrors nearest to source and listener (`MAX_MIRRORS`). A path is audible if each leg
     hits a surface in the plane of its mirror and the last leg reaches the source. The material is that of the surface.
-
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        config: Options.
 
     Returns:
         `config.early.num_reflections` paths, or one per sequence if there are fewer; silent ones have gain 0.

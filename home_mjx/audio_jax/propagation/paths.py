@@ -72,14 +72,7 @@ class StraightLine(NamedTuple):
 
 
 def trace_straight_line(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> StraightLine:
-    """Trace the straight line through all surfaces on it except those of the source's and listener's bodies.
-
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        config: Options.
-    """
+    """Trace the straight line through all surfaces on it except those of the source's and listener's bodies."""
     offset = source.pos - listener.pos
     distance = jnp.maximum(length3(offset), MIN_PATH_LENGTH)
     direction = offset / distance
@@ -119,14 +112,7 @@ def _transmit(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) 
 def direct_path(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute the direct path, attenuated once by the transmission of each partition and object that it crosses.
 
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        config: Options.
-
-    Returns:
-        One path; its gain is 0 from `config.early.max_crossings` surface hits on.
+    It is one path; its gain is 0 from `config.early.max_crossings` surface hits on.
     """
     straight = trace_straight_line(scene, source, listener, config)
     energy = straight.partition_transmission * straight.object_transmission
@@ -141,12 +127,6 @@ def first_order_reflections(scene: Scene, source: SoundSource, listener: Listene
 
     A reflection is audible if a ray from the listener hits a surface in the plane and the source sees that point. The
     material is that of the surface, for example of a window.
-
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        config: Options.
 
     Returns:
         `config.early.num_reflections` paths, or one per mirror plane if that is less; silent ones have gain 0.

@@ -37,13 +37,7 @@ def sound_materials(scene: Scene) -> SoundMaterials:
 
 
 def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> AcousticSurface:
-    """Look up the acoustic properties at ray hits; values of misses are undefined.
-
-    Args:
-        scene: The environment in which the rays were cast.
-        direction: Directions of the rays.
-        hit: Hits from `cast`, with leading shape (n,).
-    """
+    """Look up the acoustic properties at ray hits (n,) from `cast`; values of misses are undefined."""
     materials = sound_materials(scene)
     row = jnp.maximum(material_rows(scene, hit), 0)
     object_id = object_ids(scene, hit)

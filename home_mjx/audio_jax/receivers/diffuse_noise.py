@@ -33,11 +33,7 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
     With the levels of `noise_levels`, two ears of a rigid sphere have the coherence of a diffuse field. The same holds
     for one ear before and after turns of 90 and 180 degrees. An array turns as a whole, by the azimuth of its right
     axis; each microphone has separate noises, see `octave_noise`. In ambisonics, one noise is W, and three are along
-    the world axes.
-
-    Args:
-        head_quat: Orientation of the head, wxyz.
-        config: Options.
+    the world axes. `head_quat` is wxyz.
     """
     if num_noises(config) == 1:
         return jnp.ones((config.num_channels, 1), jnp.float32)

@@ -61,6 +61,7 @@ def grid_weights(direction: Float[np.ndarray, "m 3"]) -> tuple[np.ndarray, np.nd
 
 
 def _warn_gaps(nodes: np.ndarray, nearest: np.ndarray) -> None:
+    """Log a warning if a node is more than `MAX_GAP_ANGLE` from its nearest measured direction."""
     away = np.degrees(np.arccos(np.clip(np.sum(nodes * nearest, axis=1), -1, 1))).max()
     if away > MAX_GAP_ANGLE:
         log.warning("some directions are %.0f degrees from the nearest measured one: they are filled in", away)

@@ -37,13 +37,9 @@ class NoiseGains(Pytree):
 def noise_gains(
     energy: Float[Array, "k e bands"], draw: NoiseDraw, head_quat: Float[Array, "4"], config: AudioConfig
 ) -> NoiseGains:
-    """Compute the noise gains of channels for an energy histogram.
+    """Compute the noise gains of channels for late energies, cross energies of ambisonics included, see `late_energy`.
 
-    Args:
-        energy: Energies of channels, and cross energies of ambisonics, see `late_energy`.
-        draw: Draw of the noise.
-        head_quat: Orientation of the head, wxyz.
-        config: Options.
+    `draw` has the signs and the offset of the noise, `head_quat` is the orientation of the head, wxyz.
     """
     mix = noise_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
     power = energy / config.bin_samples

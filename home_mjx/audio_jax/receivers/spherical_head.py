@@ -207,12 +207,9 @@ def fit_basis_weights(
 def interpolate_ear_filters(
     table: EarFilters, angle: Float[Array, "*n"], nearness: Float[Array, "*n"]
 ) -> Complex[Array, "*n s"]:
-    """Interpolate ear filters bilinearly over angle and nearness.
+    """Interpolate ear filters bilinearly over the angle between source and ear axis [rad] and nearness.
 
-    Args:
-        table: From `ear_filters`.
-        angle: Between the source and the ear's axis [rad].
-        nearness: Ratio of the head's radius to the source's distance.
+    Nearness is the ratio of the head's radius to the source's distance, clipped to `NEARNESS_KNOTS`.
     """
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
