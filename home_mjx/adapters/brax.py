@@ -127,7 +127,7 @@ class BraxEnv(BraxBaseEnv):
         return BraxState(inner, obs, state.reward, done, dict(state.metrics), {})
 
     def to_brax_obs(self, obs: dict[str, Array]) -> dict[str, Array]:
-        """Return images, scaled as the class says, and all vectors joined as `state`; omit all other observations."""
+        """Return images (depth / `max_depth`, rgb 0 .. 1 or uint8), and all vectors joined as `state`; omit others."""
         out = {name: self._pixels(name, value) for name, value in obs.items() if name.startswith("pixels/")}
         vectors = [obs[name] for name in self._vectors]
         return {**out, **({"state": jnp.concatenate(vectors, axis=-1)} if vectors else {})}

@@ -254,7 +254,7 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
     def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
         """Return the row with which each environment begins: its own index after a seed, else its last row plus n.
 
-        An environment whose next step only resets has begun its next row already, which no one has seen.
+        An environment whose next step only resets is in its next row already, unobserved, and begins with that one.
         """
         first = np.arange(self.num_envs, dtype=np.int32)
         if self._state is None or isinstance(seed, int):

@@ -36,7 +36,7 @@ def as_single_env(run: Callable[..., State]) -> Callable[..., State]:
 
     @one.def_vmap
     def fold(size: int, is_batched: Any, params: EnvParams, *args: Any) -> Any:
-        """Run a batch of `size` environments, or as many batches of one if their `params` differ."""
+        """Run `size` environments as one batch, or as batches of one if `params` are batched: the rule of `vmap`."""
         shared, *own = is_batched
         if any(jax.tree.leaves(shared)):
             axes = jax.tree.map(lambda b: 0 if b else None, (shared, *own))
