@@ -42,12 +42,7 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
 
 
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
-    """Write the parameters alone, as float16, for `load_net` and `read_config`; a tenth of a checkpoint's size.
-
-    Args:
-        path: The file.
-        net: Parameters, such as `TrainState.net`.
-        config: Configuration of the run, stored in the file.
+    """Write the parameters `net` alone, as float16, for `load_net` and `read_config`; a tenth of a checkpoint's size.
 
     Raises:
         ConfigError: As in `save_checkpoint`.
@@ -62,6 +57,7 @@ def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
 
 
 def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
+    """Write arrays by name and the configuration."""
     text = np.array(to_json(config))
     with write_durably(path, "checkpoint", FREE_SPACE_HINT) as file:
         np.savez(file, **{CONFIG_KEY: text}, **arrays)  # pyright: ignore[reportArgumentType]

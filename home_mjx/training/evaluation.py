@@ -136,11 +136,13 @@ def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
     low, high = spec.bounds()
 
     def draw(key: Array) -> Array:
+        """Draw one action."""
         if spec.dtype == "int32":
             return jax.random.randint(key, spec.shape, low, high + 1)
         return jax.random.uniform(key, spec.shape, minval=low, maxval=high)
 
     def act(memory: Any, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Any, Array, dict]:
+        """Return the memory, an action per key, and no outputs."""
         return memory, jax.vmap(draw)(keys), {}
 
     return lambda net: Policy(act)
@@ -183,6 +185,7 @@ def _run_batch(
     figures = {"return": zero, "episode_steps": zero, "walked": zero} | env.metrics
 
     def step(play: EpisodeBatch) -> EpisodeBatch:
+        """Step all episodes; metrics of those that are over stay."""
         following, now = split_keys(play.keys)
         begins = jnp.repeat(play.env.world.step == 0, agents)
         memory, action, _ = policy.act(play.memory, to_rows(play.env.obs, agents), begins, now)

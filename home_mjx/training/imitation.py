@@ -55,6 +55,7 @@ class AdvisedPPO(PPO):
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
         def loss(net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
+            """Return the sum, and its parts by name."""
             params, value = self.apply_net(net, batch)
             own, parts = self.clipped_loss(params, value, batch)
             advice, told = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
@@ -64,7 +65,7 @@ class AdvisedPPO(PPO):
 
 
 def advice_loss(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
-    """Return the mean negative log-likelihood of advice, and metrics: this, and the share of modes near advice."""
+    """Return the mean negative log-likelihood of advice, and metrics: this, and the share of modes near the advice."""
     clone_loss = -jnp.mean(choose.log_prob(params, advice))
     apart = jnp.abs(choose.clip(choose.mode(params)) - advice).reshape(*params.shape[:-1], -1)
     same = jnp.all(apart <= MAX_AGREEING_DISTANCE, axis=-1)
@@ -93,6 +94,7 @@ class BehaviorCloning(AdvisedPPO):
         led = jnp.where(done < STUDENT_ONLY_AFTER, jnp.clip(1 - done / EXPERT_DECAY_FRACTION, MIN_EXPERT_SHARE, 1), 0.0)
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
+            """Act as the student, or in some rows as the expert."""
             memory, action, outputs = student.act(memory, obs, begins, keys)
             draw = jax.vmap(lambda key: jax.random.uniform(jax.random.fold_in(key, 1)))(keys)
             leads = (draw < led).reshape(-1, *[1] * (action.ndim - 1))

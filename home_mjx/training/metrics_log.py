@@ -168,6 +168,7 @@ def _parse_line(text: str, path: Path, number: int) -> Line:
 
 
 def _is_number(x: Any) -> bool:
+    """Return whether `x` is a finite number and no bool."""
     return isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= sys.float_info.max
 
 

@@ -158,11 +158,13 @@ class PPO:
         choose = self.agent.distribution
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
+            """Apply one step of the network."""
             memory, params, value = self.agent.unroll_step(net, memory, obs, begins)
             action = choose.mode(params) if greedy else jax.vmap(choose.sample)(params, keys)
             return memory, action, {"log_prob": choose.log_prob(params, action), "value": value}
 
         def value(memory: Array, last: dict[str, Array], outputs: dict[str, Array]) -> Array:
+            """Return values of last observations, or those of the step before."""
             if not self._evaluates_last:
                 return outputs["value"]
             return self.agent.unroll_step(net, memory, last, jnp.zeros(memory.shape[0], bool))[2]
@@ -212,6 +214,7 @@ class PPO:
         num_rows = batch.memory.shape[0]
 
         def descend(carry: tuple[Any, Any], rows: Array) -> tuple[tuple[Any, Any], dict[str, Array]]:
+            """Take one gradient step on a minibatch of rows."""
             net, opt = carry
             part = TrainBatch.build_unchecked(
                 memory=batch.memory[rows],

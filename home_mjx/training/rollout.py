@@ -82,6 +82,7 @@ def rollout(
     agents = batch.core.num_agents
 
     def step(actor: RolloutState, _: None) -> tuple[RolloutState, tuple[Transitions, dict[str, Array]]]:
+        """Take one step of all environments."""
         obs, (keys, now) = to_rows(actor.env.obs, agents), split_keys(actor.keys)
         memory, action, outputs = policy.act(actor.memory, obs, actor.is_first, now)
         env = batch.step(params, actor.env, to_envs(policy.clip(action), agents))
@@ -154,6 +155,7 @@ def compute_advantages(
     error = steps.reward + discount * (following * goes_on + steps.truncation_value) - value
 
     def back(later: Array, now: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Return the advantage of a step from the next one's."""
         advantage = now[0] + discount * gae_lambda * now[1] * later
         return advantage, advantage
 

@@ -60,7 +60,7 @@ def encoder_kind(name: str, spec: ArraySpec) -> str:
 
 
 def to_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
-    """Convert to float32 with channels last: divide by the maximum of the spec, or `squash` if it is infinite."""
+    """Convert to float32, channels last even if first in `spec`; divide by its maximum, or `squash` if infinite."""
     if len(spec.shape) == 2:
         x = x[..., None]
     elif spec.shape[0] < spec.shape[-1]:  # such as spectrograms of both ears
