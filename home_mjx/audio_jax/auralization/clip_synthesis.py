@@ -73,7 +73,7 @@ def bursts(length: int, sample_rate: int) -> Samples:
 
 
 def whistle(length: int, sample_rate: int) -> Samples:
-    """Synthesize a whistle: a tone of 1.2 kHz with a vibrato of 150 Hz at 5 Hz."""
+    """Synthesize a whistle: a tone of 1.2 kHz with a vibrato of ±150 Hz at 5 Hz."""
     time = _time(length, sample_rate)
     return np.sin(2 * np.pi * 1200 * time + 30 * np.sin(2 * np.pi * 5 * time))
 

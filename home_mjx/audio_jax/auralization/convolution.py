@@ -70,6 +70,7 @@ def emitted_signal(
     span = jnp.arange(1 - config.memory_length, config.frame + config.num_lookahead, dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
+        """Return the signal of one source."""
         played = clips[jnp.maximum(row, 0), (phase + span) % clips.shape[1]]
         on = schedule_gain(time + span, every, lasts, config.sample_rate)
         return jnp.where(row < 0, 0.0, gain * on * played)

@@ -62,7 +62,7 @@ def energy_envelope(
 def _late(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """Return late energies, and n world directions of incidence (0: `NoLate`, 2: `Baked`) with energies per octave."""
+    """Return late energies, and n world directions of incidence (n = 0: `NoLate`, 2: `Baked`) with energies."""
     if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing

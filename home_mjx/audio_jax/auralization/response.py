@@ -182,11 +182,13 @@ def early_response(
     blank = jnp.zeros(length + reach + _direct_transform_size(config), jnp.float32)
 
     def add(response: Array, path: tuple[Array, Array]) -> tuple[Array, None]:
+        """Add the kernel of one path."""
         begin, kernel = path
         there = jax.lax.dynamic_slice_in_dim(response, begin, kernel.size)
         return jax.lax.dynamic_update_slice_in_dim(response, there + kernel, begin, 0), None
 
     def ear(begin: Int[Array, " p"], kernels: Float[Array, "p t"], direct: Float[Array, " u"]) -> Float[Array, " l"]:
+        """Return the response of one channel."""
         # Paths are added sequentially: a scatter would add overlapping kernels in no fixed order on a GPU.
         response = jax.lax.dynamic_update_slice_in_dim(blank, direct, begin[0], 0)
         response, _ = jax.lax.scan(add, response, (begin[1:], kernels[1:]))
@@ -212,7 +214,7 @@ def path_basis_weights(
 
 
 def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
-    """Compute responses of `path_basis_weights`, delayed by 0 .. 1 samples, from `NUM_KERNEL_PRE_SAMPLES` before 0."""
+    """Compute impulse responses with `path_basis_weights`, delayed by 0 .. 1; 0 is at `NUM_KERNEL_PRE_SAMPLES`."""
     size = _transform_size(config)
     spectra = np.fft.rfft(filter_basis(config.sample_rate).kernel, size)
     parts = (jnp.asarray(x, jnp.float32) for x in (spectra.real, spectra.imag))

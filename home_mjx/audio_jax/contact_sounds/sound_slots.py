@@ -102,6 +102,7 @@ def add_transients(
     lost = jnp.any(taken & sounds) | (jnp.sum(new.gain > 0) > k)
 
     def put(before: Array, after: Array) -> Array:
+        """Write one field of the loudest new sounds to their slots."""
         there = taken.reshape(-1, *[1] * (before.ndim - 1))
         return before.at[slot].set(jnp.where(there, after[loudest], before[slot]))
 
@@ -173,11 +174,13 @@ def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioCon
     blows, loops = jnp.asarray(transient_bank(audio.sample_rate)), jnp.asarray(sustained_bank(audio.sample_rate))
 
     def strike(row: Array, gain: Array, start: Array) -> Array:
+        """Return the signal of one transient slot."""
         at = time + span - start
         played = blows[row, jnp.clip(at, 0, blows.shape[1] - 1)]
         return jnp.where((at >= 0) & (at < blows.shape[1]), gain * played, 0.0)
 
     def rub(row: Array, gain: Array) -> Array:
+        """Return the signal of one sustained slot."""
         place = (span + 1).astype(jnp.float32) / audio.frame  # 0 at the frame's start, 1 at its end
         return _interpolate_gain(gain, place) * loops[row, (time + span) % loops.shape[1]]
 
@@ -197,11 +200,13 @@ def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfi
     loops = jnp.asarray(bank_power(sustained_bank(rate), rate, size).mean(axis=1))
 
     def strike(row: Array, gain: Array, start: Array) -> Array:
+        """Return the power of one transient slot."""
         at = bins + (time - start) // size
         on = (at >= 0) & (at < blows.shape[1])
         return jnp.where(on[:, None], gain**2 * blows[row, jnp.clip(at, 0, blows.shape[1] - 1)], 0.0)
 
     def rub(row: Array, gain: Array) -> Array:
+        """Return the power of one sustained slot."""
         place = (bins.astype(jnp.float32) + 0.5) * (size / audio.frame)
         return _interpolate_gain(gain, place)[:, None] ** 2 * loops[row][None]
 

@@ -115,7 +115,7 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
 
 
 def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
-    """Return for each box whether the segment from source to listener passes through its inside; touching is not."""
+    """Return for each box whether the segment from source to listener passes through its inside, beyond a touch."""
     half = frame.half[:, 0]
     lift = jnp.stack([jnp.zeros_like(half[:, 1]), half[:, 1], jnp.zeros_like(half[:, 1])], axis=1)  # from box centre
     start, end = frame.source[:, 0] + lift, frame.listener[:, 0] + lift

@@ -146,6 +146,7 @@ def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
     """Return whether points in the planes of mirrors are inside their rectangles, with `CORNER_TOLERANCE`."""
 
     def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
+        """Return whether points are within an extent."""
         size = length3(half)
         return jnp.abs(sum3((point - mirror.center) * half)) <= size * (size + CORNER_TOLERANCE)
 

@@ -27,7 +27,7 @@ def transition(x: Float[Array, "*n"]) -> Complex[Array, "*n"]:
     """Approximate the transition function 2 i sqrt(x) exp(i x) ∫ exp(-i t²) dt, t from sqrt(x) on, within 0.007.
 
     Args:
-        x: Detour in radians, >= 0.
+        x: Phase of the detour k L a [rad], >= 0.
 
     Returns:
         0 at x = 0, towards 1 far from the shadow boundary.

@@ -49,7 +49,7 @@ def render_frames(
 ) -> Float[Array, "e m"]:
     """Render the sum of several sources in one frame; they share the final filters and transforms.
 
-    `sources`, `old` and `new` are those of `render_frame` with a leading axis of sources; so is the result, without it.
+    `sources`, `old` and `new` are as in `render_frame`, with a leading axis of sources; the result is their sum.
 
     Example:
         >>> from home_mjx.audio_jax import AudioConfig, Motion

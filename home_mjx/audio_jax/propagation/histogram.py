@@ -69,6 +69,7 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
     """Compute `_sum_in_bins` by products with indicator matrices, because GPU scatters add in no fixed order."""
 
     def add(total: Array, row: tuple[Array, Array]) -> tuple[Array, None]:
+        """Add one row of values."""
         member = (row[0][None] == jnp.arange(count, dtype=jnp.int32)[:, None]).astype(jnp.float32)
         return total + jnp.einsum("kn,nec->kec", member, row[1], precision="highest"), None
 
@@ -103,6 +104,7 @@ def _linear_recurrence(factor: Float[Array, " bands"], added: Float[Array, "k ba
     """Evaluate the recurrence y[k] = factor y[k - 1] + added[k] with y[-1] = 0."""
 
     def join(left: tuple[Array, Array], right: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Join two steps of the recurrence."""
         return left[0] * right[0], left[1] * right[0] + right[1]
 
     return jax.lax.associative_scan(join, (jnp.broadcast_to(factor, added.shape), added))[1]

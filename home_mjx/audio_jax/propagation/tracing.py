@@ -62,7 +62,7 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
         ConfigError: `config.late` is not `Traced`.
 
     Returns:
-        Arrivals and the rays' decay. With the detector "sphere" there are 2 B rows of arrivals.
+        Arrivals and the rays' decay. With the detector "sphere" there are two rows of arrivals per bounce.
     """
     turn_key, choice_key, scatter_key = jax.random.split(key, 3)
     rays = config.traced

@@ -98,10 +98,10 @@ def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Flo
 
 @functools.cache
 def octave_noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
-    """Generate white noises of unit variance with a fixed seed, split into mutually independent octaves.
+    """Generate white noises with a fixed seed, of power 1 in each channel's mix, split into independent octaves.
 
-    They are periodic with the length of a response. Arrays have a leading axis of microphones (`own`), whose noises
-    have the coherence of a diffuse field.
+    They are periodic with the length of a response, and high-passed at 20 Hz. Arrays have a leading axis of microphones
+    (`own`), whose noises have the coherence of a diffuse field.
     """
     length = config.response_length
     frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)

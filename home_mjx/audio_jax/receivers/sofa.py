@@ -141,6 +141,7 @@ def _source_vectors(sofa: Any, count: int, path: Path) -> Float[np.ndarray, "m 3
     """Compute vectors from head centre to sources [m], in the head frame; `DatasetError` without valid view and up."""
 
     def vectors(name: str, kind: str) -> np.ndarray:
+        """Return a field, cartesian, one row per source; `kind`: field with its coordinate type."""
         return _cartesian(_broadcast_rows(_read_numbers(sofa, name, path), (count, 3), path, name), sofa, kind, path)
 
     away = vectors("SourcePosition", "SourcePosition") - vectors("ListenerPosition", "ListenerPosition")

@@ -29,12 +29,14 @@ def compile_chunks() -> tuple[Any, Any]:
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def count(frame):
+        """Return the number of chunks of a call."""
         _ = digest
         return -(-ffi.dim(frame, ffi.RESULTS, 0, 0) // ENVS_PER_CHUNK)
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def work(job):
+        """Render the chunks of a job."""
         _ = digest
         ffi.run_chunks(job, _render_chunk)
         return 0

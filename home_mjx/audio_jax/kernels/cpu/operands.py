@@ -20,14 +20,14 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def constant(frame, index):
-    """Return element `index` (`KIND` or a size) of the integer operand `CONSTANTS`."""
+    """Return element `index` (`KIND` or a size) of the integer operand `CONSTANTS` of XLA's call frame."""
     return int_pointer(ffi.data(frame, ffi.OPERANDS, CONSTANTS))[index]
 
 
 @compiled
 @no_type_check
 def dim(frame, index, axis):
-    """Return the length of an axis of operand `index`."""
+    """Return the length of an axis of operand `index` of XLA's call frame."""
     return ffi.dim(frame, ffi.OPERANDS, index, axis)
 
 

@@ -110,7 +110,10 @@ def factor_hidden_pairs(
 
 
 def _dense_end(decay: Float[np.ndarray, " k"], valid: int) -> int:
-    """Return the start of the first mostly empty block before `valid`, else `valid`; early blocks are exempt."""
+    """Return the start of the first block of `GAP_BLOCK` bins with energy in less than 70 % of them; else `valid`.
+
+    Blocks that begin within `FINE_BINS` are exempt.
+    """
     blocks = decay[: valid // GAP_BLOCK * GAP_BLOCK].reshape(-1, GAP_BLOCK) > 0
     empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
     empty = empty[empty > FINE_BINS // GAP_BLOCK]

@@ -42,6 +42,7 @@ def sum_pairs(
     starts, rooms = np.array([*SPAN_STARTS[1:], bins]), int(room.max()) + 1
 
     def run(target: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return the sums to one cell."""
         mine = np.ascontiguousarray(own[:, target], np.float32)
         later = np.ascontiguousarray(after[:, :, target], np.float32)
         return _sum_target(mine, emitted, later, arrival[:, target], room, starts, rooms)

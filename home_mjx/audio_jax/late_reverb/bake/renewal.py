@@ -38,7 +38,7 @@ def solve_renewal(
     Args:
         source: States from which energy goes to another one, in ascending order.
         target: That state.
-        transfer: The energy.
+        transfer: Energy of each such pair over time.
         received: Energy that cells receive from each state before the next one.
         states: Indices of the states.
     """

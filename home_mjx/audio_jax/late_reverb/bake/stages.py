@@ -60,6 +60,7 @@ def trace_stages(
     rng = np.random.default_rng(seed)
 
     def trace(starts: list[FlightStart], bins: int, **how: bool) -> tuple[SourceSums, RayPool]:
+        """Trace flights; return sums and ended rays."""
         sums, ended = tracer.trace(starts, bins, int(rng.integers(2**31)), **how)
         return sums, RayPool(ended)
 

@@ -206,7 +206,7 @@ def _sum_energy(flight, rays):
 @compiled
 @no_type_check
 def _is_active(balance):
-    """Return whether a flight continues: some octave has relevant active energy."""
+    """Return whether the active energy of an octave exceeds both limits, re aged energy and re that at the start."""
     for b in range(NUM_OCTAVES):
         least = max(MAX_ACTIVE_SHARE * balance[LANES + b], MIN_ENERGY_SHARE * balance[2 * LANES + b])
         if balance[b] > least:
@@ -259,7 +259,10 @@ def _add(pointer, row, value):
 @compiled
 @no_type_check
 def _meet(flight, rays, i, instance, triangle, length, filled):
-    """Record one segment of ray `i` and reduce its energy; return the number of ended rays that are kept."""
+    """Record the segment of ray `i` up to its hit, reduce its energy or end it; return the number of kept ended rays.
+
+    On a miss, `instance` < 0, all its energy counts as absorbed.
+    """
     grid, rules, scratch, sums = flight.grid, flight.rules, flight.scratch, flight.sums
     before, energy = np.int64(rays.room[i]), load(rays.energy, LANES * i)
     if instance < 0:
@@ -373,7 +376,7 @@ def _find_normal(surfaces, direction, at, instance, triangle):
 @compiled
 @no_type_check
 def _record(flight, rays, i, length):
-    """Record a ray's segment in cells at regular times."""
+    """Add the energy and intensity of a ray's segment to cells, at `SAMPLES_PER_BIN` regular times per bin."""
     grid, bins, unit = flight.grid, flight.rules.bins, flight.rules.bin_length / np.float32(SAMPLES_PER_BIN)
     travelled, late = rays.travelled[i], flight.scratch.late[i]
     index = np.int64(np.ceil(travelled / unit - late))

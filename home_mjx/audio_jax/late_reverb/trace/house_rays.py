@@ -258,7 +258,7 @@ def read_memory(at, first):
 @compiled
 @no_type_check
 def cast_rays(scene, origin, direction, memory, count, any_hit):
-    """Cast `count` rays with t_max `memory.reach`; `origin` and `direction` are addresses of arrays (n, 3)."""
+    """Cast `count` rays up to `memory.reach`, results in `memory`; `origin`, `direction`: addresses, (n, 3)."""
     operands, constants = scene.operands, address_of(memory.constants)
     operands[FIRST_RAY_OPERAND], operands[FIRST_RAY_OPERAND + 1] = origin, direction
     operands[FIRST_RAY_OPERAND + 2], operands[FIRST_RAY_OPERAND + 3] = constants, address_of(memory.reach)

@@ -136,6 +136,7 @@ class FlightTracer:
         seeds = np.random.SeedSequence(seed).generate_state(max(len(starts), 1), np.uint64)
 
         def run(source: int) -> EndedRays:
+            """Trace and normalise one source."""
             one, mine = starts[source], SourceSums(*(x[source] for x in sums))
             bounces = int(min(MAX_BOUNCES_PER_METRE * one.age, self.max_bounces))
             kept = (bounces + 1) * len(one.origin) if keeps_ended else 0
