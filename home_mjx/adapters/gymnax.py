@@ -68,11 +68,9 @@ class GymnaxEnv:
         return self.env.action_size
 
     def reset(self, key: Array, params: EnvParams | None = None) -> tuple[GymnaxObs, State]:
-        """Start a new episode.
+        """Start a new episode; the key, typed or raw, determines all random numbers of this and later episodes.
 
-        Args:
-            key: Typed or raw key; it determines all random numbers of this and later episodes.
-            params: Houses and saved episodes; None: `default_params`.
+        `params` are houses and saved episodes; None: `default_params`.
         """
         state = self._reset(self.default_params if params is None else params, to_raw_key(key))
         return self._seen(state.obs), strip_observations(state)

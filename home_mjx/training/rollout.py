@@ -135,20 +135,12 @@ def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Arra
 def compute_advantages(
     steps: Transitions, bootstrap_value: Float[Array, " r"], discount: float, gae_lambda: float
 ) -> Float[Array, "t r"]:
-    """Compute generalised advantages, Schulman et al., 2016 (arXiv:1506.02438).
+    """Compute generalised advantages, Schulman et al., 2016 (arXiv:1506.02438), without normalisation.
 
     A truncated step is bootstrapped with the value of its last observation (`Transitions.truncation_value`). A step
     at which the task ended the episode counts its reward alone (Pardo et al., "Time Limits in Reinforcement
-    Learning", 2018, arXiv:1712.00378).
-
-    Args:
-        steps: The steps; `outputs` contain `value`.
-        bootstrap_value: Values of the observations after the last step.
-        discount: γ.
-        gae_lambda: λ.
-
-    Returns:
-        Advantages, without normalisation.
+    Learning", 2018, arXiv:1712.00378). `steps.outputs` contain `value`; `bootstrap_value` is that of the observations
+    after the last step.
     """
     value, goes_on = steps.outputs["value"], 1.0 - steps.done.astype(jnp.float32)
     following = jnp.concatenate([value[1:], bootstrap_value[None]])

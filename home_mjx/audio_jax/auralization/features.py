@@ -35,17 +35,11 @@ def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
 
 
 def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array, "*c windows bins"]:
-    """Compute short-time Fourier magnitudes; a sine of amplitude 1 has 0.5 at its frequency.
+    """Compute short-time Fourier magnitudes of pressure; a sine of amplitude 1 has 0.5 at its frequency.
 
     Hann windows of 25 ms every 10 ms are zero-padded to a power of two; no window extends beyond the sound. Scale and
-    layout are those of `scipy.signal.stft(..., boundary=None, padded=False)`.
-
-    Args:
-        sound: Pressure.
-        sample_rate: [Hz].
-
-    Returns:
-        Magnitudes; bin k is the frequency k sample_rate / (2 bins - 2) [Hz].
+    layout are those of `scipy.signal.stft(..., boundary=None, padded=False)`. Bin k is the frequency
+    k sample_rate / (2 bins - 2) [Hz].
 
     Raises:
         ConfigError: The sound is shorter than one window.
@@ -77,17 +71,11 @@ def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Flo
 
 
 def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*c lags"]:
-    """Compute the interaural generalized cross-correlation with phase transform, which peaks at time differences.
+    """Compute the generalized cross-correlation with phase transform of the left and right channel.
 
-    Knapp and Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976). The
-    phase transform weights all frequencies equally.
-
-    Args:
-        sound: Left and right channel.
-        sample_rate: [Hz].
-
-    Returns:
-        Correlations in -1 .. 1 at the leads of the left ear in `gcc_leads`.
+    The phase transform weights all frequencies equally, so that the result, -1 .. 1 at the leads of the left ear in
+    `gcc_leads`, peaks at time differences. Knapp and Carter, The generalized correlation method for estimation of time
+    delay, IEEE Trans. ASSP 24 (1976).
 
     Example:
         >>> left = jnp.zeros(400).at[100].set(1.0)

@@ -36,12 +36,7 @@ def impulse_response(
 ) -> Float[Array, "e l"]:
     """Compute the impulse response from a point source to each channel of the receiver.
 
-    Args:
-        scene: The environment, whose `backend` casts the rays.
-        source: The source.
-        listener: The listener.
-        key: Random key, typed or raw. Keep it while a listener moves, so that successive responses are coherent.
-        config: Options.
+    Keep `key`, typed or raw, while a listener moves, so that successive responses are coherent.
 
     Returns:
         Pressure re the source's free field at 1 m, `config.response_length` samples per channel.

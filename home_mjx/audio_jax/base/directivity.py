@@ -24,10 +24,7 @@ class Directivity(Pytree):
 
 
 def stack_directivities(patterns: Sequence[Directivity]) -> Directivity:
-    """Stack the directivities of several sources along a new leading axis, for `SoundSources`.
-
-    Args:
-        patterns: One per source, all with the same number of angles.
+    """Stack directivities with the same number of angles, one per source, along a new leading axis, for `SoundSources`.
 
     Example:
         >>> stack_directivities([talker_directivity(), first_order_directivity(0.0)]).gain.shape

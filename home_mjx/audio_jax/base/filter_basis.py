@@ -140,12 +140,9 @@ def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"
 
 
 def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -> Complex[Array, "p f"]:
-    """Compute real-FFT spectra of minimum-phase filters with these gains per octave; 0 for silent rows.
+    """Compute `rfft` spectra of minimum-phase filters with these amplitude gains, at least 0, per octave; 0 if silent.
 
-    Args:
-        gain: Amplitude gains, at least 0.
-        size: Samples of the transform, so f = size // 2 + 1.
-        sample_rate: [Hz].
+    `size` is that of the transform [samples], so f = size // 2 + 1.
     """
     level, sounds = octave_levels(gain)
     table = causal_octave_log_spectra(size, sample_rate)

@@ -118,6 +118,8 @@ def update_sustained(
 ) -> tuple[SustainedSounds, Bool[Array, ""]]:
     """Update sustained sounds: an emitter keeps its slot until its gains are 0; the loudest new ones take free slots.
 
+    Slots of silent emitters keep their position, body and row.
+
     Args:
         old: Current sounds.
         pos: Positions of all n possible emitters [m]; their row is `SustainedSounds.emitter`.

@@ -77,11 +77,6 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
     A path crosses a face between two opposite sides of the box and touches one or both of its edges. Alternatively it
     runs from one side to a listener above the face.
 
-    Args:
-        boxes: n boxes.
-        source: [m].
-        listener: [m].
-
     Returns:
         24 rows per box; `finite_edge_detour` is inf where there is no path or its edge is not exposed.
     """

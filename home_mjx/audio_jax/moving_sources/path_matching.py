@@ -22,17 +22,10 @@ class PathPairs(Pytree):
 def match_paths(
     old: Paths, new: Paths, old_quat: Float[Array, "4"], new_quat: Float[Array, "4"], longest_step: float
 ) -> PathPairs:
-    """Match paths by name.
+    """Match paths by name, or by index if they have none.
 
-    A path without a partner, silent at one end, or whose image source moves by more than `longest_step` fades in or out
-    in place. Paths without names are matched by index.
-
-    Args:
-        old: Paths at the frame's start.
-        new: Paths at its end.
-        old_quat: Orientation of the head at the start, wxyz.
-        new_quat: Orientation of the head at the end, wxyz.
-        longest_step: Maximum displacement of an image source in one frame [m].
+    Paths without a partner, or silent at one end, fade in or out in place. So do those whose image source moves by more
+    than `longest_step` [m]. Quaternions are those of the head, wxyz.
 
     Returns:
         The paths of `new`, then the `MAX_FADING_PATHS` strongest unmatched ones of `old`, which fade out.

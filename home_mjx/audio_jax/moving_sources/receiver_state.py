@@ -38,12 +38,7 @@ def render_receiver_state(
 ) -> ReceiverState:
     """Compute the parts of `impulse_response` that `render_frame` renders.
 
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        key: Random key; keep it while a listener moves, so that successive states are coherent.
-        config: Options.
+    Keep `key` while a listener moves, so that successive states are coherent.
 
     Returns:
         `config.num_paths` early paths, late energies and the noise draw.

@@ -45,13 +45,11 @@ def missing_energy(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
 
 
 def decay_curve(energy: Float[Array, "*c n"]) -> Float[Array, "*c n"]:
-    """Compute the decay curve [dB re total energy]: Schroeder's backward integral (ISO 3382-1:2009, equation 2).
+    """Compute the decay curve [dB re total energy] of a squared response or of energies per bin.
 
-    Energy beyond the end is added, see `missing_energy`, so that the curve of a short response does not bend down. The
-    curve is −inf where no energy remains, and NaN if there is no energy at all.
-
-    Args:
-        energy: Squared response, or energy per bin.
+    It is Schroeder's backward integral (ISO 3382-1:2009, equation 2). Energy beyond the end is added, see
+    `missing_energy`, so that the curve of a short response does not bend down. The curve is −inf where no energy
+    remains, and NaN if there is no energy at all.
 
     Example:
         >>> decay_curve(jnp.array([9.0, 0.9, 0.1])).round(2).tolist()

@@ -29,14 +29,9 @@ class FloorSurvey(Pytree):
 def survey_floor(
     scene: Scene, source: SoundSource, positions: Float[Array, "n 3"], key: Array, config: AudioConfig
 ) -> FloorSurvey:
-    """Compute level and reverberation time at many places from energies, without a waveform.
+    """Compute level and reverberation time at many world positions [m] from energies, without a waveform.
 
-    Args:
-        scene: Scene of the environment.
-        source: Sound source.
-        positions: Positions of omnidirectional microphones [m].
-        key: Random key, shared by all places; unused if late sound is baked.
-        config: Options; the receiver is ignored.
+    Microphones are omnidirectional, whatever `config.receiver`. All share `key`; it is unused if late sound is baked.
 
     Example:
         >>> found = survey_floor(scene, SoundSource(radio), places, jax.random.key(0), config)  # doctest: +SKIP

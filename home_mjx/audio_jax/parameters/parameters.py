@@ -13,16 +13,10 @@ FILTER_LEAD = 0.032  # [s], start of bands before the response, because zero-pha
 
 
 def octave_responses(response: Float[Array, "*c n"], sample_rate: int) -> Float[Array, "*c bands m"]:
-    """Filter a response into octave bands from 125 to 8000 Hz, in each of which a unit pulse has energy 1.
+    """Filter a pressure response into octave bands from 125 to 8000 Hz, in each of which a unit pulse has energy 1.
 
-    Filters have zero phase; their energy gains are those of `octave_gains`, scaled to that energy.
-
-    Args:
-        response: Pressure over time.
-        sample_rate: [Hz].
-
-    Returns:
-        Pressure per band, from `FILTER_LEAD` seconds before the response on.
+    Filters have zero phase; their energy gains are those of `octave_gains`, scaled to that energy. Results begin
+    `FILTER_LEAD` seconds before the response.
     """
     length, lead = response.shape[-1], round(FILTER_LEAD * sample_rate)
     size = 2 * length + 2 * lead

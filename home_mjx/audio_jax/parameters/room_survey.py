@@ -46,14 +46,8 @@ def survey_room(
 ) -> Survey:
     """Trace once and compute the parameters of ISO 3382-1 for two ears, an omnidirectional and a lateral microphone.
 
-    If `config.late` is `Baked`, late sound is looked up instead of traced.
-
-    Args:
-        scene: Scene of the environment.
-        source: Sound source.
-        listener: Listener; the axis of the figure-of-eight microphone is that of its ears.
-        key: Random key.
-        config: Options; the default has enough rays and duration for measurements.
+    The lateral microphone is a figure-of-eight along the axis of the ears. If `config.late` is `Baked`, late sound is
+    looked up instead of traced. The default options have enough rays and duration for measurements.
 
     Raises:
         ConfigError: The receiver is neither `Binaural` nor `Omni`.

@@ -44,12 +44,7 @@ def early_paths(
 ) -> Paths:
     """Compute the direct path, diffracted paths and the shortest reflections.
 
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        config: Options.
-        producers: Producers of paths; the first yields the direct path. None or empty: those that the options select.
+    The first of `producers` yields the direct path; None or empty: those that the options select.
 
     Returns:
         The paths of all producers in order, by default 1 + E + R: E is `config.early.num_edges`, and R is

@@ -42,7 +42,7 @@ class _Ray(NamedTuple):
 
 
 def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig) -> Trace:
-    """Trace rays from the listener through specular and Lambert reflections.
+    """Trace rays from the listener through specular and Lambert reflections; the same key yields the same rays.
 
     By reciprocity, energy traced from the listener equals that from the source. A hit at distance d that sees the
     source contributes 4 e (1 - absorption) s cos / d², with ray energy e and scattering coefficient s. This is
@@ -50,13 +50,6 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
     detector of `config.late`. Specular reflections in architecture up to `config.early.reflection_order` are excluded
     because early paths render them. Contributions are weighted by the source's directivity. With `octave_rays` a ray
     carries one octave and scatters by that octave's coefficient.
-
-    Args:
-        scene: The environment.
-        source: The source.
-        listener: The listener.
-        key: Random key, typed or raw; the same key yields the same rays.
-        config: Options.
 
     Raises:
         ConfigError: `config.late` is not `Traced`.

@@ -130,10 +130,8 @@ def channel_filters(
 def ambisonic_gains(toward: Float[Array, "p 3"]) -> Float[Array, "p 4"]:
     """Compute first-order ambisonics gains in ACN order and SN3D scale: W, Y (left), Z (up), X (ahead).
 
-    Nachbar, Zotter, Deleflie and Sontacchi, ambiX: a suggested ambisonics format, 2011.
-
-    Args:
-        toward: Unit vectors towards the directions of incidence, in the head frame.
+    `toward`: unit vectors towards the directions of incidence, in the head frame. Nachbar, Zotter, Deleflie and
+    Sontacchi, ambiX: a suggested ambisonics format, 2011.
 
     Example:
         >>> ambisonic_gains(jnp.array([[1.0, 0.0, 0.0]])).tolist()  # from the right

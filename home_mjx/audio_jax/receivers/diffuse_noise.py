@@ -68,13 +68,8 @@ def _turning_radius(config: AudioConfig) -> float:
 def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: float) -> Float[np.ndarray, " f"]:
     """Compute the coherence of the pressures at two free-field points in a diffuse field: sin(k d) / (k d).
 
-    Cook, Waterhouse, Berendt, Edelman and Thompson, Measurement of correlation coefficients in reverberant sound
-    fields, JASA 27 (1955).
-
-    Args:
-        frequency: [Hz].
-        distance: [m].
-        speed: Speed of sound [m/s].
+    Frequencies are in Hz, the distance in m, the speed of sound in m/s. Cook, Waterhouse, Berendt, Edelman and
+    Thompson, Measurement of correlation coefficients in reverberant sound fields, JASA 27 (1955).
     """
     return np.sinc(2 * frequency * distance / speed)
 

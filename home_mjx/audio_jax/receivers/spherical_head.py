@@ -34,20 +34,12 @@ class EarTable(NamedTuple):
 def sphere_spectrum(
     frequency: Float[np.ndarray, " f"], angle: Float[np.ndarray, " a"], radius: float, speed: float
 ) -> Complex[np.ndarray, "a f"]:
-    """Compute the pressure on a rigid sphere in a plane wave, re the free field at its centre.
+    """Compute the complex pressure on a rigid sphere in a plane wave, re the free field at its centre.
 
     Rayleigh's series for a distant source is H = i / μ² Σ (-i)^m (2m + 1) P_m(cos θ) / h'_m(μ), μ = 2 π f a / c. It is
-    conjugated for the time convention exp(+iωt) of FFTs. Source: Duda and Martens, Range dependence of the response of
-    a spherical head model, JASA 104 (1998).
-
-    Args:
-        frequency: [Hz].
-        angle: Between the direction of the source and the point on the sphere [rad].
-        radius: [m].
-        speed: Speed of sound [m/s].
-
-    Returns:
-        Complex gains.
+    conjugated for the time convention exp(+iωt) of FFTs. The angle θ [rad] is between the source and the point on the
+    sphere; units are Hz, m and m/s. Source: Duda and Martens, Range dependence of the response of a spherical head
+    model, JASA 104 (1998).
     """
     mu = np.maximum(2 * np.pi * frequency * radius / speed, 1e-3)
     order = np.arange(int(mu.max() * 1.2) + 20)
@@ -61,20 +53,11 @@ def sphere_spectrum(
 def near_sphere_spectrum(
     frequency: Float[np.ndarray, " f"], angle: Float[np.ndarray, " a"], distance: float, radius: float, speed: float
 ) -> Complex[np.ndarray, "a f"]:
-    """Compute the pressure on a rigid sphere from a point source, re the free field at its centre.
+    """Compute the complex pressure on a rigid sphere from a point source, re the free field at its centre.
 
-    H = -(ρ / μ) exp(-i μ ρ) Σ (2m + 1) P_m(cos θ) h_m(μ ρ) / h'_m(μ) with ρ = distance / radius (Duda and Martens). It
-    is conjugated as in `sphere_spectrum`, which is its limit for large distances.
-
-    Args:
-        frequency: [Hz].
-        angle: Between the direction of the source and the point on the sphere [rad].
-        distance: Of the source from the centre [m]; more than `radius`.
-        radius: [m].
-        speed: Speed of sound [m/s].
-
-    Returns:
-        Complex gains.
+    H = -(ρ / μ) exp(-i μ ρ) Σ (2m + 1) P_m(cos θ) h_m(μ ρ) / h'_m(μ) with ρ = distance / radius > 1 (Duda and Martens).
+    Conjugation, angles and units are those of `sphere_spectrum`, which is its limit for large distances of the source
+    from the centre.
 
     Example:
         >>> near, far = near_sphere_spectrum(np.array([500.0]), np.array([0.0, np.pi]), 0.25, 0.0875, 343.2)
@@ -116,13 +99,8 @@ def diffuse_coherence(
     """Compute the coherence of the pressures at two points of a rigid sphere in a diffuse field.
 
     It is Σ w_m P_m(cos angle) / Σ w_m with w_m = (2m + 1) / |h'_m(μ)|², which is real. This follows from the addition
-    theorem of Legendre polynomials for the integral of `sphere_spectrum` over all directions.
-
-    Args:
-        frequency: [Hz].
-        angle: Between the two points, seen from the centre [rad].
-        radius: [m].
-        speed: Speed of sound [m/s].
+    theorem of Legendre polynomials for the integral of `sphere_spectrum` over all directions. The angle [rad] is
+    between both points, seen from the centre; units are Hz, m and m/s.
 
     Example:
         >>> diffuse_coherence(np.array([20.0, 500.0]), np.pi, 0.0875, 343.2).round(2).tolist()

@@ -177,7 +177,10 @@ def _make_response(frame, number, channel, response, size):
 @compiled
 @no_type_check
 def _make_piece(amplitude, mix, noise, hats, first, size, response):
-    """Write four vectors (`LANES` samples) of a bin's response, from sample `first` on; the last ones may overlap."""
+    """Write four vectors (`LANES` samples) of a bin's response, from sample `first` on; the last ones may overlap.
+
+    Each octave's noises, weighted by `mix`, are multiplied by its `amplitude` at knots, interpolated by `hats`.
+    """
     bands, length, last = size.bands, size.bins * size.bin, size.bin - LANES
     at = min(first, last), min(first + LANES, last), min(first + 2 * LANES, last), min(first + 3 * LANES, last)
     a = b = c = d = broadcast(ZERO)

@@ -106,13 +106,8 @@ def shortest_paths(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n
 def build_lattice(house: CompiledHouse, rays: HouseRays, cells: Cells, size: float) -> dict[str, np.ndarray]:
     """Compute the lattice fields of a `LateField`: the visible cells around each lattice point, and their weights.
 
-    Points are about `LATTICE_STEP` apart, at `EAR_HEIGHT`.
-
-    Args:
-        house: The house.
-        rays: Its arrays, for visibility rays.
-        cells: Its cells.
-        size: Edge length of a cell [m]; cells have weight up to `CELL_REACH * size`.
+    Points are about `LATTICE_STEP` apart, at `EAR_HEIGHT`. `size` is the edge length of a cell [m]; cells have weight
+    up to `CELL_REACH * size`.
     """
     stride = max(round(LATTICE_STEP / cells.step), 1)
     levels, rows, columns = cells.lookup.shape

@@ -38,7 +38,7 @@ class Accumulator:
         after: Float[np.ndarray, "bands g n k"],
         flown: float,
     ) -> None:
-        """Add energies, see `sum_pairs`, and the path length that most rays travelled [m]."""
+        """Add energies, see `sum_pairs`; `flown`, the path length that most rays travelled [m], limits decay fits."""
         pair, shape = sum_pairs(own, emitted, after, self.arrival, self.room)
         self.pair += pair
         self.shape += shape
