@@ -72,7 +72,10 @@ class StraightLine(NamedTuple):
 
 
 def trace_straight_line(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> StraightLine:
-    """Trace the straight line through all surfaces on it except those of the source's and listener's bodies."""
+    """Trace the straight line through all surfaces on it except those of the source's and listener's bodies.
+
+    It runs from the listener; each partition and each object counts once, within `config.early.max_crossings` hits.
+    """
     offset = source.pos - listener.pos
     distance = jnp.maximum(length3(offset), MIN_PATH_LENGTH)
     direction = offset / distance
