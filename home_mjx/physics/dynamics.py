@@ -40,7 +40,7 @@ def reset(
         template: Model of the bank's capacity.
         bank: Houses.
         house: Index of the house.
-        agent_pos: Position of each agent's feet, on the floor [m].
+        agent_pos: Position of each agent's feet in the world, on the floor [m].
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
             None: the authored pose.
@@ -82,6 +82,7 @@ def reset(
 
 
 def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, door_angle: Array | None) -> None:
+    """Raise `ConfigError` unless positions (a, 3), yaws (a) and door coordinates (h) or None have these shapes."""
     check_shape("agent_pos", jnp.shape(agent_pos), (layout.num_agents, 3))
     check_shape("agent_yaw", jnp.shape(agent_yaw), (layout.num_agents,))
     if door_angle is not None:
@@ -89,7 +90,10 @@ def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, doo
 
 
 def _awake_accelerations(layout: Layout) -> Float[Array, " v"]:
-    """Return the initial `qacc`, not 0 for bodies and doors: those with zero velocity and acceleration are asleep."""
+    """Return the initial `qacc`: bodies fall by gravity, doors have `MIN_AWAKE_ACCELERATION`, agents 0.
+
+    Bodies and doors whose velocity and acceleration are both zero would be asleep.
+    """
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
     agents = jnp.zeros(4 * layout.num_agents, jnp.float32)
     doors = jnp.full(layout.num_doors, MIN_AWAKE_ACCELERATION, jnp.float32)
@@ -106,11 +110,8 @@ def step(
         bank: Houses.
         house: Index of the house.
         state: State before the step.
-        action: Forward, left and counter-clockwise rate of each agent in its own frame. 1 is its maximum rate; values
-            are clipped to [-1, 1].
-
-    Returns:
-        The state after the step.
+        action: Forward, left and counter-clockwise command of each agent in its own frame, clipped to [-1, 1]. It is a
+            fraction of maximum speeds, or of the maximum force (`PhysicsConfig.control`).
 
     Raises:
         ConfigError: The action does not have three numbers per agent, or the program is compiled for a platform that
@@ -122,7 +123,7 @@ def step(
 def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Step as `step` does and report overflows of fixed-size buffers.
+    """Step as `step` does, and also report overflows of fixed-size contact buffers.
 
     MJX reports overflow of contact pairs and contact points for the last physics step only. All other flags cover the
     whole control step.
@@ -134,12 +135,8 @@ def step_checked(
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
     """Return the state with each agent's velocity and yaw rate set to the action's target; vertical velocity is kept.
 
-    In free space, a step with the same action then moves the agents by exactly that velocity.
-
-    Args:
-        template: Model of the bank's capacity.
-        state: Physics state.
-        action: As for `step`, but not clipped.
+    `action` is that of `step` but is not clipped. In free space, a step with the same action then moves the agents by
+    exactly that velocity.
     """
     fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
     forward, left, turn = (action * fastest).T
@@ -151,31 +148,22 @@ def with_agent_speed(template: Template, state: PhysicsState, action: Float[Arra
 
 
 def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsState) -> PhysicsState:
-    """Return `before` where `broken` is true, else `state`."""
+    """Return `before` if the scalar `broken` is True, else `state`; works inside `jit`."""
     return jax.tree.map(lambda new, old: jnp.where(broken, old, new), state, before)
 
 
 def is_unstable(state: PhysicsState) -> Bool[Array, ""]:
-    """Return whether any pose or speed is NaN or exceeds `MAX_VALID_MAGNITUDE`."""
+    """Return whether any element of `qpos` or `qvel` is NaN or at least `MAX_VALID_MAGNITUDE` in magnitude."""
     return ~(jnp.all(jnp.abs(state.qpos) < MAX_VALID_MAGNITUDE) & jnp.all(jnp.abs(state.qvel) < MAX_VALID_MAGNITUDE))
 
 
 def is_out_of_bounds(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState
 ) -> Bool[Array, " m"]:
-    """Return whether each agent's or movable body's centre is outside the lot's fence, or its bottom below the ground.
+    """Return whether each agent, then each movable body, has left the lot; unused bodies are False.
 
-    The bottom counts from `MIN_DEPTH_BELOW_FLOOR` below the ground floor on. Bodies that fell through an upper floor
-    only are not reported.
-
-    Args:
-        template: Model of the bank's capacity.
-        bank: Houses.
-        house: Index of the house.
-        state: Physics state.
-
-    Returns:
-        One flag per agent, then one per movable body. Unused bodies are False.
+    Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
+    ground floor. Bodies that fell through an upper floor only are not reported.
     """
     physics, agents = bank.physics, agent_pose(template, state)[0]
     pos, quat = body_pose(template, state)
@@ -197,7 +185,7 @@ def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a
 
 
 def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3"]:
-    """Return each agent's forward and left velocity [m/s] and its yaw rate [rad/s], in the agent's frame."""
+    """Return each agent's forward and left velocity in its own frame [m/s], and its yaw rate [rad/s]."""
     _, yaw = agent_pose(template, state)
     velocity = state.qvel[template.layout.agent_qpos].reshape(-1, 4)
     x, y = velocity[:, 0], velocity[:, 1]

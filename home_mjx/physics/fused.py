@@ -50,7 +50,10 @@ SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory p
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
-    """Run the GPU kernel on operands as in `numba.params`, (e, ...) after the shared ones; return the results."""
+    """Run the GPU kernel; return its results without the scratch memory.
+
+    `operands` are in the order of `numba.params`: `NUM_SHARED` of all houses, then one row per environment (e, ...).
+    """
     houses, statics = operands[COLLIDER_POS].shape[:2]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
@@ -75,6 +78,7 @@ def compile_kernel() -> str:
 
 
 def _compile_chunks() -> tuple[Any, Any]:
+    """Compile the CPU functions of `numba.chunks`, which is imported only here since Numba loads slowly."""
     from home_mjx.physics.numba.chunks import compile_chunks
 
     return compile_chunks()
@@ -104,6 +108,7 @@ def step_fused(
 def _step_native(
     platform: str, template: Template, physics: Physics, house: Array, state: PhysicsState, action: Array
 ) -> tuple[PhysicsState, Overflow]:
+    """Step with the kernel of `platform`, "cpu" or "cuda"; return the new state and the overflow flags."""
     numbers = jnp.asarray(step_params(template.config), jnp.float32)
     scale = (state.scale or BodyScale()).factors
     held = jnp.clip(state.held, -1, physics.body_valid.shape[1] - 1)  # native code does not check bounds
@@ -154,12 +159,13 @@ def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
 
 @functools.cache
 def _batched(platform: str) -> Step:
+    """Return the kernel call of a platform; `vmap` batches it, and gradients raise `ConfigError`."""
     run = functools.partial(_run, STEPS[platform])
     return forbid_gradient(batch_kernel(run, NUM_SHARED, NUM_RESULTS), "the fused physics step")
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
-    """Call `step` on operands as in `numba.params`; return results, zeros if there are no environments or agents."""
+    """Call `step` with operands as in `numba.params` and its result shapes; zeros without environments or agents."""
     _, qpos, qvel, qacc, action, _, _, goal, _ = operands[NUM_SHARED:]
     envs, agents = action.shape[:2]
     mobiles = agents + operands[BODY_VALID].shape[1] + goal.shape[1]

@@ -56,7 +56,7 @@ class HandCommands(Pytree):
 def apply_hand_commands(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, commands: HandCommands
 ) -> PhysicsState:
-    """Apply per agent drop or throw, then pick, place and door; ignore commands that are not possible.
+    """Apply each agent's drop or throw, then pick, place and door command; ignore commands that are not possible.
 
     An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
     hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
@@ -135,6 +135,7 @@ def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Arra
 
 
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
+    """Grasp `body` (-1: none), which keeps its orientation, if the hand is empty and the body free, near and light."""
     config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
     _, quat = _body(template, state, own)
     near = _distance(template, bodies, state, a, own) <= jnp.float32(config.reach)
@@ -153,9 +154,9 @@ def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int
 def _distance(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]
 ) -> Float[Array, ""]:
-    """Return the distance from an agent's axis to the nearest point of a body's box [m].
+    """Return the distance from an agent's vertical axis, over its height, to the nearest point of a body's box [m].
 
-    The axis is sampled at 17 heights, which gives an accuracy of 1 cm.
+    It is exact to 1 cm, since the axis is sampled at 17 heights; 0 if the axis crosses the box.
     """
     at, _ = _agent(template, state, a)
     pos, quat = _body(template, state, body)
@@ -168,7 +169,7 @@ def _distance(
 
 
 def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array, "3"]:
-    """Return an offset from an agent's centre with z replaced by its distance beyond the axis' ends, 0 between [m]."""
+    """Return an offset [m] from an agent's centre with z replaced by its excess beyond the axis' ends; 0 between."""
     return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
 
 
@@ -186,7 +187,10 @@ def _carry_grip(
 def _start_place(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
-    """Start to place the held body on `spot` [m] if one is held and `spot` in reach; else go on with an earlier one."""
+    """Start to place the held body on the surface point `spot` [m] if it is finite, in reach, and a body is held.
+
+    Otherwise an earlier placement, if any, goes on. Both update the grip, see `_track_place_target`.
+    """
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
@@ -198,7 +202,7 @@ def _start_place(
 
 
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
-    """Return the target of a placed body's centre [m]: the spot plus half height and `PLACE_CLEARANCE`; inf if none."""
+    """Return the held body's target centre [m]: surface point plus half height and `PLACE_CLEARANCE`; inf if none."""
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
     rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(PLACE_CLEARANCE)
@@ -206,7 +210,7 @@ def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState
 
 
 def _track_place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    """Update the grip of a placing hand as its agent moves: first above the spot, then down to it; else no change."""
+    """Update the grip position of a placing hand as its agent moves: first 0.1 m above the target, then down to it."""
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     target = _place_target(template, bodies, state, a)
@@ -218,6 +222,7 @@ def _track_place_target(template: Template, bodies: MovableBodies, state: Physic
 
 
 def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
+    """Open the hand if its body is placed or torn away; carry it again after `MAX_PLACE_STEPS` steps of placing."""
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     puts = jnp.isfinite(state.place_target[a, 0])
@@ -243,7 +248,7 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
 def _command_door(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Set the goal of the commanded door to fully open or closed; no effect if it is out of reach, unused or -1."""
+    """Set the drive goal of the commanded door to fully open or closed; no effect if out of reach, unused or -1."""
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
     middle, quat = jax.tree.map(lambda x: x[door], leaves.pose_at(door_angle(template, state)))

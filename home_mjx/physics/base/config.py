@@ -90,6 +90,7 @@ class PhysicsConfig:
         self._check_bodies()
 
     def _check_bodies(self) -> None:
+        """Raise `ConfigError` unless `bodies` is a tuple of `AgentBody`, either empty or one per agent."""
         if not isinstance(self.bodies, tuple):
             raise ConfigError(f"`bodies` must be a tuple, got {self.bodies!r}", element="PhysicsConfig.bodies")
         for body in self.bodies:
@@ -110,6 +111,7 @@ class PhysicsConfig:
                 raise ConfigError(f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=hint)
 
     def _check_numbers(self) -> None:
+        """Raise `ConfigError` unless numbers are positive, `WHOLE_NUMBERS` integers, `OPTIONAL_NUMBERS` or None."""
         for name, value in vars(self).items():
             if name in NON_NUMERIC_OPTIONS or (value is None and name in OPTIONAL_NUMBERS):
                 continue

@@ -38,7 +38,7 @@ def motor_forces(
     Args:
         config: Options.
         agent: Row of `agent_table`.
-        action: Forward, left and counter-clockwise, clipped to [-1, 1].
+        action: Forward, left and counter-clockwise fractions of the maximum speeds, clipped to [-1, 1].
         yaw: [rad]
         velocity: World frame x, y, z [m/s] and yaw rate [rad/s].
 

@@ -26,7 +26,7 @@ class DoorLeaves(Pytree):
 
     @classmethod
     def from_physics(cls, physics: Physics) -> "DoorLeaves":
-        """Gather the leaves of all houses, with axes (house, door, ...); missing leaves have half extents of -1."""
+        """Gather the leaves of all houses, with leading axes (house, door); padding has half extents of -1."""
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
         return cls(
@@ -74,11 +74,11 @@ class DoorLeaves(Pytree):
 
     @property
     def inverse_spin_weight(self) -> Float[Array, "*h"]:
-        """MuJoCo's rotational `body_invweight0` [1/(kg m^2)]; 0 for a sliding leaf."""
+        """MuJoCo's rotational `body_invweight0`, 1 / (3 `inertia`) [1/(kg m^2)]; 0 for a sliding leaf."""
         return self.hinge_mask / self.inertia / 3
 
     def pose_at(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
-        """Return the centre [m] and orientation (wxyz), in the world, of each leaf at a joint coordinate [rad], [m]."""
+        """Return each leaf's centre [m] and orientation (wxyz) in the world at its joint coordinate (`DoorLeaves`)."""
         angle = self.hinge_mask * coordinate
         cos, sin = jnp.cos(angle), jnp.sin(angle)
         x = self.pivot[..., 0] + cos * self.arm[..., 0] - sin * self.arm[..., 1] + self.slide[..., 0] * coordinate

@@ -34,7 +34,7 @@ NOT_DRIVEN = 1e9  # goal of a door that is not driven
 
 
 def hand_time_constant(config: PhysicsSetup) -> float:
-    """Return the velocity time constant of hands [s]: `HAND_TIME_CONSTANT`, but at least two physics steps."""
+    """Return the velocity time constant of hands [s], at least two physics steps for stability."""
     return max(HAND_TIME_CONSTANT, 2 * config.timing.sim_dt)
 
 

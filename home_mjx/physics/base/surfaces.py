@@ -19,9 +19,10 @@ FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)
 
 
 def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5"]:
-    """Return the contact parameters of the bodies of all houses (house, body); options override their materials.
+    """Return the contact parameters of all houses' movable bodies (house, body, 5); padding is included.
 
-    Columns: sliding friction, stiffness [1/s^2], damping [1/s], minimum impedance, its width [m].
+    Friction and restitution of `config` replace those of the materials unless they are None. Columns: sliding friction,
+    stiffness [1/s^2], damping [1/s], minimum impedance, width of the impedance curve [m].
     """
     friction, ratio = physics.body_friction, physics.body_damping_ratio
     if config.friction is not None:

@@ -11,14 +11,17 @@ MIN_PUSH_LEVER = 0.1  # [m], minimum distance from the hinge at which a leaf can
 
 
 def leaf_boxes(leaves: DoorLeaves, angle: Float[Array, " h"]) -> OrientedBoxes:
-    """Return the boxes of the leaves in the world at joint coordinates [rad], [m]."""
+    """Return the leaves' boxes in the world at joint coordinates [rad], or [m] if sliding."""
     return OrientedBoxes(*leaves.pose_at(angle), leaves.size)
 
 
 def drive_doors(
     leaves: DoorLeaves, angle: Float[Array, " h"], goal: Float[Array, " h"], dt: float
 ) -> Float[Array, " h"]:
-    """Return joint coordinates moved to their goals by at most `MAX_DOOR_SPEED * dt`; unchanged if `NOT_DRIVEN`."""
+    """Return joint coordinates moved to their goals by at most `MAX_DOOR_SPEED * dt`; unchanged where `NOT_DRIVEN`.
+
+    Goals are clipped to the joint ranges; `dt` is in seconds.
+    """
     most = jnp.float32(MAX_DOOR_SPEED * dt)
     way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
     return jnp.where(goal < NOT_DRIVEN, angle + way, angle)
@@ -31,7 +34,7 @@ def push_doors(
     radius: Float[Array, " a"],
     half: Float[Array, " a"],
 ) -> Float[Array, " h"]:
-    """Return joint coordinates after agents have pushed overlapping leaves away, within the limits of hinges and rails.
+    """Return joint coordinates after agents have pushed overlapping leaves away, clipped to the joint ranges.
 
     Agents push hinged leaves at their faces and sliding ones at their narrow ends. The correction is first order and
     summed over agents. So overlap can remain, as it does close to a hinge, where agents do not push.

@@ -24,7 +24,7 @@ class Footprints(Pytree):
     top: Float[Array, "*n"]
 
     def without_boxes_below(self, height: Float[Array, ""]) -> "Footprints":
-        """Return the boxes with those disabled (`bottom` is inf) whose top is at or below a height [m]."""
+        """Return the boxes with those disabled (`bottom` = inf) whose top is at or below a height [m]."""
         return self.replace(bottom=jnp.where(self.top <= height, jnp.inf, self.bottom))
 
     @classmethod
@@ -69,8 +69,8 @@ def move_and_slide(
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """Move agent `agents.index` from centre `old` by `way` [m]; return its centre and the number of touched obstacles.
 
-    Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, and stays at
-    `old` in a gap that is too narrow. `way` is at most one radius.
+    Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, horizontally, and
+    stays at `old` in a gap that is too narrow. `way` is at most one radius.
     """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)
@@ -85,7 +85,7 @@ def move_and_slide(
 
 
 def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
-    """Return the depth of the moving agent at `pos` in each box, then each agent [m]; negative outside or in itself."""
+    """Return the moving agent's depth at `pos` in each box, then in each agent [m]; negative: no overlap, or itself."""
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
@@ -99,7 +99,10 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 
 
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's horizontal distance from each box [m], negative inside, and outward unit vector in u and v."""
+    """Return a point's horizontal signed distance from each box [m], negative inside, and outward unit vector (u, v).
+
+    The vector is in the box's own axes, away from the nearest side or corner.
+    """
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     beyond_u, beyond_v = jnp.abs(u) - boxes.half_u, jnp.abs(v) - boxes.half_v
@@ -115,7 +118,7 @@ def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, A
 def _depenetration(
     boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"], depth: Float[Array, " n"]
 ) -> Array:
-    """Return the horizontal displacement (3) that resolves the deepest `_penetration_depths`; 0 if all are negative."""
+    """Return the displacement (x, y, 0) [m] that resolves the deepest `_penetration_depths`; 0 if none is positive."""
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
     _, u, v = _side_distances(box, pos)

@@ -29,7 +29,10 @@ MAX_STEP_HEIGHT = MAX_SUPPORT_OVERLAP
 def step_kinematic(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance agents, doors and held bodies by one control step; see `dynamics.step_checked`. Nothing overflows."""
+    """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
+
+    Velocities are displacements over the step; only agents have one. Contacts have no impulses. Nothing overflows.
+    """
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
     angle = drive_doors(leaves, state.qpos[layout.door_qpos], state.door_goal, config.timing.ctrl_dt)
@@ -75,7 +78,11 @@ def step_kinematic(
 
 
 def _num_substeps(config: PhysicsSetup) -> int:
-    """Return the number of substeps, each at most one radius against tunnelling; `ConfigError` above `MAX_SUBSTEPS`."""
+    """Return the number of substeps, in each of which no agent moves farther than its radius, against tunnelling.
+
+    Raises:
+        ConfigError: It exceeds `MAX_SUBSTEPS`.
+    """
     dt = config.timing.ctrl_dt
     steps = max(1, *(math.ceil(math.hypot(b.forward_speed, b.strafe_speed) * dt / b.radius) for b in config.agents))
     if steps > MAX_SUBSTEPS:

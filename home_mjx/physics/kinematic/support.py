@@ -22,13 +22,13 @@ def drop_released_bodies(
     qpos: Float[Array, " q"],
     boxes: Footprints,
 ) -> Float[Array, " q"]:
-    """Return positions after released bodies have dropped onto their support, at most one body per agent.
+    """Return `qpos` after released bodies have dropped onto the highest support below them, at most one body per agent.
 
     Args:
         template: Model of the bank's capacity.
         physics: Physics arrays of the bank.
         house: Index of the house.
-        state: State at the start of the step; a body with nonzero speed was released.
+        state: State at the start of the step; a body with nonzero velocity was released.
         qpos: Positions after the step.
         boxes: Possible supports: static boxes, then the movable bodies.
     """
@@ -55,7 +55,7 @@ def support_height(
     pos: Float[Array, "3"],
     foot: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Return the height of an agent's support: a floor, a ramp, or a box that it can step on.
+    """Return the height of an agent's highest support: the ground floor, a ramp, or a box that it can step on.
 
     Args:
         boxes: Static boxes.
@@ -66,7 +66,7 @@ def support_height(
 
     Returns:
         Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter
-        is 0 except on ramps: a ramp ends at a floor whose edge the agent meets before it reaches that height.
+        is `MAX_RAMP_GAP` on ramps, else 0. An agent meets the edge of a ramp's upper floor before it is that high.
     """
     half_u, half_v = ramps[:, 4], ramps[:, 5]
     along, across, surface = ramp_coordinates(ramps, pos)

@@ -67,7 +67,11 @@ def _add_hand_force(
     now: tuple[Float[Array, " q"], Float[Array, " v"]],
     applied: Float[Array, " v"],
 ) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
-    """Add an agent's hand force at `now` (qpos, qvel) to `applied`; return it and the agent's reaction (x, y) [N]."""
+    """Add the force of agent `a`'s hand on its body to `applied`; nothing if the hand is empty. `now` is (qpos, qvel).
+
+    Returns:
+        `applied`, and the reaction on the agent along world x and y [N].
+    """
     layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]
     agent, speed = qpos[4 * a : 4 * a + 4], qvel[4 * a : 4 * a + 4]

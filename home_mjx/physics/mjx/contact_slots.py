@@ -61,7 +61,7 @@ def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
 
 
 def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"]:
-    """Return the largest gap between one box and each of others along the six face axes of both [m].
+    """Return the largest gap between the owner's box and each static box along the six face axes of both [m].
 
     Negative values mean overlap. The result is a lower bound of the distance, and exact if faces are opposite each
     other. The edge pairs of the separating axis test are omitted (Gottschalk et al. 1996).
@@ -80,9 +80,9 @@ def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"
 def fill_slots(
     owner: OrientedBoxes, static: OrientedBoxes, num: int
 ) -> tuple[OrientedBoxes, Int[Array, " num"], Bool[Array, ""]]:
-    """Select the `num` static boxes nearest to an owner and cut them to its surroundings.
+    """Select the `num` static boxes nearest to an owner and crop them to its surroundings.
 
-    MJX's broad phase ranks pairs by bounding spheres. Without the cut, the spheres of long walls would displace real
+    MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls would displace real
     contacts. Boxes beyond `MAX_SLOT_DISTANCE` are parked for the same reason.
 
     Args:
@@ -91,7 +91,8 @@ def fill_slots(
         num: Number of slots.
 
     Returns:
-        The boxes in the slots, their indices in `static` (also if parked), and whether more than `num` boxes touch it.
+        The boxes in the slots, nearest first; their indices in `static` (also if parked); whether more than `num` boxes
+        overlap the owner.
     """
     gap = separation(owner, static)
     _, index = jax.lax.top_k(-gap, num)
@@ -129,6 +130,7 @@ def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, 
 
 
 def _components(vectors: Float[Array, "*n 3"]) -> Vector:
+    """Split vectors along their last axis into the arrays of x, y and z."""
     return [vectors[..., i] for i in range(3)]
 
 

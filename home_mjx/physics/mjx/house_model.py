@@ -41,7 +41,10 @@ class MovableBodies(Pytree):
 
 
 def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None) -> MovableBodies:
-    """Return a house's bodies at authored poses, unused ones parked; `scale` multiplies mass and inertia of others."""
+    """Return a house's movable bodies at authored poses, unused ones parked.
+
+    `scale.mass` multiplies mass and inertia of used bodies; friction is not among the fields.
+    """
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
         return bodies
@@ -72,7 +75,7 @@ def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
 
 
 def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: Float[Array, ""]) -> mjx.Model:
-    """Return the template with a house's floor and bodies, and all fields that MuJoCo's compiler derives from them.
+    """Return the template with a house's floor height and bodies, and all fields that MuJoCo's compiler derives.
 
     For a free body whose inertial frame is its body frame, `mj_setConst` sets `body_invweight0` = (1/m, mean of 1/I).
     It sets `dof_invweight0` to each of these three times, and `dof_M0` = (m, m, m, I).
@@ -103,6 +106,7 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
 
 
 def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]) -> mjx.Model:
+    """Return the model with box sizes, corner-sphere positions and bounding volumes for half extents `size` [m]."""
     at, num = layout.body_geoms, layout.num_bodies
 
     def set_boxes(field: Array, boxes: Array) -> Array:
@@ -122,9 +126,9 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
 def house_surfaces(
     config: PhysicsSetup, physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None
 ) -> Float[Array, "k 5"]:
-    """Return the contact parameters of a house's bodies, friction times `scale.friction`; columns as `base.surfaces`.
+    """Return contact parameters of a house's bodies, see `base.surfaces`, with friction times `scale.friction`.
 
-    Unused bodies have the template's parameters.
+    Unused bodies have the template's default parameters.
     """
     usual = jnp.asarray(default_surface(config), jnp.float32)
     own = body_surfaces(config, physics)[house]
@@ -136,7 +140,7 @@ def house_surfaces(
 def with_surfaces(
     model: mjx.Model, layout: Layout, pairs: Int[np.ndarray, "p 2"], surfaces: Float[Array, "k 5"]
 ) -> mjx.Model:
-    """Return the model with the contact parameters of a house's bodies, combined per pair as in `base.surfaces`.
+    """Return the model with the contact parameters of a house's bodies, combined per geom pair as in `base.surfaces`.
 
     Args:
         model: Template model.
@@ -162,7 +166,7 @@ def with_surfaces(
 
 
 def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
-    """Return the door leaves of a house; unused leaves are parked `PARKED_HEIGHT` above, with a small valid size."""
+    """Return the door leaves of a house; padding is parked at `PARKED_HEIGHT` [m] with valid sizes, mass and range."""
     leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
     one = jnp.ones_like(row)
@@ -183,7 +187,7 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
 
 
 def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Model:
-    """Return the model with a house's door leaves on their hinges and rails."""
+    """Return the model with a house's door leaves: poses, masses, joint axes, ranges and damping, geoms."""
     if not layout.num_doors:
         return model
     at, geom, dof = layout.doors, layout.door_geoms, layout.door_qvel
@@ -220,7 +224,7 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Mode
 
 
 def with_slots(model: mjx.Model, layout: Layout, slots: OrientedBoxes) -> mjx.Model:
-    """Return the model with its contact slots filled: one static box per slot, in the order of `Layout.slots`."""
+    """Return the model with its contact slots filled: one static box per slot geom, in the order of `Layout.slots`."""
     at = layout.slots
     aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)
     return model.replace(

@@ -32,7 +32,7 @@ from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT
 def step_mjx(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance the state by one control step; see `dynamics.step_checked`."""
+    """Advance the state by one control step with MJX, on any platform; see `dynamics.step_checked`."""
     bodies, leaves = movable_bodies(physics, house, state.scale), house_doors(physics, house)
     static = padded_static_boxes(template, physics, house)
     parts = bodies, leaves, physics.ramp[house]
@@ -97,8 +97,7 @@ def fill_contact_slots(
     """Fill all contact slots, ordered as `Layout.slots`, with the static boxes nearest to each agent and each body.
 
     Returns:
-        The boxes in the slots, their rows in `static`, and whether a box was dropped that touches an owner without a
-        free slot.
+        The boxes in the slots, their rows in `static`, and whether an owner overlaps more boxes than it has slots.
     """
     config = template.config
     slots, rows, crowded = [], [], jnp.zeros((), bool)
@@ -147,12 +146,14 @@ def apply_state_limits(
 
 
 def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, "k 3"]:
+    """Return vectors scaled down to the length `longest` where they are longer."""
     square = jnp.sum(vectors * vectors, axis=-1, keepdims=True)
     scale = jnp.float32(longest) * jax.lax.rsqrt(jnp.maximum(square, jnp.float32(longest**2)))
     return jnp.where(square > jnp.float32(longest**2), vectors * scale, vectors)
 
 
 def _agent_boxes(template: Template, data: mjx.Data) -> OrientedBoxes:
+    """Return the upright bounding box of each agent's capsule."""
     agents = template.config.agents
     pos = data.qpos[template.layout.agent_qpos].reshape(-1, 4)[:, :3]
     half = jnp.array([[body.radius, body.radius, body.height / 2] for body in agents], jnp.float32)

@@ -43,7 +43,7 @@ def numeric_limit(model: Any, name: str) -> int:
 
 
 def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
-    """Return whether all contact points of a contact dimension (`condim`) that has at least `most` of them touch."""
+    """Return whether MJX may drop contact points: all points of a `condim` with `most` or more of them touch."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]
@@ -69,7 +69,7 @@ class GeomPairs:
 
     @classmethod
     def from_model(cls, model: Any) -> "GeomPairs":
-        """Group a `mujoco.MjModel`'s explicit pairs by kind; keep the kinds that exceed the limit."""
+        """Group a `mujoco.MjModel`'s box-box and box-capsule pairs; keep a kind if it exceeds `max_geom_pairs`."""
         most, kinds = numeric_limit(model, "max_geom_pairs"), defaultdict(list)
         for a, b in zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True):
             kind = frozenset((int(model.geom_type[a]), int(model.geom_type[b])))
@@ -79,19 +79,19 @@ class GeomPairs:
         return cls(groups, most, np.flatnonzero(model.geom_type == CAPSULE))
 
     def find_overflow(self, sizes: GeomSizes, data: mjx.Data) -> Bool[Array, ""]:
-        """Return whether a pair touches that the last physics step did not test; poses are those at its start."""
+        """Return whether a pair overlaps that MJX did not test in the last physics step, at the poses of its start."""
         missed = [jnp.any(self._touch(sizes, data, self._untested(sizes, data, pairs))) for pairs in self.groups]
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
 
     def _untested(self, sizes: GeomSizes, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
-        """Return the pairs that MJX skips: those that rank last by the distance of their bounding spheres."""
+        """Return the pairs that MJX skips: all but the `max_tested` with the nearest bounding spheres."""
         first, second = data.geom_xpos[pairs[:, 0]], data.geom_xpos[pairs[:, 1]]
         apart = jnp.linalg.norm(second - first, axis=-1) - sizes.rbound[pairs].sum(axis=-1)
         _, order = jax.lax.top_k(-apart, len(pairs))
         return jnp.asarray(pairs)[order[self.max_tested :]]
 
     def _touch(self, sizes: GeomSizes, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
-        """Return whether boxes overlap along all of their six face axes; a capsule is replaced by its bounding box."""
+        """Return whether the two boxes of each pair overlap along all six face axes; capsules as bounding boxes."""
         boxes = self._boxes(sizes)
         between = data.geom_xpos[pairs[:, 1]] - data.geom_xpos[pairs[:, 0]]
         a, b = data.geom_xmat[pairs[:, 0]], data.geom_xmat[pairs[:, 1]]

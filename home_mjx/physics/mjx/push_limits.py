@@ -22,12 +22,9 @@ class ContactImpulses(Pytree):
 
 
 def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> ContactImpulses:
-    """Collect the contact impulses of one physics step; 0, and partner `NOTHING`, for bodies without contact.
+    """Collect contact impulses of one physics step from MJX's data; 0 and `NOTHING` for bodies without contact.
 
-    Args:
-        template: Model of the bank's capacity.
-        data: MJX data after the step.
-        slot_box: Static box in each slot.
+    `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
     impulse = _normal_forces(data) * jnp.float32(template.config.timing.sim_dt)
@@ -46,12 +43,9 @@ def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " 
 
 
 def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Int[Array, " a"]:
-    """Count the contact points of each agent in one physics step, except with what carries it.
+    """Count each agent's penetrating contact points after a physics step, except with floors and ramps under it.
 
-    Args:
-        template: Model of the bank's capacity.
-        data: MJX data after the step.
-        slot_box: Static box in each slot.
+    `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
     upward = contact.frame[:, 0, 2]  # of the normal, from the first side to the second one
@@ -66,7 +60,7 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
 
 
 def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
-    """Combine all physics steps (t, ...) of a control step: sum the impulses and keep the strongest contact."""
+    """Combine the physics steps, along the leading axis: sum the impulses and keep the strongest contact."""
     best = jnp.argmax(pushes.strongest, axis=0)
     mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
     return ContactImpulses(
@@ -78,7 +72,7 @@ def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
 def _contact_sides(
     template: Template, data: mjx.Data, slot_box: Int[Array, " s"]
 ) -> tuple[Any, Int[Array, " n"], Int[Array, " n"]]:
-    """Return the contacts of MJX, and the owners of their first and second geoms, coded as in `_owner_codes`."""
+    """Return MJX's contacts, and the owner of the first and of the second geom of each, coded as in `_owner_codes`."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     code = _owner_codes(template, slot_box)
     return contact, code[contact.geom[:, 0]], code[contact.geom[:, 1]]
@@ -91,7 +85,7 @@ def _owner_codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, "
 
 
 def _normal_forces(data: mjx.Data) -> Float[Array, " n"]:
-    """Return the normal force of each contact [N], which is the sum over its rows.
+    """Return the normal force of each contact [N]: the sum over its constraint rows.
 
     A frictionless contact has one row; one with friction has four, the edges of a pyramid.
     """

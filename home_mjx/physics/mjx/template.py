@@ -69,6 +69,7 @@ class Template:
 
 
 def _jacobian(config: PhysicsSetup) -> str:
+    """Return MuJoCo's `jacobian` option, with "auto" resolved to sparse on CPUs and dense elsewhere."""
     if config.jacobian != "auto":
         return config.jacobian
     return "sparse" if jax.default_backend() == "cpu" else "dense"

@@ -69,6 +69,7 @@ def _add_agent(world: ET.Element, config: PhysicsSetup, a: int) -> None:
 
 
 def _add_pair(contact: ET.Element, config: PhysicsSetup, first: str, second: str, agent: bool) -> None:
+    """Add the contact pair of two geoms; a frictionless one if `agent`, else with friction of the default surface."""
     friction, stiffness, damping, _, _ = default_surface(config).tolist()  # of unused bodies
     body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
     kind = {"condim": "1", "solref": SOLREF} if agent else body
@@ -76,6 +77,7 @@ def _add_pair(contact: ET.Element, config: PhysicsSetup, first: str, second: str
 
 
 def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobian: str) -> None:
+    """Add solver options, MJX's limits of geom pairs and contact points as custom numerics, and a default material."""
     option = ET.SubElement(
         root,
         "option",
@@ -95,6 +97,7 @@ def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobia
 
 
 def _add_body(world: ET.Element, k: int) -> None:
+    """Add the parked movable body `body<k>` with a free joint: a box and eight spheres `body<k>_corner<c>`."""
     # Explicit inertia keeps the inertial frame equal to the body frame for all proportions of the box.
     body = ET.SubElement(world, "body", name=f"body{k}", pos=f"{2 * k} 0 {PARKED_HEIGHT}")
     ET.SubElement(body, "freejoint", name=f"body{k}")
@@ -125,6 +128,7 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
 
 
 def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> None:
+    """Add all contact pairs: owners with their slots, bodies, doors, agents; feet and corner spheres with the floor."""
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
         others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]
@@ -145,6 +149,7 @@ def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> Non
 
 
 def _no_mask(name: str) -> dict[str, str]:
+    """Return attributes of a geom that touches nothing except by explicit pairs."""
     return {"name": name, "contype": "0", "conaffinity": "0"}
 
 

@@ -20,13 +20,9 @@ class ContactReport(NamedTuple):
 
 
 def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> ContactReport:
-    """Collect the contact impulses of the physics step that `data` has just done; 0 and `NOTHING` without contact.
+    """Collect contact impulses and counts of a `mujoco.MjData`'s last physics step; 0 and `NOTHING` without contact.
 
-    Args:
-        data: A `mujoco.MjData`.
-        owner: Owner of each geom: a dynamic body, or a code of `base.state`.
-        layout: Layout of the state.
-        dt: Length of the step [s].
+    `owner` has the dynamic body of each geom, or a code of `base.state`; `dt` is the length of the step [s].
     """
     contact, mobiles = data.contact, layout.num_dynamic
     one, two = owner[contact.geom].reshape(-1, 2).T
@@ -46,7 +42,7 @@ def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt
 
 
 def _normal_forces(data: Any) -> Float[np.ndarray, " n"]:
-    """Return the normal force of each contact [N], which is the sum over its rows.
+    """Return the normal force of each contact [N]: the sum over its constraint rows.
 
     A frictionless contact has one row; one with friction has four, the edges of a pyramid.
     """

@@ -87,7 +87,7 @@ def build_exported_model(
 
 
 def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
-    """Map static geoms by name to the index of their static box; a convex piece maps to the first box of its object."""
+    """Map names of static geoms to static box indices; a convex piece maps to the first box of its object."""
     found = {}
     for name in filter(None, (model.geom(geom).name for geom in range(model.ngeom))):
         kind, number = name.rstrip("0123456789_"), name.lstrip("abcdefghijklmnopqrstuvwxyz").split("_")[0]
@@ -100,7 +100,7 @@ def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
 
 
 def _with_model_poses(physics: Physics, layout: Layout, houses: Sequence[MujocoHouse]) -> Physics:
-    """Return the physics arrays with movable bodies at the models' initial poses."""
+    """Return the physics arrays with movable bodies at the initial poses of the houses' MuJoCo models."""
     poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
     for row, house in zip(poses, houses, strict=True):
         qpos = np.zeros(layout.door_qpos.stop, np.float32)

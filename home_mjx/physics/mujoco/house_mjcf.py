@@ -55,7 +55,7 @@ class HouseRows(NamedTuple):
 def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
     """Return the MJCF of a house with its agents.
 
-    Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank. Unused
+    Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank; unused
     rows are omitted. Shapes, masses and contact parameters are those of the template (`template_mjcf`), but every
     static box can touch every body.
     """
@@ -88,6 +88,7 @@ def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
 
 
 def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) -> None:
+    """Add movable body `k` with a free joint: its box, and corner spheres that touch the floor in its place."""
     body = ET.SubElement(world, "body", name=f"body{k}")
     ET.SubElement(body, "freejoint")
     inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))
@@ -101,6 +102,7 @@ def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) 
 
 
 def _doors(rows: HouseRows) -> Doors:
+    """Convert the rows' doors to the compiler's record; its joint limits also stand for closed and fully open."""
     names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
     place = {name: getattr(rows, f"door_{name}") for name in names}
     return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, fully_open=rows.door_high, **place)

@@ -62,14 +62,14 @@ class MujocoHouse:
         qacc: Float[np.ndarray, " v"],
         applied: Float[np.ndarray, " v"],
     ) -> HouseStepResult:
-        """Advance by one physics step.
+        """Advance by one physics step; arrays are as in `PhysicsState`.
 
         Bodies that the house does not have keep their state. A state with NaN or infinite values is returned unchanged.
 
         Args:
-            qpos: As in `PhysicsState`.
-            qvel: As in `PhysicsState`.
-            qacc: As in `PhysicsState`; warm start of the solver.
+            qpos: Positions.
+            qvel: Velocities.
+            qacc: Accelerations; warm start of the solver.
             applied: Applied forces on all joints [N], [N m].
         """
         if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
@@ -112,7 +112,7 @@ def _state_sizes(layout: Layout, mobile: int) -> tuple[int, int]:
 
 
 def _has_overflow(data: Any) -> bool:
-    """Return whether contacts were dropped, and reset the counters of `OVERFLOW_WARNINGS`."""
+    """Return whether MuJoCo has dropped contacts (`OVERFLOW_WARNINGS`), and reset these warning counters."""
     warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in OVERFLOW_WARNINGS]  # pyright: ignore[reportAttributeAccessIssue]
     full = any(warning.number for warning in warnings)
     for warning in warnings:

@@ -50,6 +50,7 @@ class MujocoHouses:
         register_host_call(self.step_target, self._step)
 
     def _find(self, given: Arrays, results: Arrays) -> None:
+        """Host function of `find_target`; build models that are not cached, evict the least recently used."""
         *tables, house = given
         chosen, inverse = np.unique(np.clip(house, 0, len(tables[0]) - 1), return_inverse=True)
         with self._lock:
@@ -59,6 +60,7 @@ class MujocoHouses:
         results[0][:] = np.array(numbers, np.int32)[inverse.reshape(-1)]
 
     def _number(self, rows: HouseRows) -> int:
+        """Return the number of the house with these rows; build its model on first use. The caller holds the lock."""
         digest = hashlib.blake2b(b"".join(np.ascontiguousarray(row).tobytes() for row in rows)).digest()
         number = self._numbers.get(digest)
         if number is None:
@@ -68,6 +70,7 @@ class MujocoHouses:
         return number
 
     def _step(self, given: Arrays, results: Arrays) -> None:
+        """Run a physics step of all environments, on all cores; the host function of `step_target`."""
         envs = np.array_split(np.arange(len(given[0])), min(usable_cores(), len(given[0])))
         if len(envs) == 1:
             return self._step_some(given, results, envs[0])
@@ -76,6 +79,7 @@ class MujocoHouses:
         return None
 
     def _step_some(self, given: Arrays, results: Arrays, envs: np.ndarray) -> None:
+        """Step environments one by one, and write their rows of `results`."""
         for env in envs.tolist():
             number, *state = (x[env] for x in given)
             moved = self._houses[int(number)].step(*state)
@@ -85,7 +89,7 @@ class MujocoHouses:
 
 
 def build_house_model(config: PhysicsSetup, layout: Layout, rows: HouseRows) -> MujocoHouse:
-    """Build C MuJoCo's model of a house."""
+    """Build C MuJoCo's model of a house from its rows, with the index maps between model and state."""
     model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
     bodies = [f"body{k}" if valid else "" for k, valid in enumerate(rows.body_valid)]
@@ -111,6 +115,7 @@ class PrebuiltHouses(MujocoHouses):
         return len(self._houses)
 
     def _find(self, given: Arrays, results: Arrays) -> None:
+        """Write each environment's house index, clipped to the list, as its number."""
         np.clip(given[-1], 0, len(self) - 1, out=results[0])
 
 

@@ -91,6 +91,7 @@ class MujocoModel:
         return call_host(self._target, (ctrl.astype(jnp.float32), state.astype(jnp.float32)), results)
 
     def _run(self, given: Sequence[np.ndarray], results: Sequence[np.ndarray]) -> None:
+        """Step all environments by C MuJoCo's threaded rollout in float64; the host function of `step`."""
         ctrl, state = (x.astype(np.float64) for x in given)
         with self._lock:
             states, sensors = self._pool.rollout(
@@ -100,14 +101,17 @@ class MujocoModel:
 
 
 def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> tuple[Array, ...]:
-    """Call a target of `register_host_call` on environments (e ...); an empty batch gives zeros without a call."""
+    """Call a host function of `register_host_call` on environments (e, ...); an empty batch gives zeros without a call.
+
+    `results` are the shapes and types of the results.
+    """
     if operands[-1].shape[0] == 0:
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
     return varying_as(operands, jax.ffi.ffi_call(target, results)(*operands))
 
 
 def check_platform() -> None:
-    """Refuse, while tracing, programs that C MuJoCo cannot run.
+    """Raise an error, while tracing, if C MuJoCo cannot run the program.
 
     Raises:
         ConfigError: The program is compiled for a GPU or TPU; C MuJoCo runs on the host.

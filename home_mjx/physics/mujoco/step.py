@@ -64,11 +64,16 @@ def step_mujoco(
 
 
 def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
+    """Return the indices in `qvel` of all agents' x, y and yaw, agent by agent."""
     return np.add.outer(4 * np.arange(layout.num_agents), MOTOR_DOFS).reshape(-1)
 
 
 def _houses(template: Template, physics: Physics) -> MujocoHouses:
-    """Return the models to step, exported or built from the bank; `ConfigError` if exported ones are not as many."""
+    """Return the models to step: those of an `ExportedTemplate`, else models built from the bank.
+
+    Raises:
+        ConfigError: An exported template has another number of houses than the bank.
+    """
     exported = getattr(template, "houses", None)  # of an `ExportedTemplate`, which is not imported for the others
     if not isinstance(exported, PrebuiltHouses):
         return shared_house_models(template.config, template.layout)
@@ -83,7 +88,7 @@ def _houses(template: Template, physics: Physics) -> MujocoHouses:
 
 @functools.cache
 def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
-    """Return the host calls that find the houses of environments and that step environments by one physics step."""
+    """Return the batched host calls `find` (house index to number) and `move` (one physics step of environments)."""
 
     def find(*operands: Array) -> tuple[Array, ...]:
         house = operands[-1].astype(jnp.int32)
@@ -99,7 +104,7 @@ def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
 
 
 def _results(layout: Layout, state: Sequence[Array]) -> list[jax.ShapeDtypeStruct]:
-    """Return the results' shapes in a physics step of `MujocoHouses`; `state` is qpos, qvel and qacc, each (e, ...)."""
+    """Return the result shapes of `MujocoHouses.step_target`; `state` is qpos, qvel and qacc, each (e, ...)."""
     envs, agents, mobiles = state[0].shape[0], layout.num_agents, layout.num_dynamic
     shapes = [(x.shape, jnp.float32) for x in state]
     shapes += [((envs, agents), jnp.int32), ((envs, mobiles), jnp.float32), ((envs, mobiles), jnp.float32)]

@@ -79,8 +79,8 @@ def _least_overlap(between, cosine, half1, half2, axis):
     """Find the axis of least overlap; return its code and that of the best face, both -1 if the boxes are apart.
 
     Codes 0..2 are faces of the first box, 3..5 of the second one, `EDGE` + 3 i + j edges i and j. An edge axis is
-    written to `axis`, towards the second box. `axis` and `between`, its centre, are in the first box's frame; `cosine`
-    (3, 3) has the scalar products of axis i of the first box and j of the second one.
+    written to `axis`, towards the second box. `axis` and `between`, the second box's centre, are in the first box's
+    frame; `cosine` (3, 3) has the scalar products of axis i of the first box and j of the second one.
     """
     least, code = np.inf, -1
     for i in range(3):
@@ -115,8 +115,8 @@ def _best_edge(between, cosine, half1, half2, face, axis):
     Arguments are those of `_least_overlap` and the code of the best face.
 
     Returns:
-        Code 3 i + j of the pair (`NO_EDGE` if all are parallel, `APART` if an axis separates the boxes), its overlap,
-        and the absolute cosine of its axis to the best face's normal.
+        Code 3 i + j of the pair (`NO_EDGE` if all are parallel, `APART` if an axis separates the boxes); its overlap
+        [m]; the absolute cosine of its axis to the best face's normal.
     """
     least, best, likeness = np.inf, NO_EDGE, 0.0
     for i in range(3):
@@ -149,7 +149,10 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 @compiled
 @no_type_check
 def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
-    """Clip box 2 by box 1's face on axis `up` towards it; write points, `sign` times its normal; return the count."""
+    """Clip the facing side of box 2 by box 1's face on axis `up`; write contact points, return their number.
+
+    `normal` becomes `sign` times the outward normal of that face, which is the one towards box 2.
+    """
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0
     frame = matrix()
@@ -183,7 +186,7 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 @compiled
 @no_type_check
 def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
-    """Write point and normal, in the world, half-way between edges `code`; return False unless they cross on `axis`."""
+    """Write the contact of the edges `code` = 3 i + j (world): point, distance, normal; False if they do not cross."""
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame
     for j in range(3):
@@ -244,7 +247,9 @@ def _largest(x, y, z):
 @compiled
 @no_type_check
 def _clip(corner, edges, size, points):
-    """Write and count points of a parallelogram below a rectangle at z = 0: border crossings, and corners of both.
+    """Write contact points where a parallelogram is below a rectangle at z = 0; return their number.
+
+    Points are where its edges cross the rectangle's border, and the corners of each that the other covers.
 
     Args:
         corner: A corner of the parallelogram (3).
@@ -322,6 +327,7 @@ def _add(x, y, z, points, number):
 @compiled
 @no_type_check
 def _to_world(pos, frame, height, points, number):
+    """Transform `number` points in place to the world, from a face's frame (axes as columns) at `height` over `pos`."""
     for i in range(number):
         x, y, z = points[4 * i], points[4 * i + 1], points[4 * i + 2] + height
         for k in range(3):

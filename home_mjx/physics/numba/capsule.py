@@ -23,19 +23,16 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def sphere_box(x, y, z, radius, half, point, normal):
-    """Compute the contact of a sphere and a box, in the box's frame.
+    """Compute the contact of a sphere and a box, in the box's frame; return whether they touch.
 
     Args:
         x: Centre of the sphere [m].
-        y: Centre, second coordinate.
-        z: Centre, third coordinate.
+        y: As `x`.
+        z: As `x`.
         radius: [m]
         half: Half extents (3) [m].
-        point: Result (4): position half-way between the surfaces, and distance [m].
+        point: Result (4): position half-way between the surfaces, and distance [m], negative.
         normal: Result (3): unit, from the sphere to the box.
-
-    Returns:
-        True if they touch.
     """
     center = (x, y, z)
     square = 0.0
@@ -69,7 +66,7 @@ def sphere_box(x, y, z, radius, half, point, normal):
 @compiled
 @no_type_check
 def capsule_box(pos, radius, length, box, rot, half, points, normals):
-    """Write the contact points of an upright capsule and a box.
+    """Write the contact points of an upright capsule and a box in the world; return their number, at most two.
 
     Args:
         pos: Centre of the capsule (3) [m].
@@ -78,11 +75,8 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
         box: Centre of the box (3) [m].
         rot: Its axes as columns (3, 3).
         half: Half extents (3) [m].
-        points: Result (2, 4): positions half-way between the surfaces, and distances [m].
+        points: Result (2, 4): positions half-way between the surfaces, and distances [m], negative.
         normals: Result (2, 3): unit vectors from the capsule to the box.
-
-    Returns:
-        The number of points.
     """
     center, axis = vector(), vector()
     for k in range(3):
@@ -113,7 +107,7 @@ def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals
 @compiled
 @no_type_check
 def _sphere_positions(center, axis, length, half):
-    """Return t (-1 to 1) of both spheres at `center` + t `axis`, in the box's frame; the second is NaN if missing."""
+    """Return t (-1 to 1) of the spheres at `center` + t `axis` (box's frame) that touch; the second NaN if missing."""
     best, t, kind, on, corner, at = _nearest_end(center, axis, half)
     best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
     if kind == FACE:
@@ -198,7 +192,7 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
 @compiled
 @no_type_check
 def _length_beside_face(center, axis, half, end, face):
-    """Return the signed length [half axes] from an end (-1, 1) that stays in front of its face; NaN for ends inside."""
+    """Return the signed length [half axes] from end -1 or 1 on which the axis is in front of `face`; NaN if inside."""
     if face < 0:
         return np.nan
     direction, reach = -end, 2.0
@@ -235,7 +229,7 @@ def _length_from_corner(axis, length, half, t, turn):
 @compiled
 @no_type_check
 def _length_from_edge(axis, half, t, edge, at, forward, turn):
-    """Return the signed length [half axes] from an edge across the adjacent face that is most parallel to the capsule.
+    """Return the signed length [half axes] from an edge across the adjacent face most parallel to the capsule.
 
     `at` is the position on the edge (-1 to 1). Bits of `forward` and `turn` are box axes along which the capsule's axis
     increases or goes inwards. NaN unless `turn` has one bit.

@@ -68,9 +68,9 @@ compiled = njit(error_model="numpy")
 
 
 def sources_digest() -> int:
-    """Return a digest of the files that the step is compiled from.
+    """Return a hash of the source files that the step is compiled from.
 
-    Numba's cache checks only the file of the compiled function. That function refers to the digest, so that a change of
+    Numba's cache checks only the file of the compiled function. That function refers to the hash, so that a change of
     the other files invalidates the cache as well.
     """
     parts: tuple[Any, ...] = (
@@ -117,6 +117,7 @@ def compile_chunks() -> tuple[Any, Any]:
 @compiled
 @no_type_check
 def _step_chunk(frame, chunk):
+    """Step the `CHUNK` environments of one chunk in a workspace of its own; reload the house only where it changes."""
     houses, colliders = _operand_dim(frame, COLLIDER_POS, 0), _operand_dim(frame, COLLIDER_POS, 1)
     bodies, agents = _operand_dim(frame, BODY_VALID, 1), _operand_dim(frame, ACTION, 1)
     doors, ramps = _operand_dim(frame, DOOR, 1), _operand_dim(frame, RAMP, 1)
@@ -152,6 +153,7 @@ def _step_chunk(frame, chunk):
 @compiled
 @no_type_check
 def _load_house(frame, work, house):
+    """Load row `house` of the shared operands into the workspace, see `step.load_house`."""
     static = (
         _floats(frame, COLLIDER_POS, house),
         _floats(frame, COLLIDER_QUAT, house),
@@ -184,6 +186,7 @@ def _floats(frame, index, row):
 @compiled
 @no_type_check
 def _results(frame, index, row):
+    """Return a pointer to row `row` of the float32 result `index`."""
     return float_pointer(ffi.row(frame, ffi.RESULTS, index, row))
 
 

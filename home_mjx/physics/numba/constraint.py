@@ -22,7 +22,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def make_rows(work, numbers):
-    """Write `jacobian`, `friction`, `weight` and `target` of all contacts to `work`."""
+    """Write `jacobian`, `friction`, `weight` and `target` (see `Workspace`) of all contacts to `work`."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         _jacobian(work, n, 0, a, -1.0)
@@ -108,7 +108,7 @@ def _jacobian(work, n, side, m, sign):
 @compiled
 @no_type_check
 def _door_jacobian(work, n, side, m, sign):
-    """Write the Jacobian of a door, as `_jacobian` does; its only velocity is its rate.
+    """Write the Jacobian of a door as `_jacobian` does; only the column of its joint rate is nonzero.
 
     Along a direction it is (up x arm) for a hinged leaf, or the slide direction for a sliding one. At a joint limit the
     first row is the rate itself.
@@ -129,7 +129,7 @@ def _door_jacobian(work, n, side, m, sign):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _surface(work, numbers, a, b):
-    """Return the parameters of a contact or joint limit, as a row of `base.surfaces`; agents are always first."""
+    """Return the contact parameters of a contact or joint limit: columns of `base.surfaces`; agents are always `a`."""
     if b == JOINT_LIMIT or a < work.num_agents:
         return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
     other = SLEEPING_BODY - b if b <= SLEEPING_BODY else b
@@ -146,7 +146,7 @@ def _surface(work, numbers, a, b):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _impedance(low, high, x):
-    """Evaluate MuJoCo's default impedance curve (midpoint 0.5, power 2) from `low` at x = 0 to `high` at x >= 1."""
+    """Evaluate MuJoCo's impedance curve (midpoint 0.5, power 2) at depth / width `x`: `low` at 0, `high` from 1 on."""
     if x >= 1:
         return high
     y = 2 * x * x if x < 0.5 else 1 - 2 * (1 - x) * (1 - x)

@@ -41,6 +41,7 @@ def find_contacts(work, numbers, floor):
 @compiled
 @no_type_check
 def _add_house_contacts(work, numbers, m, floor):
+    """Add contacts of agent or body `m` with the floor at height `floor` [m] and with nearby static boxes."""
     _update_near_boxes(work, m)
     if m < work.num_agents:
         _add_agent_floor_contact(work, m, floor)
@@ -53,7 +54,7 @@ def _add_house_contacts(work, numbers, m, floor):
 @compiled
 @no_type_check
 def _add_limit_contacts(work, m):
-    """Add contacts at exceeded joint limits of door `m`; the normal's first element is the sign of the push."""
+    """Add a contact at each exceeded joint limit of door `m`; the normal's first element is the sign of the push."""
     door, angle = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), work.quat[4 * m]
     points, normals = work.points, work.normals
     for k in range(3):
@@ -77,7 +78,7 @@ def invalidate_near_boxes(work):
 @compiled
 @no_type_check
 def _update_near_boxes(work, m):
-    """List static boxes near a body again if it has moved by `NEAR_DISTANCE`; flag more than `MAX_NEAR_BOXES`."""
+    """List static boxes near body `m` again if it moved by `NEAR_DISTANCE`; set `STATIC_OVERFLOW` if too many."""
     if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
         return
     count = 0
@@ -125,7 +126,10 @@ def _max_displacement(work, m):
 @compiled
 @no_type_check
 def are_boxes_apart(work, m, pos, rot, half, reach):
-    """Return whether one of six face axes separates body `m`'s box from another by more than `reach` [m]."""
+    """Return whether a face axis of either box separates body `m`'s box from another by more than `reach` [m].
+
+    Edge axes are not tested: False does not prove that the boxes are near.
+    """
     for k in range(3):
         own, other, along, across = 0.0, 0.0, 0.0, 0.0
         for j in range(3):
@@ -145,7 +149,7 @@ def are_boxes_apart(work, m, pos, rot, half, reach):
 @compiled
 @no_type_check
 def _add_agent_floor_contact(work, m, floor):
-    """Add the floor contact of an agent's foot sphere."""
+    """Add the contact of an agent's lower hemisphere with the floor at height `floor` [m]."""
     bottom = work.pos[3 * m + 2] - work.agent[AGENT_COLUMNS * m + 1] - work.agent[AGENT_COLUMNS * m]
     if bottom < floor:
         points, normals = work.points, work.normals
@@ -158,7 +162,7 @@ def _add_agent_floor_contact(work, m, floor):
 @compiled
 @no_type_check
 def _add_body_floor_contacts(work, numbers, m, floor):
-    """Add the floor contacts of the small spheres at a body's corners."""
+    """Add the floor contacts of the small spheres at the corners of body `m`'s box."""
     if work.pos[3 * m + 2] - work.radius[m] > floor:
         return
     r = numbers.corner_radius
@@ -180,7 +184,7 @@ def _add_body_floor_contacts(work, numbers, m, floor):
 @compiled
 @no_type_check
 def do_spheres_overlap(work, a, b, reach):
-    """Return whether the bounding spheres of two dynamic bodies are at most `reach` apart."""
+    """Return whether the bounding spheres of two dynamic bodies are at most `reach` [m] apart."""
     square = 0.0
     for k in range(3):
         step = work.pos[3 * b + k] - work.pos[3 * a + k]

@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def update_poses(work, also_sleepers):
-    """Update `rot` of bodies, `pos` and `rot` of leaves, from `quat`: of awake ones, with `also_sleepers` of all."""
+    """Update `rot` of bodies, and `pos` and `rot` of doors, from `quat`; sleeping ones only if `also_sleepers`."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
@@ -31,6 +31,7 @@ def update_poses(work, also_sleepers):
 @compiled
 @no_type_check
 def _update_leaf_pose(work, m):
+    """Write centre and rotation of door leaf `m` from its joint coordinate; see `DoorLeaves.pose_at`."""
     door, rot = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), offset_pointer(work.rot, 9 * m)
     way = work.quat[4 * m]
     angle = door[15] * way
@@ -47,7 +48,7 @@ def _update_leaf_pose(work, m):
 @compiled
 @no_type_check
 def write_rotation(quat, rot):
-    """Write the rotation matrix of a unit quaternion wxyz, with axes as columns."""
+    """Write the row-major rotation matrix of a unit quaternion wxyz to `rot`; its columns are the body's axes."""
     w, x, y, z = quat[0], quat[1], quat[2], quat[3]
     rot[0], rot[1], rot[2] = 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)
     rot[3], rot[3 + 1], rot[3 + 2] = 2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)
@@ -83,7 +84,7 @@ def _move_agent(work, numbers, a):
 @compiled
 @no_type_check
 def _move_body(work, numbers, m):
-    """Integrate a body in place; its pose follows the velocity before the speed limit, as in `apply_state_limits`."""
+    """Integrate body `m` in place; its pose follows the velocity before the speed limit, as in `apply_state_limits`."""
     dt = numbers.sim_dt
     for k in range(6):
         work.vel[6 * m + k] += dt * work.acc[6 * m + k]
@@ -97,7 +98,7 @@ def _move_body(work, numbers, m):
 @compiled
 @no_type_check
 def _rotate_quat(quat, x, y, z, dt):
-    """Rotate a quaternion in place for `dt` [s] by an angular velocity [rad/s] about its own axes."""
+    """Rotate a quaternion wxyz in place for `dt` [s] by an angular velocity [rad/s] about the body's own axes."""
     rate = sqrt(x * x + y * y + z * z)
     if rate < 1e-15:
         return
@@ -116,6 +117,7 @@ def _rotate_quat(quat, x, y, z, dt):
 @compiled
 @no_type_check
 def _clip_length(values, first, most):
+    """Scale three elements from index `first` in place to a Euclidean length of at most `most`."""
     square = 0.0
     for k in range(3):
         square += values[first + k] * values[first + k]

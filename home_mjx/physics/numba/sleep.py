@@ -25,9 +25,9 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def mark_sleeping(work, numbers, held, goal):
-    """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may sleep, and clear `wakes`.
+    """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may fall asleep, and clear `wakes`.
 
-    Agents, bodies in `held` (a) and doors driven to a `goal` (h) stay awake and are not calm.
+    Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) stay awake and are not calm.
     """
     for m in range(work.num_dynamic):
         work.used[m], work.wakes[m] = work.there[m], 0
@@ -46,6 +46,7 @@ def mark_sleeping(work, numbers, held, goal):
 @compiled
 @no_type_check
 def _is_at_rest(work, m):
+    """Return whether all velocities and accelerations of body `m` are exactly zero."""
     moves = False
     for k in range(num_contact_dofs(work, m)):
         moves |= work.vel[6 * m + k] != 0 or work.acc[6 * m + k] != 0
@@ -55,6 +56,7 @@ def _is_at_rest(work, m):
 @compiled
 @no_type_check
 def _wake(work, m):
+    """Mark body `m` as awake, with a tiny acceleration so that its state does not read as asleep."""
     work.used[m], work.calm[m], work.wakes[m] = 1, 0, 0
     work.acc[6 * m + (2 if m < work.num_free else 0)] = -MIN_AWAKE_ACCELERATION
 
@@ -62,7 +64,7 @@ def _wake(work, m):
 @compiled
 @no_type_check
 def wake_touched_bodies(work):
-    """Mark the sleeping bodies that `wakes` flags as awake, and clear their flags."""
+    """Wake the sleeping bodies that `wakes` flags, and clear their flags."""
     for m in range(work.num_agents, work.num_dynamic):
         if work.wakes[m]:
             _wake(work, m)
@@ -71,7 +73,7 @@ def wake_touched_bodies(work):
 @compiled
 @no_type_check
 def wake_near_bodies(work, numbers):
-    """Mark sleeping bodies as awake that agents or fast bodies may touch in the next physics step."""
+    """Wake sleeping bodies that an agent or a body that is not calm may touch in the next physics step."""
     for m in range(work.num_dynamic):
         if work.used[m] and (m < work.num_agents or not work.calm[m]):
             speed = offset_pointer(work.vel, 6 * m)
@@ -90,6 +92,7 @@ def wake_near_bodies(work, numbers):
 @compiled
 @no_type_check
 def _is_near(work, m, other, reach):
+    """Return whether body `other` may be within `reach` [m] of body `m`: bounding spheres, then face axes of boxes."""
     pos, rot, half = (
         offset_pointer(work.pos, 3 * other),
         offset_pointer(work.rot, 9 * other),
@@ -101,7 +104,7 @@ def _is_near(work, m, other, reach):
 @compiled
 @no_type_check
 def mark_moving(work, numbers):
-    """Set `calm` to 0 for awake bodies above the speeds or acceleration of rest, after a physics step."""
+    """Set `calm` to 0 for awake bodies that exceed `rest_speed`, `rest_spin` or `rest_pull`, after a physics step."""
     for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] and work.calm[m]:
             speed, acceleration = offset_pointer(work.vel, 6 * m), offset_pointer(work.acc, 6 * m)
@@ -117,6 +120,7 @@ def mark_moving(work, numbers):
 @compiled
 @no_type_check
 def _length(values, first):
+    """Return the Euclidean length of three elements from index `first`."""
     square = 0.0
     for k in range(3):
         square += values[first + k] * values[first + k]
@@ -126,7 +130,7 @@ def _length(values, first):
 @compiled
 @no_type_check
 def put_to_sleep(work):
-    """Set islands whose bodies are all calm to sleep, by zero velocity and acceleration, after a control step."""
+    """Zero velocity and acceleration of islands whose bodies are all calm: they sleep. Once per control step."""
     for m in range(work.num_dynamic):
         if work.used[m] and not work.calm[m]:
             work.wakes[work.island[m]] = 1

@@ -31,7 +31,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def solve(work, numbers):
-    """Replace `acc` of awake bodies, the initial guess, by the accelerations with contact."""
+    """Replace `acc` of awake bodies, the initial guess, by the solution: accelerations with contact forces."""
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
@@ -53,7 +53,7 @@ def solve(work, numbers):
 @compiled
 @no_type_check
 def _find_islands(work):
-    """Label each body with the first body of its island, the bodies connected by contacts."""
+    """Label each body (`island`) with the lowest index in its island, the bodies connected by contacts."""
     for m in range(work.num_dynamic):
         work.island[m] = m
     for n in range(work.counts[NUM_CONTACTS]):
@@ -67,6 +67,7 @@ def _find_islands(work):
 @compiled
 @no_type_check
 def _root(work, m):
+    """Follow `island` links from body `m` to the body that links to itself."""
     while work.island[m] != m:
         m = work.island[m]
     return m
@@ -75,7 +76,7 @@ def _root(work, m):
 @compiled
 @no_type_check
 def _collect_members(work, root):
-    """List an island's bodies in `work.members`, assign their offsets; return the numbers of bodies and of DoFs."""
+    """List an island's awake bodies in `work.members`, assign their offsets; return the numbers of bodies and DoFs."""
     members, size = 0, 0
     for m in range(root, work.num_dynamic):
         if work.used[m] and work.island[m] == root:
@@ -89,6 +90,7 @@ def _collect_members(work, root):
 @compiled
 @no_type_check
 def _newton(work, members, rows, size, iterations):
+    """Iterate Newton's method on an island's `acc` until a full step leaves the active rows unchanged or none helps."""
     full = False
     for _ in range(iterations):
         work.counts[NEWTON_STEPS] += 1
@@ -111,7 +113,7 @@ def _newton(work, members, rows, size, iterations):
 @compiled
 @no_type_check
 def _residuals(work, rows):
-    """Compute J a - target and active rows of `rows` contacts in `work.rows`; return whether the active set changed."""
+    """Write J a - target and the active (negative) rows of `rows` contacts; return whether the active set changed."""
     changed = False
     for i in range(rows):
         n = work.rows[i]
@@ -190,7 +192,7 @@ def _add_contact(work, n, size):
 @compiled
 @no_type_check
 def _factorise(matrix, size):
-    """Factor a symmetric matrix by Cholesky, in place of its lower triangle; pivots are at least `MIN_PIVOT`."""
+    """Replace a symmetric matrix's lower triangle by its Cholesky factor; squared pivots are at least `MIN_PIVOT`."""
     for j in range(size):
         pivot = matrix[size * j + j]
         for k in range(j):
@@ -250,7 +252,10 @@ def _line_search(work, members, rows):
 @compiled
 @no_type_check
 def _inertial_derivatives(work, members):
-    """Return slope at 0 and curvature of the inertial cost of `members` bodies along `search`, and the cost's scale."""
+    """Return slope at 0 and curvature of the inertial cost of `members` bodies along `search`, and the cost's scale.
+
+    The scale, the sum of m (acc² + smooth²), makes the convergence test relative.
+    """
     start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):
         m = work.members[i]
@@ -285,7 +290,7 @@ def _residual_slopes(work, rows):
 @compiled
 @no_type_check
 def _derivatives(work, rows, start, curve, length):
-    """Return both derivatives of the cost at `length` along `search`; `start`, `curve`: those of inertia at 0."""
+    """Return slope and curvature of the cost at `length` along `search`; `start`, `curve`: those of inertia at 0."""
     slope, bend = start + length * curve, curve
     for i in range(rows):
         n = work.rows[i]

@@ -23,7 +23,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def load_house(work, static, bodies, door):
-    """Copy a house's numbers to `work`; negative half extents mark missing boxes and doors.
+    """Copy a house's static boxes, bodies and doors to `work`; negative half extents mark missing boxes and doors.
 
     Args:
         work: Arrays, see `workspace.Workspace`.
@@ -60,7 +60,7 @@ def load_house(work, static, bodies, door):
 @compiled
 @no_type_check
 def scale_bodies(work, mass, inertia, surface, scale):
-    """Set friction, mass and inertia of bodies to a house's times `scale` (friction, mass); see `load_house`."""
+    """Set friction, and mass with inertia, of bodies to a house's values times `scale` = (friction, mass) factors."""
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         for k in range(3):
@@ -148,6 +148,7 @@ def step_env(work, numbers, ground, state, control, result, report):
 @compiled
 @no_type_check
 def _load(work, qpos, qvel, qacc):
+    """Copy the state to `work`, normalise body quaternions, and clear elements that agents and doors do not use."""
     for a in range(work.num_agents):
         for k in range(3):
             work.pos[3 * a + k], work.vel[6 * a + k], work.acc[6 * a + k] = (
@@ -182,6 +183,7 @@ def _load(work, qpos, qvel, qacc):
 @compiled
 @no_type_check
 def _store(work, before, result):
+    """Write the state of `work` to `result`; sleeping bodies keep their pose of `before`, with zero velocity."""
     qpos, qvel, qacc = result
     for a in range(work.num_agents):
         for k in range(3):
@@ -213,6 +215,7 @@ def _store(work, before, result):
 @compiled
 @no_type_check
 def _clear_report(work, touched, push, other):
+    """Clear the reports of `step_env`: zero contacts and impulses, no partner."""
     for a in range(work.num_agents):
         touched[a] = 0
     for m in range(work.num_dynamic):
@@ -225,7 +228,7 @@ def _clear_report(work, touched, push, other):
 @compiled
 @no_type_check
 def _count_agent_contacts(work, touched):
-    """Raise each agent's `touched` to its number of contacts in this physics step, except with what carries it."""
+    """Raise each agent's `touched` to its contacts in this physics step, except with floors and ramps under it."""
     for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
@@ -238,7 +241,7 @@ def _count_agent_contacts(work, touched):
 @compiled
 @no_type_check
 def _record_impulses(work, numbers, push, other):
-    """Add a step's impulses, except at joint limits, and keep strongest contacts, in results as of `step_env`."""
+    """Add a physics step's impulses, without joint limits, and keep each body's strongest contact; see `step_env`."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)

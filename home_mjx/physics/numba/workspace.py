@@ -112,7 +112,7 @@ def num_contact_dofs(work, m):
 @njit(error_model="numpy")
 @no_type_check
 def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
-    """Lay out the arrays one after another from an address on; return them and the address behind the last."""
+    """Assign consecutive addresses from `at` on to all arrays; return the workspace and the address behind it."""
     m, c = num_agents + num_bodies + num_doors, num_static
     n, d = POINTS_PER_BODY * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies + DOOR_DOFS * num_doors
     pos, at = floats(at), at + WORD * (3 * m)
