@@ -56,9 +56,7 @@ def check_type(name: str, value: object, kind: type) -> None:
 def check_frozen_dataclass(role: str, cls: type) -> None:
     """Raise `ConfigError` unless a class whose fields are options is a frozen dataclass.
 
-    Args:
-        role: Role of the class, for the message.
-        cls: The class; one that adds fields to a frozen dataclass needs the decorator as well.
+    A subclass that adds fields needs the decorator as well. `role` names the class in the message.
     """
     params = getattr(cls, "__dataclass_params__", None)
     lost = inspect.get_annotations(cls) if "__dataclass_params__" not in vars(cls) else {}
@@ -70,14 +68,9 @@ def check_frozen_dataclass(role: str, cls: type) -> None:
 def check_number(
     name: str, value: object, minimum: float = -math.inf, maximum: float = math.inf, *, integer: bool = False
 ) -> None:
-    """Raise `ConfigError` unless an option is a finite number, not a boolean, within limits.
+    """Raise `ConfigError` unless an option is a finite number, not a boolean, in minimum..maximum (inclusive).
 
-    Args:
-        name: Name of the option, for the message.
-        value: Its value.
-        minimum: Minimum allowed value, itself included.
-        maximum: Maximum allowed value, itself included.
-        integer: Require an integer within 64 bits; 3.0 is rejected.
+    With `integer`, it must be an integer within 64 bits; 3.0 is rejected. `name` is for the message.
 
     Example:
         >>> check_number("width", 64, 1, integer=True)

@@ -46,10 +46,6 @@ def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Flo
     Formula and symbols: Sharma, Wu, Dalal, "The CIEDE2000 Color-Difference Formula", Color Research & Application 30
     (2005), equations 2 to 22, with all three parametric factors equal to 1.
 
-    Args:
-        a: CIELAB colours.
-        b: CIELAB colours.
-
     Example:
         >>> ciede2000(np.array([[50.0, 2.5, 0.0]]), np.array([[73.0, 25.0, -18.0], [50.0, 0.0, -2.5]])).round(4)
         array([27.1492,  4.3065])
@@ -71,14 +67,17 @@ def ciede2000(a: Float[np.ndarray, "*n 3"], b: Float[np.ndarray, "*m 3"]) -> Flo
 
 
 def _saturation(chroma: np.ndarray) -> np.ndarray:
+    """Evaluate sqrt(C^7 / (C^7 + 25^7)) of the CIEDE2000 formula."""
     return np.sqrt(chroma**7 / (chroma**7 + 25.0**7))
 
 
 def _polar(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return chroma and hue angle [deg], in 0..360, of the CIELAB components a and b."""
     return np.hypot(a, b), np.rad2deg(np.arctan2(b, a)) % 360
 
 
 def _hue_weight(hue: np.ndarray) -> np.ndarray:
+    """Evaluate T of the CIEDE2000 formula at a mean hue [deg]."""
     return 1 - 0.17 * _sin(hue + 60) + 0.24 * _sin(2 * hue + 90) + 0.32 * _sin(3 * hue + 96) - 0.20 * _sin(4 * hue + 27)
 
 

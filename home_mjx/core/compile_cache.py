@@ -18,7 +18,7 @@ MIN_COMPILE_SECONDS = "0.1"  # [s], minimum compile time of a cached program
 
 
 def use_compile_cache() -> Path | None:
-    """Enable JAX's compilation cache in the cache folder, for this process and its children.
+    """Enable JAX's persistent compilation cache, for this process and its children; return its folder.
 
     Call it before the first program is compiled. The command line calls it automatically. A cache chosen by the user,
     through `JAX_COMPILATION_CACHE_DIR` or JAX's own configuration, is kept; set that variable to "" to disable caching.
@@ -45,6 +45,7 @@ def _configured_folder() -> str | None:
 
 
 def _configure_jax() -> None:
+    """Copy the cache's environment variables to the configuration of JAX, which is already imported."""
     import jax
 
     for option, variable in OPTIONS.items():

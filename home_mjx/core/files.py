@@ -51,11 +51,11 @@ MIN_LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write t
 
 
 def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None) -> str:
-    """Read the text of a UTF-8 file, without its byte order mark.
+    """Return the text of a UTF-8 file, without its byte order mark.
 
     Args:
         path: The file.
-        hint: Remedy if the file is missing.
+        hint: Remedy if the file is missing, for the message.
         max_bytes: Maximum accepted size [bytes]; `MAX_BYTES` by default.
 
     Raises:
@@ -72,12 +72,12 @@ def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None)
 def read_json_lines(
     path: Path, content: str, parse: Callable[[Any], Row], max_bytes: int | None = None
 ) -> Iterator[Row]:
-    """Parse a file of JSON lines lazily and yield one row per line.
+    """Yield `parse(value)` for the JSON value of each line of a file, which is read lazily.
 
     Args:
         path: The file.
         content: Name of the content of a line, for messages.
-        parse: Converts the JSON value of a line to a row.
+        parse: Converts the JSON value of a line to a row; its exceptions become `DatasetError`.
         max_bytes: Maximum accepted size of the file [bytes]; `MAX_BYTES` by default.
 
     Raises:
@@ -97,7 +97,7 @@ def read_json_lines(
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
-    """Yield lines with newline, one by one; errors as in `read_text` (`most`: bytes), also above `MAX_LINE_BYTES`."""
+    """Yield decoded lines with newline; errors as in `read_text` (`most`: bytes), also above `MAX_LINE_BYTES`."""
     with _readable(path):
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:
@@ -112,16 +112,7 @@ def _lines(path: Path, most: int | None) -> Iterator[str]:
 
 
 def write_json_lines(path: Path, rows: Iterable[Any], content: str) -> None:
-    """Write a file for `read_json_lines`, one row per line, as `write_durably` does.
-
-    Args:
-        path: The file, in an existing folder.
-        rows: JSON-serializable values.
-        content: Name of the rows, for messages.
-
-    Raises:
-        ConfigError: The file cannot be written.
-    """
+    """Write JSON-serializable rows for `read_json_lines`, one per line; path and errors as in `write_durably`."""
     text = "".join(f"{json.dumps(row)}\n" for row in rows)
     with write_durably(path, content) as file:
         file.write(text.encode())
@@ -209,7 +200,7 @@ def _describe_text(head: bytes) -> str:
 
 
 def _is_array(found: Any, name: str) -> np.ndarray:
-    """Return `found`; raise `ValueError` if it is broken or not an array: NumPy returns bytes without a header."""
+    """Return `found` if it is a valid array, else raise `ValueError`; NumPy returns bytes for headerless members."""
     if not isinstance(found, np.ndarray):
         raise ValueError(f"`{name}` is not an array")
     if found.dtype.kind == "U":  # NumPy accepts any code points, on which Python later fails anywhere
@@ -252,6 +243,7 @@ def is_folder(path: Path) -> bool:
 
 
 def _check(path: Path, most: int) -> None:
+    """Raise `DatasetError` unless the path is a regular file of at most `most` bytes."""
     status = path.stat()
     if not stat.S_ISREG(status.st_mode):  # reading a pipe might block forever
         raise DatasetError("file cannot be read: it is not a regular file", file=path, hint="Fetch or write it again.")
@@ -261,6 +253,7 @@ def _check(path: Path, most: int) -> None:
 
 
 def _decode(data: bytes, path: Path, first: int = 1) -> str:
+    """Decode UTF-8 without its byte order mark; `DatasetError` names the line, where `data` begins at line `first`."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -288,17 +281,11 @@ def write_atomically(path: Path) -> Iterator[IO[bytes]]:
     """Write a file atomically: a temporary file replaces `path` when the block ends, so no reader sees a partial file.
 
     If the block raises, `path` is unchanged. Nothing is synced to disk: such files are checked on reading and can be
-    regenerated. The first write of a process to a folder removes leftovers, see `remove_leftovers`.
-
-    Args:
-        path: The file; its folder is created if missing.
+    regenerated. The folder is created if missing. The first write of a process to a folder removes leftovers, see
+    `remove_leftovers`.
 
     Raises:
         OSError: The folder cannot be written to.
-
-    Example:
-        >>> with write_atomically(Path("notes.json")) as file:  # doctest: +SKIP
-        ...     file.write(b"{}")
     """
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.parent not in _swept:
@@ -312,11 +299,7 @@ def write_atomically(path: Path) -> Iterator[IO[bytes]]:
 def remove_leftovers(folder: Path) -> None:
     """Remove temporary files of `write_atomically` that killed processes left in a folder more than an hour ago.
 
-    Args:
-        folder: Folder of the written files; it need not exist.
-
-    Example:
-        >>> remove_leftovers(Path("kernels"))
+    The folder need not exist. Files that cannot be removed are ignored.
     """
     for path in folder.glob(TEMPORARY_PATTERN):
         with suppress(OSError):  # removed by another process, or owned by another user
@@ -337,10 +320,6 @@ def write_durably(path: Path, content: str, hint: str | None = None) -> Iterator
 
     Raises:
         ConfigError: The file cannot be written, such as on a full disk; no partial file remains.
-
-    Example:
-        >>> with write_durably(Path("notes.json"), "notes") as file:  # doctest: +SKIP
-        ...     file.write(b"{}")
     """
     beside = path.with_name(f".{path.name}.new")
     with convert_write_errors(content, path, hint), _in_place(path, beside, beside.open("wb")) as file:
@@ -364,20 +343,12 @@ def _in_place(path: Path, beside: Path, file: IO[bytes]) -> Iterator[IO[bytes]]:
 
 
 def write_synced(path: Path, content: bytes, mode: str = "wb") -> None:
-    """Write to a file and sync its content to disk; a new name also needs a sync of its folder.
+    """Write bytes to a file in an existing folder and sync them to disk; `mode` is `wb`, or `ab` to append.
 
-    Use it for files that are renamed into place, or that grow line by line.
-
-    Args:
-        path: The file, in an existing folder.
-        content: Bytes to write.
-        mode: `wb`, or `ab` to append.
+    Use it for files that are renamed into place, or that grow line by line. A new name also needs a sync of its folder.
 
     Raises:
         OSError: The file cannot be written.
-
-    Example:
-        >>> write_synced(Path("lines.jsonl"), b"{}", "ab")  # doctest: +SKIP
     """
     with path.open(mode) as file:
         file.write(content)
@@ -399,18 +370,14 @@ def _sync_folder(folder: Path) -> None:
 def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
     """Yield a temporary folder whose files all move to `folder` when the block ends, or none if it raises.
 
-    Files of the same names are replaced, others of `folder` are kept.
+    Files of the same names are replaced, others of `folder` are kept. `folder` is created if missing.
 
     Args:
-        folder: Destination; created if missing.
+        folder: Destination.
         content: Name of the files, for messages.
 
     Raises:
         ConfigError: The files cannot be written.
-
-    Example:
-        >>> with write_all_or_none(Path("play"), "film") as beside:  # doctest: +SKIP
-        ...     (beside / "film.jsonl").write_text("{}")
     """
     with convert_write_errors(content, folder):
         folder.mkdir(parents=True, exist_ok=True)
@@ -435,18 +402,10 @@ def convert_write_errors(content: str, path: Path, hint: str | None = None) -> I
 
 
 def as_path(path: object, content: str) -> Path:
-    """Convert a user's file name to a path.
-
-    Args:
-        path: Text or a path.
-        content: Name of the file's content, for messages.
+    """Convert a user's file name, text or a path, to a `Path`; `content` is the name of the file's content.
 
     Raises:
         ConfigError: `path` is neither.
-
-    Example:
-        >>> as_path("runs/tasks.jsonl", "tasks").name
-        'tasks.jsonl'
     """
     if isinstance(path, str | os.PathLike):
         return Path(path)
@@ -468,8 +427,10 @@ def write_error(content: str, path: Path, error: OSError, hint: str | None = Non
 def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
     """Replace a folder and all its old files: write and sync a new one beside it, then rename it into place.
 
+    Between two renames the folder is absent for an instant.
+
     Args:
-        target: The folder; created if missing. Between two renames it is absent for an instant.
+        target: The folder; created if missing.
         files: Contents by relative path.
 
     Raises:

@@ -30,14 +30,11 @@ class _UnsupportedImageError(ValueError):
 
 
 def open_texture(path: Path) -> "Image":
-    """Read a PNG or JPEG file as an RGBA image in sRGB.
+    """Decode a PNG or JPEG file to an RGBA image in sRGB.
 
     Grey values of 16 bits are scaled to 8. Transparent colours and palette entries become alpha 0. Embedded ICC
     profiles and PNG gamma are converted to sRGB, and the EXIF orientation is applied. CMYK without a profile is
     converted without colour management; it is inverted if Adobe's marker says so. Animations give their first frame.
-
-    Args:
-        path: A PNG or JPEG file.
 
     Raises:
         MissingFileError: The file is missing.
@@ -64,7 +61,7 @@ def open_texture(path: Path) -> "Image":
 
 
 def has_cut_outs(path: Path) -> bool:
-    """Return whether any pixel has an alpha below `MIN_OPAQUE_ALPHA`; False undecoded if the file has no alpha.
+    """Return whether any pixel's alpha is below `MIN_OPAQUE_ALPHA`; files without alpha are not decoded (False).
 
     Raises:
         MissingFileError, DatasetError: As of `open_texture`.
@@ -82,7 +79,7 @@ def has_cut_outs(path: Path) -> bool:
 def read_texture(
     path: Path, size: int | None = None, resampling: Literal["box", "lanczos"] = "box"
 ) -> UInt8[np.ndarray, "h w 4"]:
-    """Read a PNG or JPEG file as sRGB and alpha; errors as of `open_texture`.
+    """Read a PNG or JPEG file as sRGB and alpha, 0..255, first row on top; errors as of `open_texture`.
 
     Colours are weighted by alpha. Texels below `MIN_OPAQUE_ALPHA` get the colour of the nearest opaque texel, so that
     filters across the edge of a cut-out do not darken it.
@@ -194,11 +191,7 @@ def _check_palette(image: "Image") -> None:
 def _decode_alpha(image: "Image", depth: int) -> "Image":
     """Return alpha as an image of mode L: the image's own, else 0 at its transparent colour, else 255 everywhere.
 
-    PNG stores a transparent colour in the bits of the file; Pillow compares it with 8-bit values.
-
-    Args:
-        image: A decoded image.
-        depth: Bits per sample in the file.
+    PNG stores a transparent colour in the bits of the file (`depth` per sample); Pillow compares it with 8-bit values.
     """
     from PIL import Image
 
@@ -246,7 +239,7 @@ def _apply_profile(image: "Image", data: bytes) -> "Image":
 
 
 def encode_png(image: UInt8[np.ndarray, "h w 3"]) -> bytes:
-    """Return an sRGB image as a PNG file; with a palette, which is smaller, if it has at most 256 colours."""
+    """Return an sRGB image as a PNG file's bytes; with a palette, which is smaller, for at most 256 colours."""
     from PIL import Image
 
     out, picture = io.BytesIO(), Image.fromarray(image)

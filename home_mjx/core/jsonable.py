@@ -63,6 +63,7 @@ def from_json(text: str, file: Path | None = None) -> Any:
 
 
 def _check_length(text: str) -> None:
+    """Raise `ConfigError` if a text has more than `MAX_TEXT_LENGTH` characters."""
     if len(text) > MAX_TEXT_LENGTH:
         message = f"options text has {len(text)} characters, at most {MAX_TEXT_LENGTH} are read"
         raise ConfigError(message, hint="Name a dataset or a split instead of each house.")
@@ -74,6 +75,7 @@ def _shown(text: str) -> str:
 
 
 def _plain(value: Any, where: str) -> Any:
+    """Convert a value to JSON types, with markers for tuples and dataclasses; `where` is its path, for the message."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, tuple):
@@ -89,6 +91,7 @@ def _plain(value: Any, where: str) -> Any:
 
 
 def _rebuilt(value: Any) -> Any:
+    """Convert parsed JSON back: markers become tuples and dataclass instances, whose `check_trusted` is called."""
     if isinstance(value, list):
         return [_rebuilt(x) for x in value]
     if not isinstance(value, dict):
@@ -105,6 +108,7 @@ def _rebuilt(value: Any) -> Any:
 
 
 def _dataclass(name: str) -> type:
+    """Import the dataclass `module:qualname`; `ConfigError` if it is none, or the module foreign and not imported."""
     module, _, qualname = name.partition(":")
     if module.split(".")[0] != PACKAGE and module not in sys.modules:  # a file must not choose the code to run
         hint = f"If you trust it, import {module} first."
@@ -134,6 +138,7 @@ def parse_assignments(texts: list[str]) -> dict[str, Any]:
 
 
 def _parse_assignment(text: str) -> tuple[str, Any]:
+    """Return name and value of one `NAME=VALUE` argument, see `parse_assignments`."""
     name, equals, value = text.partition("=")
     if not (name and equals):
         raise ConfigError(f"expected NAME=VALUE, got `{text:.80}`", hint="For example width=32.")

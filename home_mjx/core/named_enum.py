@@ -20,6 +20,7 @@ class _SuggestingMeta(EnumMeta):
             return super().__getitem__(name)
 
         def _raise_unknown(cls, name: str) -> NoReturn:
+            """Raise `UnknownMemberError` with the closest member name; matching ignores lower case."""
             alike = name.upper() if isinstance(name, str) else name
             hint = did_you_mean(alike, cls.__members__)
             raise UnknownMemberError(f"{cls.__name__} has no member `{name}`", hint=hint)

@@ -26,7 +26,7 @@ def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., An
 
 
 def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1.0) -> float:
-    """Return calls per second of a compiled function, measured over `seconds` [s] after one warm-up call."""
+    """Return the rate [1/s] of calls of a compiled function, measured over `seconds` [s] after one warm-up call."""
     jax.block_until_ready(program(*args))
     return _rate(lambda: program(*args), seconds)
 
@@ -34,7 +34,7 @@ def calls_per_second(program: Callable[..., Any], *args: Any, seconds: float = 1
 def steps_per_second(
     step: Callable[[Any, jax.Array], Any], state: Any, actions: Sequence[jax.Array], seconds: float = 1.0
 ) -> float:
-    """Measure the rate [1/s] of a compiled step from state to state over `seconds`, with cyclic actions.
+    """Return the rate [1/s] of `step(state, action)`, measured over `seconds` [s] with cyclic actions.
 
     After a reset all bodies are awake and settle, so timing starts after `WARM` steps or `seconds`, whichever is first.
     """

@@ -30,7 +30,7 @@ _is_silent: ContextVar[bool] = ContextVar("home_mjx_is_silent", default=False)
 
 @contextmanager
 def command_progress() -> Iterator[None]:
-    """Show progress within the block, as the command line does; `HOME_MJX_PROGRESS=0` still hides it."""
+    """Show progress within the block, also without a terminal, as commands do; `HOME_MJX_PROGRESS=0` hides it."""
     global _is_command
     before, _is_command = _is_command, True
     try:
@@ -40,10 +40,7 @@ def command_progress() -> Iterator[None]:
 
 
 def is_progress_shown(progress: bool | None = None) -> bool:
-    """Return whether progress is shown.
-
-    Args:
-        progress: The caller's choice; None: by the rule of this module.
+    """Return whether progress is shown: the caller's choice, else the rule of this module if `progress` is None.
 
     Raises:
         ConfigError: The environment variable `HOME_MJX_PROGRESS` is neither 0 nor 1.
@@ -68,7 +65,7 @@ def say(text: str, progress: bool | None = None) -> bool:
     """Write a line to stderr, above any progress bar, if progress is shown; return whether it was written.
 
     Args:
-        text: What begins now, and how long it takes if that is long, such as "compiling reset (once)".
+        text: Task that begins, and how long it takes if that is long, such as "compiling reset (once)".
         progress: As for `is_progress_shown`.
     """
     if _is_silent.get() or not is_progress_shown(progress):
@@ -80,7 +77,7 @@ def say(text: str, progress: bool | None = None) -> bool:
 
 @contextmanager
 def silence() -> Iterator[None]:
-    """Let `say` and new `ProgressCount`s show nothing within the block, even with `progress=True`."""
+    """Hide `say` and new `ProgressCount`s within the block, even with `progress=True`."""
     token = _is_silent.set(True)
     try:
         yield
@@ -137,6 +134,7 @@ class ProgressCount:
             self._write_line()
 
     def _write_line(self) -> None:
+        """Write text and count to stderr, such as "compiling 8 houses 3/8"."""
         self._next_line = time.monotonic() + LINE_INTERVAL
         say(f"{self.text} {self.done}" + ("" if self.total is None else f"/{self.total}"), progress=True)
 
@@ -158,7 +156,7 @@ def track(
 
     Args:
         items: The items.
-        text: What is done to them.
+        text: Work on the items, such as "reading".
         unit: Name of an item.
         progress: As for `is_progress_shown`.
         total: Number of items; None: the length of `items` if it has one.

@@ -9,7 +9,7 @@ T = TypeVar("T", bound="Pytree")
 
 
 def static(**kwargs: Any) -> Any:
-    """Declare a field as static: hashable, part of the pytree structure, no leaf. `kwargs`: of `dataclasses.field`."""
+    """Declare a static field: hashable, part of the pytree structure, not a leaf; `kwargs` of `dataclasses.field`."""
     return dataclasses.field(metadata={"static": True}, **kwargs)
 
 
@@ -65,10 +65,12 @@ class Pytree:
 
 
 def _names(cls: type, is_static: bool) -> list[str]:
+    """Return the names of the static fields, or of the leaves, in order."""
     return [f.name for f in dataclasses.fields(cls) if bool(f.metadata.get("static")) == is_static]
 
 
 def _build(cls: type[T], values: dict[str, Any]) -> T:
+    """Create a record from values of all fields without its constructor and checks."""
     new = object.__new__(cls)
     for name, value in values.items():
         object.__setattr__(new, name, value)
@@ -76,6 +78,7 @@ def _build(cls: type[T], values: dict[str, Any]) -> T:
 
 
 def _flatten(record: Any) -> tuple[tuple, tuple]:
+    """Return the leaves, and the static values, of a record."""
     cls = type(record)
     data = tuple(getattr(record, name) for name in _names(cls, False))
     return data, tuple(getattr(record, name) for name in _names(cls, True))

@@ -17,7 +17,7 @@ def sum3(parts: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
 
 
 def length3(vector: Float[Array, "*n 3"]) -> Float[Array, "*n"]:
-    """Compute Euclidean lengths with `sum3`."""
+    """Compute Euclidean lengths over the last axis with `sum3`."""
     return jnp.sqrt(sum3(vector * vector))
 
 

@@ -20,12 +20,7 @@ Variants = Mapping[Any, type | None]  # record types by word; None: the value No
 def variant_metadata(variants: Variants) -> dict[str, Any]:
     """Return the metadata of a dataclass field that holds one of several frozen records.
 
-    Args:
-        variants: Record types by the word that selects them; None stands for the value None.
-
-    Example:
-        >>> words = {"traced": Traced, "baked": Baked}  # doctest: +SKIP
-        >>> late: Traced | Baked = field(default_factory=Traced, metadata=variant_metadata(words))  # doctest: +SKIP
+    `variants` has the record types by the word that selects them; None stands for the value None.
     """
     return {KEY: MappingProxyType(dict(variants))}
 
@@ -36,10 +31,9 @@ def variants_of(record: Any, name: str) -> Variants:
 
 
 def check_variants(record: Any) -> None:
-    """Validate the type of each field of an instance that has variants.
+    """Raise `ConfigError` unless each field of an instance that has variants holds one of their record types.
 
-    Raises:
-        ConfigError: A value is not an instance of one of the record types; a word is not, either.
+    A word is rejected as well.
     """
     for field in dataclasses.fields(record):
         kinds, value = field.metadata.get(KEY, {}), getattr(record, field.name)
@@ -49,7 +43,7 @@ def check_variants(record: Any) -> None:
 
 
 def nested_names(record: Any, name: str) -> tuple[str, ...]:
-    """Return the field names, without repeats, of the record in field `name` of an instance; () if it has none there.
+    """Return the distinct field names of the record in field `name` of an instance; () if it holds none.
 
     If the field has variants, the names of all of them are returned, whatever its value.
     """
@@ -70,11 +64,6 @@ def replace_variant(path: str, variants: Variants, old: Any, changes: Mapping[st
 
     Raises:
         ConfigError: The word is unknown, or the selected record does not have one of the fields.
-
-    Example:
-        >>> words = {"traced": Traced, "baked": Baked}  # doctest: +SKIP
-        >>> replace_variant("late", words, Baked(), {"": "traced", "num_rays": 7}).num_rays  # doctest: +SKIP
-        7
     """
     values = {name: value for name, value in changes.items() if name}
     selected = _select(path, variants, old, changes[""]) if "" in changes else old
@@ -106,13 +95,14 @@ def _select(path: str, variants: Variants, old: Any, choice: Any) -> Any:
 
 
 def _unused_option(path: str, variants: Variants, name: str, selected: Any) -> ConfigError:
+    """Return the error for an option that the selected variant does not have; it names the variants that do."""
     words = [repr(word) for word, kind in variants.items() if name in getattr(kind, "__dataclass_fields__", {})]
     now = "None" if selected is None else getattr(selected, "__name__", type(selected).__name__)
     return ConfigError(f"`{path}.{name}` has no effect with {now}", hint=f"Set `{path}` to {' or '.join(words)} too.")
 
 
 def override_fields(record: Any, changes: Mapping[str, Any]) -> Any:
-    """Return a record with fields replaced by name; names of nested records' fields count too.
+    """Return a record with fields replaced by name; an unambiguous field of a nested record may be named directly.
 
     Args:
         record: A frozen dataclass.
@@ -120,10 +110,6 @@ def override_fields(record: Any, changes: Mapping[str, Any]) -> Any:
 
     Raises:
         ConfigError: A name is unknown, or a value is invalid.
-
-    Example:
-        >>> override_fields(AudioConfig(), {"receiver": "omni", "num_rays": 7}).late.num_rays  # doctest: +SKIP
-        7
     """
     owners = _owners(record)
     below: dict[str, dict[str, Any]] = defaultdict(dict)
@@ -135,7 +121,7 @@ def override_fields(record: Any, changes: Mapping[str, Any]) -> Any:
 
 
 def _owners(record: Any) -> dict[str, str]:
-    """Map own fields to themselves and nested records' fields to the field they are in, without ambiguous ones."""
+    """Map own fields to themselves, nested records' fields to the field that holds them; omit ambiguous ones."""
     own = [field.name for field in dataclasses.fields(record)]
     nested = [(option, name) for name in own for option in nested_names(record, name) if option not in own]
     options = [option for option, _ in nested]
@@ -143,6 +129,7 @@ def _owners(record: Any) -> dict[str, str]:
 
 
 def _replaced(record: Any, name: str, changes: Mapping[str, Any]) -> Any:
+    """Return the new value of field `name`: "" in `changes` replaces it whole, other names its record's fields."""
     old, variants = getattr(record, name), variants_of(record, name)
     if variants:
         return replace_variant(name, variants, old, changes)
@@ -154,4 +141,5 @@ def _replaced(record: Any, name: str, changes: Mapping[str, Any]) -> Any:
 
 
 def _types(variants: Variants) -> tuple[type, ...]:
+    """Return the record types of variants, without None."""
     return tuple(kind for kind in variants.values() if kind is not None)

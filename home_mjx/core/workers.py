@@ -20,16 +20,9 @@ def usable_cores() -> int:
 
 @contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
-    """Create a pool of spawned worker processes for the duration of a `with` block.
+    """Create a pool of `workers` spawned processes for the duration of a `with` block.
 
     At the end, pending work is cancelled and running work finishes; a keyboard interrupt terminates workers instead.
-
-    Args:
-        workers: Number of processes.
-
-    Example:
-        >>> with worker_pool(2) as pool:  # doctest: +SKIP
-        ...     pool.submit(compile_one, house_id)
     """
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, context, initializer=_leave_with_parent)
@@ -44,7 +37,7 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def _leave_with_parent() -> None:
-    """Start a thread that exits this worker process when its parent has ended; the pool's own would block forever."""
+    """Start a thread that exits this worker when its parent has ended; the pool's own would block forever."""
     parent = multiprocessing.parent_process()
 
     def wait() -> None:

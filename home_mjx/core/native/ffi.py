@@ -37,7 +37,7 @@ compiled = njit(error_model="numpy")
 
 
 def hash_sources(*paths: str) -> int:
-    """Return a 56-bit hash of the files' contents; Numba's cache watches only the file that defines a handler."""
+    """Return a 56-bit hash of files' contents, since Numba's cache watches only the file that defines a handler."""
     text = b"".join(Path(path).read_bytes() for path in paths)
     return int.from_bytes(hashlib.sha256(text).digest()[:7], "little")
 
@@ -45,7 +45,10 @@ def hash_sources(*paths: str) -> int:
 @compiled
 @no_type_check
 def is_execute_call(frame):
-    """Return whether XLA requests execution; into a metadata query (False), write the interface version."""
+    """Return whether XLA requests execution; into a metadata query (False), write the interface version.
+
+    `frame` is the integer address of an `XLA_FFI_CallFrame`.
+    """
     extension = words(frame)[FRAME_EXTENSION]
     if extension != 0 and halves(extension + WORD * EXTENSION_TYPE)[0] == METADATA:
         words(words(extension)[EXTENSION_METADATA])[METADATA_VERSION] = API_VERSION
@@ -59,7 +62,7 @@ def run_job(frame, chunks, work, task):
     """Run chunks of work on the calling thread and on XLA's threads, and wait for all of them.
 
     Args:
-        frame: Call frame.
+        frame: Address of the call frame.
         chunks: Number of chunks.
         work: Address of a C function of the job, which calls `run_chunks`.
         task: Address of a C function of the job, which calls `run_task`.
@@ -158,6 +161,7 @@ def row(frame, kind, index, number):
 @compiled
 @no_type_check
 def _buffer(frame, kind, index):
+    """Return the address of the `XLA_FFI_Buffer` of operand or result `index`; `kind` as in `data`."""
     return words(words(frame)[kind])[index]
 
 

@@ -15,7 +15,7 @@ _started_in: list[int] = []  # id of the process that first loaded compiled code
 
 
 def record_process() -> None:
-    """Record this process, unless one is, as the starter of JAX's threads; call it before loading houses or code."""
+    """Record this process, unless one is, as the starter of JAX's threads; call it before loading compiled code."""
     if not _started_in:
         _started_in.append(os.getpid())
 
@@ -23,8 +23,7 @@ def record_process() -> None:
 def check_not_forked(action: str) -> None:
     """Raise `BackendError` in a child that was forked after houses or compiled code were loaded.
 
-    Args:
-        action: The refused action for the message, such as "cast rays".
+    `action` is the refused action for the message, such as "cast rays".
     """
     if _started_in and _started_in[0] != os.getpid():
         raise BackendError(
@@ -37,11 +36,7 @@ def forbid_after_fork(function: Callable[..., T], action: str) -> Callable[..., 
     """Wrap a function of positional arguments so that it raises `BackendError` in children that are forked from now on.
 
     Use it for compiled programs. JAX runs a cached program without calling Python code of this package; a large one
-    then waits forever for threads that the child lacks.
-
-    Args:
-        function: Function to wrap.
-        action: The refused action for the message, such as "step".
+    then waits forever for threads that the child lacks. `action` is named in the message, such as "step".
     """
     made_in = os.getpid()
 

@@ -21,9 +21,9 @@ TASK = "home_mjx_task"  # symbol
 
 @verify_cache
 def build_handler(name: str, count: Any, work: Any) -> tuple[Any, Any]:
-    """Return a handler and the task of XLA's threads, compiled or from Numba's cache; add their symbols to LLVM.
+    """Build the XLA FFI handler of a kernel and the task of XLA's threads; add their symbols to LLVM.
 
-    Keep both and the arguments alive while XLA may call the handler.
+    Both come from Numba's cache if possible. Keep them and the arguments alive while XLA may call the handler.
 
     Args:
         name: Unique prefix of the kernel's symbols.

@@ -60,10 +60,12 @@ def register_host_call(target: str, function: HostFunction) -> None:
 
 
 def _words(address: int) -> Any:
+    """Return a pointer to 64-bit integers at an address."""
     return ctypes.cast(address, ctypes.POINTER(ctypes.c_int64))
 
 
 def _halves(address: int) -> Any:
+    """Return a pointer to 32-bit integers at an address."""
     return ctypes.cast(address, ctypes.POINTER(ctypes.c_int32))
 
 
@@ -83,6 +85,7 @@ def _buffers(frame: int, kind: int) -> list[np.ndarray]:
 
 
 def _view(buffer: int) -> np.ndarray:
+    """Return the `XLA_FFI_Buffer` at an address as a NumPy view; zeros of its shape if it has no elements."""
     words = _words(buffer)
     item, dtype = DTYPES[_halves(buffer + ffi.WORD * BUFFER_DTYPE)[0]]
     shape = tuple(_words(words[ffi.BUFFER_DIMS])[: words[ffi.BUFFER_RANK]])

@@ -74,19 +74,16 @@ class Kernel:
         return _is_usable(self, platform)
 
     def check_usable(self, platform: str, label: str, hint: str) -> None:
-        """Raise `BackendError` if the kernel cannot be used on a platform.
+        """Raise `BackendError` if the kernel cannot be used on "cpu" or "cuda".
 
-        Args:
-            platform: "cpu" or "cuda".
-            label: Name of the user's option for the message.
-            hint: Advice for the message.
+        `label` is the user's option and `hint` the advice in the message.
         """
         problem = self.find_problem(platform)
         if problem:
             raise BackendError(f"{label} is not available: {problem}", hint=hint)
 
     def select(self, fallback: Callable[..., Any], native: Mapping[str, Callable[..., Any]], *operands: Any) -> Any:
-        """Return results on `operands` of the function of `native` for the platform of lowering; else of `fallback`."""
+        """Return the results of `native`'s function for the platform of lowering if usable, else of `fallback`."""
         usable = {platform: run for platform, run in native.items() if self.is_usable(platform)}
         return select_at_lowering(fallback, usable, *operands)
 
@@ -95,9 +92,7 @@ class Kernel:
 def compile_sources(*sources: Path, **defines: int) -> str:
     """Compile concatenated CUDA C files to PTX for all GPUs of this process, at least one; see `nvrtc.compile_ptx`.
 
-    Args:
-        sources: Files.
-        defines: Integer macros by name.
+    `defines` are integer macros by name.
 
     Raises:
         BackendError: NVRTC was not found, or it rejects the source.
@@ -168,6 +163,7 @@ def register_target(name: str, function: Any, *kept: object) -> None:
 def _call(
     target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct], attributes: Mapping[str, Any]
 ) -> tuple[Array, ...]:
+    """Call an FFI target with operands converted to float32 or int32; results vary over the operands' mesh axes."""
     plain = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
     return varying_as(operands, jax.ffi.ffi_call(target, tuple(results))(*plain, **attributes))
 
@@ -208,6 +204,7 @@ def _compile_at_lowering() -> Any:
 
 @functools.cache
 def _is_usable(kernel: Kernel, platform: str) -> bool:
+    """Implement `Kernel.is_usable`, cached."""
     problem = kernel.find_problem(platform)
     if problem and getattr(kernel, platform) and local_devices(platform):
         warnings.warn(f"{kernel.fallback}: {problem}", RuntimeWarning, stacklevel=4)
@@ -216,6 +213,7 @@ def _is_usable(kernel: Kernel, platform: str) -> bool:
 
 @functools.cache
 def _find_problem(kernel: Kernel, platform: str) -> str | None:
+    """Implement `Kernel.find_problem`, cached."""
     if getattr(kernel, platform) is None:
         return "the kernel has no version for this platform"
     if not local_devices(platform):

@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 
 @no_type_check
 def pointer_to(item: types.Type) -> Any:
-    """Create an intrinsic that casts an address to a pointer to `item`."""
+    """Create an intrinsic `f(address)` that casts an integer address to a pointer to `item`."""
 
     @intrinsic
     @no_type_check
@@ -45,7 +45,7 @@ def stack_of(item: types.Type, count: int) -> Any:
 @intrinsic
 @no_type_check
 def address_of(typing_context, pointer) -> Any:
-    """Convert a pointer to the integer address that it points to."""
+    """Return the integer address that a pointer points to."""
 
     @no_type_check
     def lower(context, builder, signature, args):

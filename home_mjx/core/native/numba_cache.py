@@ -35,14 +35,8 @@ def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
     """Wrap a function that compiles the functions of its own file, so that it loads only verified cache files.
 
     Cache files whose digest differs or was never recorded, such as those of a killed process, are deleted first and
-    thus recompiled. Digests are recorded afterwards; a lock excludes other processes. Arguments are positional.
-
-    Args:
-        build: Compiles all functions of its file with `cache=True`.
-
-    Example:
-        >>> @verify_cache  # doctest: +SKIP
-        ... def build_handler(): ...
+    thus recompiled. Digests are recorded afterwards; a lock excludes other processes. `build` takes positional
+    arguments and compiles all functions of its file with `cache=True`.
     """
 
     @functools.wraps(build)
@@ -93,13 +87,10 @@ def delete_unverified(folder: Path, stem: str, sums: Path) -> None:
 
 @contextmanager
 def exclusive_lock(lock: Path) -> Iterator[None]:
-    """Hold an exclusive lock during the block; after `MAX_LOCK_WAIT_SECONDS` the block runs without it.
+    """Hold an exclusive lock on a file during the block; after `MAX_LOCK_WAIT_SECONDS` the block runs without it.
 
     The operating system releases the lock of a killed process. If files cannot be locked, as on Windows and some
-    networks, the block runs at once.
-
-    Args:
-        lock: Lock file; created if missing, and never deleted.
+    networks, the block runs at once. The file is created if missing, and never deleted.
     """
     with ExitStack() as stack:
         with suppress(OSError, ImportError):
@@ -132,10 +123,12 @@ def _place(build: Callable[[], Any]) -> tuple[Path | None, str]:
 
 
 def _files(folder: Path, stem: str) -> list[Path]:
+    """Return the index and code files of Numba's cache for a source file."""
     return [*folder.glob(f"{stem}.*.nbi"), *folder.glob(f"{stem}.*.nbc")]
 
 
 def _noted(sums: Path) -> dict[str, str]:
+    """Return the recorded digests by file name; empty if their file is missing or broken."""
     with suppress(DatasetError, ValueError, RecursionError):
         known = json.loads(read_text(sums))
         return known if isinstance(known, dict) else {}
@@ -143,6 +136,7 @@ def _noted(sums: Path) -> dict[str, str]:
 
 
 def _digest(path: Path) -> str | None:
+    """Return the SHA-256 of a file in hexadecimal; None if it cannot be read."""
     try:
         return hashlib.sha256(read_bytes(path, max_bytes=MAX_CODE_BYTES)).hexdigest()
     except DatasetError:
@@ -150,6 +144,7 @@ def _digest(path: Path) -> str | None:
 
 
 def _note(folder: Path, stem: str, sums: Path) -> None:
+    """Record the digests of all cache files; errors of writing are ignored."""
     digests = {path.name: digest for path in _files(folder, stem) if (digest := _digest(path))}
     if digests == _noted(sums):
         return

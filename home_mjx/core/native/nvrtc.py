@@ -31,9 +31,6 @@ def compile_ptx(source: Path | Sequence[Path], capability: int, defines: Mapping
 
     Raises:
         BackendError: NVRTC was not found, or it rejects the source.
-
-    Example:
-        >>> ptx = compile_ptx(Path("kernel.cu"), 90)  # doctest: +SKIP
     """
     library = find_library()
     files = [source] if isinstance(source, Path) else list(source)
@@ -66,6 +63,7 @@ def find_library() -> ctypes.CDLL:
 
 
 def _load(name: Path | str) -> ctypes.CDLL:
+    """Load NVRTC by path, after its built-in library, or by name through the system's loader."""
     if isinstance(name, Path):
         # NVRTC loads this library by name, and the loader does not search Python packages.
         for part in name.parent.glob("libnvrtc-builtins.so.*"):
@@ -98,6 +96,7 @@ def _known(library: ctypes.CDLL, capability: int) -> int:
 
 
 def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str, options: Sequence[str]) -> str:
+    """Compile CUDA C to PTX text; `name` is for messages, `target` such as "compute_90". Errors as of `compile_ptx`."""
     program = ctypes.c_void_p()
     create = library.nvrtcCreateProgram(ctypes.byref(program), code, name.encode(), 0, None, None)
     _check(library, create)
@@ -112,6 +111,7 @@ def _compile(library: ctypes.CDLL, code: bytes, name: str, target: str, options:
 
 
 def _text(library: ctypes.CDLL, program: ctypes.c_void_p, what: str) -> str:
+    """Return a text of a program, "PTX" or "ProgramLog"."""
     size = ctypes.c_size_t()
     _check(library, getattr(library, f"nvrtcGet{what}Size")(program, ctypes.byref(size)))
     text = ctypes.create_string_buffer(size.value)
@@ -120,6 +120,7 @@ def _text(library: ctypes.CDLL, program: ctypes.c_void_p, what: str) -> str:
 
 
 def _check(library: ctypes.CDLL, status: int) -> None:
+    """Raise `BackendError` with NVRTC's message unless `status` is 0."""
     if status:
         library.nvrtcGetErrorString.restype = ctypes.c_char_p
         raise BackendError(f"NVRTC failed: {library.nvrtcGetErrorString(status).decode()}")
@@ -141,6 +142,7 @@ def _read(entry: Path) -> str | None:
 
 
 def _keep(entry: Path, ptx: str) -> None:
+    """Write PTX with its digest to the cache; failures are only logged."""
     try:
         with write_atomically(entry) as file:
             file.write(f"{DIGEST_HEADER}{_digest(ptx)}\n{ptx}".encode())

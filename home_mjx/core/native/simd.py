@@ -119,6 +119,7 @@ def select(typing_context, mask, a, b) -> Any:
 
 @no_type_check
 def _extreme(sign: str) -> Any:
+    """Return an intrinsic f(a, b), per float32 lane: `b` if it compares as `sign` to `a`, else `a`."""
     @intrinsic
     @no_type_check
     def extreme(typing_context, a, b):
@@ -245,4 +246,5 @@ def store(typing_context, pointer, index, value) -> Any:
 
 @no_type_check
 def _vector_at(context, builder, kind, pointer, index):
+    """Return a pointer to the vector that begins at item `index` of `pointer`."""
     return builder.bitcast(builder.gep(pointer, [index]), context.get_value_type(kind).as_pointer())

@@ -15,7 +15,7 @@ Step = Callable[..., tuple[Array, ...]]
 
 
 def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
-    """Wrap `run` for any nesting of `vmap`, with inputs that may be sharded over devices by environments.
+    """Wrap `run` for any nesting of `vmap`, and for inputs that are sharded over devices by environments.
 
     Args:
         run: Step function. All environments share its first operands; the other operands and the results have a
@@ -65,5 +65,5 @@ def forbid_gradient(step: Step, name: str) -> Step:
 
 
 def traced_constant(values: Sequence[float], dtype: Any = jnp.int32) -> Array:
-    """Build a 1-D array, not empty, by traced operations; partitioned functions must not capture arrays."""
+    """Build a 1-D array, not empty, by traced operations, for partitioned functions, which must not capture arrays."""
     return jnp.concatenate([jnp.full(1, value, dtype) for value in values])
