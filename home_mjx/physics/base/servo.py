@@ -93,14 +93,9 @@ def door_acceleration(
 ) -> Float[Array, "h"]:
     """Compute the drive acceleration of doors towards their goals [rad/s^2], or [m/s^2] of sliding doors.
 
-    It is limited by `MAX_DOOR_TORQUE`, and 0 for doors that are not driven. Hinge drag is not included.
-
-    Args:
-        place: Joint coordinate [rad], of sliding doors [m].
-        rate: [rad/s], [m/s]
-        goal: [rad], [m]; `NOT_DRIVEN` if the door is not driven.
-        inertia: About the hinge [kg m^2], or mass [kg].
-        time: Time constant of the door's velocity [s].
+    It is limited by `MAX_DOOR_TORQUE`, and 0 for goals of `NOT_DRIVEN`. Hinge drag is not included. `place`, `rate` and
+    `goal` are in [rad] and [rad/s], or [m] and [m/s]. `inertia` is about the hinge [kg m^2], or the mass [kg]. `time`
+    is the time constant of the velocity [s].
     """
     wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME_CONSTANT), -MAX_DOOR_SPEED, MAX_DOOR_SPEED)
     most = jnp.float32(MAX_DOOR_TORQUE) / inertia
@@ -113,12 +108,8 @@ def ramp_acceleration(
     """Compute the acceleration (world x, y) that keeps an agent from sliding down a ramp [m/s^2]; 0 off ramps.
 
     Contacts of agents are frictionless. On a ramp, `g tan(slope)` uphill balances the ramp's normal force. Of
-    overlapping ramps, as on turning stairs, the highest applies. Landings have no slope and are ignored.
-
-    Args:
-        ramps: Rows of `bank.physics.ramp`.
-        agent: Row of `control.agent_table`.
-        pos: Centre of the agent's capsule [m].
+    overlapping ramps, as on turning stairs, the highest applies. Landings have no slope and are ignored. `ramps` are
+    rows of `bank.physics.ramp`, `agent` is a row of `control.agent_table`, `pos` the centre of its capsule [m].
     """
     _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
     along, across, surface = ramp_coordinates(ramps, pos)

@@ -37,14 +37,8 @@ def push_doors(
     """Return joint coordinates after agents have pushed overlapping leaves away, clipped to the joint ranges.
 
     Agents push hinged leaves at their faces and sliding ones at their narrow ends. The correction is first order and
-    summed over agents. So overlap can remain, as it does close to a hinge, where agents do not push.
-
-    Args:
-        leaves: Leaves of the house.
-        angle: Joint coordinates [rad], of sliding leaves [m].
-        pos: Positions of the agents' centres [m].
-        radius: Radii of the agents [m].
-        half: Half heights of the agents [m]; leaves above or below an agent stay where they are.
+    summed over agents. So overlap can remain, as it does close to a hinge, where agents do not push. `angle` is in
+    [rad], of sliding leaves [m]. `pos`, `radius` and `half` are the agents' centres, radii and half heights [m].
     """
     turned = leaves.hinge_mask * angle + leaves.yaw
     along = leaves.size[:, 0] >= leaves.size[:, 1]  # the box's first axis is the leaf's long axis

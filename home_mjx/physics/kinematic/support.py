@@ -24,13 +24,8 @@ def drop_released_bodies(
 ) -> Float[Array, " q"]:
     """Return `qpos` after released bodies have dropped onto the highest support below them, at most one body per agent.
 
-    Args:
-        template: Model of the bank's capacity.
-        physics: Physics arrays of the bank.
-        house: Index of the house.
-        state: State at the start of the step; a body with nonzero velocity was released.
-        qpos: Positions after the step.
-        boxes: Possible supports: static boxes, then the movable bodies.
+    `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
+    the static boxes, then the movable bodies.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)

@@ -27,15 +27,9 @@ def applied_forces(
     qpos: Float[Array, " q"],
     qvel: Float[Array, " v"],
 ) -> tuple[Float[Array, "a 3"], Float[Array, " v"]]:
-    """Compute the forces that drive agents, doors and held bodies.
+    """Compute the forces that drive agents, doors and held bodies at the positions and velocities `qpos`, `qvel`.
 
-    Args:
-        template: Model of the bank's capacity.
-        house: Bodies, doors and ramps of the house.
-        state: State at the start of the control step, with held bodies and door goals.
-        action: Actions of the agents.
-        qpos: Current positions.
-        qvel: Current velocities.
+    `house` has the house's bodies, doors and ramps. Held bodies and door goals are those of `state`.
 
     Returns:
         Forces on the agents, with hand reactions and ramp support: along world x and y [N], torque about z [N m].

@@ -142,11 +142,8 @@ def with_surfaces(
 ) -> mjx.Model:
     """Return the model with the contact parameters of a house's bodies, combined per geom pair as in `base.surfaces`.
 
-    Args:
-        model: Template model.
-        layout: Layout of the template.
-        pairs: Dynamic bodies of each of the template's geom pairs; -1 is the world. Pairs with agents are unchanged.
-        surfaces: Rows of `base.surfaces`, one per movable body; agents, doors and the world have none.
+    `pairs` has the dynamic bodies of each geom pair of the template; -1 is the world. Pairs with agents are unchanged.
+    `surfaces` has a row of `base.surfaces` per movable body; agents, doors and the world have none.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:

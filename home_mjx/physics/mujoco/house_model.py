@@ -62,15 +62,10 @@ class MujocoHouse:
         qacc: Float[np.ndarray, " v"],
         applied: Float[np.ndarray, " v"],
     ) -> HouseStepResult:
-        """Advance by one physics step; arrays are as in `PhysicsState`.
+        """Advance by one physics step; arrays are as in `PhysicsState`, and `qacc` is the solver's warm start.
 
         Bodies that the house does not have keep their state. A state with NaN or infinite values is returned unchanged.
-
-        Args:
-            qpos: Positions.
-            qvel: Velocities.
-            qacc: Accelerations; warm start of the solver.
-            applied: Applied forces on all joints [N], [N m].
+        `applied` are the forces on all joints [N], [N m].
         """
         if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
             mobiles = self._layout.num_dynamic

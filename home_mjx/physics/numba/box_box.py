@@ -249,13 +249,9 @@ def _largest(x, y, z):
 def _clip(corner, edges, size, points):
     """Write contact points where a parallelogram is below a rectangle at z = 0; return their number.
 
-    Points are where its edges cross the rectangle's border, and the corners of each that the other covers.
-
-    Args:
-        corner: A corner of the parallelogram (3).
-        edges: The two edges that begin there (2, 3).
-        size: Half extents of the rectangle (2).
-        points: Result: point half-way to the plane, and distance.
+    Points are where its edges cross the rectangle's border, and the corners of each that the other covers. A point is
+    half-way to the plane, with its distance. The parallelogram has a `corner` (3) from which two `edges` (2, 3) begin;
+    `size` are the rectangle's half extents (2).
     """
     start, edge = vector(), vector()
     number = 0

@@ -23,15 +23,15 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def sphere_box(x, y, z, radius, half, point, normal):
-    """Compute the contact of a sphere and a box, in the box's frame; return whether they touch.
+    """Compute the contact of a sphere and a box, in the box's frame [m]; return whether they touch.
 
     Args:
-        x: Centre of the sphere [m].
-        y: As `x`.
-        z: As `x`.
-        radius: [m]
-        half: Half extents (3) [m].
-        point: Result (4): position half-way between the surfaces, and distance [m], negative.
+        x: Centre of the sphere.
+        y: Centre, second coordinate.
+        z: Centre, third coordinate.
+        radius: Radius of the sphere.
+        half: Half extents (3).
+        point: Result (4): position half-way between the surfaces, and distance, negative.
         normal: Result (3): unit, from the sphere to the box.
     """
     center = (x, y, z)

@@ -18,12 +18,8 @@ compiled = njit(error_model="numpy")
 def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
     """Compute `smooth`, the accelerations without contact.
 
-    Args:
-        work: Arrays, see `workspace.Workspace`.
-        numbers: See `params.StepParams`.
-        control: Actions (a, 3), bodies held by the agents (a) or -1, grips (a, 7), goals of the doors (h).
-        ramp: Ramps (num_ramps, RAMP_COLUMNS), see `bank.physics.ramp`.
-        num_ramps: Number of ramps of the house.
+    `control` is actions (a, 3), bodies held by the agents (a; -1 none), grips (a, 7) and goals of the doors (h). `ramp`
+    has `num_ramps` rows of `bank.physics.ramp`.
     """
     action, held, grip, goal = control
     for a in range(work.num_agents):

@@ -25,11 +25,8 @@ compiled = njit(error_model="numpy")
 def load_house(work, static, bodies, door):
     """Copy a house's static boxes, bodies and doors to `work`; negative half extents mark missing boxes and doors.
 
-    Args:
-        work: Arrays, see `workspace.Workspace`.
-        static: Position, quaternion and half extents of its static boxes.
-        bodies: Validity, half extents, mass, inertia and `reference_surfaces` of its movable bodies.
-        door: Rows of `door_table`.
+    `static` is position, quaternion and half extents of the static boxes; `bodies` validity, half extents, mass,
+    inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`.
     """
     collider_pos, collider_quat, collider_half = static
     body_valid, body_size, body_mass, body_inertia, body_surface = bodies
