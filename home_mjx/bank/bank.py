@@ -63,13 +63,6 @@ class HouseBank(BankArrays):
         """Return a 32-bit number that states store to identify their house: a hash of its id, grid size and goals.
 
         Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
-
-        Args:
-            house: Index of the house in the bank.
-
-        Example:
-            >>> int(bank.fingerprint(0)) == int(other_bank.fingerprint(0))  # doctest: +SKIP
-            False
         """
         house, navigation = self.clip_house_index(house), self.navigation
         places = jnp.concatenate([navigation.origin[house], navigation.goal[house].ravel()])
@@ -101,7 +94,7 @@ class HouseBank(BankArrays):
 
 
 def to_bank(packed: PackedBank) -> HouseBank:
-    """Transfer packed houses to the device; return a bank whose resets draw any house, with `gpu_geometry` on GPUs."""
+    """Transfer packed houses to the device; resets of the bank draw any house. On GPUs it includes `gpu_geometry`."""
     record_process()
     # One transfer of all arrays; `jnp.asarray` per array would compile a program for each.
     tables = group_by_record(jax.device_put(packed.arrays, may_alias=False))

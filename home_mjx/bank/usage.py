@@ -29,10 +29,7 @@ class Usage:
 
 
 def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
-    """Return the bytes that houses, library models and textures would take in a bank, without building it.
-
-    Args:
-        houses: At least one house.
+    """Return the bytes that houses, at least one, models and textures would take in a bank, without building it.
 
     Raises:
         ConfigError: There is no house.
@@ -50,39 +47,26 @@ def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
 
 
 def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
-    """Compute the size of each array of a bank of these houses, without building it.
+    """Return the bytes of each array of a bank of these houses, at least one, without building it.
 
-    Args:
-        houses: At least one house.
-
-    Returns:
-        Bytes by array name, such as "geometry.triangle". The derived layout of the `cuda` backend (`Geometry.gpu`)
-        and the few bytes of `reset_houses` are excluded.
+    Names are such as "geometry.triangle". The derived layout of the `cuda` backend (`Geometry.gpu`) and the few bytes
+    of `reset_houses` are excluded.
 
     Raises:
         ConfigError: There is no house.
         CapacityError: The houses have too many triangles for one bank.
-
-    Example:
-        >>> sum(planned_bytes([compiled]).values())  # doctest: +SKIP
-        14_680_064
     """
     _, sizes = plan_bank(houses)
     return {d.name: d.nbytes(sizes) for d in declarations()}
 
 
 def bank_bytes(bank: BankArrays) -> int:
-    """Return the size of all arrays of a bank, or of a bank of `jax.ShapeDtypeStruct`s [bytes].
-
-    Example:
-        >>> bank_bytes(bank)  # doctest: +SKIP
-        14_680_096
-    """
+    """Return the size of all arrays of a bank, or of a bank of `jax.ShapeDtypeStruct`s [bytes]."""
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(bank))
 
 
 def _owned_bytes(owners: Owners, sizes: Sizes) -> int:
-    """Return the bytes of the rows of owners by kind; a house's own row, `HOUSE_AXIS`, counts with its padding."""
+    """Return the bytes of the rows of `owners`, by kind; a house's own row, `HOUSE_AXIS`, counts with its padding."""
     total = 0
     for declaration in declarations():
         if declaration.kind == HOUSE_AXIS and HOUSE_AXIS in owners:

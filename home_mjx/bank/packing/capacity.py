@@ -71,7 +71,7 @@ def required_lengths(house: CompiledHouse) -> dict[str, int]:
 
 
 def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -> dict[str, int]:
-    """Return lengths of `AXES`, rounded up by `round_up`, for houses up to `capacity_factor` times the largest.
+    """Return lengths of `AXES`, rounded up to size classes, for houses up to `capacity_factor` times the largest.
 
     The factor does not apply to axes whose length a compiler option determines.
     """
@@ -82,13 +82,13 @@ def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
-    """Return `capacity`, the lengths of `AXES`, and the fixed and derived ones; not those of rows and houses."""
+    """Return `capacity`, the lengths of `AXES`, and the fixed and derived lengths; not those of rows and houses."""
     doors = capacity["hinged_leaves"] + capacity["slides"]
     return {**FIXED_LENGTHS, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 
 
 def house_rows(house: CompiledHouse) -> dict[str, int]:
-    """Count a house's rows in each of `ROW_KINDS`; of models, only its architecture, which no other house shares."""
+    """Count a house's own rows in each of `ROW_KINDS`; of models, only its architecture, which is private."""
     own = house.models[house.instances.model[ARCHITECTURE]]
     return model_rows([own]) | {
         "node": len(own.tree.child) + len(house.top_bvh.child),
@@ -106,19 +106,19 @@ def model_rows(models: Iterable[Model]) -> dict[str, int]:
 
 
 def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np.ndarray) -> dict[str, int]:
-    """Count the rows by `ROW_KINDS` that precede all houses': of library models and of the agent's two tables."""
+    """Count the rows by `ROW_KINDS` that precede those of houses: library models, agents' materials and semantics."""
     return model_rows(models) | {"material": len(materials.mask), "semantic": len(semantics), "cell": 0}
 
 
 def slot_stride(houses: Sequence[CompiledHouse], capacity_factor: float) -> dict[str, int]:
-    """Return rows by kind that hold a house `capacity_factor` times the largest: `ragged_class`es, and 1 `model`."""
+    """Return the rows by kind reserved per house: `capacity_factor` times the largest, as `ragged_class`; 1 `model`."""
     found = [house_rows(house) for house in houses]
     largest = {kind: max(rows[kind] for rows in found) for kind in found[0]}
     return {k: 1 if k == "model" else ragged_class(int(n * capacity_factor)) for k, n in largest.items()}
 
 
 def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
-    """Raise `CapacityError` for the first kind of row or axis of which a house needs more than is available."""
+    """Raise `CapacityError` for the first row kind or axis of which a house needs more than is available."""
     for kind, count in needed.items():
         if count > available[kind]:
             raise CapacityError(
@@ -128,7 +128,7 @@ def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
 
 
 def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, int]]:
-    """Return each house's first row by table, with houses one after another from `first` on; `rows` counts theirs."""
+    """Return each house's first row by table, for houses one after another from `first` on; `rows` has their counts."""
     starts, at = [], dict(first)
     for counts in rows:
         starts.append(dict(at))

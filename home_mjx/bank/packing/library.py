@@ -83,18 +83,12 @@ class Library:
         return found | {"material": [row], "semantic": [row]}
 
     def shared_owners(self, texture_size: int) -> Owners:
-        """Read all textures at edge `texture_size` [px]; return their owner, which has no rows, by kind (`SHARED`)."""
+        """Read all textures at edge `texture_size` [px]; return the owner of shared arrays under the kind `SHARED`."""
         layers = load_textures(self.textures, texture_size)
         return {SHARED: [SharedOwner(SharedArrays(layers.view("<u4")[..., 0], cutout_bits(layers, texture_size)))]}
 
     def house_owners(self, house: CompiledHouse, start: Counts, sizes: Sizes) -> Owners:
-        """Return the owners of a house's private rows, by kind.
-
-        Args:
-            house: The house.
-            start: First row of the house in each kind of table.
-            sizes: Axis lengths of the bank.
-        """
+        """Return the owners of a house's private rows, by kind; `start` has its first row of each kind."""
         own = house.models[house.instances.model[ARCHITECTURE]]
         found = model_owners(own, start)
         found["node"].append(TreeOwner(house.top_bvh, start["node"] + len(own.tree.child), 0))  # leaves hold instances
@@ -117,7 +111,7 @@ def agent_model() -> Model:
 
 
 def agent_semantics() -> Int[np.ndarray, "1 columns"]:
-    """Return the semantic row shared by all agents; the instance of a hit identifies the agent."""
+    """Return the semantic row that all agents share."""
     return semantic_row("person", "person", "person")[None]
 
 

@@ -174,6 +174,7 @@ def common_options(houses: Sequence[CompiledHouse]) -> dict[str, float]:
 def _packed(
     houses: Sequence[CompiledHouse], library: Library, sizes: Sizes, starts: Sequence[Counts], texture_size: int
 ) -> PackedBank:
+    """Build the bank's arrays from the library and the houses, whose rows begin at `starts`."""
     spec: dict[str, Any] = {f"num_{name}": sizes[name] for name in SPEC_AXES} | common_options(houses)
     parts = [_Part(library.owners(sizes) | library.shared_owners(texture_size), dict.fromkeys((*ROW_KINDS, SHARED), 0))]
     for i, (house, start) in enumerate(zip(houses, starts, strict=True)):
@@ -190,6 +191,7 @@ def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, te
 
 
 def _declared(shared: bool) -> list[Declaration]:
+    """Return the declarations of arrays shared by all houses, or of the others."""
     return [d for d in declarations() if (d.kind == SHARED) == shared]
 
 
@@ -199,7 +201,7 @@ def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Si
 
 
 def _placed(declaration: Declaration, parts: Sequence[_Part]) -> list[tuple[int, np.ndarray]]:
-    """Return pairs of first row and values, one per owner of an array, as `Declaration.pack` takes them."""
+    """Return (first row, values) of each owner of an array, as `Declaration.pack` takes them."""
     found, kind = [], declaration.kind
     for part in parts:
         row = part.start.get(kind, 0)

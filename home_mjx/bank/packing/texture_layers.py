@@ -27,7 +27,7 @@ def texture_size_for(edge: int) -> int:
 
 
 def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:
-    """Load images as sRGB and alpha layers with mip levels; layers beyond the last image are white.
+    """Load images as sRGB and alpha layers (layer, texel, 4) with mip levels; layers beyond the last image are white.
 
     Args:
         paths: Image files, which are resized to squares.
@@ -46,11 +46,9 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
 
 
 def cutout_bits(layers: TextureArray, size: int) -> UInt32[np.ndarray, "l s w"]:
-    """Return a bit per texel of the largest mip level, lowest bit first, 1 if cut out; rows are padded to whole words.
+    """Return a bit per texel of the largest mip level (edge `size` [px]), lowest bit first; 1: cut out.
 
-    Args:
-        layers: Layers with mip levels.
-        size: Edge of the square layers [px].
+    Rows are padded to whole words.
     """
     holes = layers[:, : size * size, 3].reshape(-1, size, size) < MIN_OPAQUE_ALPHA
     padded = np.pad(holes, ((0, 0), (0, 0), (0, -size % WORD_BITS)))
@@ -90,17 +88,18 @@ def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
 
 
 def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
+    """Return the means of 2 x 2 blocks."""
     size = len(values) // 2
     return values.reshape(size, 2, size, 2, -1).mean(axis=(1, 3))
 
 
 def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Return the layers for `count` images, rounded up to a power of two, and the texels per layer with mip levels."""
+    """Return the layers for `count` images, a power of two, and the texels per layer of edge `size` with mip levels."""
     return size_class(count, 1), sum(mip_sizes(size))
 
 
 def texture_bytes(count: int, size: int = TEXTURE_SIZE) -> int:
-    """Return the bytes of the layers for `count` images, as many as in `texture_shape`, with their cut-out bits."""
+    """Return the bytes of `texture_shape` layers for `count` images, with their cut-out bits."""
     layers, texels = texture_shape(count, size)
     rows, words = cutout_shape(size)
     return layers * (texels + rows * words) * 4

@@ -12,12 +12,12 @@ from home_mjx.geometry.rotations import quat_matrix
 
 
 def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:
-    """Return one True per plane of the house; padding is False."""
+    """Return the mask of planes: True for each plane of the house; padding is False."""
     return np.ones(len(at.house.planes.material), bool)
 
 
 def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
-    """Return the row of each plane's material in the bank."""
+    """Return the row of each plane's material in the bank's material table."""
     return at.house.planes.material + at.start["material"]
 
 

@@ -94,6 +94,7 @@ def declarations() -> tuple[Declaration, ...]:
 
 @functools.cache
 def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, ...]:
+    """Implement `declarations`, cached by the items of `RECORDS`."""
     return tuple(
         Declaration.from_field((record, field), annotation, doc, **notes)
         for record, cls in records

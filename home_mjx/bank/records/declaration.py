@@ -118,6 +118,7 @@ class Declaration:
         return out
 
     def _check(self, values: np.ndarray, start: int, shape: tuple[int, ...]) -> None:
+        """Raise `CapacityError` unless values from row `start` on fit the shape."""
         ends = (start + len(values), *values.shape[1:]) if values.ndim else ()
         if len(ends) != len(shape) or any(end > most for end, most in zip(ends, shape, strict=True)):
             raise CapacityError(
@@ -127,5 +128,5 @@ class Declaration:
 
 
 def _cycled(rows: np.ndarray, size: int) -> np.ndarray:
-    """Repeat each house's entries on the second axis in turn, up to `size` of them."""
+    """Repeat each house's entries, along the second axis, in turn up to `size` of them."""
     return rows[:, np.arange(size) % rows.shape[1]]

@@ -26,7 +26,7 @@ def offset_codes(at: TreeOwner) -> Int[np.ndarray, "n 2"]:
 
 
 def model_root(at: ModelOwner) -> Any:
-    """Return the row of the root node of a model's tree in the bank, as a list of one."""
+    """Return the bank's row of the root node of a model's BVH, as a list of one."""
     return [at.node]
 
 
@@ -36,7 +36,7 @@ def model_box(at: ModelOwner) -> Any:
 
 
 def top_root(at: HouseOwner) -> int:
-    """Return the bank's row of the root of a house's top tree, which follows the tree of its architecture."""
+    """Return the bank's row of the root of a house's top-level BVH, which follows the BVH of its architecture."""
     own = at.house.models[at.house.instances.model[ARCHITECTURE]]
     return at.start["node"] + len(own.tree.child)
 

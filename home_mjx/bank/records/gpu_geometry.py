@@ -26,11 +26,7 @@ class GpuGeometry(Pytree):
 
 @jax.jit
 def gpu_geometry(geometry: Any) -> GpuGeometry:
-    """Convert a `bank.Geometry` to the layout of the `cuda` backend.
-
-    Example:
-        >>> bank = bank.replace(geometry=geometry.replace(gpu=gpu_geometry(geometry)))  # doctest: +SKIP
-    """
+    """Convert a `bank.Geometry` to the layout of the `cuda` backend."""
     fixed = geometry.instance_model
     root = geometry.model_root[jnp.maximum(fixed, 0)]
     number = jnp.broadcast_to(jnp.arange(fixed.shape[1], dtype=jnp.int32)[None], fixed.shape)
@@ -64,14 +60,17 @@ def to_center_half(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Flo
 
 
 def _nodes(box: Float[Array, "n 2 6"], child: Int[Array, "n 2"]) -> Float[Array, "n 16"]:
+    """Pack nodes: centre and half size of both children, then the bits of their codes."""
     codes = _bits(jnp.pad(child, [(0, 0), (0, 2)]))
     return jnp.concatenate([to_center_half(box[..., :3], box[..., 3:]).reshape(-1, 12), codes], axis=1)
 
 
 def _triangles(corner: Float[Array, "t 3 3"], slot: Int[Array, " t"]) -> Float[Array, "t 12"]:
+    """Pack the three corners of triangles with a fourth column: the bits of the material slot, 0, 0."""
     fourth = jnp.pad(_bits(slot)[:, None], [(0, 0), (0, 2)])[..., None]
     return jnp.concatenate([corner, fourth], axis=2).reshape(-1, 12)
 
 
 def _bits(x: Int[Array, "*n"]) -> Float[Array, "*n"]:
+    """Reinterpret the bits of int32 values as float32."""
     return jax.lax.bitcast_convert_type(x.astype(jnp.int32), jnp.float32)

@@ -12,7 +12,7 @@ KIND_INDEX = {"": -1} | {name: i for i, name in enumerate(MATERIAL_KINDS)}
 
 
 def linear_albedo(at: HouseOwner) -> Float[np.ndarray, "r 4"]:
-    """Return the owner's albedo, converted from sRGB to linear light, with the opacity unchanged in the last column."""
+    """Return the materials' albedo in linear light (from sRGB), with opacity in the last column."""
     albedo = at.record.materials.albedo
     return np.concatenate([decode_srgb(albedo[:, :3]), albedo[:, 3:]], axis=1)
 
@@ -43,6 +43,7 @@ def mirror(at: HouseOwner) -> Bool[np.ndarray, " r"]:
 
 
 def _missing(at: HouseOwner) -> int:
+    """Return the number of material rows beyond those of the gloss table."""
     return len(at.record.materials.mask) - len(at.record.gloss.mirror)
 
 

@@ -52,7 +52,7 @@ def cell_heights(at: HouseOwner) -> Float[np.ndarray, " c"]:
 
 
 def goal_fields(at: HouseOwner) -> UInt16[np.ndarray, "c g"]:
-    """Return cells' distances to the goals [FIELD_UNIT]; columns repeat in turn up to the bank's number of goals."""
+    """Return cells' geodesic distances to the goals [FIELD_UNIT]; goals repeat in turn up to the bank's number."""
     navigation = at.house.navigation
     field = np.concatenate([navigation.field, navigation.extrapolated.field])
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]

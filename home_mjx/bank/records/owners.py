@@ -15,7 +15,7 @@ Counts = Mapping[str, int]  # rows by kind
 
 @dataclass(frozen=True)
 class TreeOwner:
-    """A tree with node 0 at row `node` of the bank; its leaves count primitives from `first` on."""
+    """A BVH with node 0 at row `node` of the bank; its leaves count primitives from `first` on."""
 
     record: BVH
     node: int
@@ -24,7 +24,7 @@ class TreeOwner:
 
 @dataclass(frozen=True)
 class ModelOwner:
-    """A model with its tree at row `node` of the bank."""
+    """A model with its BVH at row `node` of the bank."""
 
     record: Model
     node: int

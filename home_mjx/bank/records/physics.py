@@ -17,7 +17,7 @@ PADDING_SIZE = np.full(3, 0.1, np.float32)  # [m], half extents of padded boxes
 
 
 def is_body(at: HouseOwner) -> Bool[np.ndarray, " k"]:
-    """Return one True per movable body of the house; padding is False."""
+    """Return the mask of movable bodies: True for each body of the house; padding is False."""
     return np.ones(len(at.house.bodies.mass), bool)
 
 
@@ -33,7 +33,7 @@ def no_arrangement(at: HouseOwner) -> Float[np.ndarray, "0 k 7"]:
 
 
 def damping_ratios(at: HouseOwner) -> Float[np.ndarray, " k"]:
-    """Compute contact damping ratios of bodies from their restitution."""
+    """Return the damping ratio of each body's contacts, from its restitution; 1: no bounce."""
     return np.array([damping_ratio(e) for e in at.house.bodies.restitution.tolist()])
 
 
