@@ -120,6 +120,7 @@ def select(typing_context, mask, a, b) -> Any:
 @no_type_check
 def _extreme(sign: str) -> Any:
     """Return an intrinsic f(a, b), per float32 lane: `b` if it compares as `sign` to `a`, else `a`."""
+
     @intrinsic
     @no_type_check
     def extreme(typing_context, a, b):

@@ -20,15 +20,9 @@ def cast_multi_hit_by_loop(
     rays: Rays,
     query: RayQuery,
 ) -> RawHit:
-    """Return successive hits (e r steps) of rays (e r ...), found with one cast per step; see `cast_multi_hit`.
+    """Return successive hits (e r steps) of rays (e r ...), found with one closest-hit `cast` (`RayBackend`) per step.
 
-    Args:
-        cast: A backend, see `registry.RayBackend`.
-        geometry: Geometry shared by all environments.
-        house: House of each environment.
-        moving: Dynamic instances of each environment.
-        rays: Rays (e r ...).
-        query: Number of hits, and offset behind each hit at which the next cast begins.
+    `query` has the number of hits and the offset behind each; see `cast_multi_hit`.
     """
     whole, objects = (
         rays.expanded(),

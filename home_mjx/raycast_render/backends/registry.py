@@ -39,6 +39,7 @@ def cast_auto(
 
 
 def _with_query(backend: RayBackend, query: RayQuery) -> Callable[..., RawHit]:
+    """Bind the query of a backend."""
     return lambda geometry, house, moving, rays: backend(geometry, house, moving, rays, query)
 
 

@@ -33,6 +33,7 @@ def find_fault(backend: Callable) -> str | None:
 
 
 def _geometry() -> Geometry:
+    """Return a house of one triangle, in the plane z = 1, as instance 0."""
     none = np.zeros(1, np.int32)
     corner = np.array([[[0, 0, 1], [1, 0, 1], [0, 1, 1]]], np.float32)
     box = np.array([[0, 0, 1, 1, 1, 1], [np.inf] * 3 + [-np.inf] * 3], np.float32)
@@ -65,6 +66,7 @@ def _geometry() -> Geometry:
 
 
 def _moving() -> DynamicInstances:
+    """Return the same triangle as moving instance 1, shifted by (5, 0, 1) [m]."""
     pose = np.eye(3, 4, dtype=np.float32)
     pose[:, 3] = 5, 0, 1
     inverse = np.eye(3, 4, dtype=np.float32)
@@ -84,6 +86,7 @@ def _moving() -> DynamicInstances:
 
 
 def _rays() -> Rays:
+    """Return the four rays of `find_fault`."""
     origin = [[0.25, 0.5, 0], [5.25, 0.5, 0], [0.9, 0.9, 0], [0.25, 0.5, 0]]
     return _batched(
         Rays(

@@ -86,6 +86,7 @@ def cast_xla(
 
 
 def _cast_chunk(world: _Operands) -> RawHit:
+    """Traverse until every ray is done; return the hits of one chunk of rays."""
     state = lax.while_loop(
         lambda s: jnp.any(s.code != EMPTY_LEAF), lambda s: _visit_leaves(world, _descend(world, s)), _start(world)
     )
@@ -95,7 +96,7 @@ def _cast_chunk(world: _Operands) -> RawHit:
 
 
 def _start(world: _Operands) -> _State:
-    """Return the first state: rays at their house's top tree; stacks contain moving instances whose box they hit."""
+    """Return the first state: rays at their house's top-level BVH; stacks hold moving instances whose box they hit."""
     n, slots, rays = world.env.shape[0], world.moving.instance.shape[1], world.rays
     zero = jnp.zeros_like(world.env)
     none, weight = zero - 1, zero.astype(jnp.float32)
@@ -144,6 +145,7 @@ def _visit_leaves(world: _Operands, state: _State) -> _State:
 
 
 def _leaf_code(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
+    """Return the code of a leaf with `count` primitives from `first` on."""
     return ~(first << 4 | count)
 
 
@@ -157,7 +159,7 @@ def _push(
 
 
 def _pop(state: _State, wanted: Bool[Array, " n"]) -> _State:
-    """Give wanted rays the top code of their stack, down to `base`; `EMPTY_LEAF` if nothing is left in their frame."""
+    """Pop the stack of `wanted` rays, down to `base`; they get `EMPTY_LEAF` if nothing is left in their frame."""
     there = wanted & (state.size > state.base)
     size = jnp.where(there, state.size - 1, state.size)
     code = jnp.where(there, jnp.take_along_axis(state.stack, size[:, None], axis=1)[:, 0], EMPTY_LEAF)
@@ -177,9 +179,10 @@ def _leave(world: _Operands, state: _State) -> _State:
 
 
 def _enter(world: _Operands, state: _State) -> _State:
-    """Transform rays at instances into the frame of the leaf's first one; if `exclude` names its object, pop instead.
+    """Transform rays at a leaf of the top-level BVH into the frame of its first instance.
 
-    Codes of top trees count a house's instances, then the moving ones.
+    Codes count a house's instances, then the moving ones. Rays that exclude the instance's object pop their stack
+    instead.
     """
     geometry, moving, house = world.geometry, world.moving, world.house[world.env]
     index, count = ~state.code >> 4, ~state.code & 15
@@ -215,6 +218,7 @@ def _enter(world: _Operands, state: _State) -> _State:
 
 
 def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
+    """Apply the linear part of one matrix per ray, in full float32 precision on accelerators."""
     # Not a matrix product: accelerators may compute those with reduced precision.
     return jnp.sum(matrix[:, :, :3] * vector[:, None, :], axis=2)
 
@@ -276,7 +280,7 @@ def _is_cut_out(
     v: Float[Array, "n k"],
     layer: Int[Array, "n k"],
 ) -> Bool[Array, "n k"]:
-    """Return whether the nearest texel at weights u, v of corners 1 and 2 is cut out; layers count from 1, clipped."""
+    """Return whether the nearest texel at weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped."""
     uv, edge = geometry.triangle_uv[triangle], geometry.cutout.shape[1]
     weight = jnp.stack([1 - u - v, u, v], axis=-1)
 

@@ -99,16 +99,15 @@ class Lens:
 
 
 def is_valid_camera(camera: Camera, lens: Lens) -> Bool[Array, ""]:
-    """Return whether the camera yields an image: finite numbers, a unit quaternion and a valid field of view."""
+    """Return whether the camera yields an image: finite numbers, a unit quaternion and a valid `fovy`."""
     finite = [jnp.all(jnp.isfinite(leaf)) for leaf in jax.tree.leaves(camera)]
     return jnp.all(jnp.stack([*finite, is_unit_quat(camera.quat), _is_valid_fovy(camera.fovy, lens)]))
 
 
 def check_camera(camera: Camera, lens: Lens) -> None:
-    """Raise on an invalid camera outside of traces; traced cameras, and numbers that are not finite, pass.
+    """Raise `ConfigError` for an invalid camera outside of traces: no unit quaternion, or `fovy` out of range.
 
-    Raises:
-        ConfigError: The quaternion is not of unit length, or the field of view is invalid, for example in degrees.
+    Traced cameras, and numbers that are not finite, pass; the latter give images without hits.
     """
     leaves = jax.tree.leaves(camera)
     if any(isinstance(x, jax.core.Tracer) for x in leaves) or not all(np.isfinite(x).all() for x in leaves):  # pyright: ignore
@@ -164,7 +163,10 @@ def camera_rays(
 
 
 def pixel_footprint(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Return the height of a pixel's footprint across its ray [m]: at its origin, and the growth per unit of t."""
+    """Return the height of a pixel across its ray [m]: at the ray's origin, and its growth per unit of t.
+
+    Angles of panoramas and lidars count as tangents; a lidar's pixel is its elevation range over its rows.
+    """
     none = jnp.zeros_like(camera.fovy)
     if lens.model == "orthographic":
         return camera.fovy / lens.height, none
@@ -175,7 +177,7 @@ def pixel_footprint(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float
 
 
 def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
-    """Return the intrinsic matrix: pixel coordinates (right, down) from camera coordinates (right, down, ahead).
+    """Return the intrinsic matrix [px]: pixel coordinates (right, down) from camera coordinates (right, down, ahead).
 
     The origin of pixel coordinates is the image's top left corner.
 
@@ -197,7 +199,7 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
 
 
 def world_from_camera(camera: Camera) -> Float[Array, "4 4"]:
-    """Return the world-from-camera matrix; camera axes are x right, y up, looking along -z."""
+    """Return the homogeneous world-from-camera matrix; camera axes are x right, y up, looking along -z."""
     top = jnp.concatenate([quat_matrix(camera.quat), camera.pos[:, None]], axis=1)
     return jnp.concatenate([top, jnp.array([[0.0, 0.0, 0.0, 1.0]], jnp.float32)])
 
@@ -216,7 +218,10 @@ def depth_points(camera: Camera, lens: Lens, depth: Float[Array, "*image 1"]) ->
 def _local_directions(
     camera: Camera, lens: Lens, column: Float[Array, "h w"], row: Float[Array, "h w"]
 ) -> Float[Array, "*image 3"]:
-    """Return directions (x right, y up, z back), of unit depth (pinhole, cube) or length, through points in pixels."""
+    """Return camera-frame directions (x right, y up, -z ahead) through pixel coordinates, which start at the top left.
+
+    Those of pinholes and cubes have depth 1, others length 1.
+    """
     if lens.model in ("panorama", "lidar"):
         return _sphere_directions(column, row, lens)
     x, y = _plane_coordinates(column, row, lens, _half_height(camera, lens))
@@ -227,7 +232,7 @@ def _local_directions(
 
 
 def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
-    """Return half the image height at unit depth: 1 for a cube, else tan(fovy / 2), of use for pinholes only."""
+    """Return half the image height at unit depth: 1 for a cube, else tan(fovy / 2), which only pinholes use."""
     return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
 
 
@@ -243,6 +248,7 @@ def _plane_coordinates(
 
 
 def _sphere_directions(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
+    """Return unit directions of a panorama or lidar in the camera's frame (x right, y up, -z ahead)."""
     left = (0.5 - column / lens.width) * (2 * np.pi)
     if lens.model == "panorama":
         up = (0.5 - row / lens.height) * np.pi
@@ -254,5 +260,6 @@ def _sphere_directions(column: Float[Array, "h w"], row: Float[Array, "h w"], le
 
 
 def _rotate(turn: Float[Array, "3 3"], local: Float[Array, "*image 3"]) -> Float[Array, "*image 3"]:
+    """Multiply vectors by a rotation matrix, in full float32 precision on accelerators."""
     # Not a matrix product: accelerators may compute those with reduced precision.
     return jnp.sum(turn.reshape((1,) * (local.ndim - 1) + (3, 3)) * local[..., None, :], axis=-1)

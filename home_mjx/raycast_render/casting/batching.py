@@ -21,9 +21,9 @@ NUM_RAY_FIELDS = 6  # fields of `Rays`
 
 @functools.cache
 def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
-    """Return a function, cached, that casts rays (e r ...) in environments (e ...) that share one geometry.
+    """Return the cast of a backend and query as a function on rays (e r ...) in environments (e ...) of one geometry.
 
-    `vmap` of the function extends axis e or axis r.
+    `vmap` of the function extends axis e or axis r. Results are cached.
     """
     run = find_backend(backend)
 
@@ -97,10 +97,12 @@ def _fold_rays(size: int, rays: Rays, batched: Any) -> Rays:
 
 
 def _any(batched: Any) -> bool:
+    """Return whether any leaf of the flags is True."""
     return any(jax.tree.leaves(batched))
 
 
 def _broadcast(size: int, values: Any, batched: Any) -> Any:
+    """Give every array a leading axis of `size`: those not marked in `batched` are repeated."""
     return jax.tree.map(lambda x, b: x if b else jnp.broadcast_to(x[None], (size, *x.shape)), values, batched)
 
 

@@ -121,11 +121,6 @@ def cast_multi_hit(
     Raises:
         ConfigError: The backend is unknown.
         BackendError: The backend cannot run in this process.
-
-    Example:
-        >>> hit = cast_multi_hit(scene, eye, ahead, num_hits=4, hit_epsilon=1e-4)  # doctest: +SKIP
-        >>> hit.t  # doctest: +SKIP
-        Array([1.2, 1.3, 2.95, inf], dtype=float32)
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
     shared = _shared_fields(origin, t_min, t_max, exclude, mask)
@@ -143,6 +138,7 @@ def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
 
 
 def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> Rays:
+    """Build rays of the broadcast shape of origins and directions; `width` is their last axis if they form an image."""
     shape = jnp.broadcast_shapes(origin.shape, direction.shape)[:-1]
 
     def fill(value: Any, dtype: Any) -> Array:

@@ -36,6 +36,7 @@ def _pose(scene: Scene, instance: Int[Array, " n"]) -> Float[Array, "n 3 4"]:
 
 @jax.custom_jvp
 def _attach(pose: Array, origin: Array, direction: Array, corners: Array, valid: Array, at: Coordinates) -> Coordinates:
+    """Return `at`; the other arguments are those by which `_attach_jvp` differentiates it."""
     del pose, origin, direction, corners, valid
     return at
 
@@ -61,6 +62,7 @@ def _attach_jvp(primals: tuple, tangents: tuple) -> tuple[Coordinates, Coordinat
 
 
 def _linear(pose: Float[Array, "n 3 4"], corners: Float[Array, "n 3 3"]) -> Float[Array, "n 3 3"]:
+    """Apply the linear part of poses to each of the three corners."""
     return jnp.einsum("nij,nkj->nki", pose[:, :, :3], corners, precision="highest")
 
 

@@ -91,6 +91,7 @@ class _LazyImages:
         self._scene, self._rays = view.scene, view.center_rays
 
     def of(self, kind: str) -> Array:
+        """Return the image of a kind, see `render`."""
         if kind in SEMANTIC_KINDS:
             return surface.semantics(self._scene, self._rays.hit, SEMANTIC_KINDS[kind])
         return getattr(self, f"_{kind}")()
@@ -111,6 +112,7 @@ class _LazyImages:
         return self._clip(self._rays.hit.t * jnp.linalg.norm(self._rays.direction, axis=-1))
 
     def _clip(self, distance: Float[Array, "*image"]) -> Array:
+        """Clip to `depth_max`, if set, and add a channel axis."""
         return (distance if self._depth_max is None else jnp.minimum(distance, self._depth_max))[..., None]
 
     def _instance(self) -> Array:

@@ -41,7 +41,7 @@ class View:
         return self.cast(0)
 
     def cast(self, sample: Int[Array, ""] | int) -> CameraRays:
-        """Cast rays through the point of sample `sample` (0: centre) of every pixel; all miss unless `valid`."""
+        """Cast one ray per pixel, through its point of sample `sample` (0: centre); all miss unless `valid`."""
         origin, direction = camera_rays(self.camera, self.lens, sampling.sample_point(sample))
         reach = jnp.where(self.valid, jnp.inf, -1.0)
         found = cast(
@@ -57,7 +57,7 @@ class View:
         return CameraRays(origin, direction, found, self.camera, self.lens, sample, self.exclude)
 
     def rgb(self) -> UInt8[Array, "*image 3"]:
-        """Return sRGB, the mean over each pixel's samples after tone mapping.
+        """Return the colour image: the mean over each pixel's samples after tone mapping, encoded as sRGB.
 
         Raises:
             ConfigError: The bank does not have a bake that the shader needs, or the shader does not return a `Vec`.
@@ -79,7 +79,7 @@ class View:
         return self._checked("display", self.shader.display(self.scene, light), rays)
 
     def _checked(self, method: str, light: Any, rays: CameraRays) -> Vec:
-        """Return what a shader's method has returned; raise `ConfigError` unless it is one `Vec` per pixel."""
+        """Return `light`, the result of a shader's method; raise `ConfigError` unless it is one `Vec` per pixel."""
         shapes = {jnp.shape(channel) for channel in jax.tree.leaves(light)}
         if not isinstance(light, Vec) or shapes != {rays.hit.t.shape}:
             wanted = f"a Vec with components of shape {rays.hit.t.shape}"

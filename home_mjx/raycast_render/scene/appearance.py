@@ -53,7 +53,7 @@ def scale_exposure(look: AppearanceOverrides | None, light: Vec) -> Vec:
 
 
 def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
-    """Scale colours of material rows by random factors, at most 1 +- `look.tint`; clip to [0, 1]. None: unchanged."""
+    """Scale colours of material rows by random factors in 1 ± `look.tint` and clip to [0, 1]; unchanged if None."""
     if look is None or look.tint is None:
         return color
     tint = look.tint
@@ -64,13 +64,9 @@ def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array,
 def swap_textures(
     look: AppearanceOverrides | None, layer: Int[Array, "*rays"], row: Int[Array, "*rays"], layers: Array
 ) -> Array:
-    """Return texture layers with the episode's random swaps; -1, no texture, stays -1.
+    """Return texture layers of material rows with the episode's random swaps; -1, no texture, stays -1.
 
-    Args:
-        look: Overrides of the episode.
-        layer: Texture layers that the house specifies.
-        row: Rows of the materials.
-        layers: Texture layers of all rows of the material table; their maximum bounds the draw.
+    `layer` are the house's layers; `layers`, those of all rows, bound the random ones. Without `look.swap`: unchanged.
     """
     if look is None or look.swap is None:
         return layer
@@ -92,6 +88,7 @@ def hash_uniform(seed: UInt32[Array, ""], row: Int[Array, "*n"], what: int) -> F
 
 
 def _mix_bits(x: UInt32[Array, "*n"]) -> UInt32[Array, "*n"]:
+    """Apply MurmurHash3's 32-bit finaliser."""
     x = (x ^ (x >> SHIFTS[0])) * jnp.uint32(MULTIPLIER_1)
     x = (x ^ (x >> SHIFTS[1])) * jnp.uint32(MULTIPLIER_2)
     return x ^ (x >> SHIFTS[2])

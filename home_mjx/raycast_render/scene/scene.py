@@ -79,6 +79,7 @@ def agent_sizes(bodies: Sequence[AgentBody]) -> Float[Array, "a 2"] | None:
 def _bodies(
     bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]
 ) -> DynamicInstances:
+    """Return the instances of movable bodies at their poses; entries without a body are empty."""
     valid = bank.physics.body_valid[house]
     instance = jnp.where(valid, bank.physics.body_instance[house], -1)
     pose = jax.vmap(compose)(_pose_matrices(pos, quat), bank.physics.body_from_model[house])
@@ -131,6 +132,7 @@ def _instances(
 def _agents(
     geometry: Geometry, pos: Float[Array, "a 3"], quat: Float[Array, "a 4"], size: Float[Array, "a 2"] | None
 ) -> DynamicInstances:
+    """Return the instances of agents: the agent model, scaled to `size` (radius, height [m]; None: as it is)."""
     count, pose = pos.shape[0], _pose_matrices(pos, quat)
     if size is not None:
         wide, tall = size[:, 0] / jnp.float32(RADIUS), size[:, 1] / jnp.float32(HEIGHT)

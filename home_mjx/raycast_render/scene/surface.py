@@ -9,7 +9,7 @@ from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 
 
 def object_ids(scene: Scene, hit: Hit) -> Int[Array, "*rays"]:
-    """Return the object ids of hits, I + a for agent a; -1 for the architecture and on a miss."""
+    """Return the object ids of hits; I + a for agent a, -1 for the architecture and on a miss."""
     ids = index_by_instance(scene.geometry.instance_object[scene.house], scene.moving, scene.moving.object_id)
     return jnp.where(hit.instance < 0, -1, take(ids, jnp.maximum(hit.instance, 0)))
 
@@ -77,7 +77,10 @@ def area_to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
 
 
 def index_by_instance(static: Array, moving: DynamicInstances, moved: Array) -> Array:
-    """Return `static` (I rows) extended by D rows of 0, with row d of `moved` at row `moving.instance[d]` unless -1."""
+    """Return a table by instance: `static` (I rows), D rows of 0; row d of `moved` replaces row `moving.instance[d]`.
+
+    Entries of -1 are skipped.
+    """
     size = static.shape[0] + moving.instance.shape[0]
     table = jnp.concatenate([static, jnp.zeros((size - static.shape[0], *static.shape[1:]), static.dtype)])
     return table.at[jnp.where(moving.instance < 0, size, moving.instance)].set(moved, mode="drop")

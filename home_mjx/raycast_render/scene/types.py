@@ -88,11 +88,11 @@ class Rays(Pytree):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Environments and rays per environment, of rays as backends get them."""
+        """Numbers of environments and of rays per environment, of rays as backends get them."""
         return max(field.shape[:2] for field in jax.tree.leaves(self))
 
     def expanded(self) -> "Rays":
-        """Return the same rays (e r ...) with one value per ray in every field, broadcast if there was one."""
+        """Return the rays (e r ...) with each field broadcast to one value per ray."""
         return jax.tree.map(lambda x: jnp.broadcast_to(x, (*self.shape, *x.shape[2:])), self)
 
 

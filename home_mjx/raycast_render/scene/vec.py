@@ -42,7 +42,7 @@ class Vec(Pytree):
         return jnp.stack(jax.lax.optimization_barrier((self.x, self.y, self.z)), axis=-1)
 
     def map(self, function: Callable[..., Any], *others: "Vec") -> "Vec":
-        """Return the vector of function(component, *the same component of `others`) for x, y and z."""
+        """Return the vector of `function(a, *b)` for x, y and z; a is this component, b those of `others`."""
         return Vec(*(function(*parts) for parts in zip(*(_parts(v) for v in (self, *others)), strict=True)))
 
     def __add__(self, other: "Vec") -> "Vec":
@@ -98,4 +98,5 @@ def take_vec(table: Float[Array, "n *row"], index: Int[Array, "*rays"], *place: 
 
 
 def _parts(vec: Vec) -> tuple[Any, Any, Any]:
+    """Return the components x, y and z."""
     return vec.x, vec.y, vec.z

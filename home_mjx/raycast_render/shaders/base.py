@@ -76,25 +76,18 @@ class Shader(Protocol):
     overrides: ClassVar[frozenset[str]] = frozenset()
 
     def radiance(self, scene: Scene, rays: CameraRays) -> Vec:
-        """Compute linear light along rays, in any unit that `display` takes.
+        """Compute linear RGB light along rays, each channel of the image's shape, in any unit that `display` takes.
 
         Args:
             scene: Scene of one environment.
             rays: One ray per pixel with its first hit.
-
-        Returns:
-            Red, green and blue, each of the image's shape.
         """
         ...
 
     def display(self, scene: Scene, light: Vec) -> Vec:
-        """Map the light of one sample of an image to linear display light in [0, 1].
+        """Map the result of `radiance` for one sample of an image to linear display light in [0, 1].
 
         By default, scale it by the episode's exposure, see `scale_exposure`, and clip it.
-
-        Args:
-            scene: Scene of one environment.
-            light: Result of `radiance`.
         """
         return scale_exposure(scene.appearance, light).map(lambda x: jnp.clip(x, 0, 1))
 
@@ -171,6 +164,7 @@ def check_shader_bakes(shader: Shader, bank: HouseBank) -> None:
 
 
 def _find_class(name: str) -> Callable[[], Shader]:
+    """Return the shader class of a name, loaded from an entry point if needed; `UnknownNameError` if there is none."""
     if name in _REGISTRY:
         return _REGISTRY[name]
     if name not in _installed():
@@ -183,6 +177,7 @@ def _find_class(name: str) -> Callable[[], Shader]:
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
+    """Return the entry points of installed shaders by name."""
     return {point.name: point for point in entry_points(group=GROUP)}
 
 

@@ -111,12 +111,7 @@ def lamp_light(
 ) -> IncidentLight:
     """Compute the light that reaches points from their `count` lights of highest irradiance, with shadow rays.
 
-    Args:
-        scene: Scene of one environment.
-        lights: Lights of the environment.
-        point: Shading points.
-        spread: Emitting positions in [-1, 1] along both axes of linear and rectangular lights; None: their centres.
-        count: Lights per point; 0: no light.
+    `spread` has emitting positions in [-1, 1] along both axes of linear and rectangular lights; None: their centres.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
@@ -151,7 +146,8 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
     """Select the lights with the highest estimated irradiance at each point, brightest first.
 
     Returns:
-        `count` keys, or one per light if fewer: its index in the lowest `INDEX_BITS` bits, else 0 if it is dark.
+        `count` keys, or one per light if fewer: the light's index in the lowest `INDEX_BITS` bits, its irradiance in
+        the others, which are 0 if the light is dark.
     """
     total = lights.instance.shape[0]
     lines = -(-total // LIGHTS_PER_STEP)
@@ -211,10 +207,7 @@ def mix_colors(one: Color, other: Color, share: float) -> Vec:
 def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tuple[Vec, Vec]:
     """Return the unit direction to the sun, world, and a horizontal unit vector perpendicular to it (to its left).
 
-    Args:
-        look: Episode's angles of the sun [rad], which replace the others; None: no overrides.
-        azimuth: [rad].
-        elevation: [rad].
+    Angles in [rad]; those of `look`, if any, replace the others.
     """
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
     if given == (None, None):  # computed on the host, so that the program equals the one without overrides
@@ -266,10 +259,11 @@ def _is_own_lamp(light: PlacedLights, instance: Int[Array, "*rays"]) -> Bool[Arr
 def _unoccluded_irradiance(
     light: PlacedLights, offset: Vec, at: ShadingPoint, own: Bool[Array, "*rays"]
 ) -> tuple[Float[Array, "*rays"], Vec]:
-    """Compute irradiance per intensity [1/m^2] without occlusion, and the unit direction to the light, `offset` [m].
+    """Compute irradiance per intensity [1/m^2] without occlusion, and the unit direction to the light at `offset` [m].
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
-    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces, such as its shade, transmit its light.
+    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces (`own`), such as its shade, transmit its
+    light.
     """
     square = jnp.maximum(offset.dot(offset), jnp.where(own, MIN_LIGHT_DISTANCE**2, 1e-4))
     toward = offset.unit()

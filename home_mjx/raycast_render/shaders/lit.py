@@ -188,6 +188,7 @@ def sky_radiance(direction: Vec, options: LitShader) -> Vec:
 
 
 def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
+    """Return the triangle's area normal and the interpolated unit normal, which is the former where none is stored."""
     hit = sight.hit
     area = area_vectors(scene, sight.direction, hit)
     a, b, c = (take_vec(scene.bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
@@ -198,6 +199,7 @@ def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
 
 
 def _shading_point(scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"]) -> lights.ShadingPoint:
+    """Gather position, normals, view direction and material values at the ends of paths."""
     return lights.ShadingPoint(
         pos=sight.end,
         normal=corner.area.unit(),

@@ -70,6 +70,7 @@ def _extend_path(
     growth: Float[Array, ""],
     exclude: Int[Array, ""] | int,
 ) -> PathState:
+    """Cast rays at glass or a mirror one segment farther, and multiply their throughput; other rays are unchanged."""
     hit, bank = sight.hit, scene.bank
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0

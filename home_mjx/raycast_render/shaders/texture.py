@@ -94,7 +94,7 @@ def sample_trilinear(
     v: Float[Array, "*rays"],
     level: Float[Array, "*rays"],
 ) -> Vec:
-    """Interpolate between texels and between mip levels of a repeating texture, in linear light.
+    """Interpolate between texels and between mip levels of a repeating texture; return linear light.
 
     Args:
         textures: Layers with all their mip levels.
@@ -112,13 +112,10 @@ def sample_trilinear(
 
 
 def mip_level(texels: Float[Array, "*rays"]) -> Float[Array, "*rays"]:
-    """Return the mip level whose texels are as large as the footprint of a pixel; negative below one texel.
+    """Return the mip level whose texels are as large as a footprint of `texels` texels of level 0; negative below one.
 
     Source: T. Akenine-Möller et al., "Texture level of detail strategies for real-time ray tracing", Ray Tracing Gems
     2019: half the binary logarithm of the area, in texels of the largest level.
-
-    Args:
-        texels: Area of the footprint in texels of level 0.
 
     Example:
         >>> mip_level(jnp.array([1.0, 4.0, 64.0])).tolist()
@@ -134,6 +131,7 @@ def _bilinear(
     v: Float[Array, "*rays"],
     level: Int[Array, "*rays"],
 ) -> Vec:
+    """Interpolate between the four nearest texels of an integer mip level, with wrap-around; return linear light."""
     edge = texture_edge(textures)
     size = edge >> level
     start = (edge * edge - size * size) * 4 // 3  # texels of all larger levels
@@ -155,8 +153,10 @@ def _bilinear(
 def _pick(
     textures: UInt32[Array, "l p"], layer: Int[Array, "*rays"], texel: Int[Array, "*rays"]
 ) -> UInt32[Array, "*rays"]:
+    """Return packed texels by layer and index within the layer's mip chain."""
     return take(textures.reshape(-1), layer * textures.shape[1] + texel)
 
 
 def _mix(first: Vec, second: Vec, share: Float[Array, "*rays"]) -> Vec:
+    """Interpolate linearly; `share` 0 is `first`, 1 is `second`."""
     return first + (second - first) * share

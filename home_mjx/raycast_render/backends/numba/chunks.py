@@ -65,6 +65,7 @@ def compile_chunks() -> tuple[Any, Any]:
 @compiled
 @no_type_check
 def _cast_chunk(frame, chunk):
+    """Cast the `CHUNK` packets of one chunk."""
     operands, counts, results = operand_words(), ray_words(), result_words()
     for i in range(NUM_OPERANDS):
         operands[i] = ffi.data(frame, ffi.OPERANDS, i)
@@ -80,6 +81,7 @@ def _cast_chunk(frame, chunk):
 @compiled
 @no_type_check
 def _sizes(frame):
+    """Return the `RowCounts` of the operands' shapes."""
     return native_packet.RowCounts(
         ffi.dim(frame, ffi.OPERANDS, NODE, 0),
         ffi.dim(frame, ffi.OPERANDS, TRIANGLE, 0),
@@ -96,10 +98,12 @@ def _sizes(frame):
 @compiled
 @no_type_check
 def _num_packets(frame):
+    """Return the number of packets of all environments."""
     return ffi.dim(frame, ffi.RESULTS, 0, 0) * _tiling(frame).packets
 
 
 @compiled
 @no_type_check
 def _tiling(frame):
+    """Return the `Tiling` of each environment's rays."""
     return native_packet.make_tiling(ffi.dim(frame, ffi.RESULTS, 0, 1), np.int64(ffi.attribute(frame, WIDTH)))

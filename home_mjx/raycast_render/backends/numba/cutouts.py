@@ -48,7 +48,7 @@ def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
 @njit(error_model="numpy")
 @no_type_check
 def _is_cut_out(world, triangle, layer, u, v):
-    """Return whether the nearest texel at weights u, v of corners 1 and 2 is cut out; layers count from 1, clipped."""
+    """Return whether the nearest texel at weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped."""
     edge = world.sizes.edge
     column = _texel(world.triangle_uv, 6 * triangle, u, v, edge)
     row = edge - 1 - _texel(world.triangle_uv, 6 * triangle + 1, u, v, edge)
@@ -61,7 +61,7 @@ def _is_cut_out(world, triangle, layer, u, v):
 @njit(error_model="numpy")
 @no_type_check
 def _texel(uv, at, u, v, edge):
-    """Return the texel, 0 .. edge - 1 (NaN: 0), at weights u, v; corners 0, 1, 2 have `uv[at]`, at + 2, at + 4."""
+    """Return the texel index, 0 .. edge - 1 (NaN: 0), at weights u, v of corners 1, 2; `uv[at + 2 k]` is corner k's."""
     x = (ONE - u - v) * uv[at] + u * uv[at + 2] + v * uv[at + 4]
     place = (x - np.floor(x)) * np.float32(edge)
     return min(np.int64(place), edge - 1) if place >= ZERO else np.int64(0)

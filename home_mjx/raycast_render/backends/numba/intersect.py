@@ -79,6 +79,7 @@ def prepare_packet(rays, alive, any_hit):
 @compiled
 @no_type_check
 def _ray(origin, direction, t_min, mask, any_hit):
+    """Return `PacketRays` from (x, y, z) tuples, with inverse directions."""
     inverse = (_inverse(direction[0]), _inverse(direction[1]), _inverse(direction[2]))
     return PacketRays(*origin, *direction, *inverse, t_min, mask, any_hit)
 
@@ -86,6 +87,7 @@ def _ray(origin, direction, t_min, mask, any_hit):
 @compiled
 @no_type_check
 def _inverse(x):
+    """Return 1 / x, with the magnitude of x at least `TINY`."""
     return ONE / select(absolute(x) >= TINY, x, select(x >= ZERO, broadcast(TINY), -TINY))
 
 
@@ -154,7 +156,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Return the best hits, updated with the triangle of this index in lanes `reaches`; an any-hit gets t = -inf."""
+    """Return the best hits, updated with one triangle in lanes of `reaches`; any-hits get t = -inf."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)

@@ -103,6 +103,7 @@ def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> Non
 @compiled
 @no_type_check
 def _world(at, sizes):
+    """Cast operand addresses to the pointers of `SceneArrays`."""
     return SceneArrays(
         float_pointer(at[0]),
         int_pointer(at[1]),
@@ -131,7 +132,7 @@ def _world(at, sizes):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Return `best` updated with static instances, by the house's top tree, then with moving ones, one by one."""
+    """Return `best` updated with static instances, by the house's top-level BVH, then with moving ones, one by one."""
     house, num_instances, left = (
         clip_row(world.house[env], world.sizes.houses),
         world.sizes.instances,
@@ -168,13 +169,14 @@ def _cast(world, env, ray, exclude, best, codes, enters):
 @compiled
 @no_type_check
 def _is_visible(object_id, exclude):
+    """Return the lanes whose rays do not exclude an object."""
     return (exclude < np.int32(0)) | ~(exclude == object_id)
 
 
 @njit(error_model="numpy")  # called from two places, too large to inline
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
-    """Return `best` updated with one instance, by the tree of its model; the rays are in its frame."""
+    """Return `best` updated with one instance, by the BVH of its model; the rays are in its frame."""
     shear = shear_rays(ray)
     left = world.sizes.nodes
     code, enter, size = world.model_root[clip_row(instance.model, world.sizes.models)], ray.t_min, MAX_DEPTH
@@ -196,7 +198,7 @@ def _cast_model(world, instance, ray, best, codes, enters):
 @compiled
 @no_type_check
 def _open_node(world, node, ray, limit, codes, enters, size):
-    """Open a node: push the child that most rays enter later; return the other's code and entry t, and the stack size.
+    """Visit a BVH node: push the child that most rays enter later; return the other's code and entry t, and stack size.
 
     A child that no ray enters before `limit` (t of its best hit) is not pushed, or has the code `EMPTY_LEAF`.
     """
