@@ -105,13 +105,8 @@ def step(
 ) -> PhysicsState:
     """Advance the state by one control step, which is `config.timing.substeps` physics steps.
 
-    Args:
-        template: Model of the bank's capacity.
-        bank: Houses.
-        house: Index of the house.
-        state: State before the step.
-        action: Forward, left and counter-clockwise command of each agent in its own frame, clipped to [-1, 1]. It is a
-            fraction of maximum speeds, or of the maximum force (`PhysicsConfig.control`).
+    `action` is the forward, left and counter-clockwise command of each agent in its own frame, clipped to [-1, 1]. It
+    is a fraction of maximum speeds, or of the maximum force (`PhysicsConfig.control`).
 
     Raises:
         ConfigError: The action does not have three numbers per agent, or the program is compiled for a platform that

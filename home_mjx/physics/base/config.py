@@ -103,6 +103,7 @@ class PhysicsConfig:
             )
 
     def _check_choices(self) -> None:
+        """Raise `ConfigError` unless `impl`, `jacobian` and `control` are known values."""
         choices = {"impl": IMPLS, "jacobian": JACOBIANS, "control": CONTROLS}
         for name, known in choices.items():
             value = getattr(self, name)

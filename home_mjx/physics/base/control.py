@@ -29,11 +29,11 @@ def motor_forces(
     yaw: Float[Array, ""],
     velocity: Float[Array, "4"],
 ) -> Float[Array, "3"]:
-    """Compute the motor forces and torque of an agent.
+    """Compute the motor forces of an agent along world x and y [N], and its torque about z [N m].
 
     In velocity control, `f = m (v_target - v) / response_time`. The length of its horizontal part is clipped to
-    `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left
-    separately. In both, the torque is `yaw_inertia (rate_target - rate) / response_time`, without a limit.
+    `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left separately.
+    In both, the torque is `yaw_inertia (rate_target - rate) / response_time`, without a limit.
 
     Args:
         config: Options.
@@ -41,9 +41,6 @@ def motor_forces(
         action: Forward, left and counter-clockwise fractions of the maximum speeds, clipped to [-1, 1].
         yaw: [rad]
         velocity: World frame x, y, z [m/s] and yaw rate [rad/s].
-
-    Returns:
-        Force along world x and y [N], torque about z [N m].
     """
     part = jnp.clip(action, -1.0, 1.0)
     cos, sin = jnp.cos(yaw), jnp.sin(yaw)

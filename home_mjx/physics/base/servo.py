@@ -56,10 +56,8 @@ def hand_accelerations(
 ) -> tuple[Float[Array, "3"], Float[Array, "3"], Float[Array, "2"]]:
     """Compute the accelerations of a held body and the reaction on its holder.
 
-    Args:
-        config: Options.
-        held: Poses and velocities of both.
-        grip: Target pose of the body: position [m] from the agent's centre and quaternion, rotated by its yaw.
+    `grip` is the body's target pose: position [m] from the agent's centre and quaternion, both rotated by the agent's
+    yaw.
 
     Returns:
         Acceleration of the body [m/s^2], which replaces gravity; its angular acceleration about its own axes [rad/s^2];
@@ -135,6 +133,7 @@ def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tupl
 
 
 def _length(vector: Array) -> Array:
+    """Return the Euclidean length, at least 1e-12, so that divisions and gradients stay finite."""
     return jnp.sqrt(jnp.sum(vector * vector) + jnp.float32(1e-24))
 
 
@@ -144,4 +143,5 @@ def _approach_rate(gap: Array, fastest: float, time: Array) -> Array:
 
 
 def _clip_length(vector: Array, most: Array) -> Array:
+    """Scale a vector down to the length `most` if it is longer."""
     return vector * jnp.minimum(1.0, most / _length(vector))

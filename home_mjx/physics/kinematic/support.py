@@ -52,12 +52,7 @@ def support_height(
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the height of an agent's highest support: the ground floor, a ramp, or a box that it can step on.
 
-    Args:
-        boxes: Static boxes.
-        ramps: Rows of `bank.physics.ramp`.
-        floor: Height of the ground floor [m].
-        pos: Position of the agent [m].
-        foot: Lowest point of the agent [m].
+    `ramps` are rows of `bank.physics.ramp`, `floor` is the ground floor's height, `foot` the agent's lowest point [m].
 
     Returns:
         Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter

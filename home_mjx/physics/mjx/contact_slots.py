@@ -80,15 +80,10 @@ def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"
 def fill_slots(
     owner: OrientedBoxes, static: OrientedBoxes, num: int
 ) -> tuple[OrientedBoxes, Int[Array, " num"], Bool[Array, ""]]:
-    """Select the `num` static boxes nearest to an owner and crop them to its surroundings.
+    """Select the `num` static boxes, of at least as many, nearest to an owner's box and crop them to its surroundings.
 
     MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls would displace real
     contacts. Boxes beyond `MAX_SLOT_DISTANCE` are parked for the same reason.
-
-    Args:
-        owner: One box.
-        static: Boxes of the house, at least `num`.
-        num: Number of slots.
 
     Returns:
         The boxes in the slots, nearest first; their indices in `static` (also if parked); whether more than `num` boxes
@@ -135,4 +130,5 @@ def _components(vectors: Float[Array, "*n 3"]) -> Vector:
 
 
 def _dot(a: Vector, b: Vector) -> Array:
+    """Return scalar products of vectors given by components."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -53,6 +53,7 @@ def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | N
 
 
 def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
+    """Return a house's bodies with authored values, unused ones parked."""
     valid = physics.body_valid[house]
     num = valid.shape[0]
     row = jnp.arange(num, dtype=jnp.float32)

@@ -44,6 +44,7 @@ def step_mjx(
     def substep(
         carry: tuple[mjx.Data, GeomSizes], _: None
     ) -> tuple[tuple[mjx.Data, GeomSizes], tuple[Array, ContactImpulses, Array]]:
+        """Do one physics step; emit contact counts, impulses, and whether slots overflowed."""
         data = carry[0]
         motors, applied = applied_forces(template, parts, state, action, data.qpos, data.qvel)
         data = data.replace(ctrl=motors.reshape(-1), qfrc_applied=applied)
@@ -162,6 +163,7 @@ def _agent_boxes(template: Template, data: mjx.Data) -> OrientedBoxes:
 
 
 def _body_boxes(template: Template, data: mjx.Data, size: Float[Array, "k 3"]) -> OrientedBoxes:
+    """Return the boxes of the movable bodies at their current poses."""
     bodies = data.qpos[template.layout.body_qpos].reshape(-1, 7)
     return OrientedBoxes(bodies[:, :3], bodies[:, 3:], size)
 

@@ -52,6 +52,7 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
     agent = jnp.arange(template.layout.num_agents, dtype=jnp.int32)
 
     def count(me: Int[Array, " n"], other: Int[Array, " n"], rise: Float[Array, " n"]) -> Int[Array, " a"]:
+        """Count contacts per agent in `me`, where `rise` is the upward part of the normal from `other`."""
         carries = (other == FLOOR) | ((other <= STATIC) & (rise >= jnp.float32(MIN_SUPPORT_NORMAL)))
         touches = (contact.dist < 0) & ~carries
         return jnp.sum((me[:, None] == agent[None]) & touches[:, None], axis=0, dtype=jnp.int32)

@@ -154,4 +154,5 @@ def _no_mask(name: str) -> dict[str, str]:
 
 
 def _parked_size() -> str:
+    """Return the half extents of a parked box as an MJCF attribute."""
     return f"{PARKED_SIZE} {PARKED_SIZE} {PARKED_SIZE}"

@@ -127,4 +127,5 @@ def shared_house_models(config: PhysicsSetup, layout: Layout) -> MujocoHouses:
 
 @functools.cache
 def _pool() -> ThreadPoolExecutor:
+    """Return the thread pool that all houses share."""
     return ThreadPoolExecutor(usable_cores(), "home_mjx_c")

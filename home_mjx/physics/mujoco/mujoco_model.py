@@ -86,6 +86,7 @@ class MujocoModel:
         return after[0], sensors[0]
 
     def _call(self, state: Array, ctrl: Array) -> tuple[Array, ...]:
+        """Call `_run` on a batch: states (e, s) and controls (e, u) to states and sensor data."""
         shapes = state.shape, (state.shape[0], self.model.nsensordata)
         results = [jax.ShapeDtypeStruct(shape, jnp.float32) for shape in shapes]
         return call_host(self._target, (ctrl.astype(jnp.float32), state.astype(jnp.float32)), results)

@@ -91,10 +91,12 @@ def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
     """Return the batched host calls `find` (house index to number) and `move` (one physics step of environments)."""
 
     def find(*operands: Array) -> tuple[Array, ...]:
+        """Map house indices (last operand) to numbers of models."""
         house = operands[-1].astype(jnp.int32)
         return call_host(houses.find_target, (*operands[:-1], house), [jax.ShapeDtypeStruct(house.shape, jnp.int32)])
 
     def move(*operands: Array) -> tuple[Array, ...]:
+        """Step environments by one physics step; operands and results as `MujocoHouses.step_target`."""
         number, *state = operands
         given = (number, *(x.astype(jnp.float32) for x in state))
         return call_host(houses.step_target, given, _results(houses.layout, given[1:4]))

@@ -33,20 +33,11 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
-    """Write the contact points of two boxes.
+    """Write the contact points of two boxes; return their number, 0 if the boxes do not overlap.
 
-    Args:
-        pos1: Centre of the first box (3) [m].
-        rot1: Its axes as columns (3, 3).
-        half1: Half extents (3) [m].
-        pos2: Centre of the second box.
-        rot2: Its axes.
-        half2: Its half extents.
-        points: Result (`MAX_PAIR_POINTS`, 4): position [m] half-way between the surfaces, and distance [m], negative.
-        normal: Result (3): unit, from the first box to the second one.
-
-    Returns:
-        The number of points; 0 if the boxes do not overlap.
+    Each box has its centre `pos` [m], its axes as columns `rot` (3, 3) and half extents `half` [m]. `points`
+    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and negative distances [m]. `normal` (3) gets
+    the unit vector from the first box to the second one.
     """
     between, cosine = vector(), matrix()
     for i in range(3):

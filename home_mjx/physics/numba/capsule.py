@@ -68,15 +68,9 @@ def sphere_box(x, y, z, radius, half, point, normal):
 def capsule_box(pos, radius, length, box, rot, half, points, normals):
     """Write the contact points of an upright capsule and a box in the world; return their number, at most two.
 
-    Args:
-        pos: Centre of the capsule (3) [m].
-        radius: [m]
-        length: Half the length of its axis [m].
-        box: Centre of the box (3) [m].
-        rot: Its axes as columns (3, 3).
-        half: Half extents (3) [m].
-        points: Result (2, 4): positions half-way between the surfaces, and distances [m], negative.
-        normals: Result (2, 3): unit vectors from the capsule to the box.
+    The capsule has centre `pos` [m], `radius` [m] and half axis `length` [m]; the box has centre `box` [m], axes as
+    columns `rot` (3, 3) and half extents `half` [m]. `points` (2, 4) gets positions half-way between the surfaces, and
+    negative distances [m]. `normals` (2, 3) gets unit vectors from the capsule to the box.
     """
     center, axis = vector(), vector()
     for k in range(3):
@@ -250,7 +244,7 @@ def _length_from_edge(axis, half, t, edge, at, forward, turn):
 @compiled
 @no_type_check
 def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, normals):
-    """Write the contacts of two upright capsules, return their number, at most two; arguments as in `capsule_box`."""
+    """Write the contacts of two upright capsules; return their number, at most two; arguments as in `capsule_box`."""
     dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
     low = max(pos1[2] - length1, pos2[2] - length2)
     high = min(pos1[2] + length1, pos2[2] + length2)

@@ -173,6 +173,7 @@ def _load_house(frame, work, house):
 @compiled
 @no_type_check
 def _operand_dim(frame, index, axis):
+    """Return the length of an axis of operand `index`."""
     return ffi.dim(frame, ffi.OPERANDS, index, axis)
 
 

@@ -124,7 +124,7 @@ def check_camera(camera: Camera, lens: Lens) -> None:
 
 
 def _is_valid_fovy(fovy: Any, lens: Lens) -> Any:
-    """Return whether a number, or an array, is a valid `fovy`: an angle [rad] (pinhole) or a height [m] (orthographic).
+    """Return whether `fovy` is an angle in (0, pi) [rad] (pinhole) or a height above 0 [m] (orthographic).
 
     Other lenses ignore it: all numbers but NaN are valid.
     """

@@ -100,27 +100,12 @@ def cast_multi_hit(
 
     Once a ray has hit an object, it ignores that object until it hits another one, so one hit represents all of its
     faces. The architecture has no object id, so a ray hits both faces of a wall. On a GPU this is one kernel call. For
-    internal use. Gradients are those of `cast`.
-
-    Args:
-        scene: Scene of one environment.
-        origin: [m], world; a single origin for all rays is read once, which is faster.
-        direction: World; t is in units of its length.
-        num_hits: Number of hits, at least 1.
-        hit_epsilon: Offset behind a hit at which the next cast begins, in units of t.
-        t_min: Start of the ray interval, as in `cast`.
-        t_max: End of the ray interval.
-        exclude: Object id that the ray ignores until it hits another object; -1 none.
-        mask: `RayKind` bits.
-        backend: As in `cast`.
+    internal use. Other arguments, gradients and errors are those of `cast`. `num_hits` is at least 1. A ray goes on
+    `hit_epsilon`, in units of t, behind a hit. It ignores `exclude` until it hits another object.
 
     Returns:
         The hits, with the leading shape of the rays and a last axis of `num_hits`. All entries from a ray's first
         miss on are misses.
-
-    Raises:
-        ConfigError: The backend is unknown.
-        BackendError: The backend cannot run in this process.
     """
     rays = _rays(origin, direction, t_min, t_max, exclude, mask)
     shared = _shared_fields(origin, t_min, t_max, exclude, mask)

@@ -67,4 +67,5 @@ def _linear(pose: Float[Array, "n 3 4"], corners: Float[Array, "n 3 3"]) -> Floa
 
 
 def _dot(a: Float[Array, "n 3"], b: Float[Array, "n 3"]) -> Float[Array, " n"]:
+    """Return scalar products row by row."""
     return jnp.sum(a * b, axis=1)

@@ -97,18 +97,23 @@ class _LazyImages:
         return getattr(self, f"_{kind}")()
 
     def _rgb(self) -> Array:
+        """Return sRGB by the shader."""
         return self._view.rgb()
 
     def _albedo(self) -> Array:
+        """Return linear reflectance."""
         return albedo(self._scene, self._rays.hit).pack()
 
     def _normal(self) -> Array:
+        """Return world normals that face the camera."""
         return surface.face_normals(self._scene, self._rays.direction, self._rays.hit)
 
     def _depth(self) -> Array:
+        """Return t of the camera's rays, clipped."""
         return self._clip(self._rays.hit.t)
 
     def _distance(self) -> Array:
+        """Return distances along the rays [m], clipped."""
         return self._clip(self._rays.hit.t * jnp.linalg.norm(self._rays.direction, axis=-1))
 
     def _clip(self, distance: Float[Array, "*image"]) -> Array:
@@ -116,9 +121,11 @@ class _LazyImages:
         return (distance if self._depth_max is None else jnp.minimum(distance, self._depth_max))[..., None]
 
     def _instance(self) -> Array:
+        """Return object ids."""
         return surface.object_ids(self._scene, self._rays.hit)
 
     def _material(self) -> Array:
+        """Return material rows."""
         return surface.material_rows(self._scene, self._rays.hit)
 
     def _valid(self) -> Array:

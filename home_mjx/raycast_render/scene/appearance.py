@@ -33,7 +33,10 @@ class AppearanceOverrides(Pytree):
 def scale_lamps(
     look: AppearanceOverrides | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]
 ) -> Vec:
-    """Scale lights by the episode's factors, if any: those in `daylight` by one, lamps by their room's (-1: none)."""
+    """Scale lights by the episode's factors: `look.daylight` where `daylight`, else `look.lamps` by room (-1: none).
+
+    A factor that is None, or no `look`, leaves them unchanged.
+    """
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))
         light = light * jnp.where(daylight, 1.0, lamps)

@@ -92,6 +92,7 @@ def _pose_matrices(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float
 
 
 def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> DynamicInstances:
+    """Return the instances of door leaves at joint coordinates, relative to as authored: [rad] about +z, or [m]."""
     physics = bank.physics
     instance = jnp.where(physics.door_valid[house], physics.door_instance[house], -1)
     slide = physics.door_slide[house]
@@ -152,6 +153,7 @@ def _agents(
 def _moving(
     geometry: Geometry, instance: Int[Array, " d"], model: Int[Array, " d"], pose: Float[Array, "d 3 4"], **rows: Array
 ) -> DynamicInstances:
+    """Build dynamic instances with inverse poses and world bounds [m]; bounds of `instance` -1 are inverted."""
     never = jnp.array([[jnp.inf] * 3, [-jnp.inf] * 3], jnp.float32)
     box = jax.vmap(transform_bounds)(pose, geometry.model_box[model]) + jnp.array(
         [[[-BOX_MARGIN], [BOX_MARGIN]]], jnp.float32

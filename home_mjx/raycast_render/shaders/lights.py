@@ -70,9 +70,7 @@ class IncidentLight(Pytree):
 def place_lights(scene: Scene, sky: float) -> PlacedLights:
     """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps.
 
-    Args:
-        scene: Scene of one environment.
-        sky: Radiance of the sky, which windows emit [W/m^2/sr].
+    `sky` is the radiance of the sky, which windows emit [W/m^2/sr].
     """
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]

@@ -214,7 +214,7 @@ def _shading_point(scene: Scene, sight: PathState, corner: HitFrame, row: Int[Ar
 def _diffuse_reflectance(
     scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"], growth: Float[Array, ""]
 ) -> Vec:
-    """Return the material's colour times its texture, filtered over the footprint, which grows by `growth` per t."""
+    """Return the material's colour times its texture, filtered over a footprint that grows by `growth` [m] per t."""
     hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
     u, v = texture_corners(scene, hit)
     texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)

@@ -12,12 +12,8 @@ TWILIGHT_DECADE = 4.5  # [degrees], depression of the sun per factor of 10 in th
 def sun_position(hour: float, latitude: float = DEFAULT_LATITUDE, declination: float = 12.0) -> tuple[float, float]:
     """Compute the sun's azimuth, from +x (east) towards +y (north), and its elevation [degrees].
 
-    Args:
-        hour: Solar time; the sun is highest at 12.
-        latitude: [degrees].
-        declination: Declination of the sun [degrees]; 0 at the equinoxes, 23.4 at midsummer.
-
-    Source: J. Meeus, "Astronomical Algorithms", chapter 13.
+    `hour` is solar time; the sun is highest at 12. Its `declination` [degrees] is 0 at the equinoxes, 23.4 at
+    midsummer. Source: J. Meeus, "Astronomical Algorithms", chapter 13.
 
     Example:
         >>> print(*(round(angle) for angle in sun_position(12.0)))

@@ -96,12 +96,8 @@ def sample_trilinear(
 ) -> Vec:
     """Interpolate between texels and between mip levels of a repeating texture; return linear light.
 
-    Args:
-        textures: Layers with all their mip levels.
-        layer: Layer of each ray.
-        u: Texture coordinate to the right.
-        v: Texture coordinate upwards; 0 is the bottom row.
-        level: Mip level; 0 is the largest, 1 has half its edge. Clipped to the levels of the texture.
+    `u` is to the right, `v` upwards; v = 0 is the bottom row. Mip level 0 is the largest, 1 has half its edge; levels
+    are clipped to those of the texture.
     """
     last = texture_edge(textures).bit_length() - 1
     level = jnp.clip(level, 0.0, float(last))

@@ -21,16 +21,10 @@ weights, flags = stack_of(types.float32, 2 * LANES), stack_of(types.int32, 2 * L
 @njit(error_model="numpy")  # rarely called, too large to inline
 @no_type_check
 def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
-    """Return the lanes of `wins` without those that pass through a cut-out texel; sound rays never pass.
+    """Return the lanes of `wins` without rays that pass through a cut-out texel of a triangle; sound rays never pass.
 
-    Args:
-        world: Arrays of the scene.
-        triangle: The triangle that the rays hit.
-        stops: Its entry of `Geometry.material_mask`: `RayKind` bits, and the layer of cut-outs above them.
-        mask: `RayKind` bits of the rays.
-        u: Barycentric weights of corner 1.
-        v: Barycentric weights of corner 2.
-        wins: Lanes whose rays hit the triangle.
+    `stops` is the triangle's entry of `Geometry.material_mask`: `RayKind` bits, and the cut-out layer above them.
+    `mask` has the rays' `RayKind` bits; `u` and `v` are barycentric weights of corners 1 and 2 at their hits.
     """
     weight, flag = weights(), flags()
     store(weight, 0, u)

@@ -216,7 +216,7 @@ def _open_node(world, node, ray, limit, codes, enters, size):
 @compiled
 @no_type_check
 def _pop(codes, enters, size, base, limit):
-    """Pop codes until a ray enters one at t <= `limit`; return it (`EMPTY_LEAF` at size `base`), its t, new size."""
+    """Pop codes until a ray enters one at t <= `limit`; return it (`EMPTY_LEAF` at size `base`), its t and new size."""
     enter = limit
     while size > base:
         size -= 1
