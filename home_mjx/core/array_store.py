@@ -231,7 +231,8 @@ class _Member(NamedTuple):
 def _members(content: np.ndarray) -> list[_Member]:
     """Return the members notes and data, in this order; raise `ValueError` for archives not written by `write_entry`.
 
-    Only the central directory at the end of the file is parsed, in a third of the time of `zipfile`.
+    Only the central directory at the end of the file is parsed. `zipfile`, which reads any archive, takes twice as long
+    as everything else.
     """
     found, begin = [], 0
     at = listed = len(content) - _END.size - sum(_MEMBER.size + len(name) for name in (NOTES_MEMBER, DATA_MEMBER))

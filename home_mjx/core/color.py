@@ -82,4 +82,5 @@ def _hue_weight(hue: np.ndarray) -> np.ndarray:
 
 
 def _sin(degrees: np.ndarray) -> np.ndarray:
+    """Return the sine of an angle [deg]."""
     return np.sin(np.deg2rad(degrees))

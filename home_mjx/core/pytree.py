@@ -85,12 +85,15 @@ def _flatten(record: Any) -> tuple[tuple, tuple]:
 
 
 def _flatten_with_keys(record: Any) -> tuple[tuple, tuple]:
+    """Return (key, leaf) pairs and static values, for `register_pytree_with_keys`."""
     data, meta = _flatten(record)
     keys = (jax.tree_util.GetAttrKey(name) for name in _names(type(record), False))
     return tuple(zip(keys, data, strict=True)), meta
 
 
 def _unflattener(cls: type[T]) -> Any:
+    """Return the function that rebuilds a record from static values and leaves, without checks."""
+
     def unflatten(meta: tuple, data: tuple) -> T:
         values = dict(zip(_names(cls, False), data, strict=True))
         return _build(cls, values | dict(zip(_names(cls, True), meta, strict=True)))

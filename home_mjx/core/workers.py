@@ -41,6 +41,7 @@ def _leave_with_parent() -> None:
     parent = multiprocessing.parent_process()
 
     def wait() -> None:
+        """Wait for the parent's end, then exit at once."""
         if parent is not None:
             parent.join()
             os._exit(1)

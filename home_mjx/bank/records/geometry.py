@@ -19,7 +19,7 @@ IDENTITY_POSE = np.eye(3, 4)
 
 
 def offset_codes(at: TreeOwner) -> Int[np.ndarray, "n 2"]:
-    """Offset tree codes: add `node` to inner nodes and `first` to the primitives of leaves; keep empty leaves."""
+    """Return a BVH's child codes in rows of the bank: nodes plus `node`, leaf primitives plus `first`; -1 if empty."""
     child = at.record.child
     leaf = np.where(child == -1, -1, ~(~child.astype(np.int64) + (at.first << LEAF_BITS)))
     return np.where(child >= 0, child + at.node, leaf).astype(np.int32)
@@ -62,7 +62,7 @@ def first_semantic(at: HouseOwner) -> Int[np.ndarray, " i"]:
 
 
 def ray_mask(at: HouseOwner) -> Int[np.ndarray, " r"]:
-    """Return each material's ray bits and, from bit `CUTOUT_SHIFT` on, its texture's cut-out layer + 1; 0 if none."""
+    """Return each material's `RayKind` bits and, from bit `CUTOUT_SHIFT` on, its texture's cut-out layer + 1 or 0."""
     table = at.record.materials
     layer = [1 + at.texture_layer[path] if path in at.cutouts else 0 for path in table.texture]
     return table.mask | np.array(layer, np.int32) << CUTOUT_SHIFT

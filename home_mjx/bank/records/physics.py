@@ -38,7 +38,7 @@ def damping_ratios(at: HouseOwner) -> Float[np.ndarray, " k"]:
 
 
 def ramp_rows(at: HouseOwner) -> Float[np.ndarray, "r 8"]:
-    """Return each ramp's top: centre x, y, uphill x, y, half length and width in plan, centre z, slope (rise / run)."""
+    """Return each ramp's top [m]: centre x, y, uphill x, y, half length and width in plan, centre z, rise / run."""
     ramps = at.house.ramps
     slope = ramps.slope[:, None]
     top = ramps.pos + ramps.size[:, 2:] * np.concatenate([-np.sin(slope) * ramps.up, np.cos(slope)], axis=1)
@@ -65,6 +65,7 @@ def door_source(field: str, fill: Any = 0) -> Callable[[HouseOwner], np.ndarray]
     """Return a function that puts a field of a house's doors into their rows of the bank; other rows are `fill`."""
 
     def rows(at: HouseOwner) -> np.ndarray:
+        """Return the field by row of the bank's doors."""
         values = getattr(at.house.doors, field)
         padded = np.empty((at.sizes["doors"], *values.shape[1:]), values.dtype)
         padded[...] = fill

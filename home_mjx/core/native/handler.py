@@ -38,6 +38,7 @@ def build_handler(name: str, count: Any, work: Any) -> tuple[Any, Any]:
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def handler(frame):
+        """Run the kernel's chunks if XLA requests execution; XLA's handler function."""
         _ = digest
         if ffi.is_execute_call(frame):
             chunks = call(symbol_address(count_symbol), frame)

@@ -47,6 +47,7 @@ def register_host_call(target: str, function: HostFunction) -> None:
 
     @ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p)
     def handler(frame: int) -> int | None:
+        """Call `function` with NumPy views if XLA requests execution; return an XLA error's address, or None."""
         if not _wants_work(frame):
             return None
         try:

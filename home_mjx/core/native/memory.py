@@ -23,6 +23,7 @@ def pointer_to(item: types.Type) -> Any:
 
 @no_type_check
 def _lower_pointer(context, builder, signature, args):
+    """Emit the conversion of an integer to a pointer."""
     return builder.inttoptr(args[0], context.get_value_type(signature.return_type))
 
 

@@ -41,6 +41,7 @@ def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
 
     @functools.wraps(build)
     def checked(*args: Any) -> T:
+        """Run `build` with verified cache files, under the lock."""
         folder, stem = _place(build)
         if folder is None:
             return build(*args)

@@ -151,4 +151,5 @@ def _keep(entry: Path, ptx: str) -> None:
 
 
 def _digest(text: str) -> str:
+    """Return the SHA-256 of a text in hexadecimal."""
     return hashlib.sha256(text.encode()).hexdigest()

@@ -33,6 +33,7 @@ def partition_kernel(run: Callable[..., T], leading_axes: LeadingAxes) -> Callab
     """
 
     def partition(mesh: Any, arguments: Any, results: Any) -> Any:
+        """Return mesh, function, result and operand shardings, taken from the operand with most leading axes."""
         operands, operand_tree = jax.tree.flatten(arguments)
         made, result_tree = jax.tree.flatten(results)
         axes, result_axes = leading_axes([x.shape for x in operands], [x.shape for x in made])
@@ -42,6 +43,7 @@ def partition_kernel(run: Callable[..., T], leading_axes: LeadingAxes) -> Callab
         return mesh, run, result_tree.unflatten(map(place, result_axes)), operand_tree.unflatten(map(place, axes))
 
     def rule(mesh: Any, operands: Sequence[ir.Type], results: Sequence[ir.Type]) -> str:
+        """Return the Shardy rule: leading axes are shared by name, all others are not."""
         given, made = ([tuple(ir.RankedTensorType(x).shape) for x in tensors] for tensors in (operands, results))
         axes, result_axes = leading_axes(given, made)
         left = (_factors(*item, f"x{i}y") for i, item in enumerate(zip(given, axes, strict=True)))

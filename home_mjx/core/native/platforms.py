@@ -57,6 +57,7 @@ def with_fallback_gradient(
 
     @run.defjvp
     def derivative(primals: Any, tangents: Any) -> tuple[Array, Array]:
+        """Return the primal result and its tangent, both by `fallback`."""
         return jax.jvp(fallback, primals, tangents)
 
     return run

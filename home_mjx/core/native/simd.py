@@ -65,10 +65,12 @@ def _define(operation, emit, kind, result) -> None:
 
 @no_type_check
 def _compare(method: str, sign: str) -> Callable[..., Any]:
+    """Return a function that emits an LLVM comparison such as `fcmp_ordered` with the operator `sign`."""
     return lambda builder, a, b: getattr(builder, method)(sign, a, b)
 
 
 def _define_all() -> None:
+    """Define arithmetic for `FLOATS`, comparisons for all types, `&` and `|` for `FLAGS` and `INTS`."""
     build = ir.IRBuilder
     for operation, emit in {
         operator.add: build.fadd,

@@ -35,6 +35,7 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
 
     @step.def_vmap
     def fold(size: int, is_batched: Any, *operands: Array) -> Any:
+        """Apply the `vmap` rule: fold the mapped axis into the environments, or loop over mapped shared operands."""
         many = (True,) * num_results
         whole = tuple(
             x if b else jnp.broadcast_to(x[None], (size, *x.shape)) for x, b in zip(operands, is_batched, strict=True)
@@ -54,6 +55,7 @@ def forbid_gradient(step: Step, name: str) -> Step:
 
     @guarded.defjvp
     def refuse(primals: Any, tangents: Any) -> NoReturn:
+        """Raise `ConfigError` instead of differentiating."""
         raise ConfigError(
             f"{name} has no gradient",
             element="PhysicsConfig.impl",
