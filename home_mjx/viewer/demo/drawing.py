@@ -36,7 +36,7 @@ class WalkRecord:
     moments: dict[int, tuple[int, State, dict[str, np.ndarray]]] = field(default_factory=dict)
 
     def add(self, states: State, positions: Float[np.ndarray, "n 3"]) -> None:
-        """Append a step of all environments."""
+        """Append a step of all environments; replace a moment if its agent now observes more instances."""
         self.positions.append(positions)
         ids = np.asarray(states.obs["ids/head_instance"])
         for i in range(len(ids)):
@@ -71,6 +71,7 @@ def _add_inset(view: Picture, observed: Picture) -> Picture:
 
 
 def _sensors(env: Env[HouseholdEnv], obs: dict[str, np.ndarray]) -> Picture:
+    """Return the observed depth above the observed categories, in colours."""
     depth = pictures.colour_depth(obs["pixels/head_depth"][..., 0], env.config.max_depth)
     category = pictures.colour_ids(obs["ids/head_fine"])
     return np.concatenate([pictures.enlarge(image, HEIGHT // 2) for image in (depth, category)])

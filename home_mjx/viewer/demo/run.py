@@ -66,6 +66,7 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
 
 
 def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
+    """Run the demo as `run_demo` does, with its phases reported to `observer`."""
     started = time.perf_counter()
     observer.on_run_start(RunStart("demo", None, "steps", options.num_steps + NUM_PHASES))
     observer.on_phase("houses")
@@ -133,16 +134,19 @@ def _compiled_step(env: Env[HouseholdEnv], states: State) -> tuple[Any, float]:
 
 
 def _no_actions(env: Env[HouseholdEnv], states: State) -> jax.Array:
+    """Return zero actions for as many environments as `states`."""
     return jnp.zeros((states.reward.shape[0], env.action_size), jnp.float32)
 
 
 def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> State:
-    """Start environments in turn in all houses, those of most storeys first, with the farthest goal.
+    """Start environments with the compiled reset `begin`, in turn in all houses, most storeys first.
 
-    All environments of a house have the radio `source_height` above the house's first goal.
+    Goals are the farthest ones. All environments of a house have the radio `source_height` above the house's first
+    goal.
     """
 
     def farthest_goal(params: EnvParams, state: State) -> jax.Array:
+        """Return the index of the goal with the longest geodesic distance from the agent."""
         feet = env.core.snapshot(params, state).feet[0]
         return geodesic_distance(params.bank, state.world.house, None, feet).argmax().astype(jnp.int32)
 

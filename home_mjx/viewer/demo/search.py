@@ -10,7 +10,7 @@ RADIO_OPTIONS = {"clip_split": "radio"}
 
 
 def film_search(out: Path, suncg: str | Path | None = None, episodes: int = 3, seed: int = 0) -> list[EpisodeResult]:
-    """Film the packaged agent while it searches for a radio; print nothing.
+    """Film the packaged agent while it searches for a radio; print nothing, return the result of each episode.
 
     Args:
         out: Folder for `radio.mp4`, with binaural sound, `radio.png` and `radio.jsonl`; it exists.
@@ -18,14 +18,8 @@ def film_search(out: Path, suncg: str | Path | None = None, episodes: int = 3, s
         episodes: Number of episodes, each in another house if there are enough.
         seed: Seed of episodes and actions.
 
-    Returns:
-        Result of each episode.
-
     Raises:
         ConfigError: The extra `train` is not installed.
-
-    Example:
-        >>> film_search(Path("demo"))  # doctest: +SKIP
     """
     from home_mjx.training import read_config  # needs the extra `train`
 

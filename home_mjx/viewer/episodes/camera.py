@@ -56,6 +56,7 @@ class FilmCamera:
         return CameraShot(*(np.asarray(x) for x in self._see(self.env.params, state)))
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:
+        """Return, in JAX arrays, the fields of `CameraShot`."""
         core = self.env.core
         snapshot = core.snapshot(params, state)
         camera = jax.tree.map(

@@ -36,7 +36,7 @@ class EpisodeRunner:
         Args:
             player: Player that chooses the actions.
             number: Number of the episode, from 1.
-            key: Random key.
+            key: Random key of the reset.
             row: Row of the environment's episodes or tasks; None: sampled with the key.
             observer: Observer of the episode.
         """
@@ -62,6 +62,7 @@ class EpisodeRunner:
         return result
 
     def _start(self, number: int, row: int | None, state: State) -> EpisodeStart:
+        """Describe the episode that begins in `state`, for observers."""
         instruction = get_instruction(self.env, state)
         house = self.env.bank.house_ids[int(state.world.house)]
         return EpisodeStart(number, row, house, instruction.task, instruction.text, instruction.path_length)
@@ -70,7 +71,7 @@ class EpisodeRunner:
 def run_episodes(
     env: Env[HouseholdEnv], player: Player, rows: Sequence[int | None], seed: int, observer: Observer
 ) -> list[EpisodeResult]:
-    """Run one episode per row; `observer.on_update(1)` follows each.
+    """Run one episode per row and return their results; `observer.on_update(1)` follows each.
 
     Args:
         env: The environment.
@@ -87,9 +88,9 @@ def run_episodes(
 
 
 def _result(start: EpisodeStart, last: EpisodeStep, walked: float) -> EpisodeResult:
-    """Return the result of an episode after step `last`; `spl` is from its metrics, or computed from `walked` [m].
+    """Return the result of an episode after step `last`.
 
-    It is NaN if neither is known.
+    `spl` is from its metrics, else computed from the walked distance `walked` [m]; NaN if neither is known.
     """
     metrics = {name: float(value) for name, value in last.state.metrics.items()}
     success = metrics.get("success", 0.0)

@@ -55,6 +55,7 @@ def get_instruction(env: Env[HouseholdEnv], state: State) -> Instruction:
 
 
 def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Instruction:
+    """Return the instruction of PointNav; its length is known only for stored episodes."""
     if episodes is None:
         return Instruction(task, "go to the point", np.nan)
     length = float(episodes.columns["length"][int(state.world.episode) % len(episodes)])
@@ -62,12 +63,9 @@ def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Instr
 
 
 def get_goal_markers(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> GoalMarkers:
-    """Return place or else object centres, and rooms, of the current stage's goal; no point and no room if it has none.
+    """Return the goal points and rooms of the current stage's goal; no point and no room if it has none.
 
-    Args:
-        bank: The houses.
-        state: One environment.
-        boxes: Current bounds of all instances [m].
+    Points are the goal's place, else the centres of its objects. `boxes` are the current bounds of all instances [m].
     """
     house = int(state.world.house)
     nothing, nowhere = np.zeros((0, 3)), np.zeros(bank.navigation.room_type.shape[1], bool)
@@ -92,11 +90,7 @@ def get_utterances(state: State) -> tuple[str, ...]:
 
 
 def format_utterances(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
-    """Format the utterances of agents, each with the reply of the oracle.
-
-    Args:
-        said: Token of each agent; -1 if none.
-        replies: Token of the reply to each agent; -1 if none.
+    """Format what agents said (token; -1: nothing), each as `word: reply` with the oracle's reply token, -1 if none.
 
     Example:
         >>> from home_mjx.tasks.language.vocabulary import tokenize

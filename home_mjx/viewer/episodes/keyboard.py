@@ -156,5 +156,6 @@ def image_to_text(image: UInt8[np.ndarray, "h w 3"], columns: int = TERMINAL_COL
 
 
 def _cell(upper: list[int], lower: list[int]) -> str:
+    """Return a half block whose upper half has one colour (RGB), its lower half the other."""
     ink, ground = (";".join(map(str, colour)) for colour in (upper, lower))
     return f"\x1b[38;2;{ink}m\x1b[48;2;{ground}m▀"

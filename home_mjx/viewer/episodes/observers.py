@@ -101,9 +101,11 @@ class FilmObserver(Observer):
         self.video.write(folder, self.name)
 
     def _frame(self, status: str, success: bool | None = None) -> np.ndarray:
+        """Compose the current frame of the film."""
         return compose_frame(self.sights[-1].view, self.top, self.instruction, status, success)
 
     def _sound(self, step: EpisodeStep) -> np.ndarray | None:
+        """Return the first agent's sound of a step, (2, n); None without sound."""
         return np.asarray(step.state.world.sensor_states[SOUND_STATE].frame)[0] if self.has_sound else None
 
 

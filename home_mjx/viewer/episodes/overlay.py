@@ -60,6 +60,7 @@ class TopDownOverlay:
         return top.crop(np.asarray(picture))
 
     def _level(self, pos: Float[np.ndarray, " 3"]) -> int:
+        """Return the storey below a point [m]."""
         return find_level(self.bank, self.house, pos)
 
     def _tinted(self, top: TopView, goals: GoalMarkers, level: int) -> UInt8[np.ndarray, "s s 3"]:
@@ -89,6 +90,7 @@ class TopDownOverlay:
     def _draw(
         self, draw: ImageDraw.ImageDraw, top: TopView, sights: Sequence[CameraShot], goals: GoalMarkers, level: int
     ) -> None:
+        """Draw goals, the agents' paths, and agents with their view cones, those on storey `level` only."""
         unit = PLAN_PIXELS / 512
         for place in goals.places:
             if self._level(place + np.array([0, 0, FLOOR_MARGIN])) == level:
@@ -105,6 +107,7 @@ class TopDownOverlay:
                 _dot(draw, top.to_pixel(pos), 7 * unit, AGENT_COLOURS[agent % len(AGENT_COLOURS)], (10, 10, 10))
 
     def _look(self, draw: ImageDraw.ImageDraw, top: TopView, pos: np.ndarray, yaw: float, colour: tuple) -> None:
+        """Draw an agent's view cone."""
         half = np.deg2rad(VIEW_CONE_HALF_ANGLE)
         ends = [
             pos[:2] + VIEW_CONE_LENGTH * np.array([np.cos(yaw + a), np.sin(yaw + a)])
@@ -114,6 +117,7 @@ class TopDownOverlay:
 
 
 def _dot(draw: ImageDraw.ImageDraw, at: tuple[float, float], radius: float, fill: tuple | None, edge: tuple) -> None:
+    """Draw a disc around a pixel; `fill` None: only its edge."""
     x, y = at
     draw.ellipse(
         (x - radius, y - radius, x + radius, y + radius), fill=fill, outline=edge, width=max(2, int(radius / 3))

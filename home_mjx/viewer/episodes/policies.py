@@ -92,6 +92,7 @@ class PolicyPlayer:
         return np.asarray(action)
 
     def _acted(self, memory: Any, obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any, Any]:
+        """Return new memory, actions in the environment's shape, and new keys; to be jitted."""
         rows = to_rows(jax.tree.map(lambda x: x[None], obs), self.agents)
         keys, now = split_keys(keys)
         memory, action, _ = self.policy.act(memory, rows, begins, now)

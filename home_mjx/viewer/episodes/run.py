@@ -107,7 +107,10 @@ def run_play(
 
 
 def _own_observers(options: PlayOptions, print_line: Callable[[str], Any]) -> Iterator[Observer]:
-    """Yield observers: film with `out`, terminal for a human, results, progress; the first two share their images."""
+    """Yield the observers that the options imply.
+
+    These are the film (with `out`), the terminal of a human, results and progress. Film and terminal share images.
+    """
     shots = ShotCache(options.width, options.height, options.samples)
     if options.out is not None:
         yield FilmObserver(shots, options.file_name)
@@ -144,7 +147,7 @@ def film_checkpoint(
 
 
 def _task_rows(env: Env[HouseholdEnv], options: PlayOptions) -> list[int | None]:
-    """Return a task row per episode: in order if from a file, else shuffled; then repeated. None without tasks."""
+    """Return a task row per episode: in order if from a file, else shuffled; repeated in turn. None without tasks."""
     if env.params.tasks is None:
         return [None] * options.episodes
     order = np.arange(len(env.params.tasks))
@@ -154,6 +157,7 @@ def _task_rows(env: Env[HouseholdEnv], options: PlayOptions) -> list[int | None]
 
 
 def _make_player(env: Env[HouseholdEnv], options: PlayOptions, keys: Any) -> Player:
+    """Return the player of the agent that the options name; `keys` is the input stream of a human."""
     if options.agent == HUMAN:
         return KeyboardPlayer(env.core.acting_config, keys)
     return PolicyPlayer(env.core, make_policy(env, options.agent, options.checkpoint, options.greedy), options.seed)

@@ -119,15 +119,9 @@ def draw_state(env: Env[HouseholdEnv], state: State, width: int = 480, height: i
 def shortest_path(
     bank: HouseBank, house: int, feet: Float[np.ndarray, " 3"], goals: GoalMarkers
 ) -> Float[np.ndarray, "n 3"]:
-    """Return points on the floor along the shortest path to goal rooms, else to the nearest goal point [m].
+    """Return points on the floor along the shortest path from `feet` to goal rooms, else to the nearest goal point [m].
 
-    There are no points without a goal or a path.
-
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        feet: Lowest point of the agent, at which the path begins [m].
-        goals: Places and rooms of the goal.
+    There are no points without a goal or a path. `feet` is the agent's lowest point [m].
     """
     graph = CellGraph(bank, house)
     if goals.rooms.any():
@@ -172,9 +166,9 @@ def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
 
 
 def _surroundings(core: HouseholdEnv, snapshot: Snapshot) -> tuple[Array, Array]:
-    """Return free distances beyond agents' bodies (A, H, D) [m]; inf over `MAX_GAP`; and semantics of things there.
+    """Return agents' free distances [m] and the semantics of obstacles there, (A, H, D) and (A, H, D, columns).
 
-    Axis H is `RAY_HEIGHTS`; axis D has directions from ahead counter-clockwise. Semantics are (A, H, D, columns).
+    Distances are beyond the body, inf over `MAX_GAP`. H is `RAY_HEIGHTS`, D directions counter-clockwise from ahead.
     """
     agents = core.config.agents
     half = jnp.array([body.height / 2 for body in agents], jnp.float32)
@@ -183,6 +177,7 @@ def _surroundings(core: HouseholdEnv, snapshot: Snapshot) -> tuple[Array, Array]
     angle = jnp.linspace(0.0, 2 * jnp.pi, NUM_DIRECTIONS, endpoint=False, dtype=jnp.float32)
 
     def of_agent(pos: Array, yaw: Array, half: Array, radius: Array, own: Array) -> tuple[Array, Array]:
+        """Cast rays around one agent; return gaps (H, D) and semantic rows."""
         height = half * jnp.array(RAY_HEIGHTS, jnp.float32)
         origin = pos[None, None] + jnp.zeros((len(RAY_HEIGHTS), NUM_DIRECTIONS, 3)).at[..., 2].set(height[:, None])
         plan = jnp.stack([jnp.cos(yaw + angle), jnp.sin(yaw + angle), jnp.zeros(NUM_DIRECTIONS)], axis=-1)
@@ -202,6 +197,7 @@ def _feet_of(env: Env[HouseholdEnv], shot: CameraShot) -> Float[np.ndarray, " 3"
 
 
 def _describe_task(env: Env[HouseholdEnv], state: State) -> str:
+    """Describe task, instruction, step and end of the episode."""
     instruction = get_instruction(env, state)
     over = "terminated" if bool(state.terminated) else "truncated" if bool(state.truncated) else "running"
     text = "" if instruction.text == instruction.task else f": {instruction.text}"
@@ -226,6 +222,7 @@ def _describe_agent(bank: HouseBank, house: int, facts: _Facts, agent: int) -> l
 
 
 def _describe_room(bank: HouseBank, house: int, facts: _Facts, agent: int) -> str:
+    """Describe the room and storey of an agent."""
     room, level = int(facts.room[agent]), int(facts.cell[agent][0])
     storey = f"storey {level} of {int(np.isfinite(np.asarray(bank.navigation.floor[house])).sum())}"
     if room < 0:
@@ -234,6 +231,7 @@ def _describe_room(bank: HouseBank, house: int, facts: _Facts, agent: int) -> st
 
 
 def _name_room(bank: HouseBank, house: int, room: int) -> str:
+    """Return number and first type of a room."""
     kind = int(bank.navigation.room_type[house, room])
     return f"room {room} ({ROOM_TYPES[kind] if kind >= 0 else 'no type'})"
 
@@ -282,11 +280,13 @@ def _describe_touching_bodies(facts: _Facts, num_agents: int) -> list[str]:
 
 
 def _partner_name(facts: _Facts, row: int) -> str:
+    """Name the other side of a dynamic body's strongest contact."""
     partner = int(facts.partner[row])
     return f"agent {partner}" if 0 <= partner < len(facts.yaw) else _name(facts.other[row])
 
 
 def _strength(facts: _Facts, row: int) -> str:
+    """Format impulse and position of a dynamic body's strongest contact."""
     return f"{facts.impulse[row]:.3g} N s at {_point(facts.contact[row])} m"
 
 
@@ -317,8 +317,10 @@ def _name(row: np.ndarray) -> str:
 
 
 def _point(point: np.ndarray) -> str:
+    """Format coordinates with two decimals."""
     return f"({', '.join(f'{value:.2f}' for value in point)})"
 
 
 def _line(title: str, text: str) -> str:
+    """Format a line of the report: title column, then text."""
     return f"{title:<{TITLE_WIDTH}}{text}"

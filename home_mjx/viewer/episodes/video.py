@@ -22,14 +22,9 @@ RgbImage = UInt8[np.ndarray, "_ _ 3"]
 
 
 def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, success: bool | None = None) -> RgbImage:
-    """Compose a frame: title, view beside plan, and status, coloured by the result; both sides are even.
+    """Compose a frame: `title` above, view beside plan, `status` below; both sides are even.
 
-    Args:
-        view: View of the agent.
-        plan: The house from above.
-        title: Text above, the instruction.
-        status: Text below.
-        success: Result of the episode; None: not ended.
+    `success` colours the status: True green, False red, None (not ended) neutral.
     """
     height, width = view.shape[:2]
     beside = fit_image(plan, width, height)

@@ -23,9 +23,7 @@ MAP_MARGIN = 2  # margin around the rooms [cells]
 def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the rooms of a storey from above, north (+y) up; unseen cells are darker, agents are arrows.
 
-    Args:
-        found: The map of one environment.
-        size: Approximate length of the longer side [px]; cells have a whole number of pixels.
+    `size` is the approximate length of the longer side [px]; cells have a whole number of pixels.
 
     Example:
         >>> write_png("map.png", draw_map(found))  # doctest: +SKIP
@@ -40,6 +38,7 @@ def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
     draw = ImageDraw.Draw(picture)
 
     def middle(cell: np.ndarray) -> tuple[float, float]:
+        """Return the pixel of a cell's centre."""
         row, column = cell + 0.5
         return (column - low[1]) * pixels, (high[0] - row) * pixels
 
@@ -64,9 +63,9 @@ def _paint_cells(found: TopDownMap) -> UInt8[np.ndarray, "rows columns 3"]:
 
 
 def _arrow(at: tuple[float, float], yaw: float, radius: float) -> list[tuple[float, float]]:
-    """Return the four corners of a notched arrow head around `at` [px] along a yaw [rad]; its tip is 1.6 `radius` away.
+    """Return the four corners of a notched arrow head around `at` [px]; its tip is 1.6 `radius` away.
 
-    Image y is down, and yaw counter-clockwise from image x.
+    Image y is down, and `yaw` [rad] counter-clockwise from image x.
     """
     turns = (0.0, 2.5, math.pi, -2.5)
     sizes = (1.6, 1.2, 0.5, 1.2)

@@ -24,10 +24,7 @@ def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
 
 
 def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -> float:
-    """Write stereo sound as 16 bit PCM, scaled to a peak of 0.9.
-
-    Returns:
-        The applied gain.
+    """Write stereo sound as 16 bit PCM, scaled to a peak of 0.9; return the applied gain.
 
     Raises:
         ConfigError: It cannot be written, such as on a full disk; no partial file is left.

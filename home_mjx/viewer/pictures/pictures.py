@@ -29,6 +29,7 @@ def colour_ids(ids: Int[np.ndarray, "h w"]) -> UInt8[np.ndarray, "h w 3"]:
 
 
 def _id_colour(value: int) -> tuple[int, int, int]:
+    """Return the colour of one id."""
     if value < 0:
         return (0, 0, 0)
     red, green, blue = colorsys.hsv_to_rgb((value * 0.618034) % 1, 0.55 + 0.4 * ((value * 7) % 3) / 2, 0.95)

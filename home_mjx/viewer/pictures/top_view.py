@@ -103,6 +103,7 @@ def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]
 
 @jax.jit
 def _render_from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Array, "h w 3"]:
+    """Render albedo straight down from each point of `origin` [m], lower surfaces darker, cut walls dark; sRGB."""
     down = jnp.broadcast_to(jnp.array([0.0, 0.0, -1.0], jnp.float32), origin.shape)
     hit = cast(scene, origin, down)
     # Lower surfaces are darker, which separates furniture from the floor.
@@ -116,13 +117,9 @@ def _render_from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Arr
 
 
 def is_in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
-    """Return the mask of points inside walls, where a downward view would start behind the surface.
+    """Return the mask of points `origin` (world) [m] inside walls, where a downward view would start behind a face.
 
     Walls are closed solids: from inside one, a ray hits the back of a face, in x or in y.
-
-    Args:
-        scene: The house.
-        origin: Points in the world [m].
     """
     inside = jnp.zeros(origin.shape[:-1], bool)
     for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)):
