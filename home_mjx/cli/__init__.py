@@ -93,6 +93,7 @@ def _is_out_of_memory(error: Exception) -> bool:
 
 
 def _dispatch(argv: list[str]) -> int:
+    """Parse the arguments and run the command; return its exit code."""
     top = _top_parser()
     args = top.parse_args(argv)
     if args.command is None:
@@ -120,6 +121,7 @@ def _load_command(name: str) -> ModuleType:
 
 
 def _top_parser() -> Parser:
+    """Return the parser of `home-mjx` itself, which passes a command's arguments on unparsed."""
     listing = "\n".join(f"  {name:<10}{text}" for name, text in ALL_COMMANDS.items())
     parser = Parser(
         prog="home-mjx",

@@ -21,9 +21,6 @@ def watch_interrupts() -> None:
     The first interrupt raises `KeyboardInterrupt`, as always. If Python has not raised it within a second, or is
     interrupted again, the process ends at once with code 130. Any handler other than Python's default stays, as does an
     ignored SIGINT (`nohup command &`).
-
-    Example:
-        >>> watch_interrupts()  # doctest: +SKIP
     """
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
         return
@@ -52,6 +49,7 @@ def exit_interrupted() -> NoReturn:
 
 
 def _watch(reader: socket.socket, writer: socket.socket, noticed: threading.Event) -> None:
+    """End this process on an interrupt that is not `noticed` within `GRACE_PERIOD`, else on the next one."""
     _wait(reader)
     if noticed.wait(GRACE_PERIOD):
         _wait(reader)
@@ -59,11 +57,13 @@ def _watch(reader: socket.socket, writer: socket.socket, noticed: threading.Even
 
 
 def _wait(reader: socket.socket) -> None:
+    """Block until SIGINT arrives."""
     while signal.SIGINT not in reader.recv(1):  # one byte per signal that Python handles
         continue
 
 
 def _end() -> NoReturn:
+    """Report the interrupt on stderr and end this process at once with code 130."""
     try:
         os.write(2, b"\nhome-mjx: interrupted\n")
     finally:

@@ -40,6 +40,7 @@ class Parser(argparse.ArgumentParser):
         raise ConfigError(message, hint=f"See `{self.prog} --help`")
 
     def _refuse(self, argument: str) -> NoReturn:
+        """Raise the error for an argument that no option takes."""
         if not argument.startswith("-"):
             self.error(f"unexpected argument `{argument}`")
         name = argument.split("=")[0]
@@ -71,12 +72,7 @@ def parse_seed_range(text: str) -> range:
 
 
 def parse_path(text: str) -> Path:
-    """Parse a path; raise `ArgumentTypeError` if it is empty, such as an unset shell variable. The file may not exist.
-
-    Example:
-        >>> parse_path("houses").name
-        'houses'
-    """
+    """Parse a path, which may not exist; raise `ArgumentTypeError` if it is empty, such as an unset shell variable."""
     if not text.strip() or "\0" in text:
         raise argparse.ArgumentTypeError(f"expected a path, got {text!r}")
     return Path(text)
@@ -116,6 +112,7 @@ def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
     """
 
     def parse(text: str) -> float:
+        """Parse one number."""
         try:
             value = float(text)
         except ValueError:
@@ -135,26 +132,17 @@ def parse_seed(text: str) -> int:
 
 
 def parse_natural(text: str) -> int:
-    """Parse a whole number from 0 to 2**31 - 1; raise `ArgumentTypeError` for other texts.
-
-    Example:
-        >>> parse_natural("0")
-        0
-    """
+    """Parse a whole number from 0 to 2**31 - 1; raise `ArgumentTypeError` for other texts."""
     if not text.isdecimal() or len(text) > MAX_DIGITS or int(text) >= 2**31:
         raise argparse.ArgumentTypeError(f"expected a whole number of 0 or more, got `{text:.{MAX_DIGITS}}`")
     return int(text)
 
 
 def whole_number_type(maximum: int) -> Callable[[str], int]:
-    """Return a parser of whole numbers from 1 to `maximum`, included; it raises `ArgumentTypeError` for others.
-
-    Example:
-        >>> whole_number_type(100)("25")
-        25
-    """
+    """Return a parser of whole numbers from 1 to `maximum`, included; it raises `ArgumentTypeError` for others."""
 
     def parse(text: str) -> int:
+        """Parse one whole number."""
         if not text.isdecimal() or len(text) > MAX_DIGITS or not 0 < int(text) <= maximum:
             limit = f" and at most {maximum}" if text.isdecimal() and text.strip("0") else ""
             raise argparse.ArgumentTypeError(f"expected a whole number above 0{limit}, got `{text:.{MAX_DIGITS}}`")

@@ -55,9 +55,7 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
 def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     """Load the selected house onto the device and place a head at `--at`, else at its first start, at eye height.
 
-    Args:
-        args: The parsed options.
-        pitch: Elevation of the view [degrees], up positive.
+    `pitch` is the elevation of the view [degrees], up positive.
 
     Raises:
         ConfigError: The head would be outside of the house, or `--at` has neither two nor three numbers.
@@ -96,9 +94,7 @@ def _standing_point(bank: HouseBank, at: list[float]) -> np.ndarray:
 def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpoint, np.ndarray]:
     """Load the selected house and place a downward camera at a storey's centre, below its ceilings; image up is +y.
 
-    Args:
-        args: The parsed options.
-        storey: Index of a level that has rooms, from 0 at the bottom.
+    `storey` is the index of a level that has rooms, from 0 at the bottom.
 
     Returns:
         The viewpoint, and the extent (2,) of the storey's rooms along x and y [m].
@@ -138,6 +134,7 @@ def _scene_of(bank: HouseBank) -> Scene:
 
 
 def _quat(yaw: float, pitch: float) -> np.ndarray:
+    """Return the camera's quaternion wxyz for a yaw and a pitch [rad], see `camera_quat`."""
     import jax.numpy as jnp
 
     from home_mjx.core.transforms import camera_quat
@@ -157,9 +154,9 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
 
 
 def longest_free_direction(bank: HouseBank, feet: np.ndarray) -> float:
-    """Return the direction from +x [rad], of 72, of the longest straight walkable path from `feet` (3,) [m].
+    """Return the yaw from +x [rad], of 72, of the longest straight walkable path from `feet` (3,) [m] in house 0.
 
-    It is measured on the storey of the feet in the first house; -pi if no direction is free.
+    It is measured in the home region on the storey of the feet; -pi if no direction is free.
     """
     import jax.numpy as jnp
 

@@ -91,6 +91,7 @@ def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary")
 
 
 def _write_mjcf(args: argparse.Namespace) -> int:
+    """Write the selected house as MJCF, print its path, and return 0."""
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
     if is_dataset_root(args) and not is_dataset_name(args):
@@ -104,6 +105,7 @@ def _write_mjcf(args: argparse.Namespace) -> int:
 
 
 def _print_summary(summary: "CompileSummary") -> None:
+    """Print counts, rate and report file of a compilation, and the last ten failures on stderr."""
     from home_mjx.houses.report import FAILED, read_report
 
     done = summary.compiled + summary.cached

@@ -54,6 +54,7 @@ def run_checks() -> Iterator[CheckResult]:
 
 
 def _python() -> Iterator[CheckResult]:
+    """Yield versions of Python and the system."""
     detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
     yield CheckResult("python", OK, detail)
 
@@ -70,6 +71,7 @@ def _packages() -> Iterator[CheckResult]:
 
 
 def _extras() -> Iterator[CheckResult]:
+    """Yield the installed optional packages."""
     found = [f"{name} {version}" for name in OPTIONAL_PACKAGES if (version := _version(name))]
     yield CheckResult("extras", OK, ", ".join(found) or "none installed")
 
@@ -92,6 +94,7 @@ def _known_bad_pairs() -> Iterator[CheckResult]:
 
 
 def _devices() -> Iterator[CheckResult]:
+    """Yield JAX's devices."""
     import jax
 
     for device in jax.devices():
@@ -110,6 +113,7 @@ def _backends() -> Iterator[CheckResult]:
 
 
 def _cuda_backend() -> CheckResult:
+    """Return whether the `cuda` backend works; it is never `BROKEN`, since `xla` replaces it."""
     from home_mjx.core.native import nvrtc
     from home_mjx.core.native.platforms import local_devices
     from home_mjx.raycast_render.backends.registry import KERNEL
@@ -124,6 +128,7 @@ def _cuda_backend() -> CheckResult:
 
 
 def _ffmpeg() -> Iterator[CheckResult]:
+    """Yield version and path of ffmpeg."""
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
@@ -132,6 +137,7 @@ def _ffmpeg() -> Iterator[CheckResult]:
 
 
 def _caches() -> Iterator[CheckResult]:
+    """Yield whether the cache folder is writable (else `BROKEN`), and JAX's compilation cache."""
     folder = cache_folder()
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
     try:
@@ -146,6 +152,7 @@ def _caches() -> Iterator[CheckResult]:
 
 
 def _dataset() -> Iterator[CheckResult]:
+    """Yield the dataset that `$SUNCG_DATA_DIR` names; `BROKEN` if it cannot be read."""
     from home_mjx.datasets.registry import open_dataset
 
     root = dataset_root()
@@ -161,6 +168,7 @@ def _dataset() -> Iterator[CheckResult]:
 
 
 def _version(name: str) -> str | None:
+    """Return the version of an installed package; None if it is missing."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
@@ -168,6 +176,7 @@ def _version(name: str) -> str | None:
 
 
 def _project_name(requirement: str) -> str:
+    """Return the name at the start of a requirement, such as "jax" of "jax>=0.9"."""
     return next(requirement[:i] for i, c in enumerate(requirement + " ") if not (c.isalnum() or c in "-_."))
 
 

@@ -102,6 +102,7 @@ def _count_joints(dataset: "Dataset", house: "House") -> int:
 
 
 def _category(house: "CompiledHouse", object_id: int) -> str:
+    """Return the fine category of an object."""
     from home_mjx.schema.categories import FINE
     from home_mjx.schema.semantic import Semantic
 
@@ -110,6 +111,7 @@ def _category(house: "CompiledHouse", object_id: int) -> str:
 
 
 def _print_row(name: str, count: int) -> None:
+    """Print one line of a table: name and count."""
     sys.stdout.write(f"{name:<40}{count:>16,}\n")
 
 
@@ -166,6 +168,7 @@ def _semantics(args: argparse.Namespace) -> int:
 
 
 def _line(name: str, room: str, support: str, description: str) -> str:
+    """Format one line of the list of semantics."""
     return f"{name:<12}{room:<16}{support:<22}{description}\n"
 
 

@@ -106,9 +106,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _place_camera(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
-    """Return the viewpoint of the camera, its `fovy` [rad] and its model; with `--top`, an orthographic camera.
-
-    `fovy` of an orthographic camera is the height of the image [m].
+    """Return the camera's viewpoint, `fovy` [rad] and model; with `--top`, orthographic with `fovy` in [m].
 
     Raises:
         ConfigError: `--top` is combined with an option of the viewpoint, or the camera is outside of the house.
@@ -133,6 +131,7 @@ def _add_bakes(args: argparse.Namespace, view: Viewpoint, names: tuple[str, ...]
 
 
 def _parse_storey(text: str) -> int:
+    """Parse the index of a storey, from 0; raise `ArgumentTypeError` for other texts."""
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"expected the number of a storey from 0, got `{text}`")
     return int(text)

@@ -89,12 +89,7 @@ def task_spec(task: str) -> "EnvSpec":
 
 
 def newest_version(task: str) -> str:
-    """Return the id of a task's newest version if the name has none; any other name is returned unchanged.
-
-    Example:
-        >>> newest_version("PointNav-v0")
-        'PointNav-v0'
-    """
+    """Return the id of a task's newest version if the name has no version; any other name is returned unchanged."""
     from home_mjx.registry import list_envs
 
     versions = [env_id for env_id in list_envs() if env_id.rpartition("-v")[0] == task]

@@ -93,7 +93,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
-    """Raise ConfigError before training if the dataset has no house in the evaluation's split."""
+    """Raise `ConfigError`, before training, if the dataset has no house in the evaluation's split."""
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.training.evaluation import evaluation_spec
 
@@ -103,7 +103,7 @@ def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
 
 
 def run_config(args: argparse.Namespace) -> "RunConfig":
-    """Return the configuration of the run from the arguments."""
+    """Return the configuration of the training run from the arguments."""
     from home_mjx.training import RunConfig
 
     start = None if args.start is None else str(find_checkpoint(args.start))
