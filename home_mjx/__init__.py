@@ -39,10 +39,12 @@ __all__ = ["__version__", *_PUBLIC]  # pyright: ignore[reportUnsupportedDunderAl
 
 
 def __getattr__(name: str) -> Any:
+    """Import a public name on first use."""
     if name not in _PUBLIC:
         raise AttributeError(f"module 'home_mjx' has no attribute {name!r}")
     return getattr(importlib.import_module(_PUBLIC[name]), name)
 
 
 def __dir__() -> list[str]:
+    """Return the public names, sorted."""
     return sorted(__all__)

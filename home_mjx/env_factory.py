@@ -97,7 +97,7 @@ def make(
 
 
 def make_core(spec: EnvSpec) -> "HouseholdEnv | None":
-    """Make the functions of an environment, which need no houses; None if the entry point is a function.
+    """Make the functions of an environment, which need no houses; None if the entry point is a function, not a `Task`.
 
     Raises:
         ConfigError: An option is unknown or invalid.
@@ -217,7 +217,11 @@ def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, Comp
 
 
 def _num_houses(houses: Any, given: int | None) -> int:
-    """Return the number of houses: the given one, else all of a name such as `procedural:16`, else the default."""
+    """Return `given`, else the number of houses of a name such as `procedural:16`, else `DEFAULT_NUM_HOUSES`.
+
+    Raises:
+        ConfigError: `given` is not a positive integer, or exceeds the number that the name has.
+    """
     from home_mjx.datasets.registry import has_scheme, open_dataset
 
     known = len(open_dataset(houses).house_ids) if has_scheme(houses) else None

@@ -67,6 +67,7 @@ class HomeMjxError(Exception):
 def _rebuild(
     cls: type[HomeMjxError], message: str, file: str | None, element: str | None, hint: str | None
 ) -> HomeMjxError:
+    """Unpickle an error."""
     return cls(message, file=file, element=element, hint=hint)
 
 
@@ -115,7 +116,7 @@ class CapacityError(HomeMjxError, ValueError):
 
 
 class BackendError(HomeMjxError, RuntimeError):
-    """Ray-cast backend that cannot run in this process."""
+    """Backend or compiled program, such as of ray casts, that cannot run in this process."""
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

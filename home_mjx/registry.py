@@ -92,11 +92,7 @@ class EnvSpec:
         return spec
 
     def check_trusted(self) -> None:
-        """Check that the entry point is the one registered under the id, so that a file cannot run other code.
-
-        Raises:
-            ConfigError: It is not registered, or another one is.
-        """
+        """Raise `ConfigError` unless the entry point is that registered under the id: a file must not choose code."""
         known = _REGISTRY.get(self.id)
         if known is None or known.entry_point != self.entry_point:
             hint = "If you trust it, import the module that registers it first; on the command line, `--import MODULE`."
@@ -138,6 +134,7 @@ def register(env_id: str, entry_point: str | Callable[..., Any], options: Mappin
 
 
 def _add_to_gymnasium(gymnasium: ModuleType, env_id: str) -> None:
+    """Register an id with the imported module `gymnasium`, unless it is, as single and vector environment."""
     name = f"home_mjx/{env_id}"
     if name not in gymnasium.registry:
         gymnasium.register(
@@ -161,6 +158,7 @@ class _GymnasiumFinder:
             load = spec.loader.exec_module
 
             def load_and_register(module: ModuleType) -> None:
+                """Load the module, then register all ids."""
                 load(module)
                 for env_id in _REGISTRY:
                     _add_to_gymnasium(module, env_id)
@@ -184,16 +182,12 @@ def list_envs() -> tuple[str, ...]:
 
 
 def task_names() -> frozenset[str]:
-    """Return the names of all registered entry points without module, such as `PointNav`, as in files of episodes."""
+    """Return the names of all registered entry points without their modules, such as `PointNav`."""
     return frozenset(spec.entry_point.rpartition(":")[2].rpartition(".")[2] for spec in _REGISTRY.values())
 
 
 def find_spec(env_id: str) -> EnvSpec:
-    """Return the spec that is registered under an id.
-
-    Raises:
-        ConfigError: The id is unknown; the error names the closest known one.
-    """
+    """Return the spec that is registered under an id; `UnknownNameError` names the closest known id."""
     if env_id not in _REGISTRY:
         raise UnknownNameError(f"unknown environment `{env_id}`", hint=did_you_mean(env_id, _REGISTRY))
     return _REGISTRY[env_id]

@@ -24,11 +24,9 @@ T = TypeVar("T")
 
 
 def make_mesh(devices: Sequence[Any] | None = None, axis_type: AxisType = AxisType.Auto) -> Mesh:
-    """Return a mesh of devices with the axis `ENV_AXIS`.
+    """Return a mesh with the axis `ENV_AXIS` over `devices`, or all of JAX's.
 
-    Args:
-        devices: The devices; None: all of JAX's.
-        axis_type: `AxisType.Explicit` gives results whose types have their sharding.
+    `AxisType.Explicit` gives results whose types have their sharding.
     """
     return Mesh(np.array(jax.devices() if devices is None else list(devices)), (ENV_AXIS,), axis_types=(axis_type,))
 
@@ -101,7 +99,7 @@ class EnvSharding:
         return self.put(stacked, BY_ENV)
 
     def local(self, params: T) -> T:
-        """Return the parameters of this device, inside a function of `map`, without the axis of `split_houses`."""
+        """Return this device's parameters, inside a function of `map`, without the device axis of `split_houses`."""
         return jax.tree.map(lambda x: x[0], params) if self.split_houses else params
 
     def map(self, function: Callable[..., Any], in_specs: Any, out_specs: Any) -> Any:
@@ -121,10 +119,9 @@ class EnvSharding:
         return jax.jit(mapped, out_shardings=self.named(out_specs))
 
     def map_envs(self, function: Callable[..., Any]) -> Any:
-        """Compile a function of parameters and of arrays with a leading environment axis, such as a batch's step.
+        """Compile `function(params, *arrays)`, such as a batch's step, over the devices.
 
-        Args:
-            function: Function `(params, *arrays)` whose results have a leading environment axis as well.
+        All arrays and results have a leading environment axis.
         """
         mapped = self.map(lambda params, given: function(self.local(params), *given), (self.params, BY_ENV), BY_ENV)
         return jax.jit(lambda params, *given: mapped(params, given))
