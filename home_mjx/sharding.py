@@ -2,7 +2,7 @@
 
 A mesh has one axis, `ENV_AXIS`. Environments are split over it: states, observations, actions, keys and everything else
 with a leading environment axis. Networks and optimizers are replicated. Houses are replicated too, or each device holds
-houses of its own. Specs are prefixes of pytrees, so this module knows no record of the environment.
+houses of its own. Specs are prefixes of pytrees, so this module does not depend on records of the environment.
 """
 
 from collections.abc import Callable, Sequence

@@ -44,8 +44,8 @@ def reset(
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
             None: the authored pose.
-        arrangement: Index into the house's settled poses of movable bodies, see `arrangements.with_arrangements`. -1,
-            None, or a bank without settled poses: the authored poses.
+        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`. -1,
+            None, or a bank without arrangements: the authored poses.
         scale: Factors for the friction and mass of bodies in this episode. None: the house's values.
 
     Raises:

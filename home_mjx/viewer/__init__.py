@@ -1,1 +1,1 @@
-"""Pictures, films, episodes and the demo: everything that shows a person what happens."""
+"""Images, films and reports of episodes, and the demo."""

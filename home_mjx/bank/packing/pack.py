@@ -1,6 +1,6 @@
 """Packing of compiled houses into the arrays of a `HouseBank`: host side, NumPy only.
 
-Tables that rays traverse are concatenated, with absolute indices in trees: first shared rows, then each house's own
+Tables that rays traverse are concatenated, with absolute indices in BVHs: first shared rows, then each house's own
 rows. Small arrays are padded. Every length except the number of houses is rounded up to a size class, so that similar
 banks have equal shapes and share one compiled step. `bank.records` declares the arrays.
 """

@@ -80,7 +80,7 @@ class Geometry(Pytree):
     """The shared model library and each house's instances.
 
     Triangle and node indices are absolute. Instance indices run over [0, I) per house; row 0 is
-    the architecture, and agent a follows as I + a. Tree codes are those of `compiled.BVH`, but absolute.
+    the architecture, and agent a follows as I + a. BVH codes are those of `compiled.BVH`, but absolute.
     """
 
     node_box: Float[Array, "node 2 6"] = array("per child: min xyz, max xyz", source="box", fill=EMPTY_BOX)

@@ -15,7 +15,7 @@ _started_in: list[int] = []  # id of the process that first loaded compiled code
 
 
 def record_process() -> None:
-    """Record this process, unless one is, as the starter of JAX's threads; call it before loading compiled code."""
+    """Record this process, unless one is, as the starter of JAX's threads; call it before loading houses or kernels."""
     if not _started_in:
         _started_in.append(os.getpid())
 

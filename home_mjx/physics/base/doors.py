@@ -69,7 +69,7 @@ class DoorLeaves(Pytree):
 
     @property
     def inverse_weight(self) -> Float[Array, "*h"]:
-        """MuJoCo's translational `body_invweight0`: the mean inverse mass at the centre over x, y and z [1/kg]."""
+        """MuJoCo's translational `body_invweight0` [1/kg]: d² / (3 I) for a hinged leaf, 1 / (3 m) if sliding."""
         return jnp.where(self.hinge_mask > 0, self.hinge_distance_sq, 1.0) / self.inertia / 3
 
     @property

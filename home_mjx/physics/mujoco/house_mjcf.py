@@ -103,7 +103,7 @@ def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) 
 
 
 def _doors(rows: HouseRows) -> Doors:
-    """Convert the rows' doors to the compiler's record; its joint limits also stand for closed and fully open."""
+    """Convert the rows' doors to the compiler's record, with closed and fully open at the joint limits."""
     names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
     place = {name: getattr(rows, f"door_{name}") for name in names}
     return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, fully_open=rows.door_high, **place)

@@ -101,7 +101,7 @@ def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals
 @compiled
 @no_type_check
 def _sphere_positions(center, axis, length, half):
-    """Return t (-1 to 1) of the spheres at `center` + t `axis` (box's frame) that touch; the second NaN if missing."""
+    """Return t (-1 to 1) of the spheres at `center` + t `axis` (box's frame) that may touch; NaN for no second one."""
     best, t, kind, on, corner, at = _nearest_end(center, axis, half)
     best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
     if kind == FACE:

@@ -1,7 +1,7 @@
 """The reference backend: two-level traversal in plain JAX, on any platform.
 
 All rays of a chunk step together: they descend until no ray is at a node, then all test triangles and enter or leave
-instances. A ray keeps a stack of tree codes. Inside an instance it is stored in that instance's frame. It leaves the
+instances. A ray keeps a stack of BVH codes. Inside an instance it is stored in that instance's frame. It leaves the
 instance when the stack has the same size as on entry.
 
 Sources: S. Woop, C. Benthin, I. Wald, "Watertight ray/triangle intersection", JCGT 2(1), 2013; T. Ize, "Robust BVH ray
@@ -120,6 +120,7 @@ def _descend(world: _Operands, state: _State) -> _State:
     """Descend until no ray is at a node: each moves to the nearer child that it hits, or pops its stack."""
 
     def step(state: _State) -> _State:
+        """Move the rays that are at a node to a child or up their stack."""
         is_node = state.code >= 0
         near, far = _children(world, state, jnp.where(is_node, state.code, 0))
         stack, size = _push(state.stack, state.size, jnp.where(is_node, far, EMPTY_LEAF))
@@ -224,7 +225,10 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return the codes of the two children of each ray's node, nearer first; `EMPTY_LEAF` if behind its best hit."""
+    """Return the codes of the two children of each ray's node, nearer first; `EMPTY_LEAF` if missed or too far.
+
+    Too far is beyond the t of the ray's best hit.
+    """
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))

@@ -68,6 +68,7 @@ class View:
             return first.map(encode_srgb).pack()
 
         def add(total: Vec, sample: Int[Array, ""]) -> tuple[Vec, None]:
+            """Add one sample of all pixels."""
             return total + self._display(self.cast(sample)), None
 
         total, _ = jax.lax.scan(add, first, jnp.arange(1, self.lens.samples, dtype=jnp.int32))

@@ -146,7 +146,7 @@ class LitShader(Shader):
         return path.throughput * select(path.hit.instance < 0, above, light)
 
     def display(self, scene: Scene, light: Vec) -> Vec:
-        """Map radiance to display light by `tone_map`, with auto exposure metered before the episode's exposure."""
+        """Map radiance to display light by `tone_map`; auto exposure is computed before the episode's exposure."""
         exposure = auto_exposure(light) if self.exposure is None else self.exposure
         return tone_map(scale_exposure(scene.appearance, light), exposure)
 

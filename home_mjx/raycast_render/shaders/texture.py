@@ -137,6 +137,7 @@ def _bilinear(
     left, top = jnp.floor(column), jnp.floor(row)
 
     def texel(dx: int, dy: int) -> Vec:
+        """Return the texel (dx, dy) from the upper left one, in linear light."""
         # Edges are powers of two, so the mask computes the remainder.
         x, y = (left.astype(jnp.int32) + dx) & (size - 1), (top.astype(jnp.int32) + dy) & (size - 1)
         return linear_approx(_pick(textures, layer, start + y * size + x))

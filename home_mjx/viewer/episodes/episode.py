@@ -1,4 +1,4 @@
-"""Episodes from reset to end, step by step; observers are told of each step."""
+"""Episodes from reset to end, step by step; observers are called at each step."""
 
 from collections.abc import Sequence
 from typing import Any

@@ -83,7 +83,7 @@ def get_goal_markers(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 
 
 
 def get_utterances(state: State) -> tuple[str, ...]:
-    """Return the utterances of the last step of one environment, see `format_utterances`; () without a row task."""
+    """Return the utterances of one environment's last step, see `format_utterances`; () without a `RowState`."""
     if not isinstance(state.task, RowState):
         return ()
     return format_utterances(np.asarray(state.world.spoken_token), np.asarray(state.task.reply))

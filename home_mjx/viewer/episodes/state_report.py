@@ -237,7 +237,7 @@ def _name_room(bank: HouseBank, house: int, room: int) -> str:
 
 
 def _describe_contact(facts: _Facts, agent: int) -> str:
-    """Return a text on what an agent touches besides the floor, with impulse and place."""
+    """Return a text on contacts of an agent besides the floor, with impulse and position."""
     if not facts.in_contact[agent]:
         return "touches nothing but the floor"
     if facts.partner[agent] == NOTHING:
@@ -248,7 +248,7 @@ def _describe_contact(facts: _Facts, agent: int) -> str:
 
 
 def _describe_surroundings(facts: _Facts, agent: int) -> list[str]:
-    """Return texts on at most `MAX_NEIGHBOURS` things within `MAX_GAP` beyond the body, nearest first."""
+    """Return texts on at most `MAX_NEIGHBOURS` obstacles within `MAX_GAP` beyond the body, nearest first."""
     nearest: dict[str, tuple[float, int]] = {}
     for number in np.argsort(facts.gap[agent], axis=None, kind="stable"):
         at = np.unravel_index(number, facts.gap[agent].shape)

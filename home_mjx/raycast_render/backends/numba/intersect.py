@@ -156,7 +156,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Return the best hits, updated with one triangle in lanes of `reaches`; any-hits get t = -inf."""
+    """Return the best hits, updated with triangle number `triangle` in lanes of `reaches`; any-hits get t = -inf."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)

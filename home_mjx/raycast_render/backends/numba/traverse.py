@@ -1,12 +1,12 @@
 """Two-level traversal as a compiled loop over packets of rays: the inner part of the `cpu` backend.
 
-The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the trees
+The algorithm is that of `xla`, which names its sources. The rays of a packet, a tile of the image, traverse the BVHs
 together, one in each lane of a vector. A node is opened if any ray hits it; the stack stores each ray's entry distance.
 Each ray therefore tests the same triangles as it would alone.
 
 All memory is accessed through bare pointers, since Numba's reference counting of arrays costs several times the work
 itself. Every index read from an array is therefore clipped to its rows, and a traversal visits at most as many nodes as
-exist. Invalid trees may be cut short, but cannot cause reads outside of the arrays or endless loops.
+exist. Invalid BVHs may be cut short, but cannot cause reads outside of the arrays or endless loops.
 
 Source: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive rendering with coherent ray tracing",
 Eurographics 2001.
