@@ -94,7 +94,7 @@ def declarations() -> tuple[Declaration, ...]:
 
 @functools.cache
 def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, ...]:
-    """Implement `declarations`, cached by the items of `RECORDS`."""
+    """Return the declarations of the array fields of (name, class) records, in order; cached."""
     return tuple(
         Declaration.from_field((record, field), annotation, doc, **notes)
         for record, cls in records

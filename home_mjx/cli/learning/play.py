@@ -126,7 +126,7 @@ def _has_sounds(spec: "EnvSpec") -> bool:
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
     """Return the spec of a checkpoint, else of the named task, with houses and options from the arguments.
 
-    `sensors` replaces its sensors; None: unchanged. `--env` precedes `sensors`; `--episode-file` precedes both.
+    `sensors` replaces its sensors; None: unchanged. `--env` overrides `sensors`; `--episode-file` overrides both.
 
     Raises:
         ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task.

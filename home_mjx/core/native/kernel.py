@@ -204,7 +204,7 @@ def _compile_at_lowering() -> Any:
 
 @functools.cache
 def _is_usable(kernel: Kernel, platform: str) -> bool:
-    """Implement `Kernel.is_usable`, cached."""
+    """Return whether a kernel works on a platform; warn if it should, but does not. Cached."""
     problem = kernel.find_problem(platform)
     if problem and getattr(kernel, platform) and local_devices(platform):
         warnings.warn(f"{kernel.fallback}: {problem}", RuntimeWarning, stacklevel=4)
@@ -213,7 +213,7 @@ def _is_usable(kernel: Kernel, platform: str) -> bool:
 
 @functools.cache
 def _find_problem(kernel: Kernel, platform: str) -> str | None:
-    """Implement `Kernel.find_problem`, cached."""
+    """Return the reason why a kernel cannot be used on a platform, None if it works. Cached."""
     if getattr(kernel, platform) is None:
         return "the kernel has no version for this platform"
     if not local_devices(platform):

@@ -225,10 +225,7 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return the codes of the two children of each ray's node, nearer first; `EMPTY_LEAF` if missed or too far.
-
-    Too far is beyond the t of the ray's best hit.
-    """
+    """Return the codes of both children of each ray's node, nearer first; `EMPTY_LEAF` if missed or behind its hit."""
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))

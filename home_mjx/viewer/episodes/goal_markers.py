@@ -90,7 +90,7 @@ def get_utterances(state: State) -> tuple[str, ...]:
 
 
 def format_utterances(said: Int[np.ndarray, " a"], replies: Int[np.ndarray, " a"]) -> tuple[str, ...]:
-    """Format what agents said (token; -1: nothing), each as `word: reply` with the oracle's reply token, -1 if none.
+    """Format the word that each agent said (token; -1: none, omitted), and the oracle's reply (-1: none) after a colon.
 
     Example:
         >>> from home_mjx.tasks.language.vocabulary import tokenize

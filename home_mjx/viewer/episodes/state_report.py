@@ -141,7 +141,7 @@ def _cells_at(graph: CellGraph, place: Float[np.ndarray, " 3"]) -> EndCells:
 
 
 def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
-    """Return the figures of one environment's state, as JAX arrays; to be jitted."""
+    """Gather pose, contacts, room and surroundings of one environment's state for the report; to be jitted."""
     snapshot = core.snapshot(params, state)
     contacts, bank, house = snapshot.body_contacts, snapshot.bank, snapshot.house
     meaning, (gap, near) = contact_semantics(snapshot.scene, contacts), _surroundings(core, snapshot)
