@@ -59,6 +59,7 @@ def _voxels(
 
 
 def _fill(occupied: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
+    """Fill the enclosed cavities of a voxel mask; the plane below it counts as occupied."""
     floor = np.ones_like(occupied[:, :, :1])
     return np.asarray(ndimage.binary_fill_holes(np.concatenate([floor, occupied], axis=2)))[:, :, 1:]
 
@@ -85,10 +86,7 @@ def _tighten(
 
 
 def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
-    """Return whether any cell adjacent to a box's `side` (0 low, 1 high) along `axis` is occupied.
-
-    No cell beyond the grid is. `box` is one of `cover_cells`.
-    """
+    """Return whether any cell of the grid adjacent to a box's `side` (0 low, 1 high) along `axis` is occupied."""
     start, stop = box.copy()
     start[axis] = box[1, axis] if side else box[0, axis] - 1
     stop[axis] = start[axis] + 1
@@ -122,6 +120,7 @@ def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]
 
 
 def _stretch(left: Bool[np.ndarray, "x y z"], start: np.ndarray, stop: np.ndarray, axis: int) -> int:
+    """Return the end to which the cell block [start, stop) can extend along +`axis` with all cells in `left`."""
     end = stop.copy()
     while end[axis] < left.shape[axis]:
         layer = start.copy()

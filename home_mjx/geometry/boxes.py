@@ -13,12 +13,7 @@ MIN_HALF_EXTENT = 1e-4  # [m], minimum half extent of a collider; MuJoCo rejects
 
 
 def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Return principal moments of inertia of solid boxes [kg m^2]: m/3 (b^2 + c^2) with half extents b and c.
-
-    Args:
-        mass: Masses [kg].
-        size: Half extents [m].
-    """
+    """Return principal moments of inertia of solid boxes [kg m^2], m/3 (b^2 + c^2); `size` has half extents [m]."""
     square = size**2
     return mass[..., None] / 3 * (square.sum(axis=-1, keepdims=True) - square)
 
@@ -94,13 +89,7 @@ def thicken_boxes(boxes: BoxSet, half: float) -> BoxSet:
 
 
 def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:
-    """Rotate boxes about a vertical line.
-
-    Args:
-        boxes: Boxes at angle 0.
-        angle: Rotation about +z [rad].
-        pivot: x and y of the line [m].
-    """
+    """Rotate boxes by `angle` [rad] about the vertical line through `pivot` (x, y) [m]."""
     arm = boxes.center - [*pivot, 0.0]
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
@@ -125,11 +114,9 @@ def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]
 
 
 def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> Float[np.ndarray, "n *p"]:
-    """Return the distance in the plan from points to each box [m]; 0 inside.
+    """Return the distances in plan [m] from points (x, y) to each box; 0 inside.
 
-    Args:
-        boxes: Boxes.
-        points: x and y of points [m]; the first axis has the points of each box, or length 1 for all boxes.
+    The first axis of `points` has the points of each box, or length 1 for all boxes.
     """
     shape = (-1, *(1,) * (points.ndim - 2))
     (x, y), (a, b) = (values[:, :2].T.reshape(2, *shape) for values in (boxes.center, boxes.half))

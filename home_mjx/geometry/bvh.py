@@ -77,6 +77,7 @@ def _built(bounds, leaf_size):
 @njit(cache=True)
 @no_type_check
 def _build(bounds, leaf_size):
+    """Return node boxes, child codes, the primitives in tree order, and the node count, from rows min xyz, max xyz."""
     n = len(bounds)
     # All three orders have the same primitives in each range, sorted by their centres along x, y and z.
     order = np.empty((3, n), np.int32)
@@ -118,6 +119,7 @@ def _push(stack, slot, first, last, parent, side, depth):
 @njit(cache=True)
 @no_type_check
 def _bound(bounds, rows, out):
+    """Enlarge `out` (min xyz, max xyz) in place to contain the boxes `rows`."""
     for row in rows:
         for axis in range(3):
             out[axis] = min(out[axis], bounds[row, axis])

@@ -13,9 +13,6 @@ def unique_cells(cells: Int[np.ndarray, "n k"]) -> tuple[Int[np.ndarray, " u"], 
 
     The results are those of `np.unique` over rows, which compares rows as records and takes twenty times as long.
 
-    Args:
-        cells: Coordinates of cells.
-
     Example:
         >>> first, cell = unique_cells(np.array([[1, 0], [0, 5], [1, 0]]))
         >>> first.tolist(), cell.tolist()

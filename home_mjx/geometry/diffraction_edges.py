@@ -37,7 +37,10 @@ def find_exposed_edges(
     half: Float[np.ndarray, "n 3"],
     heights: Float[np.ndarray, "r 2"],
 ) -> Bool[np.ndarray, "n edges"]:
-    """Return which edges, in the order of `edge_rows`, diffract sound: not where boxes are coplanar, meet or overlap.
+    """Return the mask of edges, in the order of `edge_rows`, that are exposed to air and thus diffract sound.
+
+    At `MIN_FREE_PROBES` positions along an edge, points beside both faces and in front of it must be between the floor
+    and ceiling of some room, and in no other box.
 
     Args:
         center: Box centres [m].
@@ -72,7 +75,7 @@ def _close_pairs(
     half: Float[np.ndarray, "n 3"],
     rows: Int[np.ndarray, " m"],
 ) -> Int[np.ndarray, "2 p"]:
-    """Return pairs of one of the boxes `rows`, ascending, and another box that may contain one of its probe points."""
+    """Return pairs (box of `rows`, other box that may contain one of its probe points), sorted by the first."""
     reach = half[rows] + 2 * PROBE_DISTANCE
     radius = np.linalg.norm(half, axis=1)
     apart = np.linalg.norm(center[rows, None] - center, axis=-1)
@@ -86,7 +89,7 @@ def _close_pairs(
 
 
 def _probes(half: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n edges along 3 3"]:
-    """Return points [m] next to both faces and in front of each edge (the last but one axis), in the boxes' frames."""
+    """Return probe points [m] in the boxes' frames; the last but one axis: beside either face, in front of both."""
     found = np.zeros((len(half), NUM_EDGES, len(PROBE_POSITIONS), 3, 3))
     for number, (along, *sides) in enumerate(edge_rows()):
         others = [axis for axis in range(3) if axis != along]

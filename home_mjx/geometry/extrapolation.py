@@ -27,7 +27,10 @@ def extrapolate_fields(
     field: Float[np.ndarray, "c g"],
     cell: float,
 ) -> list[tuple[Int[np.ndarray, "_ 3"], Float[np.ndarray, "_ g"]]]:
-    """Compute the cells of each extension that are reachable from the home region, and their distances to the goals.
+    """Extrapolate distances from the home region to the cells of each extension that are connected with it.
+
+    A distance is a harmonic function, whose boundary values are the distances at the border of the known cells, plus
+    the path length to this border.
 
     Args:
         home: Mask of the home region.
@@ -68,7 +71,7 @@ def _graph(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> csr_matrix:
-    """Return distances [m] of neighbouring cells in one room, or both standable, as a symmetric sparse matrix."""
+    """Return a symmetric sparse matrix of `grid_edges` lengths [m] between cells in one room, or both standable."""
     sources, targets, lengths = grid_edges(cells, height, cell)
     kept = (room[sources] == room[targets]) | (standable[sources] & standable[targets])
     half = csr_matrix((lengths[kept], (sources[kept], targets[kept])), shape=(int(cells.sum()),) * 2)
@@ -78,9 +81,9 @@ def _graph(
 def _harmonic(
     graph: csr_matrix, inner: Bool[np.ndarray, " n"], border: Bool[np.ndarray, " n"], known: Float[np.ndarray, "b g"]
 ) -> Float[np.ndarray, "e g"]:
-    """Solve for the values of the inner nodes, each the mean of its neighbours weighted by 1 / length.
+    """Return the discrete harmonic function at inner nodes: each is the mean of its neighbours, weighted by 1 / length.
 
-    The values at the border are fixed to `known`; other nodes must not be neighbours of inner ones.
+    Values at border nodes are fixed to `known`; inner nodes must have no other neighbours. `graph` has lengths.
     """
     weight = graph.copy()
     weight.data = 1 / weight.data
@@ -91,9 +94,10 @@ def _harmonic(
 def nearest_cell_numbers(
     number: Int[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"]
 ) -> Int[np.ndarray, "l ny nx"]:
-    """Return the number of each cell or, if it has none, of the nearest cell with a number; at least one must exist.
+    """Return the number of each cell or, if it has none, of the nearest numbered cell in plan; at least one must exist.
 
-    The nearest cell is of the same room, else of the same level, else above or below the nearest one on another level.
+    The nearest cell is searched in the same room and level; if none has a number, in the level; else in the level of
+    the closest index.
 
     Args:
         number: Numbers of cells; -1 if none.
@@ -112,6 +116,6 @@ def nearest_cell_numbers(
 
 
 def _nearest(number: Int[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
-    """Return for each cell the number of the nearest one that is not negative, by straight line; there must be one."""
+    """Return for each cell the number of the nearest cell (Euclidean) with a number >= 0; there must be one."""
     y, x = np.asarray(ndimage.distance_transform_edt(number < 0, return_distances=False, return_indices=True))
     return number[y, x]

@@ -34,11 +34,11 @@ def triangulate_faces(
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
     """Split polygons into triangles of the same winding, in the order of the polygons.
 
-    A polygon that its first corner sees whole, as all of a convex one, becomes the fan (0, k, k + 1) with degenerate
-    triangles included. Others become the fan of another corner or, by `mapbox_earcut`, clipped ears. Bent polygons
-    are cut as seen along their vector area (Newell's method). A bridge to a hole, walked in both directions, is an
-    edge like others. A twisted polygon, which is far from any plane and crosses itself as seen along its vector area,
-    is the fan of its first corner; SUNCG has such quads of millimetres.
+    A polygon that is star-shaped about its first corner, as all convex ones, becomes the fan (0, k, k + 1), degenerate
+    triangles included. Others become the fan of another corner or, by `mapbox_earcut`, clipped ears. Non-planar
+    polygons are projected along their vector area (Newell's method). A bridge to a hole, in both directions, is an edge
+    like others. A twisted polygon, which is far from any plane and crosses itself in this projection, is the fan of its
+    first corner; SUNCG has such quads of millimetres.
 
     Args:
         points: Corners of all polygons, one after another [m].
@@ -103,9 +103,8 @@ def _is_fan(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
 def _winds_once(away: Float[np.ndarray, "m k 3"], along: Float[np.ndarray, "m j"]) -> Bool[np.ndarray, " m"]:
     """Return whether polygons make at most one turn around their first corner and return to it only at the end.
 
-    Args:
-        away: Other corners, relative to the first [m].
-        along: Twice the area of each triangle of the fan, along the polygon's vector area [m^2].
+    `away` are the other corners relative to the first, `along` twice the area of each fan triangle along the vector
+    area.
     """
     # An edge through the first corner is half a turn, whatever the sign of its rounding error.
     turn = np.arctan2(np.maximum(along, 0), (away[:, :-1] * away[:, 1:]).sum(axis=2)).sum(axis=1)
@@ -131,7 +130,10 @@ def _ears(
     rows: np.ndarray,
     tolerant: bool,
 ) -> Iterator[tuple[int, Int[np.ndarray, "t 3"] | None]]:
-    """Yield each polygon of `rows` with its triangles of its own corners; None if it becomes its first corner's fan."""
+    """Yield polygons of `rows` with triangles of their own corners by ear clipping; None: fan of the first corner.
+
+    None is for twisted polygons and, if `tolerant`, all that cannot be cut; for these, `FaceError` is raised otherwise.
+    """
     is_small = bool(sides[rows].sum() <= MAX_EAR_CORNERS)
     for row in rows.tolist():
         polygon = points[first[row] : first[row] + sides[row]]
@@ -142,7 +144,10 @@ def _ears(
 
 
 def _check_twisted(row: int, polygon: Points, is_small: bool) -> None:
-    """Raise `FaceError` for an uncut polygon that is too large (with all others, unless `is_small`) or not twisted."""
+    """Raise `FaceError` unless an uncut polygon is twisted (see `MIN_TWIST`) and sizes are within their limits.
+
+    `is_small`: all polygons together have at most `MAX_EAR_CORNERS` corners.
+    """
     if not is_small:
         raise FaceError(row, f"concave polygons have more than {MAX_EAR_CORNERS} corners in all")
     if len(polygon) > MAX_POLYGON_CORNERS:
@@ -165,7 +170,10 @@ def _in_order(
 
 
 def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
-    """Return triangles of a polygon's corners, in its winding; None without area, or if theirs do not sum to it."""
+    """Return triangles of a polygon's corners by ear clipping, in its winding.
+
+    Return None if it has no area, winds more than once, or the areas of the triangles do not sum to its area.
+    """
     rows = np.flatnonzero((polygon != np.roll(polygon, 1, axis=0)).any(axis=1))  # without corners repeated at once
     flat = _project(polygon[rows])
     if flat is None or not _turns_once(flat):
@@ -184,9 +192,9 @@ def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
 
 
 def _turns_once(flat: Float[np.ndarray, "n 2"]) -> bool:
-    """Return whether a polygon, without corners repeated at once, can have an exterior angle of one turn in total.
+    """Return whether the exterior angles of a counter-clockwise polygon without repeated corners can sum to one turn.
 
-    Ears of a polygon that winds twice round a point sum to its area as well. Edges out and back may turn either way.
+    Ears of a polygon that winds twice around a point sum to its area as well. A reversal (180 degrees) has either sign.
     """
     way = np.roll(flat, -1, axis=0) - flat
     before = np.roll(way, 1, axis=0)

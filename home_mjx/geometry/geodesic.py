@@ -31,17 +31,17 @@ def distance_fields(
     links: Sequence[GridLink] = (),
     height: Float[np.ndarray, "l ny nx"] | None = None,
 ) -> Float[np.ndarray, "c g"]:
-    """Compute the length of the shortest 8-connected path from each free cell to each goal; corners are not cut.
+    """Compute geodesic distances from free cells to goals over the 8-connected graph of `grid_edges` and `links`.
 
     Args:
-        free: Cells that may be crossed.
-        goals: Grid, row and column of each goal; free cells.
+        free: Mask of walkable cells, by grid, row and column.
+        goals: Grid, row and column of each goal; must be free.
         cell: Cell size [m].
-        links: Connections between grids; those with an end outside the free cells are ignored.
-        height: Height of the cells [m]; None: equal heights.
+        links: Two-way connections between cells; ignored if an end is not free.
+        height: Floor height of each cell [m]; None: flat.
 
     Returns:
-        Distances of each free cell, in the order of the grids [m]; inf if there is no path.
+        Distances [m], one row per free cell in C order (grid, row, column); inf if there is no path.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
     edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell)]
@@ -55,14 +55,15 @@ def distance_fields(
 def grid_edges(
     free: Bool[np.ndarray, "l ny nx"], height: Float[np.ndarray, "l ny nx"], cell: float
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return each pair of 8-adjacent free cells once, by number, and its distance [m]; corners are not cut.
+    """Return the edges (source, target, length [m]) of the 8-connected graph of free cells, each pair of cells once.
 
-    Cells whose heights differ too much to walk from one to the other are not joined, see `MAX_RISE`. The cells at both
-    corners of a diagonal step must be joined to its ends, too.
+    Free cells are numbered from 0 in C order. Lengths include the difference in height; edges that are no
+    `is_walkable_rise` are omitted. Corners are not cut: a diagonal step needs both cells beside it free, and walkable
+    from both of its ends.
 
     Args:
-        free: Cells that may be crossed; they are numbered from 0 in the order of the grids, rows and columns.
-        height: Height of the cells [m].
+        free: Mask of walkable cells, by grid, row and column.
+        height: Floor height of each cell [m].
         cell: Cell size [m].
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
@@ -78,7 +79,7 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return joined pairs of free cells one `step` (rows, columns) apart, and the length of each [m]."""
+    """Return the edges (source, target, length [m]) of cells one `step` (rows, columns) apart, see `grid_edges`."""
     here, there = _shifted(*step)
     away = cell * float(np.hypot(*step))
     way = free[here] & free[there] & is_walkable_rise(height[here] - height[there], away)
@@ -92,7 +93,7 @@ def _neighbours(
 
 
 def is_walkable_rise(rise: Float[Any, "*s"], away: float) -> Bool[Any, "*s"]:
-    """Return whether agents can walk between cells with a height difference `rise` and a plan distance `away` [m]."""
+    """Return whether |rise| < max(`MAX_RISE`, `MAX_SLOPE` * away), for cells a plan distance `away` apart; both [m]."""
     return abs(rise) < max(MAX_RISE, MAX_SLOPE * away)
 
 

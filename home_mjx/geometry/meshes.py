@@ -38,12 +38,7 @@ def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
-    """Return an axis-aligned box's surface, wound outwards, two triangles per face in the order of `FACE_NORMALS`.
-
-    Args:
-        center: Centre [m].
-        half: Half extents [m].
-    """
+    """Return the outward-wound surface of a box of half extents `half` [m], two triangles per `FACE_NORMALS` row."""
     corners = center + _CORNERS * half
     return corners[_QUADS[:, [[0, 1, 2], [0, 2, 3]]]].reshape(12, 3, 3)
 
@@ -69,7 +64,7 @@ def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
 
 
 def transform(pose: Float[np.ndarray, "3 4"], points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Apply an affine map to points."""
+    """Apply an affine map, a 3 x 3 linear part and a translation as last column, to points."""
     return points @ pose[:, :3].T + pose[:, 3]
 
 
@@ -103,7 +98,7 @@ def make_model(
         slot: Material slot of each triangle; 0 if None.
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
-        find: Returns the model with a key, which is then returned as it is; None if there is none yet.
+        find: Looks up a model by key; if it returns one, no tree is built and that model is the result.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
@@ -142,13 +137,11 @@ def _triangle_tree(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[BVH, Int[np.n
 
 
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
-    """Compute unit normals of corners: the mean of adjacent faces that differ by less than the crease angle.
+    """Compute unit normals of outward-wound triangles' corners; edges sharper than the crease angle are not smoothed.
 
-    Faces are weighted by area. A face without area has zero normals. Positions with more than `MAX_CORNER_FACES`
-    corners have the normals of the faces.
-
-    Args:
-        triangles: Corners, counter-clockwise outwards [m].
+    A corner's normal is the area-weighted mean of the adjacent faces that differ from its own by less than the crease
+    angle. A face without area has zero normals. Positions with more than `MAX_CORNER_FACES` corners have those of the
+    faces.
 
     Example:
         >>> flat = crease_normals(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]))
@@ -170,10 +163,10 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
 
 
 def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
-    """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, itself included.
+    """Return pairs of a corner (face * 3 + k) and a face with a corner at the same position, its own face included.
 
-    Corners in one grid cell of `WELD_DISTANCE` have the same position. If a position has more than `MAX_CORNER_FACES`
-    corners, they are not returned.
+    Corners in one grid cell of `WELD_DISTANCE` have the same position. Those at a position with more than
+    `MAX_CORNER_FACES` corners are not returned.
     """
     places = np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64)
     place = unique_cells(places)[1]
@@ -187,12 +180,10 @@ def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, 
 
 
 def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
-    """Return the horizontal unit vector (x, y), of either sign, that most of a wall's area faces.
-
-    It is the first principal axis of the normals, weighted by area.
+    """Return the first principal axis of a wall's area-weighted normals: a horizontal unit vector of either sign.
 
     Args:
-        normal: Horizontal part of each triangle's normal, scaled by its area [m^2].
+        normal: x and y of each triangle's normal, scaled by its area [m^2].
         area: Area of each triangle [m^2].
     """
     flat = normal / np.sqrt(np.maximum(area, 1e-12))[:, None]
@@ -202,7 +193,7 @@ def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"])
 def build_instance_tree(
     instances: Instances, models: Mapping[str, Model], doors: Int[np.ndarray, " h"] | None = None
 ) -> BVH:
-    """Build a tree with one static instance per leaf; leaves hold instance indices.
+    """Build a BVH over static instances, one per leaf, whose codes have instance indices; boxes get a small margin.
 
     Args:
         instances: Instances of a house; movable bodies are omitted.

@@ -69,13 +69,16 @@ def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray,
 
 
 def boundary_edges(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2 2"]:
-    """Return the edges (start, end) of a polygon without bridges to its holes, which it walks in both directions."""
+    """Return a polygon's edges (start, end) except bridges to its holes, which it has in both directions."""
     edges = np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
     return edges[~(edges[:, None] == edges[:, ::-1]).all(axis=(2, 3)).any(axis=1)]
 
 
 def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = HOLE_STEPS) -> Float[np.ndarray, "2"]:
-    """Return the point of a `steps` x `steps` grid in a polygon farthest from its edges, else its bounds' centre."""
+    """Return the point of a `steps` x `steps` grid inside a polygon that is farthest from its edges.
+
+    Ties go to the point nearest to the middle. If no grid point is inside, return the centre of the bounds.
+    """
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -100,11 +103,7 @@ def find_smallest_room(
 
 
 def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
-    """Return the corners (x, y) of the axis-aligned rectangle around triangles, counter-clockwise from the minimum.
-
-    Args:
-        triangles: Corners, Z up [m].
-    """
+    """Return the corners (x, y) of the axis-aligned rectangle around Z-up triangles, counter-clockwise."""
     (x0, y0), (x1, y1) = triangles[..., :2].min(axis=(0, 1)), triangles[..., :2].max(axis=(0, 1))
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
 
@@ -128,7 +127,7 @@ def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float
 
 
 def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.ndarray, "_ 2"]], float]:
-    """Return the boundary loops of a slab's upper side, and its area [m^2]."""
+    """Return the boundary loops of a slab's upper side [m], holes clockwise and others not, and its area [m^2]."""
     normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
     upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
     if not upper.any():
@@ -143,6 +142,7 @@ def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.
 def _find_holes(
     largest: Float[np.ndarray, "n 2"], polygons: Sequence[Float[np.ndarray, "_ 2"]]
 ) -> list[Float[np.ndarray, "_ 2"]]:
+    """Return the clockwise loops inside `largest` that contain a circle of `MIN_HOLE_RADIUS`."""
     found = [(p, find_innermost_point(p)) for p in polygons if signed_area(p) < 0]
     return [
         hole
@@ -181,13 +181,13 @@ def _crossings(polygon: Float[np.ndarray, "n 2"], y: float) -> list[tuple[float,
 
 
 def _open_edges(triangles: Int[np.ndarray, "t 3"]) -> list[Edge]:
-    """Return the edges of triangles without an opposite edge."""
+    """Return the directed edges of triangles without an opposite edge: their boundary."""
     edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
     return [(a, b) for a, b in edges if a != b and (b, a) not in edges]
 
 
 def _cut_edges(edges: list[Edge], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
-    """Cut edges at the ends of others on them, and return those without an opposite edge."""
+    """Cut edges at the ends of others on them and drop opposite pairs; unchanged above `MAX_CUT_PAIRS` pairs."""
     ends = np.unique(np.array(edges, np.int64))
     if len(edges) * len(ends) > MAX_CUT_PAIRS:
         return edges
@@ -207,7 +207,7 @@ def _pieces(edge: Edge, ends: Int[np.ndarray, " e"], corners: Int[np.ndarray, "n
 
 
 def _boundary_loops(edges: list[Edge]) -> list[list[int]]:
-    """Return the corner indices, in edge direction, of closed loops of edges."""
+    """Return closed loops of at least three edges, as corner indices in edge direction; drop open chains."""
     following: dict[int, list[int]] = {}
     for a, b in edges:
         following.setdefault(a, []).append(b)
@@ -220,6 +220,7 @@ def _boundary_loops(edges: list[Edge]) -> list[list[int]]:
 
 
 def _walk(following: dict[int, list[int]]) -> list[int]:
+    """Remove a chain of edges from `following` and return its corners; [] if it does not close."""
     first = corner = next(iter(following))
     loop = []
     while corner in following:
@@ -237,7 +238,7 @@ def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = MAX_BEND) -> Fl
     """Return a polygon without corners within `bend` [m] of the rest; unchanged if fewer than 3 would remain.
 
     Each corner is compared with the sides that remain (Douglas and Peucker 1973), so that an arc keeps its shape
-    however finely it is divided. The first two of them are the farthest from the middle and the farthest from it.
+    however finely it is divided. It begins with the corner farthest from the centroid, and the one farthest from that.
     """
     if len(polygon) <= 3:
         return polygon

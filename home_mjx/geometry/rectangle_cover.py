@@ -28,10 +28,7 @@ def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Fl
 
 
 def is_in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Return whether points are in or on the edge of any of the triangles, of either winding.
-
-    Triangles without area contain no points.
-    """
+    """Return whether points are in or on the edge of any triangle, of either winding; one without area has none."""
     a, b, c = (triangles[:, i] for i in range(3))
     sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
     inside = np.all([s >= 0 for s in sides], axis=0) | np.all([s <= 0 for s in sides], axis=0)
@@ -47,15 +44,10 @@ def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
 def cover_with_rectangles(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
-    """Cover the solid cells of a grid with disjoint rectangles, grown greedily along v and then along u.
-
-    Args:
-        u: Grid lines, ascending.
-        v: Grid lines, ascending.
-        solid: Mask of cells; row = v, column = u.
+    """Cover the solid cells (row = v, column = u) with disjoint rectangles, grown greedily along v, then along u.
 
     Returns:
-        One row u0, v0, u1, v1 per rectangle, in the unit of the grid lines; no rows if no cell is solid.
+        One row u0, v0, u1, v1 per rectangle, in the unit of the ascending grid lines; no rows if no cell is solid.
     """
     left = solid.copy()
     found = []
@@ -85,6 +77,7 @@ def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, in
 
 
 def _is_taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
+    """Return whether the cell before `row` or the cell `top` is set in a column."""
     return bool((row > 0 and run[row - 1]) or (top < len(run) and run[top]))
 
 

@@ -40,6 +40,7 @@ def slab(
 def _piece(
     polygon: Polygon, low: float, high: float, outset: float
 ) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"], Float[np.ndarray, "f 3 2"]]:
+    """Build the slab of one polygon, see `slab`."""
     outline, top = _outline(simplify(polygon), outset)
     count = len(outline)
     here, after = np.arange(count), np.roll(np.arange(count), -1)

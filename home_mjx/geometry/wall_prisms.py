@@ -21,7 +21,7 @@ Panel = tuple[Float[np.ndarray, " n"], Float[np.ndarray, " m"], Bool[np.ndarray,
 
 @dataclass(frozen=True)
 class WallSegment:
-    """A straight wall; its interior is in the direction x up, to the right of the direction from start to end."""
+    """A straight wall; its interior side is along cross(end - start, +Y): to the right, seen from above."""
 
     start: Float[np.ndarray, "3"]  # [m], Y up, at the base of the centre line
     end: Float[np.ndarray, "3"]  # [m], at the height of the start
@@ -48,7 +48,7 @@ class WallPrism:
 
 
 def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
-    """Build the inner prism of a wall, on its interior side, and the outer one, Y up; they overlap.
+    """Build a wall's inner prism, on its interior side, and its outer one, Y up [m]; they overlap by depth / 19.
 
     Args:
         wall: The wall; holes that reach its ends, its base or its nominal height are open there.
@@ -66,6 +66,7 @@ def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
 
 
 def _prism(wall: WallSegment, panel: Panel, beyond: float, low: float, thickness: float) -> WallPrism:
+    """Extrude a panel, which begins `beyond` before the wall's start, from `low` along its interior normal [m]."""
     points, faces, large = extrude_grid(*panel, (low, low + thickness))
     along = (wall.end - wall.start) / wall.length
     up = np.array([0.0, 1.0, 0.0])
@@ -105,18 +106,14 @@ def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
 
 
 def _meet(a: Hole, b: Hole) -> bool:
+    """Return whether two holes overlap or touch."""
     return a[0] <= b[1] and b[0] <= a[1] and a[2] <= b[3] and b[2] <= a[3]
 
 
 def _open(hole: Hole, wall: WallSegment, beyond: float, width: float, top: float) -> Hole:
-    """Convert a hole to the prism's frame; holes that reach an end or the top of the wall reach that of the prism.
+    """Convert a hole to the prism's frame, which begins `beyond` before the wall's start; cut it at the base.
 
-    Args:
-        hole: Hole in the frame of the wall; a part below its base is cut off.
-        wall: The wall.
-        beyond: Length of the prism before the start of the wall [m].
-        width: Whole length of the prism along the wall [m].
-        top: Height of the prism [m].
+    Holes that reach an end or the nominal height of the wall reach the end (`width`) or the `top` of the prism [m].
     """
     left, right, low, high = hole
     return (
@@ -156,7 +153,11 @@ def extrude_grid(
 def _topology(
     shape: tuple[int, int], kept: bytes
 ) -> tuple[Int[np.ndarray, " p"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
-    """Return the used nodes (low end, then high end), triangles indexing them, and the mask of those on large faces."""
+    """Return the topology of `extrude_grid` for a mask in bytes: nodes, triangles, and mask of large faces.
+
+    Nodes are numbered in C order, first those at the low end of w, then those at the high end; unused ones are left
+    out.
+    """
     keep = np.frombuffer(kept, bool).reshape(shape)
     node = np.arange((shape[0] + 1) * (shape[1] + 1)).reshape(shape[0] + 1, shape[1] + 1)
     corner = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], -1)  # counter-clockwise from +w
