@@ -33,7 +33,7 @@ class Palette:
 
 @cache
 def palettes() -> Mapping[str, Palette]:
-    """Return the three palettes by name of the level.
+    """Return the three palettes by level.
 
     Example:
         >>> {level: len(palette.names) for level, palette in palettes().items()}
@@ -50,7 +50,7 @@ def _palette(rows: list[dict[str, str]]) -> Palette:
 
 
 def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
-    """Return for each colour the palette name with the smallest CIEDE2000 difference, after rounding to 0.1.
+    """Return for each colour, rounded to 0.1, the palette name with the smallest CIEDE2000 difference.
 
     Args:
         lab: CIELAB colours.

@@ -50,7 +50,7 @@ class MaterialTable:
     albedo: Float[np.ndarray, "r 4"]  # sRGB diffuse 0..1, and opacity
     texture: tuple[str, ...]  # absolute path of the image, "" for none
     kind: tuple[str, ...]  # semantic and acoustic name, such as "wood", "wallpaper"; "" unknown
-    mask: Int[np.ndarray, " r"]  # Ray bits that the material blocks
+    mask: Int[np.ndarray, " r"]  # bits of `RayKind` that the material blocks
     absorption: Float[np.ndarray, "r bands"]  # energy fractions per octave
     scattering: Float[np.ndarray, "r bands"]
     transmission: Float[np.ndarray, "r bands"]
@@ -67,7 +67,7 @@ class Model:
     slot: Int[np.ndarray, " t"]  # material slot
     part: Int[np.ndarray, " t"]  # semantic part; 0 for objects
     tree: BVH
-    box: Float[np.ndarray, "2 3"]
+    box: Float[np.ndarray, "2 3"]  # [m], minimum and maximum corner
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class Planes:
     """Rectangles of walls, floors and ceilings that reflect sound specularly, facing the room."""
 
     center: Float[np.ndarray, "p 3"]  # [m]
-    normal: Float[np.ndarray, "p 3"]
+    normal: Float[np.ndarray, "p 3"]  # unit, towards the room
     axis_u: Float[np.ndarray, "p 3"]  # [m], half extent vectors in the plane
     axis_v: Float[np.ndarray, "p 3"]
     material: Int[np.ndarray, " p"]  # row in the house's MaterialTable
@@ -278,7 +278,7 @@ class CompiledHouse:
 
     id: str
     offset: Float[np.ndarray, " 3"]  # [m], added to file coordinates (after Z up) to get the world frame
-    box: Float[np.ndarray, "2 3"]
+    box: Float[np.ndarray, "2 3"]  # [m], minimum and maximum corner
     instances: Instances
     top_bvh: BVH  # over static instances
     materials: MaterialTable

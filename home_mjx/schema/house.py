@@ -83,7 +83,7 @@ class Joint:
 
     @property
     def open(self) -> float:
-        """End of the range that is farther from `closed`: wide open."""
+        """Joint value [rad] or [m] of the end of the range that is farther from `closed`; `high` if both are as far."""
         return self.high if self.high - self.closed >= self.closed - self.low else self.low
 
     @cached_property
@@ -92,7 +92,7 @@ class Joint:
         return np.concatenate([np.arange(first, last + 1) for first, last in self.face_ranges])
 
     def matrix(self, value: float) -> Float[np.ndarray, "4 4"]:
-        """Return the rigid motion of column vectors in the model's frame, from the mesh as it is to a joint value.
+        """Return the rigid motion (column vectors, model's frame) of the part from joint value 0 to `value`.
 
         Args:
             value: Angle [rad] or displacement [m].
@@ -115,7 +115,7 @@ class Joint:
         """Return a copy of a mesh with this part moved; call it once per part to move several parts.
 
         Args:
-            mesh: The mesh that the joint belongs to, this part at joint value 0, with faces in their original order.
+            mesh: The joint's mesh with its faces in their original order; this part is at joint value 0.
             value: Angle [rad] or displacement [m].
 
         Raises:
@@ -137,6 +137,7 @@ def _turn(axis: Float[np.ndarray, " 3"], angle: float) -> Float[np.ndarray, "3 3
 
 
 def _turned(mesh: Mesh, faces: Int[np.ndarray, " n"], turn: Float[np.ndarray, "3 3"]) -> np.ndarray | None:
+    """Return the mesh's corner normals with those of `faces` rotated; None if it has none."""
     if mesh.normal is None:
         return None
     normal = mesh.normal.copy()
@@ -187,7 +188,7 @@ class ObjectNode(Node):
 
     @property
     def is_mirrored(self) -> bool:
-        """True if the transform mirrors the model."""
+        """True if the transform has a negative determinant, which reverses the winding of faces."""
         return bool(np.linalg.det(self.transform[:3, :3]) < 0)
 
 

@@ -126,7 +126,7 @@ def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more:
 
 
 def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
-    """Add the mesh asset named `mesh`, a convex piece, as a massless geom in the group of colliders, as `add_box`."""
+    """Add mesh asset `mesh`, a convex piece, as a massless geom in the group of colliders; `more` as in `add_box`."""
     look = {"group": COLLIDER_GROUP, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="mesh", mesh=mesh, mass="0")
 

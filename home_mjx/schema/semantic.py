@@ -50,17 +50,10 @@ def semantic_row(
     partition: int = -1,
     movable: int = -1,
 ) -> Int[np.ndarray, " c"]:
-    """Build a row of the semantic table; columns without an argument, filled by the semantic engine later, are -1.
+    """Build a row of the semantic table; columns that are no argument, filled later, are -1.
 
-    Args:
-        fine: Fine category, a name in `FINE`; other names map to `unknown`.
-        coarse: Coarse category, a name in `COARSE`; other names map to `unknown`.
-        nyu40: NYUv2-40 class; `void` for unknown names.
-        object_id: Node index in file order over all levels.
-        room: Room index in the house.
-        level: Level index.
-        partition: Physical wall or slab.
-        movable: Index of the movable body.
+    `fine` and `coarse` are names in `FINE` and `COARSE`, others map to `unknown`; `nyu40` is one in `NYU40`, others map
+    to `void`. The other arguments are columns of `Semantic`.
 
     Example:
         >>> semantic_row("wall", "wall", "wall", level=0, partition=3)[[Semantic.NYU40, Semantic.PARTITION]]
