@@ -32,8 +32,8 @@ log = logging.getLogger(__name__)
 class Bake(Protocol):
     """One kind of baked product; its properties may be plain attributes.
 
-    A bake may have `substitutes`, a tuple of bakes with other options. A stored record of one of these serves instead
-    of a record that is not stored.
+    A bake may have `substitutes`, a tuple of bakes with other options. The first of these with a stored record replaces
+    the bake's own.
 
     Example:
         >>> class FloorArea:  # doctest: +SKIP
@@ -92,11 +92,7 @@ _REGISTRY: dict[str, Callable[[], Bake]] = {}
 
 
 def register_bake(name: str, make_bake: Callable[[], Bake]) -> None:
-    """Register a bake under its name; registering the same name again replaces it.
-
-    Args:
-        name: Name of the bake.
-        make_bake: Function without arguments that returns the bake with default options.
+    """Register a function without arguments that makes a bake with default options; a name's last one is valid.
 
     Raises:
         ConfigError: The name is empty, or `make_bake` is not callable.
@@ -165,7 +161,10 @@ def add_bakes(
 
 
 def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count: ProgressCount) -> Any:
-    """Return one house's record from the store; if missing or corrupted, compute and store it and describe `count`."""
+    """Return a house's stored record, of a substitute first; else bake and store it, and describe that in `count`.
+
+    A corrupted record counts as missing; a failed write is logged.
+    """
     for stored in (*getattr(bake, "substitutes", ()), bake):
         entry = bake_entry(stored, house)
         try:
@@ -187,10 +186,6 @@ def bake_entry(bake: Bake, house: CompiledHouse) -> Path:
     """Return the path of a record in the store, whether or not it exists.
 
     Its name is a digest of the bake, JAX's backend and the content of the house that the bake uses.
-
-    Args:
-        bake: The bake.
-        house: The compiled house.
     """
     key = hashlib.sha256(repr((bake.name, bake.version, bake.options, jax.default_backend())).encode())
     arrays, notes = flatten(house, skip=frozenset(("models", *bake.unused)))

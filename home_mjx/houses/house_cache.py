@@ -132,6 +132,7 @@ class HouseCache:
             return None
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
+        """Return models by key, each read and validated once into `library`; one of `READ_ERRORS` if that fails."""
         keys = dict.fromkeys(keys)
         fresh = {key: rebuild(Model, *read_entry(self._model_path(key))) for key in keys if key not in self.library}
         check_models(fresh)
@@ -174,6 +175,7 @@ class HouseCache:
         return replace(house, materials=replace(house.materials, texture=texture))
 
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
+        """Compile a house, write it to `entry`, and return it; a failed write is logged and set as `write_error`."""
         if self.on_compile is not None:
             self.on_compile()
         with suppress(OSError):  # a folder that cannot be written to is reported when the house is written
@@ -214,6 +216,7 @@ class HouseCache:
         return str(Path(path).relative_to(root)) if path and Path(path).is_relative_to(root) else path
 
     def _absolute(self, path: str) -> str:
+        """Return the absolute path of a texture, "" unchanged; raise `ValueError` if it is outside the dataset."""
         plain = path[:1] != "/" and ".." not in path and "\\" not in path  # stays below the root
         if not plain and resolve_below(self.dataset.root, self.dataset.root, path) is None:
             raise ValueError(f"texture is outside the dataset: {path!s:.80}")

@@ -148,6 +148,7 @@ class HouseSet:
         yield from islice(wanted, self.num_houses)
 
     def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Return `found` unchanged; raise `ConfigError`, which names the selection, if it is empty."""
         if not found:
             known = self.resolved_dataset.house_ids
             limits = (f"are in the split `{self.split}`" if self.split else "", "fit the filter" if self.filter else "")

@@ -30,11 +30,7 @@ def check_models(models: Mapping[str, Model]) -> None:
 
 
 def check_house(house: CompiledHouse, house_id: str) -> None:
-    """Validate a house: its id, its top tree, finite poses and indices in range; not its models, see `check_models`.
-
-    Args:
-        house: Compiled house with its models.
-        house_id: Expected id.
+    """Validate a house's id, top tree, finite poses and indices in range; not its models, see `check_models`.
 
     Raises:
         ValueError: One of these checks fails.
@@ -109,5 +105,6 @@ def _check_levels(node: Int[np.ndarray, " n"], below: Int[np.ndarray, " n"], cou
 
 
 def _check_range(name: str, values: Int[np.ndarray, " n"], least: int, below: int) -> None:
+    """Raise `ValueError` unless all values are in [least, below)."""
     if np.any((values < least) | (values >= below)):
         raise ValueError(f"`{name}` is out of range")

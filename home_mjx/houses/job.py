@@ -117,6 +117,7 @@ def compile_dataset(
 
 
 def _prepare() -> None:
+    """Create the version folder; raise `ConfigError` if the cache folder is not writable."""
     try:
         prepare_folder()
     except OSError as error:
@@ -155,4 +156,5 @@ def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: s
 
 @lru_cache(maxsize=1)
 def _houses(dataset: Dataset, options: CompileOptions, run: str) -> HouseCache:
+    """Return this process's cache of a run; only the last one is kept."""
     return HouseCache(dataset, options)

@@ -10,7 +10,7 @@ from home_mjx.core.workers import worker_pool
 from home_mjx.errors import ConfigError, install_hint
 from home_mjx.houses.report import FAILED, CompileOutcome, error_record
 
-CONNECT_TIMEOUT = 10  # timeout for connecting to a scheduler
+CONNECT_TIMEOUT = 10  # [s], timeout for connecting to a scheduler
 
 CompileTask = Callable[[str], CompileOutcome]
 
@@ -40,6 +40,7 @@ def run_jobs(
 
 
 def _completed(executor: Any, task: CompileTask, ids: Sequence[str]) -> Iterator[CompileOutcome]:
+    """Yield outcomes in order of completion; a task whose worker dies has the status `FAILED`."""
     futures = {executor.submit(task, house_id): house_id for house_id in ids}
     for future in as_completed(futures):
         try:
@@ -50,6 +51,11 @@ def _completed(executor: Any, task: CompileTask, ids: Sequence[str]) -> Iterator
 
 @contextmanager
 def _dask(scheduler: str) -> Iterator[Any]:
+    """Yield an executor on a Dask cluster.
+
+    Raises:
+        ConfigError: The scheduler does not answer, or the extra is not installed.
+    """
     try:
         from distributed import Client
     except ModuleNotFoundError:
@@ -84,6 +90,7 @@ def _in_processes(task: CompileTask, ids: Sequence[str], workers: int) -> Iterat
 
 
 def _retry_alone(task: CompileTask, house_id: str) -> CompileOutcome:
+    """Run a task in a process of its own; if that dies, return an outcome with the status `FAILED`."""
     with worker_pool(1) as pool:
         try:
             return pool.submit(task, house_id).result()

@@ -73,7 +73,7 @@ def error_record(problem: Exception) -> dict[str, str | None]:
 
 
 def find_done_houses(lines: list[dict[str, Any]]) -> set[str]:
-    """Return the ids with a line that is not `failed`, and whose entry, of the last such line, exists."""
+    """Return the ids whose last line that is not `failed` has an entry that exists and is not truncated."""
     entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
     return {house_id for house_id, entry in entries.items() if entry and _is_there(entry)}
 

@@ -75,13 +75,7 @@ class HouseContents:
 def summarize_contents(
     report: Mapping[str, int], rooms: RoomTable, semantics: Int[np.ndarray, "q columns"]
 ) -> HouseContents:
-    """Return the filter properties of a compiled house; its models are not needed.
-
-    Args:
-        report: Counts of the house; only "levels" is used.
-        rooms: Rooms of the house.
-        semantics: Semantic rows of the house.
-    """
+    """Return a compiled house's properties that a `HouseFilter` uses; of `report`, only "levels" is read."""
     area = sum(polygon_area(polygon) for polygon in rooms.polygon)
     return HouseContents(report["levels"], len(rooms.type), area, _categories(semantics))
 
@@ -93,6 +87,7 @@ def _is_range(limits: object) -> bool:
 
 
 def _categories(semantics: Int[np.ndarray, "q columns"]) -> frozenset[str]:
+    """Return the names of fine and coarse categories of objects: rows with an object id, so not of the architecture."""
     rows = semantics[semantics[:, Semantic.OBJECT_ID] >= 0]
     fine, coarse = rows[:, Semantic.FINE].tolist(), rows[:, Semantic.COARSE].tolist()
     return frozenset({FINE[i] for i in fine if i >= 0} | {COARSE[i] for i in coarse if i >= 0})

@@ -173,7 +173,7 @@ class HouseStream:
         self.close()
 
     def _look_through(self, ids: Sequence[str], progress: bool | None) -> tuple[dict[str, Model], tuple[str, ...]]:
-        """Collect the agent's model, and the houses' library models and texture paths, compiling houses if necessary.
+        """Return the models (the agent's and all library models) and sorted texture paths that the houses use.
 
         Models of the architecture are left out. Houses that cannot be compiled or read are added to `skipped`.
         """
@@ -198,6 +198,7 @@ class HouseStream:
                     yield house_id
 
     def _first_houses(self, num_slots: int) -> list[CompiledHouse]:
+        """Load the first `num_slots` different houses of the order; raise `ConfigError` if there are fewer."""
         houses: dict[str, CompiledHouse] = {}
         for house_id in self._order:
             if house_id in houses:
@@ -219,6 +220,7 @@ class HouseStream:
         self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
 
     def _exchange(self, item: _Retiring) -> None:
+        """Write the prepared house into a retired slot and retire the next one; do nothing if no house is left."""
         self._retiring.remove(item)
         prepared = item.house.result()
         if prepared is None:  # no usable house is left, so the slot keeps its house

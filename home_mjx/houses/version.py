@@ -67,10 +67,9 @@ def version() -> str:
 
 
 def version_of(package: Path) -> str:
-    """Return the format number and a hash of the compiler's code, so that a changed compiler never reads old entries.
+    """Return a format number and a hash of the compiler's code in `package`, the folder of `home_mjx`.
 
-    Args:
-        package: Folder of `home_mjx`.
+    It names the cache's version folder, so that a changed compiler never reads old entries.
     """
     code = hashlib.sha256()
     for path in compiler_files(package):
