@@ -129,7 +129,7 @@ class Dataset(ABC):
     @property
     @abstractmethod
     def metadata(self) -> Metadata:
-        """Categories, sizes and lights of the models.
+        """Categories and sizes of the models.
 
         Raises:
             DatasetError: A table is missing or broken.
@@ -181,7 +181,7 @@ class Dataset(ABC):
             )
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
-        """Return the options, a `strict` of None replaced: here by True, since a dataset is complete by default."""
+        """Return the options with a `strict` of None replaced by True; subclasses may choose otherwise."""
         return options if options.strict is not None else replace(options, strict=True)
 
     def metadata_for(self, options: ReadOptions) -> Metadata:
@@ -189,11 +189,7 @@ class Dataset(ABC):
         return self.metadata
 
     def model_info(self, model_id: str, category: str) -> ModelInfo:
-        """Return a metadata row, without size, whose categories are those of the dataset's own category.
-
-        Args:
-            model_id: Id of the model.
-            category: A key of `categories`.
+        """Return a metadata row without size for a model of the dataset's own category, a key of `categories`.
 
         Raises:
             UnknownNameError: `categories` lacks the category, or maps it to a name outside `FINE`, `COARSE` or `NYU40`.
@@ -209,12 +205,7 @@ class Dataset(ABC):
         return ModelInfo(model_id, *row)
 
     def warn_fallbacks(self, house_id: str, fallbacks: Sequence[Fallback]) -> None:
-        """Log one warning that counts replacements of missing files.
-
-        Args:
-            house_id: Id of the house.
-            fallbacks: The replacements; no warning if empty.
-        """
+        """Log one warning that counts a house's fallbacks; nothing if there are none."""
         if fallbacks:
             log.warning("house %s lacks %d files: fallbacks are used", house_id, len(fallbacks))
 
@@ -258,4 +249,4 @@ class FileDigests:
         return found is not None and found.is_file()
 
     def save(self, interval: float = 0.0) -> None:
-        """Do nothing: no digest is kept on disk."""
+        """Do nothing: digests are not stored."""

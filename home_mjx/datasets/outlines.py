@@ -91,6 +91,7 @@ def outline_house(
 
 
 def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[WallOpening], height: float) -> RoomNode:
+    """Build node `index` of the level, a room without bounding box; raise `ConfigError` if its outline is invalid."""
     stem = Path("room") / house_id / f"fr_0rm_{index}"
     try:
         corners = simplify(np.array(room.corners, float).reshape(-1, 2))
@@ -113,6 +114,7 @@ def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[WallO
 
 
 def _slab(stem: Path, kind: str, corners: Float[np.ndarray, "n 2"], low: float, material: Material) -> Mesh:
+    """Build the mesh of a `Floor` or `Ceiling` (`kind`), whose underside is at height `low` [m]."""
     vertices, faces, uv = slab([corners], low, low + SLAB_THICKNESS, SLAB_OUTSET)
     piece = MeshPiece(f"{kind}#{stem.name}", vertices, faces, uv, np.zeros(len(faces), int))
     return join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material])
@@ -126,7 +128,7 @@ def _walls(
     openings: Sequence[WallOpening],
     height: float,
 ) -> Mesh:
-    """Build the walls, one per side; seen from above, the room is to the right from each corner to the next."""
+    """Build one wall per side of a counter-clockwise outline (x right, z up): it has the room on its interior side."""
     pieces: list[MeshPiece] = []
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)

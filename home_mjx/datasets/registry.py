@@ -159,6 +159,7 @@ def _installed() -> dict[str, EntryPoint]:
 
 
 def _loaded(point: EntryPoint) -> Any:
+    """Import the object of an entry point; raise `ConfigError` if that fails."""
     try:
         return point.load()
     except (ImportError, AttributeError) as error:

@@ -16,11 +16,7 @@ class HouseKey(NamedTuple):
 
 
 def house_id(seed: int, variant: int) -> str:
-    """Return the id of a generated house: 32 hexadecimal digits, in the order of variants and seeds.
-
-    Args:
-        seed: 0 to 2**63 - 1.
-        variant: Number of the generator's variant.
+    """Return the id of a generated house: 32 hexadecimal digits, which sort by variant, then by seed (< 2**63).
 
     Example:
         >>> house_id(26, 0x400)
@@ -49,7 +45,7 @@ def sort_house_ids(ids: Iterable[str]) -> tuple[str, ...]:
     The first houses of a generated folder thus stay first when houses of higher seeds are added.
 
     Example:
-        >>> sort_house_ids(["b", house_id(9), "a", house_id(2)]) == (house_id(2), house_id(9), "a", "b")
+        >>> sort_house_ids(["b", house_id(9, 0), "a", house_id(2, 0)]) == (house_id(2, 0), house_id(9, 0), "a", "b")
         True
     """
     return tuple(sorted(set(ids), key=lambda name: (not name.startswith(ID_PREFIX), name)))

@@ -12,11 +12,9 @@ Placed = TypeVar("Placed", ObjectNode, BoxNode)
 
 
 def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
-    """Stack levels that were all built on the ground, and rename their nodes and meshes by level.
+    """Stack levels of `outline_house`, from below, and rename their nodes and meshes by level.
 
-    Args:
-        levels: Levels of `outline_house`, from below.
-        rise: Height from floor to floor [m]; level i is moved up (+y) by i times this.
+    Level i is moved up (+y) by i times `rise` [m].
 
     Example:
         >>> from home_mjx.datasets import RoomOutline, outline_house
@@ -29,6 +27,7 @@ def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
 
 
 def _raised(level: Level, number: int, lift: float) -> Level:
+    """Return a level as level `number`, moved up (+y) by `lift` [m], with ids, paths and mesh groups renamed."""
     return replace(
         level,
         id=str(number),
@@ -40,6 +39,7 @@ def _raised(level: Level, number: int, lift: float) -> Level:
 
 
 def _room(room: RoomNode, number: int, lift: float) -> RoomNode:
+    """Return a room as one of level `number`, its meshes moved up by `lift` [m]."""
     floor, ceiling, walls = (_mesh(mesh, number, lift) for mesh in (room.floor, room.ceiling, room.walls))
     return replace(
         room,
@@ -53,6 +53,7 @@ def _room(room: RoomNode, number: int, lift: float) -> RoomNode:
 
 
 def _mesh(mesh: Mesh | None, number: int, lift: float) -> Mesh | None:
+    """Return a mesh moved up by `lift` [m], its path and groups renamed for level `number`; None for None."""
     if mesh is None:
         return None
     return replace(
@@ -64,6 +65,7 @@ def _mesh(mesh: Mesh | None, number: int, lift: float) -> Mesh | None:
 
 
 def _moved(node: Placed, number: int, lift: float) -> Placed:
+    """Return an object or box as one of level `number`, moved up by `lift` [m]."""
     transform = node.transform.copy()
     transform[1, 3] += lift
     return replace(node, id=f"{number}_{node.index}", path=f"levels[{number}].nodes[{node.index}]", transform=transform)

@@ -104,8 +104,7 @@ class SuncgDataset(Dataset):
     def metadata_for(self, options: ReadOptions) -> SuncgMetadata:
         """Return the metadata tables for houses read with these options.
 
-        Args:
-            options: If not strict, tables may be missing; categories of SUNCG's doors and windows are then built in.
+        If not strict, tables may be missing; categories of SUNCG's doors, windows and similar models are then built in.
 
         Raises:
             DatasetError: A table is missing or broken, see `metadata`.
@@ -151,21 +150,20 @@ class SuncgDataset(Dataset):
             raise UnknownIdError(f"unknown house `{house_id}`", file=where, hint=hint)
 
     def _left_out(self, options: ReadOptions) -> Callable[[str], bool]:
+        """Return a predicate of model ids that is True for the categories which the options exclude."""
         unwanted = options.excluded_categories
         return lambda model_id: bool(unwanted) and self.metadata_for(options).info(model_id).coarse in unwanted
 
 
 @lru_cache(maxsize=100_000)
 def _warn(root: Path, house_id: str, missing: str) -> None:
+    """Log a warning that a house lacks files; cached, so once per house and message in a process."""
     listing = f"home-mjx inspect {house_id} --dataset {root}"
     log.warning("house %s lacks %s: fallbacks are used, `%s` lists them", house_id, missing, listing)
 
 
 def open_suncg(root: str | Path) -> SuncgDataset:
-    """Open a dataset in SUNCG's on-disk format, real or generated.
-
-    Args:
-        root: Folder of the dataset.
+    """Open the folder of a dataset in SUNCG's on-disk format, real or generated.
 
     Raises:
         MissingFileError: The folder holds no house.
@@ -178,6 +176,7 @@ def open_suncg(root: str | Path) -> SuncgDataset:
 
 
 def _root_hint(path: Path) -> str:
+    """Return a hint for a folder without houses: its parent or grandparent if that has some, else the layout."""
     for parent in path.parents[:2]:
         if any((parent / "house").glob("*/house.json")):
             return f"Did you mean {parent}? {LAYOUT}"

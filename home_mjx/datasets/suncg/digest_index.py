@@ -99,12 +99,14 @@ class DigestIndex:
 
 
 def _encode(known: dict[str, tuple[Stamp, FileFacts]]) -> bytes:
+    """Return the content of an index file: the CRC-32 of a JSON text in hexadecimal, a line feed, and the text."""
     lines = {name: [*stamp, facts.digest.hex(), *facts.names] for name, (stamp, facts) in known.items()}
     text = json.dumps({"format": FORMAT, "files": lines}).encode()
     return b"%08x\n" % zlib.crc32(text) + text
 
 
 def _read(path: Path) -> dict[str, tuple[Stamp, FileFacts]]:
+    """Return the entries of an index file; {} if it is missing, damaged or of another format."""
     try:
         check, _, text = read_bytes(path, max_bytes=MAX_INDEX_BYTES).partition(b"\n")
         if int(check, 16) != zlib.crc32(text):

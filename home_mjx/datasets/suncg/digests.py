@@ -78,6 +78,7 @@ class SuncgDigests:
 
     @cached_property
     def _tables(self) -> bytes:
+        """Digest of the metadata tables."""
         return self._digest(self.root / "metadata", self._shared)
 
     def _model(self, name: str) -> bytes:
@@ -87,6 +88,7 @@ class SuncgDigests:
         return self._models[name]
 
     def _digest(self, folder: Path, index: DigestIndex) -> bytes:
+        """Return the digest of a folder's relative path and of its files, with the MTLs elsewhere that OBJs name."""
         digest = hashlib.sha256(folder.relative_to(self.root).as_posix().encode(errors="replace"))
         for name, path, stamp in _files(folder):
             if name in UNUSED_TABLES:
@@ -111,6 +113,7 @@ class SuncgDigests:
         return self._facts(str(document), file_stamp(document.stat()), index).names
 
     def _facts(self, path: str, stamp: Stamp, index: DigestIndex) -> FileFacts:
+        """Return the facts of a file from the index, where its name is the path relative to the root."""
         below = path.removeprefix(self._prefix)
         name = below if below != path else os.path.relpath(path, self.root)
         return index.facts(name, stamp, lambda: _look(path, stamp[0]))
@@ -123,7 +126,7 @@ def _shared_index(path: Path) -> DigestIndex:
 
 
 def _look(path: str, size: int) -> FileFacts:
-    """Read digest and names of a file of `size` bytes; a file beyond `MAX_BYTES` is not read, its size is hashed."""
+    """Read the facts of a file of `size` bytes; beyond `MAX_BYTES` its size is hashed instead of its content."""
     data = Path(path).read_bytes() if size <= MAX_BYTES else str(size).encode()
     names: tuple[str, ...] = ()
     if path.endswith(".obj"):
@@ -155,6 +158,7 @@ def _model_names(document: Path) -> tuple[str, ...]:
 
 
 def _decoded(literal: str) -> str:
+    """Return the string of a JSON literal; "" if it is invalid."""
     try:
         return json.loads(literal)
     except ValueError:
@@ -176,10 +180,6 @@ def clear_shared_indices() -> None:
 
 
 def delete_digest_indices(root: Path) -> None:
-    """Delete the indices of a dataset, so that this process and later ones read all its files again.
-
-    Args:
-        root: Absolute dataset root.
-    """
+    """Delete the indices of the dataset at an absolute root, so that its files are all read again."""
     clear_shared_indices()
     shutil.rmtree(index_folder(root), ignore_errors=True)

@@ -52,9 +52,9 @@ UNKNOWN_CATEGORY = ModelInfo("").coarse
 
 
 def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
-    """Return tables to which the built-in categories of SUNCG's doors, windows and similar models are added.
+    """Return tables with the built-in categories of SUNCG's doors, windows and similar models added.
 
-    Categories in `tables` take precedence.
+    Rows of `tables` that have a category take precedence; those without keep their sizes.
 
     Example:
         >>> add_builtin_categories(SuncgMetadata({})).info("122_0").coarse

@@ -88,15 +88,10 @@ def find_room_shape(room: RoomNode, gaps: Sequence[OpeningSpan]) -> RoomShape | 
 def build_fallback_part(
     kind: str, shape: RoomShape, room: RoomNode, path: Path, gaps: Sequence[OpeningSpan], materials: Sequence[Material]
 ) -> Mesh:
-    """Build the fallback floor, ceiling or walls of a room.
+    """Build the mesh [m, Y up] of a room's missing `Floor`, `Ceiling` or `Wall` (`kind`).
 
-    Args:
-        kind: `Floor`, `Ceiling` or `Wall`.
-        shape: Outline and height of the room.
-        room: The room.
-        path: Path of the missing OBJ.
-        gaps: Openings of its level.
-        materials: Materials of the missing mesh, if its MTL exists.
+    `gaps` are the openings of its level, which make holes in walls. `path` is that of the missing OBJ, and `materials`
+    are those of its MTL, empty if that is missing too.
     """
     if kind == "Wall":
         return _walls(shape, room.id, path, gaps, materials)
@@ -114,16 +109,9 @@ def slab_mesh(
     plain: Material,
     outset: float = SLAB_OUTSET,
 ) -> Mesh:
-    """Build a closed horizontal slab over a polygon that is enlarged by `outset`.
+    """Build a closed horizontal slab over a polygon (x, z), enlarged by `outset`, between two `heights`; all [m].
 
-    Args:
-        group: Group name of the mesh.
-        corners: Corners (x, z) [m].
-        heights: Heights of its lower and its upper side [m].
-        path: Path of the mesh.
-        materials: The first one is used, if any.
-        plain: Material used otherwise.
-        outset: Distance by which the slab reaches beyond the polygon [m].
+    Its material is the first of `materials`, else `plain`. `path` and `group` are recorded only.
     """
     vertices, faces, uv = slab([corners], *heights, outset)
     return join_pieces(
@@ -134,6 +122,7 @@ def slab_mesh(
 def _walls(
     shape: RoomShape, room_id: str, path: Path, gaps: Sequence[OpeningSpan], materials: Sequence[Material]
 ) -> Mesh:
+    """Build the walls of a room with holes at `gaps`; without holes if these would remove all walls."""
     plain = Material("", PLASTER_COLOR, None, 1.0)
     inside, outside = (materials[0], materials[2]) if len(materials) > 2 else (plain, plain)
     pieces: list[MeshPiece] = []
@@ -215,6 +204,7 @@ def _middle_line(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Float[np.ndarra
 
 
 def _meeting(a: tuple[np.ndarray, float], b: tuple[np.ndarray, float]) -> Float[np.ndarray, "2"] | None:
+    """Return the intersection of two lines (unit normal, offset [m]); None if they are nearly parallel."""
     normals = np.stack([a[0], b[0]])
     if abs(np.linalg.det(normals)) < MIN_CORNER_SINE:
         return None
@@ -222,6 +212,7 @@ def _meeting(a: tuple[np.ndarray, float], b: tuple[np.ndarray, float]) -> Float[
 
 
 def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[OpeningSpan]) -> Polygon:
+    """Return the rectangle of wall centre lines in a bounding box; sides near a parallel gap are moved to it."""
     low, high = bbox[0, [0, 2]] + WALL_OUTER_EXTENT, bbox[1, [0, 2]] - WALL_OUTER_EXTENT
     for axis in (0, 1):
         beside = [

@@ -32,6 +32,7 @@ def _materials(house: House) -> Iterator[tuple[str, Material]]:
 
 
 def _parts(level: Level) -> Iterator:
+    """Yield the existing meshes of a level's rooms and grounds."""
     rooms = [part for room in level.rooms for part in (room.floor, room.ceiling, room.walls)]
     yield from (part for part in (*rooms, *(ground.mesh for ground in level.grounds)) if part is not None)
 

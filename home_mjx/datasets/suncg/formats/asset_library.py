@@ -34,10 +34,7 @@ class AssetLibrary:
     def model(self, model_id: str, key: str, place: Location) -> Mesh:
         """Return a library model; parse it on first use, and again if a texture or MTL that it lacked now exists.
 
-        Args:
-            model_id: Id of the model, already validated as a file name.
-            key: Stem of its OBJ: the id, or a variant of it.
-            place: Location of the reference, for errors.
+        `model_id` is a valid file name, and `key` the stem of the OBJ: the id, or a variant. `place` is for errors.
 
         Raises:
             MissingFileError: The OBJ is missing.

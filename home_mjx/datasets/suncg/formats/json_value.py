@@ -58,6 +58,7 @@ class Location:
         )
 
     def _remedy(self) -> str:
+        """Return the default hint of an error."""
         return "Correct the line, or fetch or export the file again."
 
 
@@ -156,21 +157,24 @@ class JsonValue(Location):
         return red / 255, green / 255, blue / 255
 
     def _remedy(self) -> str:
+        """Return the default hint of an error."""
         if ".nodes[" in self.element:
             return "Correct the value, or leave the node out by setting its `valid` to 0."
         return "Correct the value in the file."
 
     def _floor(self) -> int | None:
-        # None for NaN, infinities and integers that exceed floats.
+        """Return the number rounded down; None for NaN, infinities and integers that exceed floats."""
         try:
             return math.floor(float(self.data))
         except (ValueError, OverflowError):
             return None
 
     def _expected(self, what: str) -> DatasetError:
+        """Return, without raising it, the error for a value of another kind."""
         return self.error(f"expected {what}, got `{self._shown()[:60]}`")
 
     def _shown(self) -> str:
+        """Return the value as JSON for messages; "nothing" if the file does not have the key."""
         try:
             return json.dumps(self.data, default=str) if self.has_key else "nothing"
         except RecursionError:  # nesting close to the limit of the JSON reader

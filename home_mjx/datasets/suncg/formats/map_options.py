@@ -96,7 +96,7 @@ def _options_first(text: str, is_known: Callable[[str], bool]) -> str:
 
 
 def _taken(words: list[str], is_numeric: bool, place: Location, text: str) -> list[str]:
-    """Return the leading numbers, at least one, else raise `DatasetError`; the first word if not `is_numeric`."""
+    """Return the first word or, if `is_numeric`, all leading numbers; raise `DatasetError` if there are none."""
     if not is_numeric:
         return words[:1]
     count = next((i for i, word in enumerate(words) if not _is_number(word)), len(words))
@@ -106,6 +106,7 @@ def _taken(words: list[str], is_numeric: bool, place: Location, text: str) -> li
 
 
 def _is_number(word: str) -> bool:
+    """Return whether a word is a finite ASCII number within `MAX_COORDINATE`, without `_`."""
     try:
         return word.isascii() and "_" not in word and abs(float(word)) <= MAX_COORDINATE and math.isfinite(float(word))
     except ValueError:
@@ -126,5 +127,6 @@ def _check_options(values: dict[str, list[str]], place: Location) -> None:
 
 
 def _pair(words: list[str], fill: float) -> tuple[float, float]:
+    """Return the first two numbers; missing ones are `fill`."""
     u, v, *_ = [*(float(word) for word in words), fill, fill]
     return u, v

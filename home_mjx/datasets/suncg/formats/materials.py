@@ -11,7 +11,7 @@ def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureL
     """Read the material overrides of a node, by slot position; empty if it has none.
 
     Args:
-        node: Node with `sound_materials`, with `materialIndices` into the house's list, or with neither.
+        node: Node with `materials`, with `materialIndices` into the house's list, or with neither.
         shared: Material list of the house.
         textures: Texture lookup of the dataset.
 
@@ -46,6 +46,7 @@ def read_material(value: JsonValue, textures: TextureLookup) -> Material:
 
 
 def _few(value: JsonValue) -> list[JsonValue]:
+    """Return the entries of a list; raise `DatasetError` if there are more than `MAX_SLOTS`."""
     entries = value.entries()
     if len(entries) > MAX_SLOTS:
         raise value.error(f"expected at most {MAX_SLOTS} materials, got {len(entries)}")
@@ -53,6 +54,7 @@ def _few(value: JsonValue) -> list[JsonValue]:
 
 
 def _position(value: JsonValue, count: int) -> int:
+    """Return an index; raise `DatasetError` unless it is from 0 to `count` - 1."""
     index = value.integer()
     if not 0 <= index < count:
         raise value.error(f"expected an index into the house's {count} materials, got {index}")

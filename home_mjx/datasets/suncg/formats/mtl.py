@@ -45,12 +45,7 @@ def read_library(path: Path, textures: TextureLookup, hint: str | None = None) -
     """Read the materials of an MTL with the placement of their colour maps.
 
     If the lookup is tolerant, a broken line changes its own material only: the line is skipped, a lost colour is grey,
-    and `Material.missing_file` names the library.
-
-    Args:
-        path: The MTL file.
-        textures: Lookup of colour maps.
-        hint: Remedy if the file is missing.
+    and `Material.missing_file` names the library. `hint` is the remedy if the file is missing.
 
     Raises:
         DatasetError: The file is missing, or one of its lines is broken.
@@ -76,11 +71,13 @@ def read_library(path: Path, textures: TextureLookup, hint: str | None = None) -
 
 
 def _entry(name: str, block: Mapping[str, Any]) -> LibraryMaterial:
+    """Convert the values read for a `newmtl` to a material and its map's placement."""
     fields = {key: value for key, value in block.items() if key not in ("dissolve", "color_map")}
     return LibraryMaterial(Material(name, **fields), block.get("color_map", REPEATED_MAP))
 
 
 def _new_name(name: str, known: dict, place: Location) -> str:
+    """Return the name of a `newmtl`; raise `DatasetError` if it is empty or in `known`."""
     if not name:
         raise place.error("`newmtl` without a name")
     if name in known:
@@ -89,6 +86,7 @@ def _new_name(name: str, known: dict, place: Location) -> str:
 
 
 def _numbers(text: str, count: int, place: Location, largest: float = 1.0) -> list[float]:
+    """Return the first `count` numbers, clipped to 0..`largest`; raise `DatasetError` unless all are finite."""
     words = text.split()[:count]
     try:
         numbers = [float(word) for word in words if word.isascii() and "_" not in word]
@@ -105,11 +103,13 @@ def _diffuse(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
 
 
 def _opacity(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
+    """Read `d`, and record it as `dissolve` for a `Tr` below."""
     opacity = _numbers(text.removeprefix("-halo"), 1, place)[0]
     return {"opacity": opacity, "dissolve": opacity}
 
 
 def _transparency(text: str, _: TextureLookup, place: Location, block: dict) -> dict:
+    """Read `Tr`, which is 1 - opacity with the exceptions in `read_mtl`."""
     value = _numbers(text, 1, place)[0]
     return {"opacity": value if value == block.get("dissolve", 1.0) else 1.0 - value}
 
@@ -124,6 +124,7 @@ def _shininess(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
 
 
 def _color_map(text: str, textures: TextureLookup, place: Location, _: dict) -> dict:
+    """Read `map_Kd`: the texture, or its name as missing, and its placement as `color_map`."""
     placed = read_color_map(text, place, lambda name: textures.has_file(name, place.file.parent))
     name = Path(placed.file.replace("\\", "/")).stem
     found = textures.material_fields(name, lambda: textures.find_color_map(placed.file, place.file.parent, place))

@@ -34,11 +34,8 @@ DEFAULT_MATERIAL = Material("default", (1.0, 1.0, 1.0), None, 1.0)  # material o
 def read_obj(path: Path, textures: TextureLookup) -> Mesh:
     """Read a mesh with its materials; polygons become triangles as in `geometry.faces.triangulate_faces`.
 
-    Points, lines, free-form curves, smoothing groups and colours of vertices are skipped.
-
-    Args:
-        path: The OBJ file.
-        textures: Lookup of colour maps; all paths must be below its root.
+    Points, lines, free-form curves, smoothing groups and colours of vertices are skipped. All paths must be below the
+    root of `textures`.
 
     Raises:
         DatasetError: The file or its MTL is missing, or a line is broken: not a number, not finite, an index
@@ -129,11 +126,7 @@ def _mesh(shape: ObjShape, path: Path, textures: TextureLookup) -> Mesh:
 
 
 def scan_obj(text: str, path: Path) -> dict[str, Rows]:
-    """Return (line number, arguments) of the statements of an OBJ by lower-case keyword; `fo` counts as `f`.
-
-    Args:
-        text: Text of the file.
-        path: The file, for errors.
+    """Return the statements of an OBJ by lower-case keyword, as (line number, arguments); `fo` counts as `f`.
 
     Raises:
         DatasetError: A statement describes a surface that is not read.
@@ -209,6 +202,7 @@ def _is_plain(words: Sequence[str]) -> bool:
 
 
 def _numeric(text: str, width: int) -> bool:
+    """Return whether a text begins with `width` numbers."""
     words = text.split(None, width)[:width]
     try:
         return _is_plain(words) and len([float(word) for word in words]) == width
@@ -224,6 +218,10 @@ def _current(rows: Rows, faces: Rows) -> Int[np.ndarray, " f"]:
 def _materials(
     shape: ObjShape, path: Path, textures: TextureLookup
 ) -> tuple[tuple[LibraryMaterial, ...], Int[np.ndarray, " f"]]:
+    """Return the materials of a shape's libraries, in slot order, and the slot of each face.
+
+    If the lookup is tolerant, undefined names get grey materials. `DEFAULT_MATERIAL` is last if a face needs it.
+    """
     used_names = list(zip(shape.name_lines, shape.names, strict=True))
     libraries = find_libraries(list(zip(shape.library_lines, shape.libraries, strict=True)), path, textures)
     entries = tuple(m for library, place in libraries.items() for m in _read_library(library, place, textures))
@@ -258,12 +256,10 @@ def _read_library(library: Path, place: Location, textures: TextureLookup) -> tu
 
 
 def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tuple[Material, ...]:
-    """Create grey materials for names without a definition, in SUNCG's order `material_0`, `material_1`, ...
+    """Create grey materials for the names of `used` (rows of `usemtl`) that no material in `known` has.
 
-    Args:
-        used: Lines of `usemtl`.
-        known: Materials of the libraries.
-        library: Name of the library that should define them, with `.mtl`.
+    They continue SUNCG's order `material_0`, `material_1`, ..., where slots are positions; other names follow. Each
+    records `library`, with `.mtl`, as its missing file.
     """
     defined = _slots([material.name for material in known])
     names = dict.fromkeys(name for _, rest in used if (name := rest.strip()))
@@ -276,12 +272,9 @@ def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tu
 
 
 def find_libraries(rows: Rows, path: Path, textures: TextureLookup) -> dict[Path, Location]:
-    """Return the material libraries of an OBJ with the first line of each, in file order; errors as in `read_obj`.
+    """Return the material libraries that `mtllib` rows name, with the first line of each, in file order.
 
-    Args:
-        rows: Lines of `mtllib`.
-        path: The file.
-        textures: As in `read_obj`.
+    They may not exist. Errors are those of `read_obj`.
     """
     libraries: dict[Path, Location] = {}
     for row in rows:
@@ -311,10 +304,12 @@ def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> lis
 
 
 def _remedy(place: Location) -> str:
+    """Return a hint for a missing library, given the `mtllib` line that names it."""
     return f"{place.file} needs it: fetch or write it again, or correct {place.element} there."
 
 
 def _slot(row: tuple[int, str], slots: Mapping[str, int], path: Path) -> int:
+    """Return the slot of the material that a `usemtl` row names; raise `DatasetError` if it is unknown."""
     name = row[1].strip()
     slot = slots.get(name, slots.get(bare_name(name)))
     if slot is None:
@@ -328,6 +323,7 @@ def _unknown_material(name: str, slots: Mapping[str, int], place: Location) -> D
 
 
 def _groups(rows: dict[str, Rows]) -> tuple[tuple[str, ...], Int[np.ndarray, " f"]]:
+    """Return the names of all `o` statements, or else `g`, and each face's index into them; -1 for none."""
     marks = rows["o"] or rows["g"]
     names = [rest.strip() for _, rest in marks]
     position = {name: i for i, name in enumerate(dict.fromkeys(names))}

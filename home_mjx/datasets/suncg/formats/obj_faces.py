@@ -69,6 +69,7 @@ def _words(text: str) -> list[str]:
 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
+    """Return v, vt and vn indices of all corners as in the file (0 if absent); None if a corner is malformed."""
     corners = [corner for words in faces for corner in words]
     text = " ".join(corners)
     if not text.isascii() or "_" in text:  # Python would read `1_0`
@@ -121,14 +122,9 @@ def _absolute(
 def split_faces(
     points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows, path: Path, tolerant: bool = False
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    """Split polygons into triangles; return corner indices and the polygon of each triangle.
+    """Split faces into triangles by `triangulate_faces`: corner indices, and the face of each triangle.
 
-    Args:
-        points: Corners of all faces [m].
-        sides: Number of corners of each face.
-        rows: Lines of `f`, for errors.
-        path: The file, for errors.
-        tolerant: Split polygons that cannot be cut as a fan of their first corner, instead of raising.
+    `sides` has the number of corners of each face. `rows` and `path` locate errors.
 
     Raises:
         DatasetError: A polygon crosses itself, or has too many corners.
@@ -143,14 +139,10 @@ def split_faces(
 def smooth_normals(
     rows: Rows, index: Int[np.ndarray, "f 3"], triangles: Float[np.ndarray, "f 3 3"]
 ) -> Float[np.ndarray, "f 3 3"] | None:
-    """Return unit normals per corner; None if one is missing or not finite, or if all equal their face normals.
+    """Return the unit `vn` of each corner; None if one is missing or not finite, or if all equal the face normals.
 
-    Broken normals do not invalidate a model: exporters write them for faces without area.
-
-    Args:
-        rows: Lines of `vn`.
-        index: One-based normal index of each corner; 0 none.
-        triangles: Corners of the faces [m].
+    `index` has one-based indices into `rows`, the lines of `vn`; 0 for none. Broken normals do not invalidate a model:
+    exporters write them for faces without area.
     """
     table = _numbers(rows)
     if table is None or (index == 0).any():
@@ -162,6 +154,7 @@ def smooth_normals(
 
 
 def _numbers(rows: Rows) -> Float[np.ndarray, "n 3"] | None:
+    """Return the first three numbers of each row; None if one is missing or not finite."""
     try:
         table = np.array([[float(word) for word in rest.split()[:3]] for _, rest in rows]).reshape(len(rows), 3)
     except ValueError:
@@ -170,5 +163,6 @@ def _numbers(rows: Rows) -> Float[np.ndarray, "n 3"] | None:
 
 
 def _unit(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    """Return vectors scaled to length 1; zero for vectors of length 0."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 1e-12)

@@ -31,12 +31,9 @@ MTL_IGNORED = {  # what the simulator's materials do not have: other lobes, emis
 
 
 def read_statement_lines(path: Path, hint: str | None = None, tolerant: bool = False) -> str:
-    """Read the text of an OBJ or MTL.
+    """Read the text of an OBJ or MTL; `hint` is the remedy if it is missing.
 
-    Args:
-        path: The file.
-        hint: Remedy if the file is missing.
-        tolerant: Read a file that is not UTF-8 as Latin-1, which older exporters write on Windows.
+    If `tolerant`, a file that is not UTF-8 is read as Latin-1, which older exporters write on Windows.
 
     Raises:
         MissingFileError: The file is missing.
@@ -74,11 +71,13 @@ def split_statements(text: str) -> Iterator[tuple[int, str, str]]:
 
 
 def _logical_lines(text: str) -> Iterable[tuple[int, str]]:
+    """Return (number, line) from 1 for any line ending, continued lines joined."""
     lines = (text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text).split("\n")
     return _join_continued(lines) if "\\" in text else enumerate(lines, 1)
 
 
 def _join_continued(lines: list[str]) -> Iterator[tuple[int, str]]:
+    """Yield lines joined by a space with those they continue; the number is that of the first."""
     parts: list[str] = []
     for number, line in enumerate(lines, 1):
         is_continued = _is_continued(line)

@@ -27,11 +27,9 @@ class TextureLookup:
         self._known: dict[str, Path | None] = {}
 
     def find_required(self, name: str, place: Location) -> Path:
-        """Return the image of a texture named without extension, as in house.json.
+        """Return the image of a texture named without extension as in house.json, such as `wood_8`.
 
-        Args:
-            name: Name such as `wood_8`; users' pictures have only digits and are in `texture/s/`.
-            place: Location of the reference, for errors.
+        Users' pictures have names of digits and are in `texture/s/`. `place` is that of the reference, for errors.
 
         Raises:
             MissingFileError: The image does not exist.
@@ -55,11 +53,7 @@ class TextureLookup:
         return self._known[name]
 
     def material_fields(self, name: str, find: Callable[[], Path]) -> dict[str, Any]:
-        """Return {"texture": path}; or {"missing_file": name} if the image is missing and the lookup is tolerant.
-
-        Args:
-            name: Name of the texture, without extension.
-            find: Returns its image.
+        """Return {"texture": find()}; or {"missing_file": name} if that is missing and the lookup is tolerant.
 
         Raises:
             MissingFileError, DatasetError: As in `find_required`; a tolerant lookup does not raise `MissingFileError`.
@@ -77,12 +71,7 @@ class TextureLookup:
         return path is not None and is_file(path)
 
     def find_color_map(self, relative: str, folder: Path, place: Location) -> Path:
-        """Return the image of a `map_Kd`, or else the image with the same stem in `texture/`.
-
-        Args:
-            relative: Path as in the MTL, such as `../../texture//wood_8.jpg`.
-            folder: Folder of the MTL.
-            place: Line of the MTL, for errors.
+        """Return the image at the path of a `map_Kd`, relative to the MTL's folder, or else by its stem in `texture/`.
 
         Raises:
             MissingFileError, DatasetError: As in `find_required`.
@@ -93,6 +82,7 @@ class TextureLookup:
         return path if is_file(path) else self.find_required(path.stem, place)
 
     def _find(self, name: str) -> Path | None:
+        """Return an image by name: PNG before JPG, exact case before any case, `s/` first for names of digits."""
         digits = name.isascii() and name.isdigit()
         stems = [f"s/{name}", name] if digits else [name]
         for path in (self.folder / f"{stem}{extension}" for stem in stems for extension in EXTENSIONS):
@@ -103,7 +93,7 @@ class TextureLookup:
 
     @cached_property
     def _any_case(self) -> dict[str, Path]:
-        # SUNCG was written on a case-insensitive file system.
+        """Images by lower-case path below `texture/`, since SUNCG was written on a case-insensitive file system."""
         files = [*self.folder.glob("*"), *self.folder.glob("s/*")]
         return {path.relative_to(self.folder).as_posix().lower(): path for path in sorted(files)}
 

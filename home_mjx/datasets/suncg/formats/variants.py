@@ -7,11 +7,7 @@ from home_mjx.schema.house import Light, Metadata, ModelInfo
 
 
 def variant_key(model_id: str, state: int | None) -> str:
-    """Return the stem of the OBJ of a model in a state.
-
-    Args:
-        model_id: Id of the model.
-        state: State in house.json; None or 0: the base model.
+    """Return the stem of the OBJ of a model in a state of house.json; None and 0 are the base model.
 
     Example:
         >>> variant_key("122", None), variant_key("122", 1)
@@ -21,7 +17,7 @@ def variant_key(model_id: str, state: int | None) -> str:
 
 
 def state_of(model_id: str, key: str) -> int:
-    """Return the state of a model from the stem of its OBJ; 0 for the base model.
+    """Return the state of a model from the stem `key` of its OBJ, the inverse of `variant_key`; 0 for the base model.
 
     Example:
         >>> state_of("122", "122"), state_of("122", "122_0")
@@ -31,23 +27,14 @@ def state_of(model_id: str, key: str) -> int:
 
 
 def other_variant(model_id: str, key: str) -> str:
-    """Return the stem of the other state's OBJ: closed for an open object, else the open base model.
-
-    Args:
-        model_id: Id of the model.
-        key: Stem of the OBJ of the state that is shown.
-    """
+    """Return the stem of the other state's OBJ: `<id>_0` (closed) for the base model, the base model for others."""
     return model_id if key != model_id else f"{model_id}_0"
 
 
 def base_model(model_id: str, known: Callable[[str], bool]) -> str:
     """Return the base model of a variant (`122` of `122_0`, `s__12` of `s__12_2`), or the model itself.
 
-    Ids themselves contain underscores and digits, so the set of existing models decides, not the form of the id.
-
-    Args:
-        model_id: The id of a model or of a variant.
-        known: Returns whether a model id exists.
+    Ids themselves contain underscores and digits, so `known` decides, which returns whether a model id exists.
 
     Example:
         >>> models = {"122", "s__12", "s__1296", "table_1"}
@@ -70,10 +57,5 @@ class SuncgMetadata(Metadata):
         return self.models.get(base_model(model_id, self.models.__contains__)) or ModelInfo(model_id)
 
     def lights_of(self, model_id: str, key: str) -> tuple[Light, ...]:
-        """Return the lights of a model in a state; else those of its base model; () if it has none either.
-
-        Args:
-            model_id: Id of the model.
-            key: Stem of the state's OBJ.
-        """
+        """Return the lights of the state with the OBJ stem `key`; else those of the base model; () without any."""
         return self.lights.get(key) or self.lights.get(base_model(model_id, self.lights.__contains__), ())

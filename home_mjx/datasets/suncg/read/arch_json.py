@@ -37,11 +37,7 @@ class Architecture:
     note: Note
 
     def mesh(self, kind: str, node_id: str) -> Mesh | None:
-        """Build the walls, floor, ceiling or ground of a node [m, Y up]; None if the file has none.
-
-        Args:
-            kind: `Wall`, `Floor`, `Ceiling` or `Ground`.
-            node_id: Id of the room or ground.
+        """Build the `Wall`, `Floor`, `Ceiling` or `Ground` of a room or ground [m, Y up]; None if the file has none.
 
         Raises:
             DatasetError: An element is broken.
@@ -56,6 +52,7 @@ class Architecture:
         return join_pieces(self.file, pieces, materials, self.scale) if pieces else None
 
     def _walls(self, value: JsonValue) -> tuple[list[MeshPiece], list[Material]]:
+        """Return the pieces of a wall and its materials (inside, cut faces, outside); nothing if it has no length."""
         wall = self._wall(value)
         if wall is None:
             return [], []
@@ -63,6 +60,7 @@ class Architecture:
         return wall_pieces(wall, value.member("id").text()), [inside, CUT_MATERIAL, outside]
 
     def _wall(self, value: JsonValue) -> WallSegment | None:
+        """Read a wall in units of the file; None if it has no length, which is noted."""
         start, end = (point.vector(3) for point in _exactly(value.member("points"), 2))
         if np.linalg.norm((end - start)[[0, 2]]) < 1e-6:
             self.note(value.member("points"), "flat-wall", "wall without length: left out")
@@ -79,6 +77,7 @@ class Architecture:
         )
 
     def _slab(self, value: JsonValue, kind: str, node_id: str) -> tuple[list[MeshPiece], list[Material]]:
+        """Build a slab in units of the file over all polygons of an element, and return its one material."""
         x, high, z = value.member("offset").vector(3)
         if value.member("points").data == []:
             raise value.member("points").error("expected at least one polygon, got none")
@@ -94,21 +93,24 @@ class Architecture:
         )
 
     def _measure(self, value: JsonValue, kind: str, key: str, default: float, least: float = 1e-3) -> float:
-        """Return a length of an element, else of `defaults`, else `default` [m]; in units of the file."""
+        """Return a length of an element in units of the file; else that of `defaults`, else `default` [m]."""
         own = value.member(key)
         return self._length(own if own.has_value else self._default(kind, key), default, least)
 
     def _default(self, kind: str, key: str) -> JsonValue:
+        """Return `defaults.<kind>.<key>` of the file, null if absent."""
         common = self.defaults.member(kind) if self.defaults.has_value else self.defaults
         return common.member(key) if common.has_value else common
 
     def _length(self, value: JsonValue, default: float, least: float) -> float:
+        """Return a length in units of the file, `default` [m] if null; raise `DatasetError` below `least`."""
         length = value.coordinate() if value.has_value else default / self.scale
         if length < least:
             raise value.error(f"expected a length of at least {least:g}, got {length:g}")
         return length
 
     def _materials(self, value: JsonValue, count: int) -> list[Material]:
+        """Return `count` opaque materials of an element; missing ones and missing colours are white."""
         listed = value.member("materials")
         found = [read_material(entry, self.textures) for entry in listed.entries()] if listed.has_value else []
         padded = [*found, *[Material("")] * count][:count]
@@ -116,12 +118,9 @@ class Architecture:
 
 
 def read_architecture(path: Path, textures: TextureLookup, note: Note) -> Architecture:
-    """Read the architecture of one house.
+    """Read the architecture of one house from its arch.json.
 
-    Args:
-        path: Path of the arch.json file.
-        textures: Texture lookup of the dataset.
-        note: Called with place, rule and message of each tolerated irregularity.
+    `note` is called with place, rule and message of each tolerated irregularity.
 
     Raises:
         DatasetError: The file is missing, not JSON, or does not list elements.
@@ -151,6 +150,7 @@ def read_architecture(path: Path, textures: TextureLookup, note: Note) -> Archit
 
 
 def _exactly(value: JsonValue, count: int) -> list[JsonValue]:
+    """Return the entries of a list; raise `DatasetError` unless there are `count`."""
     entries = value.entries()
     if len(entries) != count:
         raise value.error(f"expected {count} points, got {len(entries)}")
@@ -158,6 +158,7 @@ def _exactly(value: JsonValue, count: int) -> list[JsonValue]:
 
 
 def _holes(value: JsonValue) -> list[JsonValue]:
+    """Return the holes of a wall, [] if null; raise `DatasetError` if there are more than `MAX_HOLES`."""
     entries = value.entries() if value.has_value else []
     if len(entries) > MAX_HOLES:
         raise value.error(f"expected at most {MAX_HOLES} holes in a wall, got {len(entries)}")
@@ -165,6 +166,7 @@ def _holes(value: JsonValue) -> list[JsonValue]:
 
 
 def _hole(box: JsonValue) -> Hole:
+    """Return (left, right, low, high) of a hole, from the wall's start and base, in units of the file."""
     (left, low), (right, high) = box.member("min").vector(2).tolist(), box.member("max").vector(2).tolist()
     if left > right or low > high:
         raise box.error("hole is inside out")
@@ -172,6 +174,7 @@ def _hole(box: JsonValue) -> Hole:
 
 
 def _polygon(points: JsonValue) -> Float[np.ndarray, "n 2"]:
+    """Return the corners (x, z) of a polygon in units of the file; their y is ignored."""
     entries = points.entries()
     if not 3 <= len(entries) <= MAX_CORNERS:
         raise points.error(f"expected 3 to {MAX_CORNERS} corners, got {len(entries)}")

@@ -15,14 +15,9 @@ MAX_AXIS_SINE = 1e-3  # maximum sine of the angle between the axes and a box tha
 
 
 def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) -> list[Node]:
-    """Return the nodes, boxes over 20 m cut to the extent of the others, or left out if outside or slanted.
+    """Return a level's nodes with boxes over 20 m cut to the extent of the others; outside or slanted ones removed.
 
-    Changes are reported as problems.
-
-    Args:
-        nodes: Nodes of a level.
-        place: Location of the level.
-        reading: State of the reader; its options determine if backdrops stay uncut.
+    Changes are noted as problems at `place`. With the option `backdrops`, nodes are unchanged.
     """
     extent = None if reading.options.backdrops else level_extent(nodes)
     if extent is None:
@@ -54,6 +49,7 @@ def box_bounds(box: BoxNode) -> Float[np.ndarray, "2 3"]:
 
 
 def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Location, reading: ReaderState) -> Node | None:
+    """Return a node unchanged, or a large box cut to `extent`; None if it must be left out."""
     if not isinstance(node, BoxNode):
         return node
     bounds = box_bounds(node)
@@ -68,6 +64,7 @@ def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Location, reading:
 
 
 def _along_axes(box: BoxNode) -> bool:
+    """Return whether each edge of a box is along some axis of the scene, within `MAX_AXIS_SINE`."""
     columns = abs(box.transform[:3, :3] / np.linalg.norm(box.transform[:3, :3], axis=0))
     return bool((np.sort(columns, axis=0)[:2] < MAX_AXIS_SINE).all())
 

@@ -19,12 +19,7 @@ MIN_WIDE_ANGLE = np.pi / 2  # [rad], minimum opening angle of every door; SUNCG'
 
 
 def attach_parts(house: House, reading: ReaderState) -> House:
-    """Return the house with the lights of its objects, and the joints of its doors found from both variants.
-
-    Args:
-        house: House as read.
-        reading: State of the reader, with the other variants of the models.
-    """
+    """Return the house with the lights of its objects, and the joints of its doors, found from both variants."""
     tables = add_builtin_categories(reading.tables) if reading.tolerant else reading.tables
     levels = (
         replace(level, objects=tuple(_with_parts(item, house, reading, tables) for item in level.objects))
@@ -34,6 +29,7 @@ def attach_parts(house: House, reading: ReaderState) -> House:
 
 
 def _with_parts(item: ObjectNode, house: House, reading: ReaderState, tables: SuncgMetadata) -> ObjectNode:
+    """Return an object with its lights and, for a door with both variants, its joints; unchanged without any."""
     lights, joints = tables.lights_of(item.model_id, item.model_key), ()
     other = reading.other_models.get(other_variant(item.model_id, item.model_key))
     if other is not None and tables.info(item.model_id).coarse == "door":
@@ -43,13 +39,9 @@ def _with_parts(item: ObjectNode, house: House, reading: ReaderState, tables: Su
 
 
 def find_joints(key: str, shown: Mesh, other: Mesh, is_closed: bool) -> tuple[Joint, ...]:
-    """Find the joints of a door by comparison of its variants; empty if no part turns or slides.
+    """Find the joints of mesh `shown`, with key `key`, of a door by comparison with its other variant.
 
-    Args:
-        key: Key of the mesh that is shown.
-        shown: Mesh that is shown, to which the joints belong.
-        other: Mesh of the other variant.
-        is_closed: True if the closed variant is shown.
+    `is_closed` means that `shown` is the closed variant. Empty if no part turns or slides.
     """
     triangles = triangles_z_up(shown), triangles_z_up(other)
     digest = hashlib.sha256(b"".join(corners.tobytes() for corners in triangles)).digest()
@@ -69,6 +61,7 @@ class DoorVariants:
 
 @lru_cache(maxsize=256)
 def _joints(door: DoorVariants) -> tuple[Joint, ...]:
+    """Find the joints of a door; hinges are kept by `kept_result`, and results are cached by key and digest."""
     order = tree_order(door.shown)  # leaves are numbered in the order of the compiled model's triangles
     shown = door.shown.astype(np.float32)[order].astype(np.float64)
     inputs = shown.tobytes() + hashlib.sha256(door.other.tobytes()).digest()
@@ -77,6 +70,10 @@ def _joints(door: DoorVariants) -> tuple[Joint, ...]:
 
 
 def _joint(door: DoorVariants, name: str, hinge: Hinge, order: Int[np.ndarray, " t"]) -> Joint:
+    """Convert a hinge (Z up) to a joint (Y up) of the mesh that is shown, 0 as shown.
+
+    It goes from closed to wide open: as far as the open variant and, for hinges, at least `MIN_WIDE_ANGLE`.
+    """
     slides, turn = bool(hinge.slide.any()), float(hinge.displacement)
     closed = 0.0 if door.is_closed else turn
     reach = abs(turn) if slides else max(abs(turn), MIN_WIDE_ANGLE)

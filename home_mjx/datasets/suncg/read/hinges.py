@@ -72,11 +72,9 @@ class HingeTable:
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
-    """Find the hinges of a door; empty if no part turns or slides, or a variant is too large for a door.
+    """Find the hinges of a door from two variants (triangles, Z up [m]); the joints move `shown`.
 
-    Args:
-        shown: Triangles of the variant that is shown, Z up [m].
-        other: Triangles of the same door's other variant, Z up [m].
+    Empty if no part turns or slides, or if a variant is too large for a door.
 
     Example:
         >>> find_hinges(open_door, closed_door)[0].displacement  # doctest: +SKIP
@@ -103,6 +101,7 @@ def _is_small_enough(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
 
 
 def _moved(triangles: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> Float[np.ndarray, "m 3 3"]:
+    """Return the triangles of the components that are not at the same place in the other variant."""
     part = triangle_components(triangles)
     return triangles[np.isin(part, _moved_parts(triangles, part, other))]
 
@@ -118,7 +117,7 @@ def _moved_parts(
 def _leaves(
     triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], moved: Bool[np.ndarray, " t"]
 ) -> Iterator[Bool[np.ndarray, " t"]]:
-    """Yield a mask of triangles per leaf: moved components within 3 cm of each other, such as panel and handles."""
+    """Yield a mask of triangles per leaf: moved components within `MAX_PART_DISTANCE`, such as panel and handles."""
     names = np.unique(part[moved])
     trees = [KDTree(_sample(triangles[part == name], MAX_PART_DISTANCE / 2)) for name in names]
     group = np.arange(len(names))
@@ -133,7 +132,10 @@ def _leaves(
 def _move_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
-    """Return pivot, displacement and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit."""
+    """Return pivot, displacement and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit.
+
+    A translation takes precedence over rotations that fit as well. Of several pivots, the nearest to the leaf is taken.
+    """
     points, tree = _sample(leaf, SAMPLE_SPACING), KDTree(_sample(target, TARGET_SPACING))
     guesses = list(_guesses(leaf, target))
     fits = [_refine(points, tree, *guess) for guess in guesses]
@@ -170,7 +172,10 @@ def _slide(
 def _guesses(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> Iterator[tuple[float, Float[np.ndarray, "2"]]]:
-    """Yield turns about +z [rad] and shifts [m] of the leaf's largest component onto each similar one, 4 per pair."""
+    """Yield initial (rotation about +z [rad], shift after it [m]) from the leaf's largest component to similar ones.
+
+    Boxes of similar height are matched in the four orientations that differ by quarter turns.
+    """
     big = _largest(leaf)
     source = narrowest_box(big.reshape(-1, 3))
     part = triangle_components(target)
@@ -187,6 +192,7 @@ def _guesses(
 
 
 def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"]:
+    """Return the connected component whose bounding box has the largest volume."""
     part = triangle_components(triangles)
     pieces: Sequence = [triangles[part == p] for p in np.unique(part)]
     return max(pieces, key=lambda piece: np.prod(np.ptp(piece.reshape(-1, 3), axis=0) + SAME_CORNER_DISTANCE))
@@ -218,6 +224,7 @@ def _sample(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.n
 
 
 def _put(points: Float[np.ndarray, "p 3"], angle: float, shift: Float[np.ndarray, "2"]) -> Float[np.ndarray, "p 3"]:
+    """Return points rotated about +z by `angle` [rad], then shifted in plan [m]."""
     return np.c_[points[:, :2] @ plane_matrix(angle).T + shift, points[:, 2]]
 
 

@@ -35,12 +35,8 @@ def read_house(
 ) -> House:
     """Read one house with all meshes of its visible nodes.
 
-    Args:
-        house_id: Name of the house's folder.
-        assets: Meshes and textures of the dataset; if tolerant, missing parts get fallbacks.
-        options: Reader options.
-        left_out: Returns whether the options leave out a model.
-        tables: Metadata tables of the dataset, for lights, doors and fallbacks.
+    If `assets` is tolerant, missing parts get fallbacks. `left_out` returns whether the options exclude a model id.
+    `tables` is used for lights, doors and fallbacks.
 
     Raises:
         DatasetError: house.json or a file that it needs is missing or broken.
@@ -79,6 +75,7 @@ def build_house(document: JsonValue, reading: ReaderState) -> House:
 
 
 def _bounded(value: JsonValue, most: int) -> list[JsonValue]:
+    """Return the entries of a list; raise `DatasetError` if there are more than `most`."""
     entries = value.entries()
     if len(entries) > most:
         raise value.error(f"expected at most {most} entries, got {len(entries)}")
@@ -86,6 +83,7 @@ def _bounded(value: JsonValue, most: int) -> list[JsonValue]:
 
 
 def _scale(value: JsonValue) -> float:
+    """Return metres per unit, 1 if null; raise `DatasetError` outside 0.0001..10000."""
     scale = value.number() if value.has_value else 1.0
     if not 1e-4 <= scale <= 1e4:
         raise value.error(f"expected metres per unit above 0, 0.0001 to 10000, got {scale:g}", "SUNCG writes 1.")
@@ -93,6 +91,7 @@ def _scale(value: JsonValue) -> float:
 
 
 def _check_header(document: JsonValue, reading: ReaderState) -> None:
+    """Note a version, id or axes other than expected; none of them changes how the house is read."""
     version, house_id = document.member("version"), document.member("id")
     if not version.has_value or not version.text().startswith("suncg"):
         reading.note(version, "format-version", f"version is {json.dumps(version.data)}: read as suncg@1.0.0")
@@ -141,10 +140,12 @@ def _hidden(values: Sequence[JsonValue], level: int, shown: Collection[int]) -> 
 
 
 def _of_type(nodes: Sequence[Node], kind: type[N]) -> tuple[N, ...]:
+    """Return the nodes of one class, in order."""
     return tuple(node for node in nodes if isinstance(node, kind))
 
 
 def _read_node(value: JsonValue, default_id: str, index: int, reading: ReaderState) -> Node | None:
+    """Read node `index` of a level; None if it is empty, which is noted, or disabled by `valid`."""
     if not value.data:
         reading.note(value, "empty-node", "empty node: left out")
         return None
@@ -193,12 +194,12 @@ def _with_members(
     same: Mapping[int, int],
     reading: ReaderState,
 ) -> RoomNode:
-    """Return the room with its furniture as members, each once; report invalid and repeated members as problems.
+    """Return the room with objects and boxes as members, each once; note invalid and repeated members.
 
     Args:
         room: The room, with its members as read.
         values: JSON values of the level's nodes.
-        kinds: Nodes by index: True for furniture, False for architecture; unknown nodes are absent.
+        kinds: Nodes by index: True for objects and boxes, False for rooms and grounds; unknown nodes are absent.
         same: Indices of repeated nodes, and those of the nodes that replace them; see `_duplicates`.
         reading: Collects the problems.
     """

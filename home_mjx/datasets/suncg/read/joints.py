@@ -20,10 +20,7 @@ _RUN = re.compile(r"([0-9]{1,7})-([0-9]{1,7})")
 
 
 def read_joints(folder: Path) -> Joints:
-    """Read the joints of all models, by model id; empty if the table does not exist.
-
-    Args:
-        folder: `<root>/metadata`.
+    """Read the joints of all models from `joints.csv` in a folder, by model id; empty if it does not exist.
 
     Raises:
         DatasetError: A row is broken; the error names the row and the fault.
@@ -38,6 +35,7 @@ def read_joints(folder: Path) -> Joints:
 
 
 def _joint(cells: list[str], place: Location) -> Joint:
+    """Parse the cells of a row in the order of `COLUMNS`; raise `DatasetError` if one is invalid."""
     model_id, part, kind, axis, point, limits, faces = cells
     if not model_id or not part:
         raise place.error("joint lacks the id of its model or the name of its part")
@@ -48,6 +46,7 @@ def _joint(cells: list[str], place: Location) -> Joint:
 
 
 def _axis(text: str, place: Location) -> Vector:
+    """Parse a unit vector; raise `DatasetError` for another length."""
     axis = parse_triple(text, place)
     if not abs(math.hypot(*axis) - 1) <= UNIT_TOLERANCE:
         raise place.error(f"axis `{text}` is {math.hypot(*axis):.4g} long", "It must be a unit vector.")
@@ -55,6 +54,7 @@ def _axis(text: str, place: Location) -> Vector:
 
 
 def _point(text: str, place: Location) -> Vector:
+    """Parse a point [m]; raise `DatasetError` beyond `MAX_COORDINATE`."""
     point = parse_triple(text, place)
     if max(map(abs, point)) > MAX_COORDINATE:
         raise place.error(f"point `{text}` is too far away", f"Coordinates are below {MAX_COORDINATE:g}.")
@@ -73,7 +73,7 @@ def _limits(text: str, place: Location) -> tuple[float, float]:
 
 
 def _runs(text: str, place: Location) -> tuple[tuple[int, int], ...]:
-    """Parse (first, last) of ascending runs of faces such as `0-11 24-35`, ends inclusive; else raise."""
+    """Parse runs such as `0-11 24-35` to (first, last), both inclusive; raise `DatasetError` unless ascending."""
     matches = [_RUN.fullmatch(word) for word in text.split()]
     runs = [(int(match[1]), int(match[2])) for match in matches if match is not None]
     ends = [end for run in runs for end in run]

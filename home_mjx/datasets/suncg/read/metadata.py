@@ -19,11 +19,7 @@ LIGHT_KINDS: dict[str, LightKind] = {"PointLight": "point", "SpotLight": "spot",
 
 
 def read_metadata(folder: Path, tolerant: bool = False) -> SuncgMetadata:
-    """Read the tables of `<root>/metadata`.
-
-    Args:
-        folder: Folder with `ModelCategoryMapping.csv` and, optionally, `models.csv` and `suncgModelLights.json`.
-        tolerant: Accept a missing category table as well.
+    """Read the tables of `<root>/metadata`; only the category table is required, and if `tolerant`, none is.
 
     Raises:
         DatasetError: The category table is missing, or a row of any table is broken.
@@ -37,6 +33,7 @@ def read_metadata(folder: Path, tolerant: bool = False) -> SuncgMetadata:
 
 
 def _read_categories(path: Path) -> dict[str, ModelInfo]:
+    """Read the category table, without sizes, by model id; empty categories are unknown (`void` for NYU40)."""
     hint = "Fetch the `metadata` archive of the dataset: categories come from this table."
     columns = ("model_id", "fine_grained_class", "coarse_grained_class", "nyuv2_40class")
     models: dict[str, ModelInfo] = {}
@@ -67,6 +64,7 @@ def _read_sizes(path: Path, named: SuncgMetadata) -> dict[str, ModelInfo]:
 
 
 def _check_new(model_id: str, models: dict[str, ModelInfo], place: Location) -> None:
+    """Raise `DatasetError` if the table already has a row of this model."""
     if model_id in models:
         raise place.error(f"model `{model_id}` has two rows", "Keep one of them.")
 
@@ -107,6 +105,7 @@ def read_rows(
 
 
 def _read_lights(path: Path) -> dict[str, tuple[Light, ...]]:
+    """Read the lights of all models by stem of an OBJ."""
     document = read_json(path)
     if not isinstance(document.data, dict):
         raise document.error("expected an object of lists of lights by model id")
@@ -114,6 +113,7 @@ def _read_lights(path: Path) -> dict[str, tuple[Light, ...]]:
 
 
 def _light(value: JsonValue) -> Light:
+    """Read one light, in the model's frame; `dropoff` is 0 if absent, other optional fields are None."""
     kind = value.member("type").text()
     if kind not in LIGHT_KINDS:
         raise value.member("type").error(f"unknown light `{kind}`", f"Known: {', '.join(LIGHT_KINDS)}.")
@@ -136,4 +136,5 @@ def _point(value: JsonValue) -> tuple[float, float, float]:
 
 
 def _optional_point(value: JsonValue) -> tuple[float, float, float] | None:
+    """Read a point; None if null."""
     return _point(value) if value.has_value else None

@@ -25,12 +25,9 @@ GROUND_MATERIAL = Material("", (0.45, 0.55, 0.35), None, 1.0)
 
 
 def add_model_fallback(item: ObjectNode, error: DatasetError, reading: ReaderState) -> None:
-    """Store a fallback for an object's model in `reading.models`; for a door, also for its other state.
+    """Store a fallback for an object's model in `reading.models`; for a door, also one of its other state.
 
-    Args:
-        item: Object with the missing model.
-        error: Error of reading its model.
-        reading: State of the reader.
+    `error` is that of reading the model; the recorded `Fallback` names it unless the file is missing.
     """
     info = _info(reading.tables, item.model_id)
     box, closed = model_box(info, item.transform, item.bbox), item.model_key != item.model_id
@@ -44,20 +41,17 @@ def add_model_fallback(item: ObjectNode, error: DatasetError, reading: ReaderSta
 
 
 def _reason(error: DatasetError) -> str:
+    """Return the message of an error; "" if a file is missing."""
     return "" if isinstance(error, MissingFileError) else error.message
 
 
 def _info(tables: SuncgMetadata, model_id: str) -> ModelInfo:
+    """Return a model's row, with built-in categories."""
     return add_builtin_categories(tables).info(model_id)
 
 
 def add_part_fallbacks(nodes: Sequence[Node], reading: ReaderState) -> list[Node]:
-    """Return a level's nodes, with fallbacks for missing meshes of rooms and grounds, which `reading` records.
-
-    Args:
-        nodes: Nodes of a level.
-        reading: State of the reader.
-    """
+    """Return a level's nodes with fallbacks for missing meshes of rooms and grounds, recorded in `reading`."""
     if not reading.missing_parts:
         return list(nodes)
     gaps = [gap for node in nodes if isinstance(node, ObjectNode) and (gap := _gap(node, reading)) is not None]
@@ -82,6 +76,7 @@ def _gap(item: ObjectNode, reading: ReaderState) -> OpeningSpan | None:
 def _with_parts(
     node: RoomNode | GroundNode, gaps: Sequence[OpeningSpan], reading: ReaderState
 ) -> RoomNode | GroundNode:
+    """Return a node with fallbacks for its missing meshes; those of a room without known outline stay None."""
     kinds = [kind for kind in MESH_SUFFIX if (node.path, kind) in reading.missing_parts]
     if isinstance(node, GroundNode):
         return _with_ground(node, reading) if kinds else node
@@ -99,6 +94,7 @@ def _with_parts(
 
 
 def _with_ground(node: GroundNode, reading: ReaderState) -> GroundNode:
+    """Return a ground with a slab that fills its bounding box; unchanged, with a note, if that has no volume."""
     path, reason = _missing(node, "Ground", reading)
     size = np.zeros(3) if node.bbox is None else node.bbox[1] - node.bbox[0]
     if node.bbox is None or size.min() <= 0:
@@ -118,6 +114,7 @@ def _missing(node: RoomNode | GroundNode, kind: str, reading: ReaderState) -> tu
 
 
 def _give_up(node: RoomNode | GroundNode, path: Path, reading: ReaderState) -> None:
+    """Note that a missing mesh has no fallback."""
     place = Location(reading.assets.root, f"{node.path}.modelId")
     reading.note(place, "missing-part", f"mesh {path.name} is missing, and its outline is unknown: not shown")
 
@@ -132,12 +129,7 @@ def _materials(path: Path, reading: ReaderState) -> Sequence[Material]:
 
 
 def collect_fallbacks(house: House, reading: ReaderState) -> tuple[Fallback, ...]:
-    """Return the fallbacks of a house, each once: materials first, models and room meshes, then metadata rows.
-
-    Args:
-        house: House as read.
-        reading: State of the reader.
-    """
+    """Return the fallbacks of a house, each once: materials, then models and room meshes, then metadata rows."""
     nodes = [node for level in house.levels for node in level.objects]
     without = {node.model_id: node for node in nodes if not has_category(reading.tables, node.model_id)}
     rows = [

@@ -64,6 +64,7 @@ def read_or_fallback(item: ObjectNode, node: JsonValue, reading: ReaderState) ->
 
 
 def _keep(item: ObjectNode, mesh: Mesh, node: JsonValue, reading: ReaderState) -> None:
+    """Store an object's mesh, and that of its other state; note materials beyond the mesh's slots."""
     reading.models[item.model_key] = mesh
     _read_other(item, node, reading)
     if len(item.materials) > len(mesh.materials):
@@ -175,6 +176,7 @@ def _transform(node: JsonValue, reading: ReaderState) -> Float[np.ndarray, "4 4"
 
 
 def _state(value: JsonValue, model_id: str, reading: ReaderState) -> int | None:
+    """Read the state of an object; None if null, and 0, with a note, if the model lacks its variant."""
     if not value.has_value:
         return None
     state = value.integer()
@@ -190,10 +192,12 @@ def _state(value: JsonValue, model_id: str, reading: ReaderState) -> int | None:
 
 
 def _materials(node: JsonValue, reading: ReaderState) -> tuple[Material, ...]:
+    """Read the material overrides of a node; () if their error is collected."""
     return reading.attempt(read_materials, node, reading.materials, reading.assets.textures) or ()
 
 
 def _room_types(values: JsonValue, reading: ReaderState) -> tuple[str, ...]:
+    """Read the types of a room, including unknown ones, which are noted; () if null."""
     types = tuple(value.text() for value in values.entries()) if values.has_value else ()
     for name in types:
         if name not in ROOM_TYPES:

@@ -82,5 +82,6 @@ class ReaderState:
         return self.cached("architecture", self._read_architecture)
 
     def _read_architecture(self) -> Architecture | None:
+        """Read the architecture file; None if it does not exist."""
         path = self.assets.root / "wall" / self.house_id / f"{self.house_id}.arch.json"
         return read_architecture(path, self.assets.textures, self.note) if is_file(path) else None

@@ -17,7 +17,7 @@ HIDING_FLAG = {"Floor": "hideFloor", "Ceiling": "hideCeiling", "Wall": "hideWall
 
 
 def read_part(node: JsonValue, kind: str, node_id: str, reading: ReaderState) -> Mesh | None:
-    """Read a mesh of a room or ground [m]; None if it is hidden or, with a problem, missing.
+    """Read a mesh of a room or ground [m, Y up]; None if it is hidden or, with a note, missing.
 
     With fallbacks enabled, missing or broken meshes are recorded in `reading.missing_parts`.
 
@@ -62,6 +62,7 @@ def _found_or_missing(node: JsonValue, kind: str, node_id: str, stem: str, readi
 
 
 def _mesh(path: Path, reading: ReaderState) -> Mesh:
+    """Read an OBJ of `room/`, scaled to metres; faces of walls get the number of their wall as `part`."""
     mesh = reading.assets.mesh(path)
     mesh = replace(mesh, part=_wall_of_faces(mesh)) if path.stem.endswith(MESH_SUFFIX["Wall"]) else mesh
     return replace(mesh, vertices=mesh.vertices * reading.scale) if reading.scale != 1 else mesh
@@ -78,6 +79,7 @@ def _wall_of_faces(mesh: Mesh) -> Int[np.ndarray, " f"]:
 
 
 def _built(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
+    """Build a mesh by the architecture file; None, with a note, if that has none. Errors as in `read_part`."""
     folder, architecture = reading.assets.room_path(reading.house_id, stem).parent, reading.architecture
     mesh = reading.cached(f"{kind}#{node_id}", architecture.mesh, kind, node_id) if architecture else None
     if mesh is None and architecture is None and not is_folder(folder):

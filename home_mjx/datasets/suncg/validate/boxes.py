@@ -27,6 +27,7 @@ def check_boxes(subject: ValidationContext) -> None:
 
 
 def _check_node(subject: ValidationContext, node: Node) -> None:
+    """Report a node whose box differs from its geometry (of rooms and grounds: is exceeded), and a backdrop."""
     bounds = subject.bounds(node)
     if bounds is None:
         return
@@ -52,6 +53,7 @@ def _check_union(subject: ValidationContext, owner: JsonValue, parts: list[Bound
 
 
 def _report(subject: ValidationContext, rule: str, element: str, off: Bounds, what: str) -> None:
+    """Report the largest entry of `off` [m] beyond the tolerance, at its side and axis of a bounding box."""
     if off.max() > BOX_TOLERANCE:
         side, axis = np.unravel_index(off.argmax(), off.shape)
         place = f"{element}.bbox.{('min', 'max')[side]}[{axis}]".lstrip(".")

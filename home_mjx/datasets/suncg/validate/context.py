@@ -62,6 +62,7 @@ class ValidationContext:
         return self._bounds[node.path]
 
     def _mesh_bounds(self, node: Node) -> Bounds | None:
+        """Return the bounds of an object's base model, or of a room's or ground's meshes; None without any."""
         if isinstance(node, ObjectNode):
             points = self._base_vertices(node)
             return None if points is None else np.stack([points.min(axis=0), points.max(axis=0)])
@@ -71,6 +72,7 @@ class ValidationContext:
         return np.stack([np.min(corners, axis=0)[0], np.max(corners, axis=0)[1]]) if corners else None
 
     def _base_vertices(self, item: ObjectNode) -> Float[np.ndarray, "_ 3"] | None:
+        """Return the vertices of an object's base model in the scene [m]; None, reported, if it cannot be read."""
         place = JsonValue(self.document.file, f"{item.path}.modelId", item.model_id)
         try:
             mesh = self.reading.model(item.model_id, item.model_id, place)

@@ -28,11 +28,13 @@ def check_document(subject: ValidationContext) -> None:
 
 
 def _check_fields(subject: ValidationContext, value: JsonValue, known: set[str]) -> None:
+    """Report the fields of an object that the format does not have."""
     for key in unknown_fields(value, known):
         subject.report("unknown-field", value.member(key).element, "kept, but no reader uses this")
 
 
 def _check_node(subject: ValidationContext, node: JsonValue, expected: str) -> None:
+    """Report a node's unknown fields, and an id other than `expected`."""
     kind, node_id = node.data.get("type"), node.data.get("id")
     _check_fields(subject, node, NODE_FIELDS.get(str(kind).lower(), set(node.data)))
     if isinstance(node_id, str | int) and str(node_id) != expected:
@@ -40,6 +42,7 @@ def _check_node(subject: ValidationContext, node: JsonValue, expected: str) -> N
 
 
 def _check_members(subject: ValidationContext, nodes: list[JsonValue]) -> None:
+    """Report nodes of a level that are members of several rooms, and members that are hidden."""
     rooms: dict[int, list[JsonValue]] = defaultdict(list)
     for node in nodes:
         for index in set(_members(node, len(nodes))):
@@ -62,9 +65,11 @@ def _members(node: JsonValue, count: int) -> list[int]:
 
 
 def _shown(node: JsonValue) -> bool:
+    """Return whether a node is neither empty nor disabled."""
     return isinstance(node.data, dict) and bool(node.data) and node.data.get("valid", 1) not in (0, "0")
 
 
 def _data(subject: ValidationContext, path: str) -> dict:
+    """Return the JSON object at a path such as `levels[0].nodes[2]`."""
     level, node = (int(part.partition("]")[0]) for part in path.split("[")[1:3])
     return subject.document.data["levels"][level]["nodes"][node]

@@ -51,6 +51,7 @@ def check_faces(subject: ValidationContext) -> None:
 
 
 def _check_file(subject: ValidationContext, path: Path) -> None:
+    """Apply the rules to one OBJ and to the MTLs that it names."""
     rows = scan_obj(read_statement_lines(path, tolerant=subject.reading.tolerant), path)
     points = read_table(rows["v"], 3, path)
     index, sides = read_corners(rows, path)
@@ -62,6 +63,7 @@ def _check_file(subject: ValidationContext, path: Path) -> None:
 
 
 def _check_library(subject: ValidationContext, path: Path) -> None:
+    """Report statements of an MTL that are not read, clamped values and ambiguous opacities."""
     try:
         text = read_statement_lines(path, tolerant=subject.reading.tolerant)
     except DatasetError:

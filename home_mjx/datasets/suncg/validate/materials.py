@@ -28,6 +28,7 @@ def check_materials(subject: ValidationContext) -> None:
 
 
 def _materials(subject: ValidationContext) -> Iterator[Material]:
+    """Yield the materials of overrides, rooms, grounds and models; some repeatedly."""
     for level in subject.house.levels:
         for node in (*level.objects, *level.boxes):
             yield from node.materials
@@ -40,6 +41,7 @@ def _materials(subject: ValidationContext) -> Iterator[Material]:
 
 
 def _check_slots(subject: ValidationContext, mesh: Mesh) -> None:
+    """Report slots without faces, and faces above the first `usemtl`."""
     if mesh.materials[-1] is DEFAULT_MATERIAL:
         count = int((mesh.slot == len(mesh.materials) - 1).sum())
         subject.report("missing-slot", "", f"{count} faces have no `usemtl` above them", mesh.path)
@@ -50,6 +52,7 @@ def _check_slots(subject: ValidationContext, mesh: Mesh) -> None:
 
 
 def _check_texture(subject: ValidationContext, path: Path) -> None:
+    """Report an image that does not decode, or whose extension does not match its content."""
     try:
         open_texture(path)
     except DatasetError as error:

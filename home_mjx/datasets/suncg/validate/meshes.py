@@ -28,6 +28,7 @@ def check_meshes(subject: ValidationContext) -> None:
 
 
 def _check_walls(subject: ValidationContext, walls: Mesh) -> None:
+    """Report parts of the walls that are thicker than `MAX_WALL_THICKNESS`."""
     for faces in walls.faces_by_part():
         thickness = _thickness(walls, faces)
         if thickness > MAX_WALL_THICKNESS:
@@ -44,7 +45,7 @@ def _thickness(walls: Mesh, faces: np.ndarray) -> float:
 
 
 def _faces_up(floor: Mesh) -> bool:
-    """Return whether a face of the floor's upper side faces up; that of an inverted slab faces down."""
+    """Return whether the highest of a floor's roughly horizontal faces face up; those of an inverted slab do not."""
     corners = floor.vertices[floor.faces].astype(np.float64)
     normal, area = _normals(corners)
     height = np.where(abs(normal[:, 1]) > MIN_UPWARD_COSINE * area, corners[..., 1].mean(axis=1), -np.inf)
@@ -68,6 +69,7 @@ def check_joints(subject: ValidationContext) -> None:
 
 
 def _check_faces(subject: ValidationContext, joints: tuple[Joint, ...], mesh: Mesh) -> None:
+    """Report joints with faces that the mesh lacks, and faces of two joints."""
     for joint in joints:
         if joint.face_ranges[-1][1] >= len(mesh.faces):
             message = f"face {joint.face_ranges[-1][1]} of a model that has {len(mesh.faces)}"
@@ -79,4 +81,5 @@ def _check_faces(subject: ValidationContext, joints: tuple[Joint, ...], mesh: Me
 
 
 def _report(subject: ValidationContext, rule: str, element: str, message: str) -> None:
+    """Record a finding in the joint table."""
     subject.report(rule, element, message, subject.reading.assets.root / "metadata" / JOINTS)

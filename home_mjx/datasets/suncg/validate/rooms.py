@@ -47,6 +47,7 @@ def footprint(node: RoomNode | GroundNode) -> Triangles | None:
 def _check_overlap(
     subject: ValidationContext, rooms: Sequence[tuple[RoomNode, Triangles]], raster: FootprintGrid
 ) -> None:
+    """Report rooms that share an area wider than the overlap of two floors' outsets."""
     owner = np.full(raster.shape, -1)
     for number, (room, area) in enumerate(rooms):
         mask = raster.mask(area)
@@ -59,6 +60,7 @@ def _check_overlap(
 
 
 def _check_outside(subject: ValidationContext, level: Level, areas: Sequence[Triangles], raster: FootprintGrid) -> None:
+    """Report objects and boxes whose origin is farther than `MAX_WALL_DISTANCE` from all areas in plan."""
     covered = np.any([raster.mask(area) for area in areas], axis=0)
     cells = int(np.ceil(MAX_WALL_DISTANCE / raster.step))
     near = ndimage.binary_dilation(covered, iterations=cells)
@@ -74,6 +76,7 @@ def _wall_edges(walls: Sequence[Mesh]) -> Float[np.ndarray, "e 2 2"]:
 
 
 def _check_category(subject: ValidationContext, item: ObjectNode, edges: Float[np.ndarray, "e 2 2"]) -> None:
+    """Report an object without a category, and a door, window or arch whose origin is far from the walls."""
     if subject.metadata is None:
         return
     info = subject.metadata.info(item.model_id)

@@ -24,10 +24,6 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
 
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
 
-    Args:
-        dataset: Dataset of the house.
-        house_id: One of `dataset.house_ids`.
-
     Raises:
         DatasetError: The house is unknown.
 
@@ -60,6 +56,7 @@ def _meshes(room: RoomNode) -> tuple[Mesh | None, ...]:
 
 
 def _metadata(dataset: SuncgDataset, reading: ReaderState) -> Metadata | None:
+    """Return the metadata tables; None if they cannot be read, which is collected as an error."""
     return reading.attempt(lambda: dataset.metadata)
 
 
@@ -72,4 +69,5 @@ def _sorted(subject: ValidationContext, path: str) -> tuple[ValidationFinding, .
 
 
 def _unreadable(error: DatasetError, path: str) -> ValidationFinding:
+    """Convert an error of the reader to a finding."""
     return ValidationFinding(error.file or path, error.element or "", "unreadable", error.message)

@@ -65,11 +65,7 @@ def write_house(root: Path, house: House) -> None:
 def is_house_complete(root: Path, house_id: str) -> bool:
     """Return whether all files of a house exist and are as written, by their digests.
 
-    Without digests, as in former versions, return whether its `house.json` is JSON and its rooms exist.
-
-    Args:
-        root: Dataset root.
-        house_id: Id of the house.
+    Without digests, as in former versions, return whether its `house.json` is JSON and its folder of rooms exists.
     """
     folder, rooms = root / "house" / house_id, root / "room" / house_id
     try:
@@ -84,6 +80,7 @@ def is_house_complete(root: Path, house_id: str) -> bool:
 
 
 def _digest(text: str) -> str:
+    """Return the hexadecimal SHA-256 of a text in UTF-8."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -109,12 +106,9 @@ def write_library(
 
 
 def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
-    """Write the folder of one model below a dataset root; files that differ are rewritten.
+    """Write one model's folder below a dataset root; with `digests`, also digests of its files.
 
-    Args:
-        root: Dataset root.
-        model: The model.
-        digests: Also write digests of its files.
+    Files that differ are rewritten.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -127,11 +121,7 @@ def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
 
 
 def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]) -> None:
-    """Write textures below a dataset root; other files are kept, and files that differ are rewritten.
-
-    Args:
-        root: Dataset root.
-        textures: sRGB images by name without extension, row 0 at the top.
+    """Write sRGB images (row 0 at the top) as PNG by name below a root; keep others, rewrite those that differ.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -141,11 +131,7 @@ def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]
 
 
 def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
-    """Write the metadata tables below a dataset root; files that differ are rewritten.
-
-    Args:
-        root: Dataset root.
-        models: The models, in the order of their rows.
+    """Write the metadata tables of models, in this order, below a dataset root; rewrite files that differ.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -163,11 +149,7 @@ def format_tables(models: Sequence[LibraryModel]) -> dict[str, str]:
 
 
 def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
-    """Write `metadata/joints.csv`, the movable parts of the models, below a dataset root, with its digest.
-
-    Args:
-        root: Dataset root.
-        models: The models, in the order of their rows in the tables.
+    """Write `metadata/joints.csv`, the movable parts of models, in this order, below a root, with its digest.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -176,11 +158,7 @@ def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
 
 
 def write_table_texts(root: Path, tables: Mapping[str, str]) -> None:
-    """Write metadata tables with their digests, for `is_folder_complete`; files that differ are rewritten.
-
-    Args:
-        root: Dataset root.
-        tables: Texts by file name, that of the joints among them.
+    """Write metadata tables (texts by file name, with `joints.csv`) and their digests; rewrite files that differ.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -191,21 +169,18 @@ def write_table_texts(root: Path, tables: Mapping[str, str]) -> None:
 
 
 def _write_joint_table(root: Path, table: str) -> None:
+    """Write the text of `joints.csv` and its digest."""
     digest = json.dumps({JOINTS: _digest(table)})
     _write_folder(root, Path("metadata"), {JOINTS: table, JOINTS_DIGEST: digest}, mend=True)
 
 
 def _digests(files: Mapping[str, str]) -> dict[str, str]:
+    """Return the file of digests for texts by file name, as {name: content}."""
     return {DIGESTS: json.dumps({name: _digest(text) for name, text in files.items()})}
 
 
 def is_folder_complete(folder: Path, digests_name: str = DIGESTS) -> bool:
-    """Return whether all files in a folder's digests are unchanged; False without digests. Further files are ignored.
-
-    Args:
-        folder: Folder of a model or of the tables.
-        digests_name: Name of the file of digests.
-    """
+    """Return whether all files listed in a folder's digests are as written; False without digests."""
     try:
         digests: dict[str, str] = json.loads(read_text(folder / digests_name))
         return all(_digest(read_text(folder / name)) == digest for name, digest in digests.items())
@@ -253,6 +228,7 @@ def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
 
 
 def _holds(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> bool:
+    """Return whether a file has exactly this text or, decoded, these pixels."""
     try:
         data = read_bytes(path)
         if isinstance(content, str):
@@ -263,6 +239,7 @@ def _holds(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> bool:
 
 
 def _write_file(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
+    """Write a text as UTF-8 or an image as PNG."""
     if isinstance(content, str):
         path.write_text(content, encoding="utf-8", newline="\n")
     else:
@@ -270,6 +247,7 @@ def _write_file(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
 
 
 def _rename(temporary: Path, target: Path) -> None:
+    """Rename a folder to `target`; do nothing if another process has written `target` meanwhile."""
     try:
         os.rename(temporary, target)
     except OSError:
@@ -278,6 +256,7 @@ def _rename(temporary: Path, target: Path) -> None:
 
 
 def _architecture(level: Level) -> Iterable[Mesh]:
+    """Return the existing meshes of a level's rooms and grounds."""
     parts = [mesh for room in level.rooms for mesh in (room.ceiling, room.floor, room.walls)]
     return (mesh for mesh in (*parts, *(ground.mesh for ground in level.grounds)) if mesh is not None)
 
@@ -298,6 +277,7 @@ def house_document(house: House) -> dict[str, Any]:
 
 
 def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
+    """Return a level as JSON values, nodes in order of their index, and its bounds in the scene [m]."""
     things = {node.index: _bounds(node, house) for node in (*level.objects, *level.boxes, *level.grounds)}
     for room in level.rooms:
         own = [_mesh_bounds(mesh) for mesh in (room.ceiling, room.floor, room.walls) if mesh is not None]
@@ -336,6 +316,7 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
 
 
 def _bounds(node: ObjectNode | BoxNode | GroundNode, house: House) -> Bounds:
+    """Return the bounds of a node in the scene [m]: of an object's base model, or its stated box without one."""
     match node:
         case ObjectNode():
             if node.model_id not in house.models and node.bbox is not None:
@@ -355,10 +336,12 @@ def _mesh_bounds(mesh: Mesh) -> Bounds:
 
 
 def _union(bounds: Sequence[Bounds]) -> Bounds:
+    """Return the bounds around all `bounds`."""
     return np.stack([np.min([b[0] for b in bounds], 0), np.max([b[1] for b in bounds], 0)])
 
 
 def _bbox(bounds: Bounds) -> dict[str, Any]:
+    """Convert bounds to JSON values."""
     return {"min": _numbers(bounds[0]), "max": _numbers(bounds[1])}
 
 
@@ -369,6 +352,7 @@ def _numbers(values: np.ndarray) -> list[int | float]:
 
 
 def _material(material: Material) -> dict[str, str]:
+    """Convert a material override to JSON values, its colour to `#rrggbb`."""
     entry = {"name": material.name}
     if material.texture_name:
         entry["texture"] = material.texture_name

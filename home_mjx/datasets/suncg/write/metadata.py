@@ -54,6 +54,7 @@ def categories_csv(models: Sequence[LibraryModel]) -> str:
 
 
 def _category_row(model: LibraryModel) -> tuple[str, ...]:
+    """Return a model's cells behind the index; `empty_struct_obj` is 1 for structure, 2 for objects."""
     info = model.info
     kind = "1" if info.fine in _STRUCTURE else "2"
     return info.model_id, info.fine, info.coarse, kind, info.nyu40, *model.synset
@@ -67,6 +68,7 @@ def sizes_csv(models: Sequence[LibraryModel]) -> str:
 
 
 def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
+    """Yield a row per mesh of a model: corners in [m], but `aligned.dims` in [cm]."""
     meshes = {model.info.model_id: model.mesh, **model.variants}
     variants = ",".join(meshes) if model.variants else ""
     front = ",".join(f"{x:g}" for x in model.info.front)
@@ -82,16 +84,19 @@ def joints_csv(models: Sequence[LibraryModel]) -> str:
 
 
 def _joint_row(joint: Joint) -> tuple[str, ...]:
+    """Return a joint's cells in the order of `_JOINT_COLUMNS`."""
     runs = " ".join(f"{first}-{last}" for first, last in joint.face_ranges)
     axis, point = (_triple(np.asarray(values)) for values in (joint.axis, joint.point))
     return joint.model_id, joint.part, joint.kind, axis, point, f"{joint.low}, {joint.high}", runs
 
 
 def _triple(values: Float[np.ndarray, " 3"]) -> str:
+    """Return three numbers, rounded to 6 decimals, separated by `, `."""
     return ", ".join(str(value) for value in (np.round(values, 6) + 0.0).tolist())
 
 
 def _csv(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Return a table as CSV without a final line feed."""
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows([header, *rows])
     return text.getvalue().removesuffix("\n")
@@ -104,6 +109,7 @@ def lights_json(models: Sequence[LibraryModel]) -> str:
 
 
 def _light(light: Light, model_id: str) -> dict[str, Any]:
+    """Convert a light to JSON values, those without a value omitted."""
     entry: dict[str, Any] = {
         "type": f"{light.kind.capitalize()}Light",
         "modelId": model_id,

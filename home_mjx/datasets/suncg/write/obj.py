@@ -11,11 +11,9 @@ DECIMALS = 6  # decimals of coordinates [m]
 
 
 def obj_text(mesh: Mesh, library: str) -> str:
-    """Format a mesh as OBJ text, with its normals, or flat ones if it has none.
+    """Format a mesh as OBJ that names the MTL `library`; normals are flat if it has none.
 
-    Args:
-        mesh: Mesh to write; faces of one group and material become one block.
-        library: Name of the MTL file.
+    Faces of one group and material are one block, in the order of `face_order`.
     """
     group = mesh.group[:, None].repeat(3, axis=1).reshape(-1)  # of every corner
     used, vertex = _unique(group, mesh.faces.reshape(-1, 1))
@@ -89,6 +87,7 @@ def mtl_text(materials: tuple[Material, ...]) -> str:
 
 
 def _newmtl(material: Material) -> str:
+    """Return the MTL statements of a material; missing colour and opacity are written as white and opaque."""
     color = " ".join(f"{x:.6g}" for x in material.diffuse or (1.0, 1.0, 1.0))
     opacity = 1.0 if material.opacity is None else material.opacity
     lines = [f"newmtl {material.name}", "illum 2", f"d {opacity:g}", f"Kd {color}"]
