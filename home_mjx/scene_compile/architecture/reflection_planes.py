@@ -57,10 +57,12 @@ def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
 
 
 def _large(rectangles: Iterable[ReflectionRectangle]) -> list[ReflectionRectangle]:
+    """Return the rectangles whose edges are both longer than `MIN_RECTANGLE_EDGE`."""
     return [r for r in rectangles if min(np.linalg.norm(r.u), np.linalg.norm(r.v)) * 2 > MIN_RECTANGLE_EDGE]
 
 
 def _rows(vectors: Iterable[np.ndarray]) -> Float[np.ndarray, "p 3"]:
+    """Stack vectors as rows; shape (0, 3) without any."""
     return np.array(list(vectors), float).reshape(-1, 3)
 
 
@@ -160,6 +162,7 @@ def _plan_rectangles(
 def _level(
     rectangle: Float[np.ndarray, "4"], yaw: float, height: float, normal: Float[np.ndarray, "3"], slot: int
 ) -> ReflectionRectangle:
+    """Return a horizontal rectangle (u0, v0, u1, v1), in axes rotated by `yaw`, at a height [m]."""
     u0, v0, u1, v1 = rectangle
     turn = yaw_matrix(yaw)
     center = turn @ np.array([(u0 + u1) / 2, (v0 + v1) / 2, height])

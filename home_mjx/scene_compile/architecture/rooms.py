@@ -50,11 +50,9 @@ def ground_offset(house: House) -> Float[np.ndarray, "3"]:
 
 
 def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
-    """Extract outlines, floor and ceiling heights of all rooms; an empty outline and 0 for those without meshes.
+    """Return outlines, floor and ceiling heights of all rooms in Z-up file coordinates moved by `offset` [m].
 
-    Args:
-        house: The house.
-        offset: Translation added to Z-up file coordinates [m].
+    Rooms without meshes have an empty outline and heights 0.
     """
     found = house_rooms(house)
     polygons, heights = zip(*(_measure(room, offset) for _, room in found), strict=True)

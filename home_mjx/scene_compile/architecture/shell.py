@@ -82,6 +82,7 @@ def build_shell(frame: HouseFrame) -> BuildingShell:
 
 
 def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
+    """Yield the floor, ceiling and walls of each room in file order, then the grounds of all levels."""
     for index, (level, room) in enumerate(house_rooms(house)):
         for kind, mesh in (("floor", room.floor), ("ceiling", room.ceiling)):
             if mesh is not None:
@@ -96,6 +97,7 @@ def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
 
 
 def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offset: np.ndarray) -> ShellPart:
+    """Return the part of a mesh with these faces; a wall has its slab."""
     triangles = world_triangles(mesh, offset)[faces]
     if kind == "wall":
         return WallPart(kind, room, level, mesh, faces, triangles, fit_slab(triangles))
@@ -126,6 +128,7 @@ def find_partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
 
 
 def _same_partition(a: ShellPart, b: ShellPart) -> bool:
+    """Return whether two parts are copies of one wall, or floors and ceilings that overlap in plan and nearly touch."""
     if isinstance(a, WallPart) and isinstance(b, WallPart):
         return is_same_wall(a.slab, b.slab)
     if {a.kind, b.kind} & {"wall", "ground"}:
@@ -136,12 +139,14 @@ def _same_partition(a: ShellPart, b: ShellPart) -> bool:
 
 
 def _root(leader: list[int], i: int) -> int:
+    """Return the representative of element `i` in a union-find forest."""
     while leader[i] != i:
         i = leader[i]
     return i
 
 
 def _unite(leader: list[int], i: int, j: int) -> None:
+    """Merge the sets of two elements of a union-find forest, in place; the lower representative stays."""
     a, b = _root(leader, i), _root(leader, j)
     leader[max(a, b)] = min(a, b)
 
@@ -191,10 +196,12 @@ def _slots(parts: Sequence[ShellPart], categories: Sequence[str]) -> tuple[list[
 
 
 def _coarse(kind: str) -> str:
+    """Return the semantic category of a kind of part; grounds are floors."""
     return "floor" if kind == "ground" else kind
 
 
 def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
+    """Return the semantic row of a part."""
     name = _coarse(part.kind)
     return semantic_row(name, name, name, room=part.room, level=part.level, partition=partition)
 
@@ -217,13 +224,7 @@ def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[n
 
 
 def has_room_behind(part: WallPart, inward: Float[np.ndarray, "3"], rooms: RoomTable) -> bool:
-    """Return whether rooms of its level are beyond at least half of a wall's outer side.
-
-    Args:
-        part: The wall.
-        inward: Its `inner_normal`.
-        rooms: Outlines.
-    """
+    """Return whether rooms of its level are beyond at least half of a wall's outer side, opposite to unit `inward`."""
     polygons = [rooms.polygon[r] for r in np.flatnonzero(rooms.level == part.level)]
     away = part.slab.to_world(np.array([0.0, 1.0, 0.0])) @ inward < 0
     return bool(_indoors(part.slab, 1 if away else -1, polygons).mean() >= 0.5)

@@ -64,13 +64,8 @@ def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: F
 def is_same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
     """Return whether two slabs are copies of one physical wall, or one overlaps the other as its continuation.
 
-    Both must be parallel and have at least 0.5 m of height in common.
-
-    Args:
-        a: A slab.
-        b: Another.
-        gap: Maximum distance between their middle planes [m].
-        overlap: Minimum common length [m]; larger than the overlap of walls at corners.
+    Both must be parallel, have at least 0.5 m of height and more than `overlap` [m] of length in common, and middle
+    planes less than `gap` [m] apart. `overlap` is larger than that of walls at corners.
     """
     if abs(np.sin(a.yaw - b.yaw)) > 0.03 or min(a.high[2], b.high[2]) - max(a.low[2], b.low[2]) < 0.5:
         return False
@@ -101,5 +96,6 @@ def wall_boxes(slabs: Sequence[Slab], max_length: float) -> BoxSet:
 
 
 def _piece(piece: Float[np.ndarray, "4"], across: tuple[float, float], yaw: float) -> BoxSet:
+    """Return the box of a rectangle (along and up: u0, v0, u1, v1) with an extent `across`, in a slab's axes [m]."""
     low, high = np.array([piece[0], across[0], piece[1]]), np.array([piece[2], across[1], piece[3]])
     return make_boxes(yaw_matrix(yaw) @ ((low + high) / 2), (high - low) / 2, yaw)
