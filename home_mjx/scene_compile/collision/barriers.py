@@ -96,10 +96,7 @@ def _parts(cells: Bool[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
 def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longest: float) -> BoxSet:
     """Cover cells with thin upright boxes of any yaw; a curved band is cut into straight pieces.
 
-    Args:
-        band: Corners of the cells [m].
-        heights: Bottom and top of the boxes [m].
-        longest: Maximum length of a box [m].
+    `band` has the corners of the cells, `heights` bottom and top, and `longest` is the maximum length of a box [m].
     """
     corners = band.reshape(-1, 2)
     box = narrowest_box(np.concatenate([np.c_[corners, np.full(len(corners), z)] for z in heights]))
@@ -113,23 +110,15 @@ def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longe
 
 
 def lot_bounds(rooms: RoomTable) -> Float[np.ndarray, "2 2"]:
-    """Return the minimum and maximum corner of the rectangle that the fence encloses [m].
-
-    Args:
-        rooms: Outlines.
-    """
+    """Return the minimum and maximum (x, y) of the rectangle that the fence encloses [m]."""
     points = np.concatenate(rooms.polygon)
     return np.stack([points.min(axis=0) - FENCE_DISTANCE, points.max(axis=0) + FENCE_DISTANCE])
 
 
 def is_within_lot(box: Float[np.ndarray, "2 3"], rooms: RoomTable) -> bool:
-    """Return whether a box overlaps the volume inside the fence and below the highest ceiling.
+    """Return whether a box (minimum and maximum corner [m]) overlaps the volume inside the fence, below all ceilings.
 
-    Agents cannot touch anything else, such as neighbouring houses or the roof.
-
-    Args:
-        box: Minimum and maximum corner [m].
-        rooms: Outlines and heights.
+    The top is the highest ceiling. Agents cannot touch anything else, such as neighbouring houses or the roof.
     """
     (low, high), ((x0, y0), (x1, y1)) = box, lot_bounds(rooms)
     top = max(rooms.floor.max() + MIN_BARRIER_HEIGHT, rooms.ceiling.max())
@@ -137,11 +126,7 @@ def is_within_lot(box: Float[np.ndarray, "2 3"], rooms: RoomTable) -> bool:
 
 
 def build_fence(rooms: RoomTable) -> BoxSet:
-    """Return four thin boxes at `lot_bounds`, up to the highest ceiling, which stop anything that passes the barriers.
-
-    Args:
-        rooms: Outlines and heights.
-    """
+    """Return four thin boxes at `lot_bounds`, up to the highest ceiling, which stop all that passes the barriers."""
     low, high = lot_bounds(rooms)
     (x, y), (w, d) = (low + high) / 2, (high - low) / 2
     bottom, top = rooms.floor.min(), max(rooms.floor.max() + MIN_BARRIER_HEIGHT, rooms.ceiling.max())

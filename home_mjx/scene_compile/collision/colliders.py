@@ -120,6 +120,7 @@ class _FittedBoxes:
 
 
 def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
+    """Move boxes of a shape (yaw 0, around the origin) to the position and yaw of an object."""
     return BoxSet(boxes.center @ yaw_matrix(item.yaw).T + item.pose[:, 3], boxes.half, boxes.yaw + item.yaw)
 
 
@@ -148,6 +149,7 @@ def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: in
 
 
 def _is_open_leaf(box: BoxSet) -> bool:
+    """Return whether a box is as high as a leaf and at an angle to its wall, which is along x."""
     turn = (box.yaw[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
     return bool(box.half[0, 2] * 2 > MIN_LEAF_HEIGHT and abs(turn) > MIN_OPEN_LEAF_ANGLE)
 

@@ -45,11 +45,7 @@ class FloorPlan:
         return local @ plane_matrix(self.yaw).T
 
     def boxes(self, above: float = -np.inf) -> BoxSet:
-        """Return the floors as boxes that extend to `FLOOR_THICKNESS` below the level's lowest floor.
-
-        Args:
-            above: Floors at or below this height are omitted [m].
-        """
+        """Return the floors above height `above` [m] as boxes down to `FLOOR_THICKNESS` below the lowest floor."""
         found = []
         for height in np.unique(self.height[self.height > above]).tolist():
             bottom = self.lowest - FLOOR_THICKNESS
@@ -101,6 +97,7 @@ def plan_floors(
 
 
 def _nearest_floor(rooms: RoomTable, here: Int[np.ndarray, " r"], point: Float[np.ndarray, "2"]) -> float:
+    """Return the floor height [m] of the room, of those in `here`, that is nearest to a plan point."""
     away = [polygon_distance(rooms.polygon[r], point) for r in here]
     return float(rooms.floor[here[int(np.argmin(away))]])
 

@@ -54,6 +54,7 @@ def select_movables(
 
 
 def _candidate(item: PlacedObject, rooms: RoomTable, options: MovableOptions) -> MovableCandidate:
+    """Return an object with its box and mass, and the floor of its room if it is on it."""
     floor = float(rooms.floor[item.room])
     on_floor = bool(abs(item.box.bottom[0] - floor) <= options.max_support_gap)
     return MovableCandidate(item, item.box, object_mass(item), floor if on_floor else None)

@@ -20,9 +20,7 @@ MIN_VERTICAL_OVERLAP = 2e-4  # [m], boxes with a smaller vertical overlap only t
 def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
     """Return the ids of the objects on or in each object, by its id, from bounding boxes; no entry without such loads.
 
-    Args:
-        objects: All objects of a house.
-        reach: Maximum gap between an object and the top of the object that supports it [m].
+    `reach` is the maximum gap between an object and the top of the object that supports it [m].
     """
     boxes = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     loads: dict[int, list[int]] = {}
