@@ -31,13 +31,9 @@ def gloss_table(
     models: Mapping[str, Mesh],
     first: Sequence[int],
 ) -> Gloss:
-    """Return the gloss of the material rows of a house.
+    """Return the gloss of the material rows of a house: from the MTL, else by the kind of material.
 
-    Args:
-        surfaces: Surfaces by row.
-        objects: Objects of the house.
-        models: Their meshes by key, as read from the dataset.
-        first: First row of each object.
+    `surfaces` are by row, `models` are meshes by key, and `first` has the first row of each object.
     """
     gloss = Gloss.matt(len(surfaces))
     for row, item in enumerate(surfaces):
@@ -51,6 +47,7 @@ def gloss_table(
 
 
 def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
+    """Set a row, in place, to the limited `Ks` and `Ns` of a material that has both."""
     if material.specular is not None and material.shininess is not None:
         gloss.specular[row] = np.minimum(material.specular, SPECULAR_MAX)
         gloss.shininess[row] = np.clip(material.shininess, 1.0, 1000.0)

@@ -71,13 +71,7 @@ def build_lights(
     rooms: RoomTable,
     options: LightOptions,
 ) -> LightTable:
-    """Build the light table of a house.
-
-    Args:
-        objects: Objects in the world frame.
-        rooms: Rooms in the world frame.
-        options: Options of added lights.
-    """
+    """Build the light table of a house: lamps, daylight, and panels in rooms without a lamp, see `LightOptions`."""
     found = [s for o in objects for s in (*find_lamp_sources(o), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
     found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
@@ -105,6 +99,7 @@ def find_lamp_sources(item: PlacedObject) -> Iterator[LightSource]:
 
 
 def _groups(lights: Iterable[Light]) -> list[list[Light]]:
+    """Group lights: each joins the first group whose first light it can be merged with."""
     groups: list[list[Light]] = []
     for light in lights:
         home = next((g for g in groups if _alike(g[0], light)), None)
@@ -116,6 +111,7 @@ def _groups(lights: Iterable[Light]) -> list[list[Light]]:
 
 
 def _alike(a: Light, b: Light) -> bool:
+    """Return whether two lights are merged: points or spots of one kind and cutoff, close and with similar aim."""
     if a.kind != b.kind or a.kind == "line" or a.cutoff != b.cutoff:
         return False
     near = np.linalg.norm(np.subtract(a.position, b.position)) < MAX_MERGE_DISTANCE
@@ -129,6 +125,7 @@ def _aim(light: Light) -> Float[np.ndarray, "3"]:
 
 
 def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSource:
+    """Return the light of a group, in its model's frame: total flux, mean position by power, and aim of the first."""
     power = np.array([light.power for light in group], float)
     share = power / max(power.sum(), 1e-9)
     ends = [(light.position, light.position if light.end is None else light.end) for light in group]
@@ -141,6 +138,7 @@ def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSourc
 
 
 def _cutoff(light: Light) -> float:
+    """Return the cosine of a light's cutoff angle; 90 degrees if the file has none."""
     return float(np.cos(np.clip(np.pi / 2 if light.cutoff is None else light.cutoff, 0.05, np.pi)))
 
 
