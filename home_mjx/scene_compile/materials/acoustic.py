@@ -122,6 +122,7 @@ def transmission_loss_table() -> Mapping[str, Float[np.ndarray, " bands"]]:
 
 
 def _read_table(name: str) -> Mapping[str, Float[np.ndarray, " bands"]]:
+    """Return a table of the package with one value per band, read-only, by the names of its rows."""
     text = (resources.files("home_mjx.scene_compile.materials") / name).read_text(encoding="utf-8")
     columns = [f"{band:g}" for band in BANDS]
     return MappingProxyType(

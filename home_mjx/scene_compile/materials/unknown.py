@@ -8,10 +8,7 @@ MAX_UNKNOWN_SHARE = 0.2  # maximum share of the area
 
 
 def unknown_material_share(house: CompiledHouse) -> float:
-    """Return the share (0 to 1) of the surface area whose material is a default, not known; 0 without any area.
-
-    Args:
-        house: Compiled house; movable objects are in their initial pose.
+    """Return the share (0 to 1) of a house's surface area without a known kind of material; 0 without any area.
 
     Example:
         >>> unknown_material_share(house) > MAX_UNKNOWN_SHARE  # doctest: +SKIP
