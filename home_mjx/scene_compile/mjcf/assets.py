@@ -60,6 +60,7 @@ class MjcfAssets:
         return self._meshes[key]
 
     def _add_mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
+        """Add the stretched mesh of one slot as an OBJ and return its name; None if it has no area."""
         chosen = model.slot == slot
         triangle, uv = model.triangle[chosen].astype(float) @ stretch.T, model.uv[chosen]
         if np.linalg.det(stretch) < 0:
@@ -88,6 +89,7 @@ class MjcfAssets:
         return self._pieces[key]
 
     def _add_piece(self, name: str, piece: Float[np.ndarray, "f 3 3"]) -> str:
+        """Add a convex piece as an OBJ and return its name."""
         name = f"{name}_{len(self.files)}"
         file = f"meshes/{name}.obj"
         self.files[file] = obj_bytes(piece, np.zeros((len(piece), 3, 2)))
@@ -95,6 +97,7 @@ class MjcfAssets:
         return name
 
     def _texture(self, path: str) -> str:
+        """Return the MJCF name of an image; the first call for a path adds it as PNG."""
         if path not in self._textures:
             name = self._textures[path] = f"texture{len(self._textures)}"
             file = f"textures/{name}.png"

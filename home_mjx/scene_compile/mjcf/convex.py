@@ -70,6 +70,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
 
 
 def _entry(model: Model, options: ConvexOptions) -> Path:
+    """Return the path of a model's cached pieces, whether or not it exists."""
     name = hashlib.sha256(repr((CONVEX_CACHE_VERSION, model.key, options)).encode()).hexdigest()
     return cache_folder() / "convex" / f"{name}.npz"
 

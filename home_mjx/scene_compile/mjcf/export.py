@@ -165,6 +165,7 @@ def split_linear(linear: Float[np.ndarray, "3 3"]) -> tuple[Float[np.ndarray, "3
 
 
 def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
+    """Return a rotation as an MJCF quaternion (wxyz)."""
     return numbers(Rotation.from_matrix(rotation).as_quat(scalar_first=True))
 
 
@@ -190,6 +191,7 @@ def _plot(house: CompiledHouse) -> Float[np.ndarray, "2 3"]:
 
 
 def _looking_along_x() -> dict[str, str]:
+    """Return attributes of a camera that looks along +x of its body, up +z, with a fovy of 75 degrees."""
     return {"xyaxes": "0 -1 0 0 0 1", "fovy": "75"}
 
 
@@ -253,6 +255,7 @@ def instance_name(house: CompiledHouse, instance: int) -> str:
 
 
 def _add_movable(world: ET.Element, house: CompiledHouse, body: int, name: str) -> ET.Element:
+    """Add the body of a movable object, with a free joint and the inertia of its box, and return it."""
     bodies = house.bodies
     place = {"pos": numbers(bodies.pos[body]), "quat": numbers(bodies.quat[body])}
     element = ET.SubElement(world, "body", place, name=name)
@@ -298,6 +301,7 @@ def _add_visuals(
 
 
 def _is_ceiling(house: CompiledHouse, instance: int, slot: int) -> bool:
+    """Return whether all parts with a material slot are ceilings or roofs."""
     model = house.models[house.instances.model[instance]]
     rows = house.instances.semantic[instance] + np.unique(model.part[model.slot == slot])
     table = house.semantics[rows]
@@ -323,5 +327,6 @@ def _add_agent(root: ET.Element, world: ET.Element, house: CompiledHouse, shape:
 
 
 def _pose_of(world: ET.Element, name: str) -> Float[np.ndarray, "7"]:
+    """Return the position and quaternion (wxyz) of the body `name`, as in `qpos`."""
     (body,) = world.iterfind(f"body[@name='{name}']")
     return np.array(f"{body.attrib['pos']} {body.attrib['quat']}".split(), float)

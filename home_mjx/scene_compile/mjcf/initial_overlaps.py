@@ -62,6 +62,7 @@ def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[
 
 
 def _lowest(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
+    """Return the height of the lowest corner of a body's solid geoms [m]."""
     low = np.inf
     for geom in _solid_geoms(model, body):
         turn, mesh = data.geom_xmat[geom].reshape(3, 3), model.geom_dataid[geom]
@@ -74,6 +75,7 @@ def _lowest(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
 
 
 def _solid_geoms(model: mujoco.MjModel, body: int) -> list[int]:
+    """Return the ids of a body's geoms that can have contacts."""
     first = model.body_geomadr[body]
     geoms = np.arange(first, first + model.body_geomnum[body])
     return geoms[model.geom_contype[geoms] > 0].tolist()
@@ -107,11 +109,13 @@ def _separate(
 
 
 def _put(model: mujoco.MjModel, data: mujoco.MjData, body: int, step: Float[np.ndarray, "3"]) -> None:
+    """Move a free body in `data` by `step` [m]; only `qpos` changes."""
     at = model.jnt_qposadr[model.body_jntadr[body]]
     data.qpos[at : at + 3] += step
 
 
 def _bodies(model: mujoco.MjModel, contact: Any) -> tuple[int, int]:
+    """Return the ids of the two bodies of a contact."""
     a, b = model.geom_bodyid[contact.geom]
     return int(a), int(b)
 
@@ -122,22 +126,19 @@ def _is_overlap(model: mujoco.MjModel, contact: Any) -> bool:
 
 
 def _overlaps(model: mujoco.MjModel, data: mujoco.MjData) -> list[tuple[int, int]]:
+    """Return the pairs of bodies that overlap, with repetitions."""
     mujoco.mj_forward(model, data)
     return [_bodies(model, c) for c in data.contact if _is_overlap(model, c)]
 
 
 def _move(root: ET.Element, name: str, shift: Float[np.ndarray, "3"]) -> None:
+    """Move the body `name` of the MJCF by `shift` [m], in place."""
     (body,) = root.iterfind(f"worldbody/body[@name='{name}']")
     body.set("pos", numbers(np.array(body.attrib["pos"].split(), float) + shift))
 
 
 def measure_rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10.0) -> dict[str, float]:
-    """Simulate a model in MuJoCo and measure the drift of its free bodies.
-
-    Args:
-        xml: XML from `to_mjcf`.
-        files: Files from `to_mjcf`.
-        seconds: Simulated time [s].
+    """Simulate the output of `to_mjcf` in MuJoCo for `seconds` [s], and measure the drift of its free bodies.
 
     Returns:
         Maximum distance of each free body from its initial position [m]; inf if the simulation diverged.

@@ -15,11 +15,9 @@ ATTENUATION = "1 0 0.15"  # half intensity at 2.6 m
 
 
 def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
-    """Add lights `lamp<i>` for the `MAX_LAMPS` strongest lamps: spots for spots, else points; without shadows.
+    """Add the `MAX_LAMPS` strongest lamps as lights `lamp<i>`, i in the light table: spots or points without shadows.
 
-    Args:
-        world: The `worldbody` element.
-        house: The house, with its lights by row i; daylight is omitted, and lights of movable lamps are static.
+    Daylight is omitted, and lights of movable lamps are static.
     """
     lights = house.lights
     scale = MAX_DIFFUSE / max(float(lights.intensity[~lights.daylight].max(initial=0)), 1e-9)
@@ -38,6 +36,7 @@ def add_lamps(world: ET.Element, house: CompiledHouse) -> None:
 
 
 def _strongest(house: CompiledHouse) -> Int[np.ndarray, " n"]:
+    """Return the rows of the `MAX_LAMPS` lamps of highest intensity, ascending."""
     lamps = np.flatnonzero(~house.lights.daylight)
     order = np.argsort(-house.lights.intensity[lamps].sum(axis=1), kind="stable")
     return np.sort(lamps[order[:MAX_LAMPS]])
