@@ -177,6 +177,7 @@ def _label_rooms(
     x: Float[np.ndarray, " nx"],
     y: Float[np.ndarray, " ny"],
 ) -> Int[np.ndarray, "ny nx"]:
+    """Return the room of each cell centre, the nearest room in `passages`; -1 elsewhere."""
     points = np.stack(np.meshgrid(x, y), axis=-1)
     room = find_smallest_room(rooms, ground, points)
     gap = np.zeros(room.shape, bool)

@@ -82,6 +82,7 @@ def _crossings(
 
 
 def _clusters(points: Float[np.ndarray, "n 2"], reach: float) -> list[Float[np.ndarray, "_ 2"]]:
+    """Return the connected components of points, where those up to `reach` [m] apart are connected."""
     pairs = KDTree(points).query_pairs(reach, output_type="ndarray")
     near = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points),) * 2)
     count, label = connected_components(near, directed=False)
@@ -89,6 +90,7 @@ def _clusters(points: Float[np.ndarray, "n 2"], reach: float) -> list[Float[np.n
 
 
 def _inside(door: Doorway, row: Row) -> bool:
+    """Return whether the point of a row is in a door's footprint."""
     return bool(is_inside_polygon(door.footprint, np.array(row[1][:2])))
 
 
@@ -110,17 +112,13 @@ def _closed_doors(rooms: RoomTable, doors: Sequence[Doorway]) -> list[Row]:
 
 
 def _stairs(stairs: Staircase, width: float) -> Row:
+    """Return the portal of stairs, at the foot of the first slope."""
     x, y = stairs.slopes[0].foot.tolist()
     return stairs.room, (x, y, stairs.low), width, PortalKind.STAIRS, NO_LEAF
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:
-    """Return the minimum number of portals on the way from room to room; 0 to itself, -1 if there is no way.
-
-    Args:
-        portals: Portals; only passable ones count.
-        num_rooms: Number of rooms.
-    """
+    """Return the minimum number of passable portals from room to room; 0 to itself, -1 if there is no way."""
     passed = portals.room[(portals.width > 0) & (portals.room[:, 0] >= 0)]
     graph = coo_matrix((np.ones(len(passed)), passed.T), shape=(num_rooms, num_rooms))
     hops = shortest_path(graph.tocsr(), directed=False, unweighted=True)

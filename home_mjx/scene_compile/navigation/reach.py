@@ -34,11 +34,8 @@ def find_unreachable_storeys(
 ) -> tuple[UnreachableStorey, ...]:
     """Return the storeys of which less than `MIN_REACHED_SHARE` of the free floor is in the home region.
 
-    Args:
-        spaces: Free space of each level that has rooms, lowest first.
-        region: Region of each cell of their grids; 0 is the home region, -1 none.
-        stairs: Stairs between the levels.
-        cell: Cell size [m].
+    `spaces` has the levels with rooms, lowest first, and `region` (0 home, -1 none) the cells of their grids, of size
+    `cell` [m].
     """
     found = []
     for grid, space in enumerate(spaces):
