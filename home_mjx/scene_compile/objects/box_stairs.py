@@ -43,10 +43,12 @@ def find_box_stairs(
 
 
 def _top(item: PlacedObject) -> float:
+    """Return the height of an object's highest corner [m]."""
     return float(item.triangles[..., 2].max())
 
 
 def _is_step(item: PlacedObject) -> bool:
+    """Return whether both edges of a box in the plan are within `STEP_EDGE_RANGE`."""
     edges = 2 * item.box.half[0, :2]
     return bool(edges.min() >= STEP_EDGE_RANGE[0] and edges.max() <= STEP_EDGE_RANGE[1])
 

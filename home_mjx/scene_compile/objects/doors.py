@@ -61,6 +61,7 @@ def _moves_in_plan(joint: Joint) -> bool:
 
 
 def _leaf_part(joint: Joint, model: Model) -> LeafPart:
+    """Return a leaf with the hinge or slide of a joint, converted from Y up to Z up."""
     pivot = np.array([joint.point[0], -joint.point[2]])  # the file's axes are x and -z in the plan
     if joint.kind == "slide":
         return LeafPart(model, pivot, joint.closed, joint.open, np.array([joint.axis[0], -joint.axis[2]]))
@@ -69,6 +70,7 @@ def _leaf_part(joint: Joint, model: Model) -> LeafPart:
 
 
 def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:
+    """Return the model of some triangles, `<stem>/<name>`, with new normals; kept models are reused."""
     stem = model.key.split(":")[0]
     arrays = (values[kept] for values in (model.triangle, model.uv, model.slot, model.part))
     return make_model(f"{stem}/{name}", *arrays, find=find_model)
@@ -122,12 +124,9 @@ class PlacedLeaf:
 
 
 def place_leaf(leaf: LeafPart, pose: Float[np.ndarray, "3 4"], instance: int) -> PlacedLeaf:
-    """Place a leaf in the world; mirrored poses reverse its rotation, and scaled ones scale its sliding distance.
+    """Place a leaf in the world by the pose (world from model) of its door.
 
-    Args:
-        leaf: Leaf in its model's frame.
-        pose: World from model [m].
-        instance: Its instance in the house.
+    Mirrored poses reverse its rotation, and scaled ones scale its sliding distance.
     """
     box, slide = _leaf_box(leaf.model, pose), pose[:2, :2] @ leaf.slide
     if leaf.slide.any():

@@ -62,6 +62,7 @@ def shut_outer_doors(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[
 
 
 def _doorway(item: PlacedObject, rooms: RoomTable) -> Doorway:
+    """Return the doorway of a door or arch without leaves; its first room is on the -y side of the object."""
     along, across = np.array([[np.cos(item.yaw), np.sin(item.yaw)], [-np.sin(item.yaw), np.cos(item.yaw)]])
     points = item.triangles.reshape(-1, 3)[:, :2] @ along
     middle = item.pose[:2, 3] @ across

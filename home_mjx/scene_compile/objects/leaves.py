@@ -121,12 +121,9 @@ def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
 
 
 def find_blocking_leaves(leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None) -> BoxSet:
-    """Return boxes of the leaves whose range is too small to leave the way free, at their maximum opening.
+    """Return the boxes, at their maximum opening, of leaves whose range is too small to leave the way free.
 
-    Args:
-        leaves: Leaves that turn or slide.
-        static: Obstacles of all leaves.
-        walls: See `make_doors`.
+    Arguments are those of `make_doors`.
     """
     found = []
     for leaf in leaves:

@@ -91,6 +91,7 @@ class PlacedObject:
 
     @cached_property
     def _leaves(self) -> tuple[PlacedLeaf, ...]:
+        """All leaves in the world, also shut ones, in the initial pose."""
         return tuple(place_leaf(leaf, self.pose, self.instance + i) for i, leaf in enumerate(self.leaf_parts, 1))
 
     @property
@@ -111,12 +112,7 @@ class PlacedObject:
 
 
 def place_objects(frame: HouseFrame, metadata: Metadata) -> list[PlacedObject]:
-    """Place every object and box of a house, in file order.
-
-    Args:
-        frame: The house, and its rooms in the world frame.
-        metadata: Categories of its models.
-    """
+    """Place every object and box of a house in the world, in file order; instances follow `ARCHITECTURE`."""
     house, rooms, offset = frame.house, frame.rooms, frame.offset
     models = {key: library_model(key, mesh) for key, mesh in house.models.items()}
     cube = unit_cube()
@@ -188,6 +184,7 @@ def unit_cube() -> Model:
 
 
 def _pose(node: ObjectNode | BoxNode, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 4"]:
+    """Return world from model [m]; that of a Box includes its dimensions, since its model is a unit cube."""
     linear, shift = node.transform[:3, :3].astype(np.float64), node.transform[:3, 3].astype(np.float64)
     if isinstance(node, BoxNode):
         linear = linear * node.dimensions
@@ -195,6 +192,7 @@ def _pose(node: ObjectNode | BoxNode, offset: Float[np.ndarray, "3"]) -> Float[n
 
 
 def _slots(node: ObjectNode | BoxNode, models: Mapping[str, Mesh]) -> tuple[Material, ...]:
+    """Return the material slots after overrides; the last override of a Box also applies to its further slots."""
     changes = node.materials
     if isinstance(node, BoxNode):
         last = len(changes) - 1

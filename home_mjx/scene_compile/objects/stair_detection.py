@@ -94,11 +94,8 @@ class StraightFlights:
     def slopes(self, low: float, high: float) -> SlopesTopWell:
         """Return slopes and level landings from floor to floor, the rest of the top tread, and the well.
 
-        Flights extend from edge to edge of the landings. The well consists of the outlines of all slopes.
-
-        Args:
-            low: Height of the lower floor [m].
-            high: Height of the upper floor [m].
+        Flights extend from edge to edge of the landings. The well has the outlines of all slopes. `low` and `high` are
+        the heights of both floors [m].
         """
         heights, found = [low, *(height for height, _ in self.landings), high], []
         for i, run in enumerate(self.runs):
@@ -258,6 +255,7 @@ def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
 
 
 def _plan_cells(points: Float[np.ndarray, "n 3"]) -> tuple[Int[np.ndarray, " u"], Int[np.ndarray, " n"]]:
+    """Return `unique_cells` of the `SAMPLE_CELL` grid in plan for points [m]."""
     return unique_cells(np.floor(points[:, :2] / SAMPLE_CELL).astype(np.int64))
 
 

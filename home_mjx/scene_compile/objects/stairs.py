@@ -154,13 +154,7 @@ def _stairs(
     """Return the staircase that one object, or boxes, form between rooms of adjacent levels; None if they form none.
 
     They form none if their ends are not near the floors of the levels or in rooms, or if no path over treads is found.
-
-    Args:
-        parts: The object, or the boxes.
-        rooms: Outlines and floors.
-        lower: Index of the lower grid.
-        level: Level index of each grid, lowest first.
-        floor: Height of each grid's floor [m].
+    `lower` is the index of the lower grid; `level` and `floor` have level index and floor height [m] of each grid.
     """
     triangles, yaw = np.concatenate([item.triangles for item in parts]), parts[0].yaw
     treads = tread_triangles(triangles)
@@ -212,4 +206,5 @@ def _exits_under(below: Staircase, above: Staircase) -> bool:
 
 
 def _room_at(rooms: RoomTable, level: int, point: Float[np.ndarray, "2"]) -> int:
+    """Return the smallest room of a level that contains a plan point; -1 if none."""
     return int(find_smallest_room(rooms, np.flatnonzero(rooms.level == level), point))
