@@ -67,15 +67,7 @@ def assemble(
 ) -> CompiledHouse:
     """Assemble the compiled house from the results of all stages.
 
-    Args:
-        frame: World frame and rooms.
-        shell: Instance 0.
-        objects: The other instances.
-        levels: Colliders, bodies and doors.
-        navigation: Navigation data.
-        surfaces: Materials.
-        lights: Lamps and windows.
-        semantics: Rows of the shell's parts and of the objects.
+    `semantics` has the rows of the shell's parts, then of the objects.
     """
     instances = _instances(shell, objects, surfaces.first_row, levels.bodies)
     models = {m.key: m for m in (shell.model, *(part for o in objects for part in o.parts))}
@@ -123,6 +115,7 @@ def _instances(
 
 
 def _bounds(instances: Instances, models: Mapping[str, Model]) -> Float[np.ndarray, "2 3"]:
+    """Return the bounding box of all instances in the world [m]."""
     boxes = np.array([instance_box(p, models[k].box) for p, k in zip(instances.pose, instances.model, strict=True)])
     return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 

@@ -71,13 +71,7 @@ def find_storeys_without_access(
 ) -> dict[UnreachableStorey, tuple[str, ...]]:
     """Return the storeys that agents cannot reach, each with the node ids of the stairs that begin or end there.
 
-    Args:
-        house: House as read from the dataset.
-        metadata: Categories of its models.
-        options: Sizes, counts and limits.
-
-    Raises:
-        DatasetError: As in `compile_house`.
+    Arguments and errors are those of `compile_house`.
     """
     check_counts(house)
     with add_house_file(house):

@@ -112,15 +112,7 @@ def build_levels(
     movables: MovableOptions,
     navigation: NavigationOptions,
 ) -> LevelGeometry:
-    """Compute the colliders, bodies, doors and free space of all levels of a house.
-
-    Args:
-        frame: Rooms.
-        shell: Walls.
-        objects: Objects of all levels.
-        colliders: Options of box fitting.
-        movables: Criteria for movable objects.
-        navigation: Sizes of an agent and of a cell.
+    """Compute the colliders, bodies, doors and free space of all levels of a house, from the objects of all levels.
 
     Raises:
         DatasetError: The house exceeds the `limits`, or its ground floor has no standable cell.
@@ -175,14 +167,9 @@ def build_levels(
 
 
 def find_level_sites(rooms: RoomTable, objects: Sequence[PlacedObject], climb: bool) -> list[LevelSite]:
-    """Return the levels that have rooms, lowest first; the ground floor includes objects of other levels.
+    """Return the levels that have rooms, lowest first, with objects in reach of agents; `climb`: agents use stairs.
 
-    Objects out of reach of agents are omitted.
-
-    Args:
-        rooms: Outlines and floors.
-        objects: Objects of all levels.
-        climb: True if agents use stairs.
+    The ground floor includes the objects of other levels.
     """
     numbers = np.unique(rooms.level).tolist()
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])

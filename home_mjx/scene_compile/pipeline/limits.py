@@ -38,6 +38,7 @@ def check_counts(house: House) -> None:
 
 
 def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, int]]) -> None:
+    """Raise `DatasetError`, at the first path where the running sum of counts exceeds `most`."""
     total = 0
     for path, count in counts:
         total += count
@@ -46,12 +47,7 @@ def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, i
 
 
 def check_levels(frame: HouseFrame, shell: BuildingShell, cell: float) -> None:
-    """Reject a house whose rooms extend beyond the maximum navigation grid, or whose walls are too long.
-
-    Args:
-        frame: Rooms, with the centre of the ground floor at the origin.
-        shell: Walls.
-        cell: Cell size [m].
+    """Reject a house whose rooms exceed the maximum navigation grid of cells of size `cell` [m], or whose walls do.
 
     Raises:
         DatasetError: A limit is exceeded; the error names the farthest room, or that of the longest wall.
@@ -61,6 +57,7 @@ def check_levels(frame: HouseFrame, shell: BuildingShell, cell: float) -> None:
 
 
 def _check_extent(house: House, rooms: RoomTable, cell: float) -> None:
+    """Raise `DatasetError` if the bounding rectangle of all rooms, on all levels, has more than `MAX_CELLS` cells."""
     points = np.concatenate(rooms.polygon)
     width, depth = np.ptp(points, axis=0).tolist() if len(points) else (0.0, 0.0)
     levels = len(np.unique(rooms.level))
