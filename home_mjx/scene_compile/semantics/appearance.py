@@ -73,12 +73,7 @@ class Appearance:
 
 
 def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
-    """Compute the names of the whole surface's dominant colours as rendered, and of its materials.
-
-    Args:
-        skin: The surface.
-        options: `share` and `material` are used.
-    """
+    """Compute the names of a surface's dominant colours as rendered, and of its materials."""
     if skin.area.sum() <= 0:
         # A mesh of lines and points has zero area, so all triangles get equal weights.
         skin = replace(skin, area=np.ones_like(skin.area))
@@ -140,6 +135,7 @@ def texture_digest(path: str) -> bytes:
 
 @lru_cache(maxsize=1 << 12)
 def _file_digest(path: str, changed: int) -> bytes:
+    """Return the SHA-256 digest of a file; `changed` is only a part of the cache key."""
     return hashlib.sha256(Path(path).read_bytes()).digest()
 
 
@@ -152,15 +148,11 @@ def _image(path: str, changed: int) -> np.ndarray:
 def dominant_colors(
     lab: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]
 ) -> tuple[Float[np.ndarray, "c 3"], Float[np.ndarray, " c"]]:
-    """Return the means of groups of similar colours and their shares of the total weight, largest first.
+    """Return the means (CIELAB) of groups of similar colours and their shares of the total weight, largest first.
 
     The colour with the largest weight within `MAX_SHADE_DISTANCE` forms a group with its neighbours; then the rest is
     grouped in the same way. A pattern of red and white results in red and white, not pink; wood grain results in one
-    colour.
-
-    Args:
-        lab: CIELAB colours.
-        weight: Weight of each colour; not all 0.
+    colour. Weights must not all be 0.
     """
     cell = unique_cells(np.round(lab / (MAX_SHADE_DISTANCE / 4)).astype(np.int64))[1]
     mass = np.bincount(cell, weight)

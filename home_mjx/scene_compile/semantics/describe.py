@@ -66,6 +66,7 @@ def describe_object(house: HouseSemantics, object_id: int) -> str:
 
 
 def _holds(house: HouseSemantics, item: ObjectSemantics) -> str:
+    """Return the predicate of an object's support, such as `is on the table`."""
     held = item.support
     if held.container >= 0:
         return f"is in the {_noun(house.objects_by_id[held.container].fine)}"
@@ -77,6 +78,7 @@ def _holds(house: HouseSemantics, item: ObjectSemantics) -> str:
 
 
 def _where(item: ObjectSemantics) -> str:
+    """Return the place of an object in words, such as `in the kitchen (room 2, level 0)`."""
     if item.room < 0:
         return f"outside of every room of level {item.level}"
     names = [name.replace("_", " ").lower() for name in item.room_types]
@@ -85,6 +87,7 @@ def _where(item: ObjectSemantics) -> str:
 
 
 def _near(house: HouseSemantics, item: ObjectSemantics) -> list[str]:
+    """Return one sentence with the nearest of the objects next to it, at most `MAX_NEIGHBOURS`; [] without any."""
     beside = [
         house.objects_by_id[r.object]
         for r in house.relations
@@ -96,9 +99,11 @@ def _near(house: HouseSemantics, item: ObjectSemantics) -> list[str]:
 
 
 def _noun(category: str) -> str:
+    """Return a category in words."""
     return "object" if category in UNNAMED_CATEGORIES else category.replace("_", " ")
 
 
 def _listed(words: Sequence[str]) -> str:
+    """Return at least one word as an enumeration with `and`."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last

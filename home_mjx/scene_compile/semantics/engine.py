@@ -66,15 +66,7 @@ def describe_house(
     metadata: Metadata,
     options: SemanticOptions = DEFAULT_OPTIONS,
 ) -> HouseSemantics:
-    """Compute the same as `house_semantics` for a house that is already built in the world frame.
-
-    Args:
-        frame: The house, and its rooms in the world frame.
-        shell: Its architecture.
-        objects: Its objects.
-        metadata: Categories and sizes of its models.
-        options: Rules for colours, materials and sizes.
-    """
+    """Compute the result of `house_semantics` for a house that is already built in the world frame."""
     house, rooms = frame.house, frame.rooms
     sizes, supports, looks = size_table(metadata), find_supports(objects, rooms), _AppearanceCache(options)
     return HouseSemantics(
@@ -140,6 +132,7 @@ class _Look:
 
 
 def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _AppearanceCache) -> PartSemantics:
+    """Describe part `index` of the shell, by the slot that is largest on the side that faces its room."""
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.inner_slot[index]))
     triangles = model.triangle[seen].astype(np.float64)
@@ -162,6 +155,7 @@ def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _Appearance
 
 
 def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]) -> Bool[np.ndarray, " t"]:
+    """Return a mask of the triangles whose normals are within 45 degrees of unit `toward`."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return normal @ toward > 0.7 * np.linalg.norm(normal, axis=1)
 
@@ -169,6 +163,7 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 def _object(
     item: PlacedObject, support: Support, rooms: RoomTable, sizes: SizeTable, looks: _AppearanceCache
 ) -> ObjectSemantics:
+    """Describe one object."""
     look = looks.of_object(item)
     size = sizes.log_volume_size(_volume(item), item.info)
     return ObjectSemantics(
@@ -197,23 +192,13 @@ def _volume(item: PlacedObject) -> float:
 
 
 def room_type(rooms: RoomTable, room: int) -> str:
-    """Return the first label of a room; `unknown` for no room or no label.
-
-    Args:
-        rooms: Rooms of the house.
-        room: Room index; -1 for none.
-    """
+    """Return the first label of room `room` (-1: no room); `unknown` for no room or no label."""
     kind = int(rooms.type[room]) if room >= 0 else -1
     return ROOM_TYPES[kind] if kind >= 0 else UNKNOWN
 
 
 def room_types(rooms: RoomTable, room: int) -> tuple[str, ...]:
-    """Return all labels of a room, the first one first; () for no room or no label.
-
-    Args:
-        rooms: Rooms of the house.
-        room: Room index; -1 for none.
-    """
+    """Return all labels of room `room` (-1: no room), the first one first; () for no room or no label."""
     if room < 0:
         return ()
     first, labels = int(rooms.type[room]), room_types_in(int(rooms.labels[room]))

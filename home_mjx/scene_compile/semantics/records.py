@@ -10,11 +10,7 @@ Record = dict[str, Any]
 
 
 def house_record(house: HouseSemantics) -> Record:
-    """Return a JSON-compatible dictionary of rooms, parts, objects and relations that are independent of a viewpoint.
-
-    Args:
-        house: Semantics of the house.
-    """
+    """Return a JSON-compatible dictionary of rooms, parts, objects and observer-independent relations."""
     return {
         "id": house.id,
         "rooms": [{"room": r.index, "types": list(r.types), "level": r.level, "area": r.area} for r in house.rooms],

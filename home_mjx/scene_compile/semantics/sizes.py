@@ -55,6 +55,7 @@ def size_table(metadata: Metadata) -> SizeTable:
 
 
 def _grouped(items: Sequence[tuple[str, float]]) -> dict[str, Float[np.ndarray, " _"]]:
+    """Return the volumes by category."""
     groups: dict[str, list[float]] = defaultdict(list)
     for category, volume in items:
         groups[category].append(volume)
@@ -62,4 +63,5 @@ def _grouped(items: Sequence[tuple[str, float]]) -> dict[str, Float[np.ndarray, 
 
 
 def _size(deviation: float) -> str:
+    """Return the size class of a deviation from the mean in standard deviations."""
     return SIZES[int(np.searchsorted(SIZE_LIMITS, deviation))]

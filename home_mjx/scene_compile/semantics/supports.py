@@ -46,12 +46,7 @@ class Support:
 
 
 def find_supports(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Support]:
-    """Return the support of each object.
-
-    Args:
-        objects: All objects of a house.
-        rooms: Rooms of the house.
-    """
+    """Return the support of each object of a house."""
     boxes = concat_boxes(o.box for o in objects)
     limits = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     outlines = {level: _outline_points(rooms, level) for level in {o.level for o in objects}}
@@ -66,6 +61,10 @@ def _support(
     rooms: RoomTable,
     outline: Float[np.ndarray, "p 2"],
 ) -> Support:
+    """Return the support of object `index`; `outline` has plan points along the room outlines of its level.
+
+    Rules in order: wall opening, hung on a wall, another object, floor, ceiling, wall.
+    """
     item = objects[index]
     if item.info.coarse in WALL_OPENINGS:
         return Support("wall")

@@ -17,14 +17,7 @@ from home_mjx.schema.vocabulary import COLORS_PER_LEVEL, FIRST_COLOR, encode_nam
 def build_semantic_rows(
     shell: BuildingShell, objects: Sequence[PlacedObject], bodies: Bodies, semantics: HouseSemantics
 ) -> Int[np.ndarray, "q columns"]:
-    """Return the semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`.
-
-    Args:
-        shell: Walls, floors and ceilings.
-        objects: Objects in the world frame.
-        bodies: Movable bodies.
-        semantics: Output of the semantic engine, in the same order.
-    """
+    """Return the semantic rows of a house: one per part of its shell, then one per object. Columns: `Semantic`."""
     body = {instance: row for row, instance in enumerate(bodies.instance.tolist())}
     rows = [shell.semantics, *(_object_row(o, body.get(o.instance, -1))[None] for o in objects)]
     return fill_semantics(np.concatenate(rows), semantics)
@@ -45,12 +38,7 @@ def _object_row(item: PlacedObject, body: int) -> Int[np.ndarray, " columns"]:
 
 
 def fill_semantics(rows: Int[np.ndarray, "q c"], house: HouseSemantics) -> Int[np.ndarray, "q c"]:
-    """Return a copy of the rows of a house with the columns of the semantic engine filled in.
-
-    Args:
-        rows: One per part of the architecture, then one per object.
-        house: Output of the semantic engine, in the same order.
-    """
+    """Return a copy of the rows of a house (parts, then objects) with the columns of the semantic engine filled in."""
     rows = rows.copy()
     for row, item in zip(rows, (*house.parts, *house.objects), strict=True):
         _fill_look(row, item)

@@ -137,11 +137,7 @@ class HouseSemantics:
         return static_relations(self._ids, self._boxes, self._places, [item.support for item in self.objects])
 
     def relations_from(self, viewpoint: ObserverPose) -> tuple[Relation, ...]:
-        """Return the relations left of, right of, in front of and behind, relative to an observer.
-
-        Args:
-            viewpoint: Position of the observer; its heading is not used.
-        """
+        """Return left of, right of, in front of and behind relations from a position; its heading is not used."""
         return observer_relations(self._ids, self._boxes, self._places, viewpoint)
 
     @property
