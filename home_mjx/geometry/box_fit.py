@@ -132,6 +132,7 @@ def _stretch(left: Bool[np.ndarray, "x y z"], start: np.ndarray, stop: np.ndarra
 
 
 def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
+    """Return the index of the cells from `start` to one before `stop`."""
     return tuple(slice(a, b) for a, b in zip(start, stop, strict=True))
 
 

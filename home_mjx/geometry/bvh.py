@@ -58,6 +58,7 @@ def build_triangle_tree(triangles: Float[np.ndarray, "t 3 3"], leaf_size: int = 
 
 
 def _check(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int) -> None:
+    """Raise the errors of `build_tree`."""
     if not 1 <= leaf_size <= MAX_LEAF:
         raise ConfigError(f"expected leaf_size in 1..{MAX_LEAF}, got {leaf_size}")
     if len(boxes) >= MAX_PRIMITIVES:
@@ -71,6 +72,7 @@ def _check(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int) -> None:
 @verify_cache_once
 @no_type_check
 def _built(bounds, leaf_size):
+    """Call `_build` after a check of Numba's cache."""
     return _build(bounds, leaf_size)
 
 
@@ -109,6 +111,7 @@ def _build(bounds, leaf_size):
 @njit(cache=True)
 @no_type_check
 def _push(stack, slot, first, last, parent, side, depth):
+    """Write a pending range to row `slot` of the stack."""
     stack[slot, 0], stack[slot, 1] = first, last
     stack[slot, 2], stack[slot, 3], stack[slot, 4] = parent, side, depth
 

@@ -37,6 +37,7 @@ def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
 
 
 def _wall_piece(group: str, prism: WallPrism, slot: int, wall_id: str) -> MeshPiece:
+    """Return a layer of a wall, with `slot` on its large faces and slot 1 on cut faces."""
     return MeshPiece(group, prism.vertices, prism.faces, prism.uv, np.where(prism.is_large_face, slot, 1), part=wall_id)
 
 

@@ -131,6 +131,7 @@ def tree_order(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
 
 
 def _triangle_tree(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[BVH, Int[np.ndarray, " t"]]:
+    """Return `build_triangle_tree` of triangles."""
     from home_mjx.geometry.bvh import build_triangle_tree  # loads Numba, which readers of models do not need
 
     return build_triangle_tree(triangles)

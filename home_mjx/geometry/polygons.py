@@ -268,4 +268,5 @@ def _segment_distance(
 
 
 def _area(polygon: Float[np.ndarray, "n 2"]) -> float:
+    """Return the area of a polygon of either winding [m^2]; 0 without corners."""
     return abs(signed_area(polygon)) if len(polygon) else 0.0
