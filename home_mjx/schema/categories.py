@@ -24,6 +24,7 @@ COLLISIONS = ("box", "exact")  # collision geometry of objects in an exported ho
 
 @cache
 def _positions(names: tuple[str, ...]) -> dict[str, int]:
+    """Return the position of each name."""
     return {name: index for index, name in enumerate(names)}
 
 

@@ -45,6 +45,7 @@ def palettes() -> Mapping[str, Palette]:
 
 
 def _palette(rows: list[dict[str, str]]) -> Palette:
+    """Convert rows of the table (`name`, and `srgb` as #rrggbb) to a palette."""
     srgb = np.array([list(bytes.fromhex(row["srgb"].removeprefix("#"))) for row in rows]) / 255
     return Palette(tuple(row["name"] for row in rows), srgb, srgb_to_lab(srgb))
 

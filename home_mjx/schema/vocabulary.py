@@ -40,6 +40,7 @@ def vocabularies() -> Mapping[Semantic, tuple[str, ...]]:
 
 @cache
 def _numbers(column: Semantic) -> Mapping[str, int]:
+    """Return the position of each name of a column."""
     return {name: number for number, name in enumerate(vocabularies()[column])}
 
 
