@@ -118,6 +118,7 @@ def find_bake(name: str) -> Bake:
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
+    """Return the entry points of bakes by name; cached."""
     return {point.name: point for point in entry_points(group=GROUP)}
 
 

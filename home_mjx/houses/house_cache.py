@@ -223,6 +223,7 @@ class HouseCache:
         return os.path.join(self._root, path) if path else ""
 
     def _model_path(self, key: str) -> Path:
+        """Return the path of a model's entry, whether or not it exists."""
         return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{ENTRY_SUFFIX}"
 
 
@@ -234,11 +235,7 @@ def load_compiled(
 ) -> CompiledHouse:
     """Return one compiled house from the cache, or compile it; for several, `HouseCache` checks shared inputs once.
 
-    Args:
-        dataset: An open dataset.
-        house_id: Id of the house.
-        options: Compile options.
-        library: Models by key, shared with other calls; new models are added.
+    `library` has models by key, shared with other calls; new models are added.
 
     Raises:
         DatasetError: The house is unknown or broken.

@@ -128,11 +128,7 @@ def _prepare() -> None:
 def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: str) -> CompileOutcome:
     """Compile a house unless it is in the cache; never raise, but return the outcome with any error.
 
-    Args:
-        dataset: The dataset.
-        options: Compile options.
-        run: Name of the run; each process checks shared inputs once per run.
-        house_id: The house.
+    Each process checks inputs that houses share once per `run`, the name of the compile job.
     """
     begin = time.perf_counter()
     status, error, entry, fallbacks, fixed = FAILED, None, None, [], 0

@@ -76,7 +76,7 @@ def house_set(
     """Return the `HouseSet` that `load_bank` loads, without compiling it; arguments as there.
 
     Raises:
-        ConfigError: A choice is invalid or made twice, or `filter` is given for the default dataset, which has no end.
+        ConfigError: A choice is invalid or made twice, or `filter` is given without a dataset.
     """
     if num_houses is not None:
         check_number("num_houses", num_houses, 1, integer=True)

@@ -81,6 +81,7 @@ def summarize_contents(
 
 
 def _is_range(limits: object) -> bool:
+    """Return whether a value is a pair of numbers in ascending order."""
     if not isinstance(limits, tuple | list) or len(limits) != 2 or not all(isinstance(x, Real) for x in limits):
         return False
     return limits[0] <= limits[1]

@@ -268,4 +268,5 @@ def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Arra
 
 @functools.partial(jax.jit, static_argnums=1)
 def _slots_in_use(houses: Int[Array, "..."], num_slots: int) -> Bool[Array, " h"]:
+    """Return the mask of slots that some environment uses."""
     return jnp.zeros(num_slots, bool).at[houses.reshape(-1)].set(True)
