@@ -211,6 +211,7 @@ class Dataset(ABC):
 
     @cached_property
     def _known(self) -> frozenset[str]:
+        """All house ids, for fast look-up."""
         return frozenset(self.house_ids)
 
 

@@ -234,5 +234,6 @@ def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[OpeningSpan]) -> P
 
 
 def _rectangle(low: Float[np.ndarray, "2"], high: Float[np.ndarray, "2"]) -> Polygon:
+    """Return the corners of an axis-aligned rectangle, counter-clockwise from `low`."""
     (x0, z0), (x1, z1) = low, high
     return np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])

@@ -98,28 +98,31 @@ def _numbers(text: str, count: int, place: Location, largest: float = 1.0) -> li
 
 
 def _diffuse(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
+    """Read `Kd`, an sRGB colour clipped to 0..1."""
     red, green, blue = _numbers(text, 3, place)
     return {"diffuse": (red, green, blue)}
 
 
 def _opacity(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
-    """Read `d`, and record it as `dissolve` for a `Tr` below."""
+    """Read `d` as opacity, and record it as `dissolve` for a `Tr` below."""
     opacity = _numbers(text.removeprefix("-halo"), 1, place)[0]
     return {"opacity": opacity, "dissolve": opacity}
 
 
 def _transparency(text: str, _: TextureLookup, place: Location, block: dict) -> dict:
-    """Read `Tr`, which is 1 - opacity with the exceptions in `read_mtl`."""
+    """Read opacity from `Tr`: 1 - `Tr`, with the exceptions in `read_mtl`."""
     value = _numbers(text, 1, place)[0]
     return {"opacity": value if value == block.get("dissolve", 1.0) else 1.0 - value}
 
 
 def _specular(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
+    """Read `Ks`, clipped to 0..1."""
     red, green, blue = _numbers(text, 3, place)
     return {"specular": (red, green, blue)}
 
 
 def _shininess(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
+    """Read `Ns`, clipped to 0..`MAX_SHININESS`."""
     return {"shininess": _numbers(text, 1, place, MAX_SHININESS)[0]}
 
 

@@ -238,7 +238,7 @@ def _materials(
 
 
 def _slots(names: Sequence[str]) -> Mapping[str, int]:
-    """Map each name, and it without comment and quotes, to its position; whole names come first, then the first."""
+    """Map each name, and it without comment and quotes, to its position; whole, then earlier names take precedence."""
     slots: dict[str, int] = {}
     for name, slot in (*((n, i) for i, n in enumerate(names)), *((bare_name(n), i) for i, n in enumerate(names))):
         slots.setdefault(name, slot)
@@ -318,6 +318,7 @@ def _slot(row: tuple[int, str], slots: Mapping[str, int], path: Path) -> int:
 
 
 def _unknown_material(name: str, slots: Mapping[str, int], place: Location) -> DatasetError:
+    """Return, without raising it, the error for a `usemtl` name that no library has."""
     hint = did_you_mean(name, slots) if slots else "Add a `mtllib` line that names an MTL file."
     return place.error(f"material `{name[:60]}` is not in the material library", hint)
 

@@ -91,6 +91,7 @@ def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
 
 
 def _malformed(words: list[str]) -> bool:
+    """Return whether the corners of an `f` line are fewer than three or not indices."""
     return len(words) < 3 or _indices([words]) is None
 
 

@@ -103,7 +103,7 @@ class Architecture:
         return common.member(key) if common.has_value else common
 
     def _length(self, value: JsonValue, default: float, least: float) -> float:
-        """Return a length in units of the file, `default` [m] if null; raise `DatasetError` below `least`."""
+        """Return a length in units of the file, that of `default` [m] if null; raise `DatasetError` below `least`."""
         length = value.coordinate() if value.has_value else default / self.scale
         if length < least:
             raise value.error(f"expected a length of at least {least:g}, got {length:g}")

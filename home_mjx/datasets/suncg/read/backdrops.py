@@ -17,7 +17,7 @@ MAX_AXIS_SINE = 1e-3  # maximum sine of the angle between the axes and a box tha
 def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) -> list[Node]:
     """Return a level's nodes with boxes over 20 m cut to the extent of the others; outside or slanted ones removed.
 
-    Changes are noted as problems at `place`. With the option `backdrops`, nodes are unchanged.
+    Changes are noted as problems; `place` names the file. With the option `backdrops`, nodes are unchanged.
     """
     extent = None if reading.options.backdrops else level_extent(nodes)
     if extent is None:

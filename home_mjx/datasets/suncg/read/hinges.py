@@ -72,7 +72,7 @@ class HingeTable:
 
 
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
-    """Find the hinges of a door from two variants (triangles, Z up [m]); the joints move `shown`.
+    """Find the leaves of a door with their motion from the pose in `shown` to that in `other` (triangles, Z up [m]).
 
     Empty if no part turns or slides, or if a variant is too large for a door.
 

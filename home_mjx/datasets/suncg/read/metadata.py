@@ -131,6 +131,7 @@ def _light(value: JsonValue) -> Light:
 
 
 def _point(value: JsonValue) -> tuple[float, float, float]:
+    """Read a point [m]."""
     x, y, z = value.vector(3).tolist()
     return x, y, z
 

@@ -52,6 +52,7 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
 
 
 def _meshes(room: RoomNode) -> tuple[Mesh | None, ...]:
+    """Return the meshes of a room; None for missing ones."""
     return room.floor, room.ceiling, room.walls
 
 

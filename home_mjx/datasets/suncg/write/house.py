@@ -332,6 +332,7 @@ def _bounds(node: ObjectNode | BoxNode | GroundNode, house: House) -> Bounds:
 
 
 def _mesh_bounds(mesh: Mesh) -> Bounds:
+    """Return the minimum and maximum corner of all vertices [m]."""
     return np.stack([mesh.vertices.min(0), mesh.vertices.max(0)])
 
 

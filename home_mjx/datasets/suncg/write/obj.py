@@ -56,6 +56,7 @@ def _flat(mesh: Mesh) -> Float[np.ndarray, "f 3"]:
 
 
 def _rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
+    """Return numbers rounded to `DECIMALS`, without negative zeros."""
     return np.round(rows, DECIMALS) + 0.0  # adding 0 turns -0 into 0
 
 
