@@ -97,7 +97,7 @@ def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
 
 
 def _part(kind: str, room: int, level: int, mesh: Mesh, faces: np.ndarray, offset: np.ndarray) -> ShellPart:
-    """Return the part of a mesh with these faces; a wall has its slab."""
+    """Return the surface of some faces of a mesh in the world frame; with its `slab` if `kind` is `wall`."""
     triangles = world_triangles(mesh, offset)[faces]
     if kind == "wall":
         return WallPart(kind, room, level, mesh, faces, triangles, fit_slab(triangles))

@@ -116,9 +116,9 @@ def lot_bounds(rooms: RoomTable) -> Float[np.ndarray, "2 2"]:
 
 
 def is_within_lot(box: Float[np.ndarray, "2 3"], rooms: RoomTable) -> bool:
-    """Return whether a box (minimum and maximum corner [m]) overlaps the volume inside the fence, below all ceilings.
+    """Return whether a box (minimum and maximum corner [m]) overlaps the volume inside the fence, up to its top.
 
-    The top is the highest ceiling. Agents cannot touch anything else, such as neighbouring houses or the roof.
+    Agents cannot touch anything else, such as neighbouring houses or the roof.
     """
     (low, high), ((x0, y0), (x1, y1)) = box, lot_bounds(rooms)
     top = max(rooms.floor.max() + MIN_BARRIER_HEIGHT, rooms.ceiling.max())

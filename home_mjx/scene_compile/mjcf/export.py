@@ -64,7 +64,7 @@ def to_mjcf(
 
     Args:
         house: A compiled house.
-        agent: Adds an agent at the first start point, with motors (see `mjcf_agent`).
+        agent: Adds an agent at the first start point, with motors (see `schema.mjcf`).
         timestep: Length of a physics step [s].
         friction: Sliding friction of all movable objects; None: by material. Agents are frictionless.
         restitution: Restitution of all movable objects; None: by material.

@@ -28,7 +28,7 @@ def compute_clearance(
         x: x of the cell centres, ascending [m].
         y: y of the cell centres, ascending [m].
         heights: Height range above the floor in which obstacles count [m].
-        max_distance: Distances up to this are exact; greater ones are only at least this [m].
+        max_distance: Distances up to this are exact; greater ones may be too large, or inf [m].
     """
     met = (obstacles.top > floor.min() + heights[0]) & (obstacles.bottom < floor.max() + heights[1])
     boxes = np.c_[obstacles.center[:, :2], obstacles.half[:, :2], np.cos(obstacles.yaw), np.sin(obstacles.yaw)]
@@ -39,6 +39,7 @@ def compute_clearance(
 @verify_cache_once
 @no_type_check
 def _found(boxes, floor, x, y, least, most):
+    """Call `_clearance` after a check of Numba's cache."""
     return _clearance(boxes, floor, x, y, least, most)
 
 

@@ -17,7 +17,9 @@ SUPPORT_PHRASES = {
 
 
 def short_text(size: str, look: Appearance, category: str) -> str:
-    """Return size unless normal, CSS colours, fine category, and materials if textures determine them, as in HoME.
+    """Return a text of size (unless normal), CSS colours, fine category, and materials that textures determine.
+
+    This is the form of HoME.
 
     Args:
         size: One of `SIZES`, or "".

@@ -123,16 +123,18 @@ class _Look:
 
     @classmethod
     def of(cls, look: Appearance) -> "_Look":
+        """Create the record of an appearance."""
         return cls(**look.colors, materials=look.materials, is_textured=look.is_textured)
 
     @property
     def appearance(self) -> Appearance:
+        """The appearance."""
         colors = {level: getattr(self, level) for level in COLOR_LEVELS}
         return Appearance(colors, self.materials, self.is_textured)
 
 
 def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _AppearanceCache) -> PartSemantics:
-    """Describe part `index` of the shell, by the slot that is largest on the side that faces its room."""
+    """Return the semantics of part `index`, by the slot that is largest on the side that faces its room."""
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.inner_slot[index]))
     triangles = model.triangle[seen].astype(np.float64)
@@ -163,7 +165,7 @@ def _faces(triangles: Float[np.ndarray, "t 3 3"], toward: Float[np.ndarray, "3"]
 def _object(
     item: PlacedObject, support: Support, rooms: RoomTable, sizes: SizeTable, looks: _AppearanceCache
 ) -> ObjectSemantics:
-    """Describe one object."""
+    """Return the semantics of one object."""
     look = looks.of_object(item)
     size = sizes.log_volume_size(_volume(item), item.info)
     return ObjectSemantics(

@@ -22,6 +22,7 @@ def house_record(house: HouseSemantics) -> Record:
 
 
 def _part(part: PartSemantics) -> Record:
+    """Convert a part to JSON values."""
     place = {"part": part.index, "category": part.category, "room": part.room, "room_type": part.room_type}
     place |= {"room_types": list(part.room_types)}
     size = {"level": part.level, "partition": part.partition, "area": part.area, "description": part.description}
@@ -29,6 +30,7 @@ def _part(part: PartSemantics) -> Record:
 
 
 def _object(item: ObjectSemantics) -> Record:
+    """Convert an object to JSON values; `edges` are the full edge lengths of its box [m]."""
     return {
         "object_id": item.object_id,
         "node": item.node,
@@ -53,5 +55,6 @@ def _object(item: ObjectSemantics) -> Record:
 
 
 def _look(look: Appearance) -> Record:
+    """Convert an appearance to JSON values."""
     colors = {level: list(names) for level, names in look.colors.items()}
     return {"colors": colors, "materials": list(look.materials), "textured": look.is_textured}

@@ -142,10 +142,12 @@ class HouseSemantics:
 
     @property
     def _ids(self) -> list[int]:
+        """Object ids, in order."""
         return [item.object_id for item in self.objects]
 
     @cached_property
     def _boxes(self) -> BoxSet:
+        """Boxes of all objects, in order."""
         return concat_boxes(item.box for item in self.objects)
 
     @property
