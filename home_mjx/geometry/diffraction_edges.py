@@ -39,8 +39,8 @@ def find_exposed_edges(
 ) -> Bool[np.ndarray, "n edges"]:
     """Return the mask of edges, in the order of `edge_rows`, that are exposed to air and thus diffract sound.
 
-    At `MIN_FREE_PROBES` or more positions along an edge, points beside both faces and in front of it must be between
-    the floor and ceiling of some room, and in no other box.
+    At `MIN_FREE_PROBES` or more positions along an edge, the points beside both faces and in front of it must be in
+    air. Air is between the floor and ceiling of some room, and in no other box.
 
     Args:
         center: Box centres [m].

@@ -64,8 +64,8 @@ def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: F
 def is_same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> bool:
     """Return whether two slabs are copies of one physical wall, or one overlaps the other as its continuation.
 
-    Both must be parallel, have at least 0.5 m of height and more than `overlap` [m] of length in common, and middle
-    planes less than `gap` [m] apart. `overlap` is larger than that of walls at corners.
+    Both must be parallel and have at least 0.5 m of height in common. Their middle planes are less than `gap` [m]
+    apart, and their common length is above `overlap` [m], which exceeds the overlap of walls at corners.
     """
     if abs(np.sin(a.yaw - b.yaw)) > 0.03 or min(a.high[2], b.high[2]) - max(a.low[2], b.low[2]) < 0.5:
         return False
