@@ -20,11 +20,10 @@ SUMMED_FIELDS = ("path_length", "absorbed", "exchanged", "transmitted")  # field
 
 
 def fill_accumulator(tally: Accumulator, rays: BakedRays) -> dict[str, np.ndarray]:
-    """Fill a tally; return `comes_from`, mean directions of arrival times 127, and `SUMMED_FIELDS` over all rays.
+    """Add the results of all stages to an accumulator; return further arrays of the bake.
 
-    Args:
-        tally: Accumulator to fill.
-        rays: Results of all stages.
+    Returns:
+        `comes_from`: mean directions of arrival times 127, int8; and `SUMMED_FIELDS` over all rays, octaves first.
     """
     energy, intensity = _propagate_portals(rays, len(tally.room))
     if rays.unterminated is not None:
@@ -43,16 +42,14 @@ def fill_accumulator(tally: Accumulator, rays: BakedRays) -> dict[str, np.ndarra
 def _propagate_portals(
     rays: BakedRays, count: int
 ) -> tuple[Float[np.ndarray, "bands g c k"], Float[np.ndarray, "three g c t"]]:
-    """Compute the energy received from portal states and its energy-weighted directions, including transfer.
+    """Compute the energy that cells receive from each first portal state, including transfer, in threads.
 
-    There is a threaded task per octave and per component of directions.
-
-    Args:
-        rays: Results of all stages.
-        count: Number of cells.
+    Returns:
+        Energy per octave over `NUM_BINS`, and energy of all octaves times direction (x, y, z) over `DIRECTIONAL_BINS`.
     """
 
     def run(octave: int) -> Float[np.ndarray, "g c k"]:
+        """Compute one octave, or a component of the direction."""
         is_energy = octave < len(BANDS)
         bins = NUM_BINS if is_energy else DIRECTIONAL_BINS
         received = np.zeros((rays.number, count, bins), np.float32)
@@ -75,7 +72,7 @@ def _trim_silence(sent: Float[np.ndarray, "bands c g k"]) -> Float[np.ndarray, "
 
 
 def _sums(rays: BakedRays) -> dict[str, np.ndarray]:
-    """Sum ray statistics, with portal states weighted by the energy that passes through them."""
+    """Sum `SUMMED_FIELDS` over rays, portal states weighted by the energy that passes through them; octaves first."""
     total = total_flux(rays.emitted.sum(axis=(0, 3), dtype=float), rays.transfer)
     sums = {}
     for name in SUMMED_FIELDS:

@@ -91,7 +91,7 @@ def _portal_adjacency(house: CompiledHouse) -> Bool[np.ndarray, "r r"]:
 
 
 def _room_fields(house: CompiledHouse, total: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Compute the energy balance of the house's rooms, and the fields of its portals."""
+    """Return the `LateField` arrays of rooms (energy balance) and of portals by name."""
     count, navigation = len(house.rooms.type), house.navigation
     portals = navigation.portals
     inner = (portals.room >= 0).all(axis=1)

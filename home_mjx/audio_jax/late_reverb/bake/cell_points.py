@@ -92,7 +92,7 @@ def sample_points(cells: Cells, cell: int, count: int, rng: np.random.Generator)
 def compute_visibility(
     rays: HouseRays, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]
 ) -> Bool[np.ndarray, "p n"]:
-    """Test the visibility between all pairs of points."""
+    """Return whether the line between each pair of points is unobstructed."""
     return _is_visible(rays, start[:, None], end[None])
 
 
@@ -135,7 +135,7 @@ def build_lattice(house: CompiledHouse, rays: HouseRays, cells: Cells, size: flo
 def _sees_pairs(
     rays: HouseRays, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"], pairs: Bool[np.ndarray, "p n"]
 ) -> Bool[np.ndarray, " m"]:
-    """Test the visibility between some pairs of points."""
+    """Return whether the line is unobstructed for each True in `pairs`, in row-major order."""
     first, second = np.nonzero(pairs)
     return ~rays.occluded(start[first], end[second])
 
@@ -143,6 +143,6 @@ def _sees_pairs(
 def _is_visible(
     rays: HouseRays, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
 ) -> Bool[np.ndarray, "..."]:
-    """Test for unobstructed lines between points."""
+    """Return whether lines between points (broadcast) are unobstructed."""
     start, end = np.broadcast_arrays(start, end)
     return ~rays.occluded(start.reshape(-1, 3), end.reshape(-1, 3)).reshape(start.shape[:-1])

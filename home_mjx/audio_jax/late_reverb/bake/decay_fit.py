@@ -47,7 +47,10 @@ class Accumulator:
     def finish(
         self, seen: Bool[np.ndarray, "n n"] | None = None
     ) -> tuple[Float[np.ndarray, "n n s b"], Float[np.ndarray, "r r b k"]]:
-        """Return the log energy per pair, span and octave, and the decay shapes per pair of rooms.
+        """Return log energies per pair, span and octave, and decay shapes (sum 1 per span) per pair of rooms.
+
+        Logs are natural. Energies are symmetric (reciprocity), smoothed over octaves, and extrapolated after the traced
+        time.
 
         Args:
             seen: Visibility between cells. Pairs of rooms without any visible pair of cells are smoothed, see

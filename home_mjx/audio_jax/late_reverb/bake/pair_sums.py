@@ -61,6 +61,7 @@ def sum_pairs(
 @verify_cache_once
 @no_type_check
 def _sum_target(own, emitted, after, arrival, room, ends, rooms):
+    """Call `_sum_to_cell`; verifies Numba's disk cache once."""
     return _sum_to_cell(own, emitted, after, arrival, room, ends, rooms)
 
 
@@ -93,6 +94,7 @@ def _sum_to_cell(own, emitted, after, arrival, room, ends, rooms):
 @compiled
 @no_type_check
 def _add_own(own, i, b, arrival, ends, spans, decay):
+    """Add energies `own[i, :, b]` to the spans and the decay of cell `i`, by bin after its first possible arrival."""
     span = 0
     for k in range(own.shape[1]):
         since = max(k - arrival, 0)
@@ -122,7 +124,7 @@ def _add_emission(emitted, total, arrival, most, ends, spans, moved):
 @compiled
 @no_type_check
 def _convolve(moved, most, after, total, decay):
-    """Add a convolution to `decay`; `moved` begins `most` bins before it. Earlier energy counts to its first bin."""
+    """Add the convolution of emission `moved`, from bin -`most` on, with `after` to `decay`; earlier energy: bin 0."""
     bins = len(after)
     for k in range(len(moved)):
         sent, shift = moved[k], k - most

@@ -76,7 +76,7 @@ def build_second_states(
     """Build states for two consecutive doors; minor paths use the state of the last door alone.
 
     Args:
-        gates: Existing states.
+        gates: States of rooms and of single doors.
         portal_energy: Energy from room to room of rays that started at each state between rooms.
 
     Returns:
@@ -96,7 +96,7 @@ def build_second_states(
 def sum_transfer(
     portal_energy: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "*s r r"], count: int
 ) -> Float[np.ndarray, "s bands g k"]:
-    """Sum energy from room to room by portal state; `number` is shared by all sources or has one row per source."""
+    """Sum energy from room to room by portal state; `number` (-1: none) is shared by all sources or per source."""
     out = np.zeros((*portal_energy.shape[:2], count, portal_energy.shape[-1]), portal_energy.dtype)
     each = np.broadcast_to(number, (len(portal_energy), *number.shape[-2:]))
     for left, entered in np.argwhere((each >= 0).any(axis=0)):
@@ -110,7 +110,7 @@ def list_transfers(
     number: Int[np.ndarray, "g r r"],
     bins: int,
 ) -> Transfer:
-    """List the transfers between portal states.
+    """List the transfers between portal states, of nonzero energy only.
 
     Args:
         parts: States in ascending order, and their energy from room to room.

@@ -57,11 +57,13 @@ def solve_renewal(
 @verify_cache_once
 @no_type_check
 def _solve(found, ends, pairs, values):
+    """Call the compiled `_solve_bins`; verifies Numba's disk cache once."""
     _compiled_solve()(found, ends, pairs, values)
 
 
 @cache
 def _compiled_solve() -> Any:
+    """Return the compiled `solve`, from Numba's disk cache if it is there."""
     # Numba's cache checks this file and the values that a function closes over: the digest stands for other files.
     digest = ffi.hash_sources(ffi.__file__, memory.__file__, simd.__file__)
 

@@ -7,11 +7,11 @@ from jaxtyping import Float, Int
 
 
 class RoomExchange(NamedTuple):
-    """Loss and exchange of rooms per octave; from sums of `trace_cells.TraceEnergy` over all sources."""
+    """Loss and exchange of rooms per octave."""
 
-    loss: Float[np.ndarray, "r bands"]
-    opening: Float[np.ndarray, "r r bands"]
-    wall: Float[np.ndarray, "r r bands"]
+    loss: Float[np.ndarray, "r bands"]  # [1/m], share of energy absorbed per metre
+    opening: Float[np.ndarray, "r r bands"]  # [m²], exchange area of open portals
+    wall: Float[np.ndarray, "r r bands"]  # [m²], exchange area of transmitting walls
 
 
 def estimate_exchange(
@@ -22,16 +22,10 @@ def estimate_exchange(
     transmitted: Float[np.ndarray, "bands r r"],
     joined: Int[np.ndarray, "p 2"],
 ) -> RoomExchange:
-    """Compute losses and exchange of rooms; exchange areas [m²] are symmetric.
+    """Compute losses [1/m] and symmetric exchange areas [m²] of rooms.
 
-    Args:
-        volume: Volumes of the rooms [m³].
-        path_length: See `TraceEnergy`.
-        absorbed: See `TraceEnergy`.
-        exchanged: See `TraceEnergy`.
-        transmitted: See `TraceEnergy`.
-        joined: Pairs of rooms with a portal. If there are any, exchange across a third room is assigned to the rooms on
-            the way.
+    Volumes are in m³; the next four arguments are fields of `SourceSums`, summed over all sources. `joined` lists pairs
+    of rooms with a portal; if there are any, exchange across a third room is assigned to the rooms on the way.
     """
     rate = volume / np.maximum(path_length, 1e-30)  # (bands, r)
     flows = (x * rate[:, :, None] for x in (exchanged, transmitted))

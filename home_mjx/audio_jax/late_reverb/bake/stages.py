@@ -54,7 +54,7 @@ def trace_stages(
         tracer: Ray tracer of the house.
         points: Start points of rays in each cell [m].
         room: Room of each cell.
-        sizes: Numbers of rays.
+        sizes: Rays per portal state in each stage.
         seed: Seed of all random numbers of rays.
     """
     rng = np.random.default_rng(seed)
@@ -110,7 +110,7 @@ def _source_rays(points: Float[np.ndarray, "r 3"], room: int, rng: np.random.Gen
 def _trace_unterminated(
     tracer: FlightTracer, starts: list[FlightStart], count: int, seed: int
 ) -> Float[np.ndarray, "batches bands g n k"]:
-    """Trace batches of rays of each portal state without termination at other portals.
+    """Trace batches of rays of each portal state without termination at others; return energies over `RECORDED_BINS`.
 
     Args:
         tracer: Ray tracer of the house.
@@ -138,4 +138,5 @@ def _thin_out(one: FlightStart, rows: slice, age: float) -> FlightStart:
 
 
 def _octaves_first(portal: Float[np.ndarray, "s r r k lanes"]) -> Float[np.ndarray, "s bands r r k"]:
+    """Return portal energies with the axis of octaves second, other lanes omitted."""
     return np.moveaxis(portal[..., : len(BANDS)], 4, 1)

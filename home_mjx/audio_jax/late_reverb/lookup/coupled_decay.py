@@ -111,6 +111,7 @@ def threads_per_matrix(rooms: int) -> int:
 
 
 def _available(rooms: int) -> bool:
+    """Return whether the CUDA kernel is usable for `rooms` rooms."""
     supported = rooms > 0 and threads_per_matrix(rooms) <= WARP
     return supported and KERNEL.is_usable("cuda") and _bytes(rooms) <= max_shared_bytes()
 
@@ -132,11 +133,13 @@ def _decay_by_cuda(
     count: Int[Array, ""],
     bins: int,
 ) -> Float[Array, "s k bands"]:
+    """Compute `decay_in_rooms` by the CUDA kernel; `_available` must be True."""
     return _op(bins)(rates[None], start[None], listener[None], count[None])[0][0]
 
 
 @functools.cache
 def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
+    """Return the batched `launch_decay`."""
     return batch_kernel(functools.partial(launch_decay, bins), 0, 1)
 
 

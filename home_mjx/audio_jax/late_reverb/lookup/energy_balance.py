@@ -101,6 +101,7 @@ def _exchange_shares(
     tight = shut[:, None] * (1 - late.portal_leak[house].astype(jnp.float32))
 
     def by_pair(of_portal: Float[Array, "p b"]) -> Float[Array, "r r b"]:
+        """Return 1 minus the sum of a loss per portal, for each pair of rooms."""
         one = jnp.einsum("pr,ps,pb->rsb", ends[:, 0], ends[:, 1], of_portal, precision="highest")
         return 1 - (one + jnp.swapaxes(one, 0, 1))
 

@@ -197,6 +197,7 @@ def fly(scene, flight, rays, other, memory, seed):
 @compiled
 @no_type_check
 def _sum_energy(flight, rays):
+    """Return the energy of all rays, per octave."""
     total = broadcast(ZERO)
     for i in range(flight.rules.rays):
         total = total + load(rays.energy, LANES * i)
@@ -253,6 +254,7 @@ def attenuate(air, length):
 @compiled
 @no_type_check
 def _add(pointer, row, value):
+    """Add a vector to row `row` of an array with `LANES` columns."""
     store(pointer, LANES * row, load(pointer, LANES * row) + value)
 
 
@@ -313,7 +315,10 @@ def _meet(flight, rays, i, instance, triangle, length, filled):
 @compiled
 @no_type_check
 def _end(flight, rays, i, energy, when, inside, before, room, goes, filled):
-    """End a ray in a portal state; `when` in bins. Return the number of ended rays that are kept."""
+    """End ray `i` at time `when` [bins], by entering `room` (`goes`) or by age; return the number of kept ended rays.
+
+    `inside`: length of its last segment in the entered room [m], else 0.
+    """
     scratch, left_room = flight.scratch, before if goes else room
     _add_portal(flight, left_room, room, when, energy)
     if not goes:
@@ -331,7 +336,7 @@ def _end(flight, rays, i, energy, when, inside, before, room, goes, filled):
 @compiled
 @no_type_check
 def _add_portal(flight, room, entered, when, energy):
-    """Add energy from room to room, in the bin of its passage; `when` in bins."""
+    """Add energy that passes from `room` to `entered` (equal: aged) at time `when` [bins] to the portal sums."""
     index = min(np.int64(when), flight.rules.bins - 1)
     _add(flight.sums.portal, (room * flight.grid.rooms + entered) * flight.rules.bins + index, energy)
 
@@ -359,7 +364,7 @@ def _keep(flight, rays, i, direction, at, energy, since, room, entered, filled):
 @compiled
 @no_type_check
 def _find_normal(surfaces, direction, at, instance, triangle):
-    """Return the unit normal of a triangle in the world, towards the ray."""
+    """Return the unit normal of a triangle in the world, towards the ray; `at`: index of the ray's first component."""
     t, k, m, j = surfaces.triangle, 9 * triangle, surfaces.inverse, 12 * instance
     ax, ay, az = t[k + 3] - t[k], t[k + 4] - t[k + 1], t[k + 5] - t[k + 2]
     bx, by, bz = t[k + 6] - t[k], t[k + 7] - t[k + 1], t[k + 8] - t[k + 2]
@@ -500,7 +505,7 @@ def _continue(flight, rays, i, other, new, energy, share, chance):
 @compiled
 @no_type_check
 def _weigh_rooms(flight, rays):
-    """Write the weights of energies per room and octave in resampling."""
+    """Write to `held`, per room and octave, the factor on a ray's energy that yields its weight in resampling."""
     held, rooms = flight.scratch.held, flight.grid.rooms
     for room in range(rooms):
         store(held, LANES * room, broadcast(ZERO))

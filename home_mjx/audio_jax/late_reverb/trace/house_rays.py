@@ -78,12 +78,7 @@ class HouseRays:
 
     @classmethod
     def from_bank(cls, bank: HouseBank, index: int) -> "HouseRays":
-        """Return the arrays of a house.
-
-        Args:
-            bank: Bank that holds the house.
-            index: Index of the house in the bank.
-        """
+        """Return the arrays of house `index` of a bank."""
         geometry, table = bank.geometry, bank.materials
         moving = _moving_instances(bank, index)
         host = {
@@ -126,6 +121,7 @@ class HouseRays:
         return np.concatenate([*found, np.zeros(0, bool)])
 
     def _occluded(self, start: Float[np.ndarray, "n 3"], way: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
+        """Return whether anything is between `start` and `start + way`, in one task."""
         arrays = self.operands(), start, way, *ray_memory(len(start))
         arrays[REACH][:] = 1.0
         _test_occlusion(addresses(arrays), self.sizes, len(start))
@@ -198,6 +194,7 @@ def _door_motion(
 
 
 def _compose(outer: Float[np.ndarray, "n 3 4"], inner: Float[np.ndarray, "n 3 4"]) -> Float[np.ndarray, "n 3 4"]:
+    """Return the affine maps that apply `inner`, then `outer`."""
     out = outer[..., :3] @ inner
     out[..., 3] += outer[..., 3]
     return out
@@ -223,11 +220,13 @@ def addresses(arrays: Iterable[np.ndarray]) -> Int[np.ndarray, " n"]:
 @verify_cache_once
 @no_type_check
 def _test_occlusion(at, sizes, count):
+    """Cast rays until any hit, on arrays at the addresses `at`; verifies Numba's disk cache once."""
     _compiled_test()(at, sizes, count)
 
 
 @cache
 def _compiled_test() -> Any:
+    """Return the compiled `test_occlusion`, from Numba's disk cache if it is there."""
     # Numba's cache checks this file and the values that a function closes over: the digest stands for other files.
     digest = ffi.hash_sources(*(part.__file__ for part in CAST_MODULES))
 
@@ -243,7 +242,7 @@ def _compiled_test() -> Any:
 @compiled
 @no_type_check
 def read_memory(at, first):
-    """Return memory at addresses, from the index `first` on."""
+    """Return the `RayMemory` whose arrays are at the addresses `at[first]`, `at[first + 1]`, ..."""
     return RayMemory(
         words(at[first]),
         words(at[first + 1]),

@@ -20,7 +20,7 @@ class RayPool:
         self.source = np.repeat(np.arange(len(ended)), [len(one.energy) for one in ended])
 
     def extend(self, other: "RayPool") -> None:
-        """Add the rays of another pool; sources are then those of neither."""
+        """Add the rays of another pool; all rays then have source 0."""
         self.rays = EndedRays(*(np.concatenate(x) for x in zip(self.rays, other.rays, strict=True)))
         self.source = np.zeros(len(self.rays.energy), int)
 

@@ -79,12 +79,7 @@ NO_ENDED_RAYS = EndedRays(
 
 
 def make_grid(divided: Cells, joined: Bool[np.ndarray, "r r"]) -> CellGrid:
-    """Return cells as rays read them.
-
-    Args:
-        divided: Cells of the house.
-        joined: Pairs of rooms that share a portal.
-    """
+    """Return cells as rays read them; `joined` are pairs of rooms that share a portal."""
     lookup, room = (np.ascontiguousarray(x, np.int32) for x in (divided.lookup, divided.room))
     low, high = (np.ascontiguousarray(x, np.float32) for x in (divided.low, divided.high))
     return CellGrid(lookup, low, high, room, joined, divided.origin, float(divided.step))
@@ -125,7 +120,7 @@ class FlightTracer:
         threads.
 
         Args:
-            starts: Rays of each source; none without rays.
+            starts: Rays of each source; a source may have none.
             bins: Number of time bins.
             seed: Seed of all flights.
             from_source: Rays start at sources, not at reflections.
@@ -161,6 +156,7 @@ class FlightTracer:
         return sums, [found[source] for source in range(len(starts))] if keeps_ended else []
 
     def _fly(self, one: FlightStart, rules: flight.FlightRules, sums: SourceSums, seed: np.uint64) -> EndedRays:
+        """Trace one flight in this thread: add to `sums`, return the kept ended rays."""
         count, rooms, kept = len(one.origin), len(self.grid.joined), int(rules.kept)
         rays = _rays(count)
         for array, value in zip(rays, (*one[:3], 0, not rules.from_source, one.room, one.room), strict=True):
@@ -211,6 +207,7 @@ def _scratch(count: int, rooms: int) -> tuple[np.ndarray, ...]:
 
 
 def _empty_sums(sources: int, cells: int, rooms: int, bins: int) -> SourceSums:
+    """Return zero sums of the shapes of `SourceSums`."""
     shapes = (cells, bins), (rooms, rooms, bins), *(2 * [(rooms,)]), *(2 * [(rooms, rooms)])
     return SourceSums(*(np.zeros((sources, *shape, LANES), np.float32) for shape in shapes))
 
@@ -218,11 +215,13 @@ def _empty_sums(sources: int, cells: int, rooms: int, bins: int) -> SourceSums:
 @verify_cache_once
 @no_type_check
 def _fly_source(at, rows, sizes, place, rules, seed):
+    """Call the compiled `_fly_at`; verifies Numba's disk cache once."""
     return _compiled_flight()(at, rows, sizes, place, rules, seed)
 
 
 @cache
 def _compiled_flight() -> Any:
+    """Return the compiled `fly`, from Numba's disk cache if it is there."""
     # Numba's cache checks this file and the values that a function closes over: the digest stands for other files.
     parts: tuple[Any, ...] = (*CAST_MODULES, cells, compiled_house, flight, house_rays)
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
@@ -274,6 +273,7 @@ def _fly_at(at, rows, sizes, place, rules, seed):
 @compiled
 @no_type_check
 def _six(at, first):
+    """Return float pointers to six successive addresses."""
     return (
         floats(at[first]),
         floats(at[first + 1]),
@@ -287,6 +287,7 @@ def _six(at, first):
 @compiled
 @no_type_check
 def _read_rays(at, first):
+    """Return the `FlightRays` whose arrays are at seven successive addresses."""
     return flight.FlightRays(
         floats(at[first]),
         floats(at[first + 1]),
