@@ -72,7 +72,7 @@ def distance_field(
 
 
 def _grid_moves(free: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None, cell: float) -> _GridMoves:
-    """Return the moves between cells in the order of a sweep; None for `height`: equal heights."""
+    """Return the moves between neighbouring free cells, see `_GridMoves`; `height` None: no height limits them."""
 
     def joined(rows: int, columns: int) -> Array:
         move = functools.partial(_shift_grid, rows=rows, columns=columns)
@@ -91,9 +91,10 @@ def _grid_moves(free: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None
 
 
 def _sweep(moves: _GridMoves, distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]) -> Float[Array, "ny nx"]:
-    """Return distances lowered row by row from the first: from the row before and then along the row itself.
+    """Return distances [m] after one pass over the rows, from the first to the last.
 
-    `step` is the length of a straight step into each cell [m]. Cells that are not free get inf.
+    Each cell is lowered from its three neighbours in the row before, then along its row in both directions. `step` is
+    the length of a straight step into each cell [m]. Cells that are not free get inf.
     """
 
     def row(there: Float[Array, " nx"], here: tuple[_GridMoves, Array, Array]) -> tuple[Array, Array]:
@@ -110,14 +111,14 @@ def _sweep(moves: _GridMoves, distance: Float[Array, "ny nx"], step: Float[Array
 
 
 def _shift_grid(values: Array, rows: int, columns: int, fill: float | bool) -> Array:
-    """Return at each cell the value `rows` rows and `columns` columns before it; `fill` where there is none."""
+    """Return values shifted towards higher indices by `rows` and `columns`, lower if negative; `fill` moves in."""
     pad = [(max(by, 0), max(-by, 0)) for by in (rows, columns)]
     wide = jnp.pad(values, pad, constant_values=fill)
     return wide[max(-rows, 0) :, max(-columns, 0) :][: values.shape[0], : values.shape[1]]
 
 
 def _shift(values: Array, step: int, fill: float | bool) -> Array:
-    """Return at each column the value `step` (1 or -1) columns before it; `fill` where there is none."""
+    """Return values shifted by one column, to higher indices for `step` 1, lower for -1; `fill` moves in."""
     moved = jnp.roll(values, step)
     return moved.at[0 if step > 0 else -1].set(fill)
 
@@ -125,9 +126,9 @@ def _shift(values: Array, step: int, fill: float | bool) -> Array:
 def _along(
     joined: Bool[Array, " nx"], distance: Float[Array, " nx"], length: Float[Array, " nx"]
 ) -> Float[Array, " nx"]:
-    """Lower distances along a row in both directions; `length` is that of steps into a cell. Blocked cells have inf.
+    """Lower distances [m] along a row in both directions by steps between `joined` cells; blocked cells have inf.
 
-    `joined` cells can be entered from one column before, and left to there.
+    `joined` is True where a cell connects with the one before it; `length` is that of a step into each cell [m].
     """
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -144,16 +145,17 @@ def _along(
 def goal_fields(
     bank: HouseBank, house: Int[Array, ""], level: Int[Array, ""], goals: Float[Array, "g 3"]
 ) -> Float[Array, "g ny nx"]:
-    """Compute distance fields of one level of a house to goal points.
+    """Compute the distances of all cells of one level of a house to goal points, at run time.
 
     Args:
         bank: The houses.
         house: Index of the house, not clipped.
         level: Index of the level's grid.
-        goals: Points on that level [m]; free cells whose centre is within one cell of it in x and y are its sources.
+        goals: Points on that level [m]; free cells whose centre is within one cell of it in x and y have distance 0.
 
     Returns:
-        Distances over cells of any region to each goal's sources [m]; inf if there is no path, or no source.
+        Distances to each goal [m], over paths on this level only, in any region; inf if there is no path, or no
+        free cell at the goal.
     """
     region = bank.navigation.region[house, level]
     free, height = region >= 0, bank.navigation.height[row_of_cell(bank.navigation.cell[house, level])]

@@ -28,15 +28,11 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
 
 
 def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
-    """Return whether an agent can pass each portal: it has no door, or one of its leaves is sufficiently open.
+    """Return which portals an agent can pass: without a door, or with a leaf open wider than the agent.
 
     A hinged leaf of width w at an angle t from closed leaves a gap of 2 w sin(t / 2) to the frame or to another closed
-    leaf. A sliding leaf leaves a gap of its displacement. Gaps of two leaves are not added.
-
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        door_angle: Joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
+    leaf. A sliding leaf leaves a gap of its displacement. Gaps of two leaves are not added. `door_angle` has the joint
+    coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
 
     Returns:
         One flag per portal; False for padding, and for portals that agents cannot pass with any door state.
@@ -58,10 +54,7 @@ def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[A
 def connected_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
     """Return which pairs of rooms are connected, also over other rooms, for an agent that does not move doors.
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        door_angle: Joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
+    `door_angle` has the joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
 
     Returns:
         Symmetric matrix with a True diagonal. With all doors wide open it is `room_hops >= 0`.

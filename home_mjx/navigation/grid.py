@@ -1,4 +1,9 @@
-"""Lookups in a house's navigation grids, on the device."""
+"""Lookups in a house's navigation grids, on the device.
+
+The home region of a house is its largest connected walkable region on the ground floor, with all levels that stairs
+connect to it. `house` is an index into the bank, `feet` the lowest point of an agent or a point on a floor [m] in the
+world frame.
+"""
 
 import jax
 import jax.numpy as jnp
@@ -19,17 +24,12 @@ MAX_SHARED_GAP = 0.05  # [m], maximum height difference of cells of two levels t
 
 
 def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Int[Array, "3"]:
-    """Return grid (level from the lowest), row (y) and column (x) of an agent's cell, clipped to the grid.
+    """Return grid (level from the lowest), row (y) and column (x) of the cell under `feet`, clipped to the grid.
 
-    Of the cells above one another, one per level, it is that whose floor or ramp is nearest to the feet. Cells outside
+    Of the cells above one another, one per level, it is that whose floor or ramp is nearest in height. Cells outside
     the home region count as `MAX_DEPTH_BELOW_FLOOR` farther: their height may be a neighbour's. The grids of two levels
     share the cells where they meet on a ramp; there it is that of the upper level if the feet are at most
     `MAX_DEPTH_BELOW_FLOOR` below its floor, else that of the lower one.
-
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        feet: Lowest point of the agent, or a point on a floor [m], world frame.
     """
     house = bank.clip_house_index(house)
     row, column = _plan_cell(bank, house, feet)
@@ -44,17 +44,12 @@ def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]
 
 
 def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"]) -> Int[Array, "3"]:
-    """Return level, row and column of the cell below a point, clipped to the grid.
+    """Return grid (level), row (y) and column (x) of the cell below a free `point` [m], such as an eye or a source.
 
-    Of the cells above one another, one per level, it is the highest one in a room whose floor or ramp is not above the
-    point, up to `MAX_SHARED_GAP`; where there is none in a room, the highest one; below all floors, the lowest one.
-    Over stairs it is the ramp, not the opening in the floor above: there is no floor between a cell and a point that is
-    less than an agent's height above it.
-
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        point: Any point that is not of a body that stands on the floor: the middle of an object, an eye, a source [m].
+    Of the cells above one another, one per level, it is the highest walkable one at most an agent's height below the
+    point: over stairs the ramp, not the opening in the floor above. Else it is the highest one in a room below the
+    point, else the highest one below it, else the lowest one. Floors up to `MAX_SHARED_GAP` above the point count as
+    below. Points outside of the grid are clipped to it.
     """
     house = bank.clip_house_index(house)
     row, column = _plan_cell(bank, house, point)
@@ -70,7 +65,7 @@ def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"])
 
 
 def _plan_cell(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return row (y) and column (x) of a point [m] in a house, whose index is valid, clipped to the grid."""
+    """Return row (y) and column (x) of the cell at a point [m], clipped to the grid; `house` must be a valid index."""
     rows, columns = bank.navigation.room.shape[2:]
     index = jnp.floor((pos[:2] - bank.navigation.origin[house]) / jnp.float32(bank.spec.cell)).astype(jnp.int32)
     return jnp.clip(index[1], 0, rows - 1), jnp.clip(index[0], 0, columns - 1)
@@ -79,7 +74,7 @@ def _plan_cell(bank: HouseBank, house: Int[Array, ""], pos: Float[Array, "3"]) -
 def _heights(
     bank: HouseBank, house: Int[Array, ""], row: Int[Array, ""], column: Int[Array, ""]
 ) -> Float[Array, " levels"]:
-    """Return each level's floor or ramp height at a cell, else at its nearest one [m]; padding: highest level's."""
+    """Return each level's floor or ramp height at a cell or its nearest reachable one [m]; padding: highest level's."""
     return bank.navigation.height[row_of_cell(bank.navigation.cell[house, :, row, column])]
 
 
@@ -89,11 +84,12 @@ def room_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]
 
 
 def room_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"]) -> Int[Array, ""]:
-    """Return the index of the room that contains a point above its floor; -1 outside. See `cell_below`."""
+    """Return the index of the room that contains a free point, chosen by `cell_below`; -1 outside."""
     return _room(bank, house, cell_below(bank, house, point))
 
 
 def _room(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "3"]) -> Int[Array, ""]:
+    """Return the index of the room at (level, row, column) as int32; -1 outside of rooms."""
     return bank.navigation.room[bank.clip_house_index(house), cell[0], cell[1], cell[2]].astype(jnp.int32)
 
 
@@ -104,21 +100,22 @@ def geodesic_distance(
     feet: Float[Array, "3"],
     field: UInt16[Array, "cell goals"] | None = None,
 ) -> Float[Array, "..."]:
-    """Compute the length of the shortest path from an agent's feet to one goal, several goals, or all goals.
+    """Compute the length of the shortest path from `feet` to one goal, several goals, or all goals (None).
 
-    It is the minimum over the 3 × 3 cells around the feet of the cell's distance plus that to its centre. Near
-    obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
+    It is the minimum over the 3 × 3 cells around the feet of the cell's distance plus the straight line to its centre.
+    Near obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
     `geometry.extrapolation`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
 
     Args:
         bank: The houses.
         house: Index of the house.
-        goal: Index or indices of goals; None: all goals.
+        goal: Index or indices of columns of `field`; None: all.
         feet: Lowest point of the agent, or a point on a floor [m], world frame.
         field: Distances of all cells to other goals, stored as in `NavigationArrays.field`; None: the bank's field.
 
     Returns:
-        Distances [m], in the shape of `goal`; finite with the bank's field, because its goals are in the home region.
+        Distances [m], in the shape of `goal`, (goals,) for None. Finite with the bank's field; with others
+        inf if there is no path.
     """
     navigation, house = bank.navigation, bank.clip_house_index(house)
     level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
@@ -139,20 +136,14 @@ def geodesic_distance(
 
 
 def is_near_home_region(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether an agent stands in or next to a cell of the home region, from which all goals are reachable.
-
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        feet: Lowest point of the agent, or a point on a floor [m], world frame.
-    """
+    """Return whether the cell at `feet` or one of the 8 around it is in the home region, with paths to all goals."""
     house = bank.clip_house_index(house)
     level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
     return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME_RANK)
 
 
 def _neighbourhood(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Int[Array, "9 3"]:
-    """Return the 3 × 3 cells around a cell, in the order of `_OFFSETS`, clipped to the grid; see `continue_levels`."""
+    """Return the 3 × 3 cells (level, row, column) around one, by `_OFFSETS`, clipped; levels by `continue_levels`."""
     offsets = jnp.array([(0, dy, dx) for dy, dx in _OFFSETS], jnp.int32)
     around = jnp.clip(place[None] + offsets, 0, jnp.array(bank.navigation.room.shape[1:], jnp.int32)[None] - 1)
     return continue_levels(bank, house, place, around)
@@ -161,10 +152,10 @@ def _neighbourhood(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"
 def continue_levels(
     bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"], around: Int[Array, "n 3"]
 ) -> Int[Array, "n 3"]:
-    """Return cells around a place, each on the level to which floors and ramps lead from there.
+    """Return cells near `place` with the level replaced by the one to which floors and ramps lead from there.
 
-    It is the level of the home cell nearest in height, if the way there is not steeper than `MAX_SLOPE`; else the level
-    of the place.
+    It is the level of the home cell nearest in height to `place`, if the way there is not steeper than `MAX_SLOPE`;
+    else the level of `place`, as in houses of one level.
 
     Args:
         bank: The houses.
@@ -187,7 +178,7 @@ def continue_levels(
 
 
 def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Rank entries of `NavigationArrays.cell`: 0 home region, 1 free near obstacles, 2 in a movable, 3 negative."""
+    """Rank cell numbers of a house: 0 home region, 1 free but near obstacles, 2 under a movable, 3 negative."""
     navigation = bank.navigation
     number = cell - navigation.first_cell[house]
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
@@ -196,14 +187,15 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
 
 
 def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Return whether entries of the house's `NavigationArrays.cell` are in its home region; False if negative."""
+    """Return whether cell numbers (entries of the house's `NavigationArrays.cell`) are in its home region."""
     return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
 def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
-    """Return the row of `field` and `cell_coords` for entries of `NavigationArrays.cell`.
+    """Return the rows of `field` and `cell_coords` for cell numbers, the entries of `NavigationArrays.cell`.
 
-    Negative entries mark unreachable cells; their row is that of the nearest reachable cell.
+    A number of at least 0 is the row itself. Negative ones mark unreachable cells: ~number is the row of the nearest
+    reachable cell.
     """
     return jnp.where(cell >= 0, cell, ~cell)
 
@@ -211,9 +203,10 @@ def row_of_cell(cell: Int[Array, "*n"]) -> Int[Array, "*n"]:
 def stored_distance(
     field: UInt16[Array, "cell goals"], cell: Int[Array, " n"], goal: Int[Array, "*g"] | None
 ) -> Float[Array, "n ..."]:
-    """Return distances from cells (entries of `NavigationArrays.cell`) to one, several or all (None) goals [m].
+    """Return distances [m] from cell numbers (entries of `NavigationArrays.cell`) to one, several or all (None) goals.
 
-    Unreachable cells, with negative entries, have that of the nearest reachable one. It is inf if there is no path.
+    The goal axes follow that of cells. Unreachable cells, with negative numbers, have the distance of the nearest
+    reachable one; inf if no path leads from there.
     """
     rows = row_of_cell(cell)
     stored = field[rows] if goal is None else field[rows.reshape(-1, *[1] * goal.ndim), goal]
@@ -233,16 +226,10 @@ def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
 
 
 def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: float = 0.05) -> Float[Array, "3"]:
-    """Sample a navigable point on the floor, uniformly over the home region.
+    """Sample a point on the floor [m], uniformly over the cells of the home region.
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        key: Random key.
-        margin: Clearance with which the houses were compiled, `NavigationOptions.margin` [m].
-
-    Returns:
-        Point [m], at most `margin` / 2 from a cell's centre in x and y, so obstacles are outside the agent's radius.
+    It is at most `margin` / 2 [m] from the cell's centre in x and y, where an agent's radius is free of obstacles.
+    `margin` must be the `NavigationOptions.margin` with which the houses were compiled.
     """
     which, shift = jax.random.split(key)
     navigation, house = bank.navigation, bank.clip_house_index(house)
@@ -252,7 +239,7 @@ def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: 
 
 
 def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) -> Float[Array, "3"]:
-    """Return the centre, on its floor or ramp [m], of the cell in row `cell` of `cell_coords`, a cell of the house."""
+    """Return the centre on the floor or ramp [m] of a cell by its number, a row of `cell_coords` in this house."""
     return grid_position(bank, house, bank.navigation.cell_coords[cell].astype(jnp.int32))
 
 

@@ -13,10 +13,10 @@ MIN_SPAWN_CLEARANCE = 0.005  # [m], minimum clearance between a spawned agent an
 def sample_starts(
     bank: HouseBank, house: Int[Array, ""], num: int, min_distance: float, key: Array
 ) -> tuple[Int[Array, " a"], Float[Array, "a 3"]]:
-    """Sample `num` start points of a house, each at least `min_distance` [m] from earlier ones if possible.
+    """Sample `num` start points of a house, each at least `min_distance` [m] from earlier ones unless none is left.
 
     Returns:
-        Indices into the start points of `house`, which is not clipped, and the points [m].
+        Indices into `navigation.start` of `house`, which is not clipped, and the points on the floor [m].
     """
     points = bank.navigation.start[house]
     gumbel = jax.random.gumbel(key, (num, points.shape[0]))
@@ -33,7 +33,7 @@ def sample_starts(
 
 
 def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Array) -> Float[Array, "3"]:
-    """Sample uniformly one of a house's start points, on the floor, raised by `height` [m]; `house` is not clipped."""
+    """Sample uniformly one of a house's start points, which are on the floor, raised by `height` [m]."""
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))
@@ -42,16 +42,12 @@ def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Ar
 def random_arrangement(
     bank: HouseBank, house: Int[Array, ""], points: Float[Array, "n 3"], key: Array
 ) -> Int[Array, ""]:
-    """Sample uniformly one of a house's arrangements in which agents at all given points are free of collisions.
+    """Sample uniformly one of a house's arrangements whose bodies keep clear of agents at all floor points [m].
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        points: Positions of agents on the floor [m].
-        key: Random key.
+    Clear is at least an agent's radius plus `MIN_SPAWN_CLEARANCE` from its axis, over the bank's agent height.
 
     Returns:
-        Index of the arrangement; -1 (the initial poses of the house) if no arrangement is free.
+        Index of the arrangement; -1 (initial poses) if none is free, or the house has no arrangements or bodies.
     """
     house = bank.clip_house_index(house)
     poses = bank.physics.arrangement_pose[house]
@@ -71,7 +67,10 @@ def random_arrangement(
 def _distance_to_box(
     height: Float[Array, ""], point: Float[Array, "3"], pose: Float[Array, "7"], half: Float[Array, "3"]
 ) -> Float[Array, ""]:
-    """Return the distance [m] from the segment of `height` above a point to an upright box at `pose` (xyz, wxyz)."""
+    """Return the distance [m] from the vertical segment of length `height` above a point to an upright box.
+
+    The box has the `pose` (xyz, quaternion wxyz) and the half extents `half` [m].
+    """
     nearest = point.at[2].set(jnp.clip(pose[2], point[2], point[2] + height))
     local = jnp.matmul(nearest - pose[:3], quat_matrix(pose[3:]), precision="highest")
     return jnp.linalg.norm(jnp.maximum(jnp.abs(local) - half, 0.0))
