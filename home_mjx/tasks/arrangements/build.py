@@ -110,6 +110,7 @@ def _check_poses(poses: np.ndarray, bank: HouseBank, num: int) -> np.ndarray:
 
 
 def _replace_arrangements(bank: HouseBank, poses: Float[Array, "h p k 7"]) -> HouseBank:
+    """Return the bank with other arrangements: poses of all bodies (xyz [m], quaternion wxyz)."""
     return bank.replace(physics=bank.physics.replace(arrangement_pose=poses))
 
 
@@ -149,7 +150,7 @@ def _generate(bank: HouseBank, num: int, words: np.ndarray, progress: bool | Non
 def _place(
     bank: HouseBank, num: int, words: np.ndarray, progress: bool | None
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"], Bool[Array, "h p k"]]:
-    """Return unsettled poses without overlaps, and masks: bodies at new poses, selected bodies left in place.
+    """Return unsettled poses without overlaps (xyz [m], wxyz), and masks: bodies moved, selected bodies left in place.
 
     Padding (k) keeps its poses and is in no mask.
     """
@@ -170,6 +171,7 @@ def _place(
 
 
 def _arrange_house(bank: HouseBank, house: int, furnished: HouseLayout, seeds: list[np.random.Generator]) -> list[Any]:
+    """Return per generator of `seeds` the boxes of a house's k bodies, some at new poses, and a mask of these."""
     many = [sample_candidates(furnished, rng) for rng in seeds]
     usable = find_level_candidates(bank, house, furnished, many)
     drawn = np.flatnonzero(furnished.is_selected)

@@ -98,6 +98,7 @@ class HouseLayout:
 
 
 def _boxes(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"], half: Float[np.ndarray, "n 3"]) -> BoxSet:
+    """Return upright boxes from poses and half extents [m]; a tilted box becomes its axis-aligned bounding box."""
     pos, quat, half = (np.asarray(x, float).reshape(-1, x.shape[-1]) for x in (pos, quat, half))
     leans = abs(quat[:, 1:3]).max(axis=1, initial=0) > 1e-4
     around = np.einsum("nij,nj->ni", abs(_matrices(quat)), half)
@@ -106,6 +107,7 @@ def _boxes(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"], half: 
 
 
 def _matrices(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
+    """Return the rotation matrices of quaternions (wxyz)."""
     return Rotation.from_quat(quat[:, [1, 2, 3, 0]]).as_matrix() if len(quat) else np.zeros((0, 3, 3))
 
 
@@ -120,6 +122,7 @@ def _is_support(bodies: BoxSet) -> Bool[np.ndarray, " k"]:
 
 
 def _door_sweeps(physics: Any) -> Float[np.ndarray, "h 5"]:
+    """Return `HouseLayout.door_sweeps` of valid leaves from the physics arrays of one house."""
     used = physics.door_valid
     arm = np.linalg.norm(physics.door_pos[used, :2] - physics.door_pivot[used], axis=-1)
     reach = arm + np.hypot(*physics.door_size[used, :2].T)

@@ -18,12 +18,8 @@ def choose_candidates(
 ) -> tuple[BoxSet, Bool[np.ndarray, " k"]]:
     """Choose the first free candidate of each object; return the boxes of all bodies and which of them have moved.
 
-    Objects without a free one stay. New poses overlap no initial pose of another body, so each can be restored.
-
-    Args:
-        house: The house.
-        places: Candidate poses.
-        order: Indices of the bodies to move, in order.
+    Bodies with indices `order` are moved in that order; those without a free candidate stay. New poses overlap no
+    initial pose of another body, so each can be restored.
     """
     now, moved, home = house.bodies, np.zeros(len(house.bodies), bool), house.home_region
     for body in order.tolist():
@@ -43,6 +39,7 @@ def choose_candidates(
 
 
 def _move_box(boxes: BoxSet, rows: Bool[np.ndarray, " k"], box: BoxSet) -> BoxSet:
+    """Return boxes whose masked rows have the centre and yaw of one `box`."""
     center, half = np.where(rows[:, None], box.center, boxes.center), boxes.half
     return BoxSet(center, half, np.where(rows, box.yaw, boxes.yaw))
 
@@ -79,6 +76,7 @@ def _home_after_placement(
 
 
 def _num_components(cells: Bool[np.ndarray, "ny nx"]) -> int:
+    """Return the number of 4-connected components of a mask."""
     labels = np.zeros(cells.shape, np.int32)
     ndimage.label(cells, output=labels)
     return int(labels.max())

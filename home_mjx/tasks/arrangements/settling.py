@@ -22,9 +22,7 @@ def settle_bodies(
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
     """Simulate all arrangements for `SETTLE_SECONDS` with open doors; return poses and which bodies are at rest.
 
-    Args:
-        bank: Houses, whose arrangements are the initial poses.
-        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
+    The bank's arrangements are the initial poses (xyz [m], wxyz).
     """
     template = Template(PhysicsConfig(), bank.spec)
     houses, arrangements = bank.physics.arrangement_pose.shape[:2]
@@ -42,6 +40,8 @@ def settle_bodies(
 def _reset_states(
     template: Template, bank: HouseBank, house: Int[Array, " e"], number: Int[Array, " e"]
 ) -> PhysicsState:
+    """Return states with all bodies as in arrangement `number` of each house, doors open, and the agent outside."""
+
     def one(house: Array, number: Array) -> PhysicsState:
         corner = bank.navigation.origin[house] + jnp.float32(AGENT_OFFSET)
         agent = jnp.append(corner, bank.physics.floor[house])[None]

@@ -28,13 +28,9 @@ RAY_SPOTS = np.array([(x, y) for x in (-0.95, 0.0, 0.95) for y in (-0.95, 0.0, 0
 def find_level_candidates(
     bank: HouseBank, house: int, layout: HouseLayout, candidates: list[PlacementCandidates]
 ) -> Bool[np.ndarray, "p k n"]:
-    """Return which usable candidates (arrangement, body, n) have a level surface below, no visual-only geometry inside.
+    """Return which usable candidates have a level visible surface below, and none within the object's bounds.
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        layout: The same house on the host.
-        candidates: Candidates of each arrangement.
+    The axes are arrangements p, bodies k and candidates n. Objects on furniture must land on `SUPPORT_CATEGORIES`.
     """
     used = np.flatnonzero(bank.physics.body_valid[house])
     gone = np.zeros(bank.spec.num_bodies, bool)
@@ -90,4 +86,5 @@ def _is_level(
 
 
 def _support_mask() -> Bool[Array, " c"]:
+    """Return a mask of COARSE categories that objects may stand on, with a False last entry for -1, unknown."""
     return jnp.asarray([name in SUPPORT_CATEGORIES for name in COARSE] + [False])  # the last: unknown, -1
