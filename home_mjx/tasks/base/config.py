@@ -184,10 +184,12 @@ class EnvConfig:
         self._share_timing()
 
     def _set_fields(self, **values: Any) -> None:
+        """Set fields of the frozen dataclass, for `__post_init__` only."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def _check_numbers(self) -> None:
+        """Raise `ConfigError` if a number is out of its limits."""
         for name in ("width", "height", "samples", "episode_length"):
             check_number(name, getattr(self, name), 1, 2**31 - 1, integer=True)  # counters on the device have 32 bits
         check_number("num_sources", self.num_sources, 1, MAX_SOURCES, integer=True)
@@ -203,6 +205,7 @@ class EnvConfig:
             check_number(name, getattr(self, name), least, most)
 
     def _check_cameras(self) -> None:
+        """Raise `ConfigError` unless cameras have distinct names, none of them `head`, and a possible image size."""
         if not all(isinstance(camera, AgentCamera) for camera in self.cameras):
             raise ConfigError(f"`cameras` must be AgentCameras, got {self.cameras!r}")
         names = ["head", *(camera.name for camera in self.cameras)]
@@ -212,6 +215,7 @@ class EnvConfig:
             raise ConfigError(f"`cameras` must have distinct names other than `head`, got {text}")
 
     def _check_records(self) -> None:
+        """Raise `ConfigError` if a nested record has a wrong type, or hands lack the looks that they need to aim."""
         if isinstance(self.actions, str):
             check_known("kind of actions", [self.actions], ACTION_KINDS)
         else:
@@ -314,12 +318,14 @@ class EnvConfig:
 
 
 def _as_tuple(name: str, values: Any) -> tuple:
+    """Return an iterable as a tuple; `ConfigError` for others and for a single string."""
     if isinstance(values, str) or not isinstance(values, Iterable):
         raise ConfigError(f"`{name}` must be a tuple, got {values!r}", hint=names_hint(values))
     return tuple(values)
 
 
 def _check_name_tuple(name: str, values: Any) -> tuple[str, ...]:
+    """Return an iterable of strings as a tuple; `ConfigError` for others."""
     names = _as_tuple(name, values)
     if not all(isinstance(value, str) for value in names):
         raise ConfigError(f"`{name}` must be names, got {names!r}")

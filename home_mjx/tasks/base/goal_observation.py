@@ -18,15 +18,10 @@ GOAL_SPEC = ArraySpec(
 
 
 def observe_goal(snapshot: Snapshot, goal: Float[Array, "3"]) -> Float[Array, "a 4"]:
-    """Return a point relative to each agent, as `GOAL_SPEC` describes.
+    """Return a goal point on a floor relative to each agent, as `GOAL_SPEC` describes.
 
-    Args:
-        snapshot: The environment.
-        goal: Point on a floor [m].
-
-    Returns:
-        Distance in the plane [m], cosine and sine of the bearing (left positive), height above the feet [m]. The
-        height is the difference of floors: 0 on the agent's own storey, about 2.8 m one storey up.
+    It is the distance in the plane [m], cosine and sine of the bearing (left positive), and height above the feet [m]:
+    0 on the agent's own storey, about 2.8 m one storey up.
     """
     pose, offset = snapshot.pose, goal - snapshot.feet
     bearing = jnp.arctan2(offset[:, 1], offset[:, 0]) - pose.yaw

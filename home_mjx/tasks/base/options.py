@@ -109,7 +109,7 @@ def make_config(**options: Any) -> EnvConfig:
 
 
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
-    """Yield `prefix` (unless empty) and dotted paths of all nested fields, of all variants of a field.
+    """Yield `prefix` (unless empty) and the dotted paths of all nested fields, and of the fields of all variants.
 
     Of nested `timing` only the outermost one is a path; `DERIVED_OPTIONS` are left out.
     """
@@ -131,9 +131,10 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
 
 
 def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
-    """Return the full path that an option name refers to; `ConfigError` if it is unknown or ambiguous.
+    """Return the full dotted path that an option name refers to; `ConfigError` if it is unknown or ambiguous.
 
-    The keys of `known` are all paths; `others` are further names to suggest.
+    A full path wins over fields of that name at other depths, except those of the task. The keys of `known` are all
+    paths; `others` are further names to suggest.
     """
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
@@ -146,6 +147,7 @@ def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str]) ->
 
 
 def _raise_unknown(name: str, known: Iterable[str], others: Iterable[str]) -> NoReturn:
+    """Raise the error for an unknown option: its new name, a hint for other simulators' names, or the closest name."""
     if name in RENAMED_OPTIONS:
         raise ConfigError(f"the option `{name}` is now `{RENAMED_OPTIONS[name]}`")
     short = [path.rpartition(".")[2] for path in known]
@@ -170,6 +172,7 @@ def _replace_fields(record: Any, changes: Mapping[str, Any], full: str) -> Any:
 
 
 def _replace_field(record: Any, name: str, changes: Mapping[str, Any], full: str) -> Any:
+    """Return the new value of a field from values by path below it ("": the whole field); `full` names it."""
     old, variants = getattr(record, name), variants_of(record, name)
     if variants:
         return replace_variant(full, variants, old, changes)
@@ -197,6 +200,7 @@ def _check_like(name: str, value: Any, default: Any) -> None:
 
 
 def _check_record_type(name: str, value: Any, old: Any) -> Any:
+    """Return a record if it is of the type of `old`; else raise `ConfigError`."""
     if not isinstance(value, type(old)):
         raise ConfigError(f"`{name}` must be a {type(old).__name__}, got {value!r}")
     return value

@@ -32,7 +32,7 @@ class AgentPose(Pytree):
 
 
 def map_agents(function: Callable[..., Any], *args: Any) -> Any:
-    """Map a function of one agent over the first axis of `args`, kept in results; a single agent needs no `vmap`."""
+    """Map a function of one agent over the leading agent axis of `args`, kept in results; one agent needs no `vmap`."""
     if jax.tree.leaves(args)[0].shape[0] > 1:
         return jax.vmap(function)(*args)
     return jax.tree.map(lambda x: x[None], function(*jax.tree.map(lambda x: x[0], args)))
@@ -137,10 +137,6 @@ def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> Co
     Objects have semantics of their own. The floor and walls are those of the body's room, of its walls the first one.
     Invisible barriers count as walls.
 
-    Args:
-        scene: House and poses.
-        contacts: Contacts of each dynamic body.
-
     Example:
         >>> meaning = contact_semantics(snapshot.scene, snapshot.body_contacts)  # doctest: +SKIP
         >>> on_glass = meaning.other[:, Semantic.MATERIAL] == number_of(Semantic.MATERIAL, "glass")  # doctest: +SKIP
@@ -158,9 +154,11 @@ def contact_semantics(scene: Scene, contacts: BodyContacts | PhysicsState) -> Co
 def _static_semantic_rows(
     bank: HouseBank, house: Int[Array, ""], other: Int[Array, " m"], box: Float[Array, "m 2 3"]
 ) -> Int[Array, " m"]:
-    """Return rows of `bank.semantics` for contact partners `other` (codes of `BodyContacts`) that are static; -1 else.
+    """Return rows of `bank.semantics` for static contact partners `other` (codes of `BodyContacts`); -1 for others.
 
-    `box` has the bounds of each body [m]. Floor and walls are those of the room below its middle; -1 outdoors.
+    `box` has the bounds of each body [m]. Boxes of objects have rows of their own. Others count as floor if their top
+    is at most `MAX_FLOOR_BOX_HEIGHT` above the body's bottom, else as wall, of the room below the body's middle; -1
+    outdoors.
     """
     physics, number = bank.physics, jnp.maximum(STATIC - other, 0)
     static, item = other <= STATIC, physics.collider_object[house, number]

@@ -97,7 +97,7 @@ class ArraySpec:
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return minimum and maximum of every element, as arrays of the spec's shape and type."""
+        """Return minimum and maximum of every element, broadcast to the spec's shape and type."""
         low, high = (np.broadcast_to(np.asarray(x, self.dtype), self.shape) for x in (self.low, self.high))
         return low, high
 

@@ -148,7 +148,7 @@ class State(Pytree):
 
 
 def to_raw_key(key: Array) -> UInt32[Array, "2"]:
-    """Return the two words of a threefry key, from any kind of key.
+    """Return the two uint32 words of a threefry key, typed or raw; keys of other generators are hashed to two words.
 
     Brax's wrappers need raw keys in the state, see its `EpisodeWrapper`.
 
@@ -170,7 +170,7 @@ def to_raw_key(key: Array) -> UInt32[Array, "2"]:
 
 
 def split_key(raw: UInt32[Array, "2"], num: int) -> tuple[Array, ...]:
-    """Return `num` typed threefry keys, independent of JAX's default generator."""
+    """Return `num` typed threefry keys from a raw one, whatever JAX's default generator is."""
     return tuple(jax.random.split(jax.random.wrap_key_data(raw, impl="threefry2x32"), num))
 
 

@@ -65,11 +65,7 @@ def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
 
 
 def check_status(state: Any, ignore: int = 0) -> None:
-    """Raise `StatusError` if the last step set a flag of `Status`; for tests and debugging, on the host.
-
-    Args:
-        state: A `State`, of one environment or a batch.
-        ignore: Flags of `Status` to ignore.
+    """Raise `StatusError` if a state or batch has a flag of `Status` outside of the mask `ignore`; on the host.
 
     Example:
         >>> check_status(env.step(state, action))  # doctest: +SKIP
@@ -85,9 +81,5 @@ def check_status(state: Any, ignore: int = 0) -> None:
 
 
 def status_report(status: np.ndarray) -> dict[str, np.ndarray]:
-    """Return a mask (n,) of environments for every flag of `Status`, set or not, by lower-case flag name.
-
-    Args:
-        status: Flags of a batch (n,).
-    """
+    """Return for every flag of `Status`, by lower-case name, a mask (n,) of the batch of flags `status` (n,)."""
     return {str(flag.name).lower(): np.asarray((np.asarray(status) & int(flag)) != 0) for flag in Status}

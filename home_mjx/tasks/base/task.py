@@ -162,11 +162,7 @@ class Task:
     def sample(self, bank: HouseBank, house: Int[Array, ""], key: Array, **limits: Any) -> tuple[Array, Array, dict]:
         """Sample one episode inside `jit`: start on the floor (3,) [m], yaw () [rad], columns; by default no columns.
 
-        Args:
-            bank: The houses.
-            house: Index of the house.
-            key: Random key.
-            limits: Further arguments of `sample_episodes`, as traced numbers; unused by default.
+        `limits` are further arguments of `sample_episodes`, such as `min_length`, as traced numbers; unused by default.
         """
         place, turn = jax.random.split(key)
         return random_position(bank, house, place), random_yaw(turn), {}
