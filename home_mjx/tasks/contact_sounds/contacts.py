@@ -30,10 +30,11 @@ def impact_sounds(
     change: Float[Array, " m"],
     snapshot: Snapshot,
 ) -> TransientSounds:
-    """Return one impact per dynamic body, by its contact impulse above that of the previous step and of its weight.
+    """Return one impact per dynamic body; its gain is the contact impulse [N s] beyond the resting one, 0 if none.
 
-    An impact between two bodies sounds once; the gain is 0 without an impact. Contacts have no time within a step, so
-    impacts begin in the middle of the frame.
+    The resting impulse is that of the previous step, at least that of its weight. An impact of two bodies sounds once.
+    Agents' impacts are softer by `AGENT_IMPACT_GAIN`, and sound as the other side's material. Contacts have no time
+    within a step, so impacts begin in the middle of the frame.
 
     Args:
         config: Options.
@@ -90,12 +91,8 @@ def sliding_sounds(
 ) -> tuple[Int[Array, " k"], Float[Array, " k"]]:
     """Return each movable body's row of `SUSTAINED` and its gain: root of friction power [W]; 0 if held or not sliding.
 
-    Args:
-        config: Options.
-        before: Positions of bodies before the step [m].
-        pos: Positions after the step [m].
-        impulse: Contact impulse of each dynamic body in the previous step [N s].
-        snapshot: The environment after the step.
+    `before` and `pos` are positions of bodies before and after the step [m]. `impulse` is the contact impulse of each
+    dynamic body in the previous step [N s]: a body slides only with contact in both steps.
     """
     agents, count = config.num_agents, pos.shape[0]
     part = slice(agents, agents + count)
@@ -112,12 +109,8 @@ def door_sounds(
 ) -> tuple[TransientSounds, Int[Array, " h"], Float[Array, " h"]]:
     """Return impacts of leaves that reach an end stop (gain: speed, else 0); each leaf's row of `SUSTAINED`, its gain.
 
-    The gain of a moving leaf is its speed [rad/s], or [m/s] if it slides; 0 below `MIN_LEAF_SPEED`.
-
-    Args:
-        config: Options.
-        before: `Snapshot.door_angle` before the step [rad], or [m] if it slides.
-        snapshot: The environment after the step.
+    The gain of a moving leaf is its speed [rad/s], or [m/s] if it slides; 0 below `MIN_LEAF_SPEED`. `before` is
+    `Snapshot.door_angle` before the step.
     """
     physics, house, angle = snapshot.bank.physics, snapshot.house, snapshot.door_angle
     pos, body = (x[x.shape[0] - angle.shape[0] :] for x in body_centers(config, snapshot))  # leaves come last

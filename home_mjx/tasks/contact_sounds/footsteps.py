@@ -27,16 +27,20 @@ MAX_FOOTSTEP_SPEED = 4.0  # [m/s] maximum speed that counts for the gain of a fo
 
 
 def floor_classes() -> np.ndarray:
-    """Return the index into FLOORS of each material kind; the last one is of unknown materials, which are soft."""
+    """Return the index into FLOORS of each of MATERIAL_KINDS; the last one is of unknown materials, which are soft."""
     return _classes(FLOORS, FLOOR_KINDS, "soft")
 
 
 def stuff_classes() -> np.ndarray:
-    """Return the index into IMPACT_MATERIALS of each material kind; the last one, of unknown materials, is wood."""
+    """Return the index into IMPACT_MATERIALS of each of MATERIAL_KINDS; the last one, of unknown materials, is wood."""
     return _classes(IMPACT_MATERIALS, IMPACT_MATERIAL_KINDS, "wood")
 
 
 def _classes(classes: dict, kinds: dict[str, tuple[str, ...]], other: str) -> np.ndarray:
+    """Return the index into `classes` of each of MATERIAL_KINDS, whose members `kinds` lists, and of unknown materials.
+
+    The last entry and materials in no class have that of `other`.
+    """
     names = list(classes)
     of_kind = {kind: names.index(name) for name, members in kinds.items() for kind in members}
     return np.array([of_kind.get(kind, names.index(other)) for kind in (*MATERIAL_KINDS, "")], np.int32)
@@ -52,17 +56,13 @@ def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
 def footsteps(
     config: EnvConfig, before: Float[Array, "a 3"], snapshot: Snapshot, noises: ContactSounds
 ) -> tuple[TransientSounds, Float[Array, " a"], Bool[Array, ""]]:
-    """Return the footsteps of one control step; those of gain 0 are silent.
+    """Return one footstep of each agent in a control step; its gain is the speed [m/s], 0 if the agent took none.
 
-    Args:
-        config: Options.
-        before: Positions of agents before the step [m].
-        snapshot: The environment after the step.
-        noises: Contact sounds before the step.
+    Of several in one step only the last sounds. `before` are positions of agents before the step [m], `noises` the
+    contact sounds before it, `snapshot` is of after it.
 
     Returns:
-        The footsteps, each agent's path length since the start of the episode [m], and whether an agent took several in
-        this step. Of several only the last one sounds.
+        The footsteps, each agent's path length since the start of the episode [m], and whether an agent took several.
     """
     length, frame = step_length(config, snapshot), config.audio.frame
     pos = snapshot.pose.pos

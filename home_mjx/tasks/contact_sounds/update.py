@@ -24,12 +24,8 @@ def update_contact_sounds(
 ) -> tuple[ContactSounds, Bool[Array, ""]]:
     """Return the contact sounds after one control step, and whether any found no slot, see `Status.NOISES`.
 
-    Args:
-        config: Options, with `contact_sounds`.
-        template: Model of the physics.
-        before: Physics state before the step.
-        after: Physics state after the step.
-        snapshot: The environment after the step, with the contact sounds from before it.
+    `before` and `after` are physics states of that step. `snapshot` is of after it, with the contact sounds from before
+    it.
     """
     options, noises, audio = config.contact_sounds, snapshot.contact_sounds, config.audio
     assert options is not None
