@@ -81,7 +81,7 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
     Args:
         config: Options.
         action: As `action_spec` describes.
-        stopped: (a,) bool, agents that have stopped before and stay idle. Read after the action has been validated.
+        stopped: (a,) bool, agents that have stopped before and stay idle; continuous actions ignore it.
         num_commanded: Number of agents in `action`, the first ones; the others are idle. None: all, by a task.
 
     Raises:
@@ -117,7 +117,7 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
 
 
 def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
-    """Return actions of all agents: `told` has those of the first ones, the others get `nothing`."""
+    """Return actions of all agents: `told` for the first ones, the idle action `nothing` for the others."""
     others = config.num_agents - told.shape[0]
     return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
 
@@ -135,7 +135,7 @@ def override_moves(
 
 
 def apply_move_noise(config: EnvConfig, moves: DecodedActions, world: World) -> DecodedActions:
-    """Return the moves with actuation noise on `drive`, as strong as sampled for the episode; unchanged if none was."""
+    """Return the moves with actuation noise, as strong as sampled for the episode, added to `drive`; else unchanged."""
     drawn = world.variation
     if drawn is None or drawn.move_noise is None:
         return moves
@@ -165,7 +165,7 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
 
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
-    """Return each agent's discrete actions (rows) as continuous ones, but looks in radians. The last row is idle."""
+    """Return discrete actions as continuous ones: fractions of maximum rates, looks [rad]; the last row is idle."""
     names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))
     table = np.zeros((config.num_agents, len(names) + 1, len(columns)), np.float32)
     for agent, body in enumerate(config.agents):

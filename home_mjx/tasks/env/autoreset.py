@@ -56,7 +56,7 @@ class AutoReset:
         self.bakes = core.bakes
 
     def bind(self, params: EnvParams | HouseBank) -> "Env[AutoReset]":
-        """Return the batch with its parameters: `reset(keys)`, `step(some, actions)`; for a bank, without `tasks`."""
+        """Return the batch with its parameters: `reset(keys)`, `step(states, actions)`; a bank alone has no `tasks`."""
         return Env(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
     def template(self, bank: HouseBank) -> Template:
@@ -102,6 +102,7 @@ class AutoReset:
         return jax.vmap(self.core.observe, (None, 0))(params, state)
 
     def _update_and_observe(self, params: EnvParams, state: State) -> State:
+        """Return a batch of states with sensor states updated and observations recomputed."""
         return jax.vmap(lambda one: self.core.observe(params, one, update=True))(state)
 
     def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, dict[str, Array]]:
@@ -133,6 +134,7 @@ class AutoReset:
         return {name: value for name, value in obs.items() if name not in costly}
 
     def _costly_names(self) -> set[str]:
+        """Return the names of observations that cast rays."""
         return {name for sensor in self.core.sensors if sensor.casts_rays for name in sensor.spec(self.config)}
 
     def _final_obs(
@@ -143,7 +145,11 @@ class AutoReset:
         obs: dict[str, Array],
         done: Bool[Array, " n"],
     ) -> dict[str, Array]:
-        """Return `final_obs`: where `done` observations before the reset, else `obs`; `last` has those without rays."""
+        """Return `info["final_obs"]`: where `done` the observations before the reset, else `obs`.
+
+        `last` has those before the reset that cast no rays; others are rendered if `final_obs` is "all", else those of
+        `obs`.
+        """
         kept = self._select_final(obs)
         kept |= {name: select_envs(done, value, obs[name]) for name, value in last.items() if name in kept}
         return self._render_final(params, stepped, kept, done) if self.final_obs == "all" and kept else kept
@@ -151,7 +157,10 @@ class AutoReset:
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
-        """Return `kept` with all last observations of ended environments; few are computed alone, else the batch."""
+        """Return `kept` with all observations before the reset where `done`, those of rays included.
+
+        Up to `MAX_SEPARATE_RENDERS` ended environments are observed alone, more with the whole batch, none not at all.
+        """
         few = min(MAX_SEPARATE_RENDERS, done.shape[0])
         count = jnp.sum(done.astype(jnp.int32))
 
@@ -172,10 +181,12 @@ class AutoReset:
         return jax.lax.switch(case, [nobody, some, many], stepped)
 
     def _store_final(self, state: State, final: dict[str, Array]) -> State:
+        """Return the states with `info["final_obs"]` replaced; unchanged for the choice "none"."""
         return state.replace(info={**state.info, **({"final_obs": final} if self.final_obs != "none" else {})})
 
 
 def _num_keys(key: Any) -> int:
+    """Return the number of keys in a batch, typed or raw (n, 2); `ConfigError` for others."""
     typed = hasattr(key, "dtype") and jnp.issubdtype(key.dtype, jax.dtypes.prng_key)
     if not hasattr(key, "dtype") or key.ndim != (1 if typed else 2):
         hint = "Write jax.random.split(jax.random.key(0), num_envs)."

@@ -69,11 +69,7 @@ def validate_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array
 
 
 def check_choice(action: Any, names: Sequence[str]) -> None:
-    """Raise `OutOfRangeError` if a discrete action does not exist; inside `jit` do nothing.
-
-    Args:
-        action: Numbers of actions.
-        names: All actions.
+    """Raise `OutOfRangeError` if a discrete action (an index into `names`) does not exist; inside `jit` do nothing.
 
     Example:
         >>> check_choice(jnp.int32(9), ("stop", "move_forward"))
@@ -93,13 +89,14 @@ def check_choice(action: Any, names: Sequence[str]) -> None:
 
 
 def _as_array(action: Any) -> Array:
+    """Return an action as a JAX array; `ConfigError` for a dictionary."""
     if isinstance(action, dict):
         raise ConfigError(f"expected an array of actions, got a dictionary of {', '.join(map(str, action))}")
     return jnp.asarray(action)
 
 
 def _add_agent_axis(action: Array, num_agents: int, shape: tuple[int, ...]) -> Array:
-    """Return the action with the agent axis, which is optional for a single agent; `shape` is that of one action.
+    """Return the action as (agents, *shape); the agent axis is optional for one agent, `shape` that of one action.
 
     Raises:
         ConfigError: The action has another shape, such as that of a batch of environments.
@@ -142,8 +139,8 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
     """Raise if houses were compiled for another body, or lack the requested arrangements or bakes.
 
     Raises:
-        ConfigError: The body differs, so that agents would start inside walls or look too small; or there are no
-            arrangements, or a bake is missing that a sensor or a shader needs.
+        ConfigError: Radius or height of the body differs; or there are no arrangements, or a bake is missing that a
+            sensor or a shader needs.
     """
     if config.arrangement == "random":
         check_arrangements(bank)
@@ -219,16 +216,19 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
 
 
 def _shaders_hint(config: EnvConfig) -> str:
+    """Return the hint about a range of lights that no shader of the cameras uses."""
     names = ", ".join(dict.fromkeys(f"`{shader.name}`" for shader in config.shaders))
     without = f"The shader {names} does not use it" if names else "No camera has the kind `rgb`"
     return f'{without}: give shader="lit", or the same to a camera with "rgb".'
 
 
 def _contact_sounds_hint(config: EnvConfig) -> str | None:
+    """Return the hint about ranges of contact sounds; None if they are enabled."""
     return None if config.contact_sounds else "Bodies make no sounds: give contact_sounds=ContactSoundConfig()."
 
 
 def _check_fovy(config: EnvConfig, variation: Variation) -> None:
+    """Raise `ConfigError` if `camera_fovy` would lead a pinhole camera out of (0, `MAX_FOVY`) degrees."""
     if variation.camera_fovy is None:
         return
     low, high = np.asarray(variation.camera_fovy).tolist()
@@ -241,6 +241,7 @@ def _check_fovy(config: EnvConfig, variation: Variation) -> None:
 
 
 def _check_clips(config: EnvConfig, variation: Variation) -> None:
+    """Raise `ConfigError` if `clips` has a sound with positive weight that the environment lacks."""
     if variation.clips is None:
         return
     lost = {clip_name(int(i)) for i in np.flatnonzero(np.asarray(variation.clips))} - {config.clip, *config.clips}
@@ -264,7 +265,8 @@ def check_arrangements(bank: HouseBank) -> None:
 def check_state(layout: Layout, params: EnvParams, state: State) -> None:
     """Raise if a state is of another environment or of other houses than those of `params`.
 
-    Shapes are compared in every trace, houses where both are known: outside of `jit` and `vmap`.
+    Numbers of coordinates are compared in every trace; fingerprints of houses only where both are known, outside of
+    `jit` and `vmap`.
 
     Args:
         layout: Layout of the physics of the environment.
@@ -293,7 +295,7 @@ def check_state(layout: Layout, params: EnvParams, state: State) -> None:
 
 
 def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_agents: int) -> None:
-    """Compare observations of a sensor or task with their spec; at trace time only, at no cost later.
+    """Raise unless observations of a sensor or task have the names, shapes and types of their spec, with an agent axis.
 
     Raises:
         ConfigError: Names, shapes or types differ.
@@ -312,7 +314,7 @@ def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_a
 
 
 def check_task(task: object, before: Any, after: Any, reward: Any, terminated: Any, num_agents: int) -> None:
-    """Compare the results of a task after a step with the interface `Task`.
+    """Raise unless the results of a task after a step have the shapes and the state's structure that `Task` requires.
 
     Raises:
         ConfigError: A shape, or the structure of its state, differs.
@@ -337,5 +339,6 @@ def check_metrics(task: object, metrics: dict[str, Any]) -> dict[str, Array]:
 
 
 def _check_shape(task: object, what: str, value: Any, shape: tuple[int, ...]) -> None:
+    """Raise `ConfigError` unless a value of a task has this shape; `what` names it."""
     if jnp.shape(value) != shape:
         raise ConfigError(f"{type(task).__name__}.{what}: expected the shape {shape}, got {jnp.shape(value)}")

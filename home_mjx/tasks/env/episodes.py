@@ -140,11 +140,6 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
 def load_episodes_or_tasks(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
     """Load the kind of file that fits a task: that of `save_tasks` for a `RowTask`, else that of `save_episodes`.
 
-    Args:
-        path: The file.
-        bank: Holds the houses.
-        task: Task of the episodes.
-
     Raises:
         DatasetError: As for `load_tasks` and `load_episodes`, or the file is of the other kind.
     """
@@ -187,6 +182,8 @@ def read_house_ids(path: str | Path) -> tuple[str, ...]:
 def _solvable_and_length(
     task: Task, bank: HouseBank, episodes: Episodes
 ) -> tuple[Bool[Array, " e"], Float[Array, " e"]]:
+    """Return for each episode whether it can be solved, and its shortest-path length [m]; NaN if the task has none."""
+
     def one(bank: HouseBank, row: Episodes) -> tuple[Array, Array]:
         return task.is_solvable(bank, row), task.shortest_length(bank, row)
 
@@ -194,6 +191,7 @@ def _solvable_and_length(
 
 
 def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
+    """Return house index, start, yaw and columns from a line of a file; `index` maps ids of houses to indices."""
     name = type(task).__name__
     if line.get("task", name) not in [kind.__name__ for kind in type(task).__mro__]:
         message = f"the episode is one of {line['task']!s:.100}, not of {name}"
@@ -208,4 +206,5 @@ def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int],
 
 
 def _as_scalar(value: Any) -> Any:
+    """Return an integer as int32, another number as float32."""
     return np.int32(value) if isinstance(value, int) else np.float32(value)

@@ -89,7 +89,10 @@ def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"])
 
 
 def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
-    """Return at which points each agent's held object is supported and clear; all True if n is 1 (exact aim)."""
+    """Return at which points [m] each agent's held object would be supported and clear of others.
+
+    All are True with exact aim (n is 1), and in banks without movable bodies.
+    """
     bank, house, held = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
     if not bank.spec.num_bodies or point.shape[1] == 1:
         return jnp.ones(point.shape[:2], bool)
@@ -114,7 +117,7 @@ def door_indices(snapshot: Snapshot, hit: Hit) -> Int[Array, "a n"]:
 
 
 def _pick_target(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n"]) -> Array:
-    """Return per agent the first value that fits and is good, else the first that fits, else the first."""
+    """Return per agent the value of the first column that fits and is good, else that fits, else the first column."""
     count = fits.shape[1]
     cost = jnp.where(fits & good, 0, jnp.where(fits, count, 2 * count)) + jnp.arange(count)
     return values[jnp.arange(fits.shape[0]), jnp.argmin(cost, axis=-1)]
@@ -123,7 +126,7 @@ def _pick_target(values: Array, fits: Bool[Array, "a n"], good: Bool[Array, "a n
 def cast_past_hand(
     config: EnvConfig, snapshot: Snapshot, eyes: Float[Array, "a 3"], view: Float[Array, "a n 3"]
 ) -> Hit:
-    """Cast rays from each agent's eyes that ignore its own body and the object that it carries."""
+    """Cast rays from each agent's eyes along `view`; its own body and the object that it carries are not hit."""
     own, carried = agent_ids(snapshot.bank, config.num_agents)[:, None], held_object_ids(snapshot)[:, None]
     own, carried = (jnp.broadcast_to(x, view.shape[:2]) for x in (own, carried))
     origin = jnp.broadcast_to(eyes[:, None], view.shape)

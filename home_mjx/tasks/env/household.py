@@ -218,7 +218,7 @@ class HouseholdEnv:
         house: Int[Array, ""] | int | None = None,
         episode: Int[Array, ""] | int | None = None,
     ) -> tuple[State, Snapshot]:
-        """Return the first state of an episode with zero observations, and its snapshot."""
+        """Return the first state of an episode with zero observations and sensors not yet updated, and its snapshot."""
         memory = {sensor.name: sensor.init(self.acting_config) for sensor in state_owners(self.sensors)}
         data, world, row, goal_key = init_physics_and_world(self.config, memory, params, key, house, episode)
         snapshot = build_snapshot(self.config, params, data, world)
@@ -282,12 +282,9 @@ class HouseholdEnv:
         return state, snapshot.replace(reward=reward, contact_sounds=noises)
 
     def _observe(self, state: State, snapshot: Snapshot, *, update: bool) -> State:
-        """Return the state with its observations.
+        """Return the state with observations from its snapshot (of all agents).
 
-        Args:
-            state: The state.
-            snapshot: Its snapshot, of all agents. It holds no sensor state, so an update does not change it.
-            update: If True, sensor states are updated first.
+        With `update`, sensor states are updated first; the snapshot holds none of them.
         """
         state = self._update_sensors(state, snapshot) if update else state
         return state.replace(obs=self._observations(state, snapshot))
@@ -320,6 +317,7 @@ class HouseholdEnv:
         return {}
 
     def _observation_spec(self) -> Specs:
+        """Return specs of sensors and of those task observations that `config.sensors` names, for acting agents."""
         own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.acting_config).items()}
         offered = self.task.observation_spec
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}

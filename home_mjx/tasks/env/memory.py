@@ -39,11 +39,7 @@ class MemoryEstimate:
 
 
 def estimate_memory(env: Env, num_envs: int) -> MemoryEstimate:
-    """Estimate the memory of a batch of environments; nothing is allocated.
-
-    Args:
-        env: The environment.
-        num_envs: Number of environments.
+    """Estimate the memory of `num_envs` environments on the device; nothing is allocated.
 
     Example:
         >>> print(estimate_memory(env, 4096))  # doctest: +SKIP
@@ -57,6 +53,7 @@ def estimate_memory(env: Env, num_envs: int) -> MemoryEstimate:
 
 
 def _text(count: float) -> str:
+    """Format a number of bytes with one decimal and its binary unit."""
     for unit in ("B", "KiB", "MiB"):
         if count < 1024:
             return f"{count:.1f} {unit}"

@@ -282,6 +282,7 @@ def resolve_observers(observers: Iterable[Observer | str]) -> tuple[Observer, ..
 
 
 def _checked(item: Any) -> Observer:
+    """Return an observer; `ConfigError` for others and for classes."""
     if not isinstance(item, Observer) or isinstance(item, type):
         raise ConfigError(f"expected an observer or its name, got {item!r}", hint="Derive its class from `Observer`.")
     return item
@@ -289,4 +290,5 @@ def _checked(item: Any) -> Observer:
 
 @cache
 def _installed() -> dict[str, EntryPoint]:
+    """Return the installed entry points of observers by name."""
     return {point.name: point for point in entry_points(group=GROUP)}

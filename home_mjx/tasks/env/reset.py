@@ -43,22 +43,16 @@ Index = Int[Array, ""] | int | None
 def init_physics_and_world(
     config: EnvConfig, memory: dict[str, Any], params: EnvParams, key: Array, house: Index, episode: Index
 ) -> tuple[PhysicsState, World, Episodes | None, Array]:
-    """Return physics state and world at the start of an episode.
+    """Return physics state and world at the start of an episode; `house` and `episode` are as for `HouseholdEnv.reset`.
 
-    Args:
-        config: Options.
-        memory: Sensor states before their first update, by sensor name.
-        params: Houses, episodes and variation ranges.
-        key: Typed or raw key.
-        house: See `HouseholdEnv.reset`.
-        episode: See `HouseholdEnv.reset`.
-
-    Raises:
-        ConfigError: `house` is given although `params.tasks` has rows, or `episode` although it has none.
+    `memory` has the sensor states before their first update, by sensor name.
 
     Returns:
         The physics state; the world, with the house's own sounds; the episode's row, None without `params.tasks`; the
         task's key.
+
+    Raises:
+        ConfigError: `house` is given although `params.tasks` has rows, or `episode` although it has none.
     """
     bank, agents = params.bank, config.num_agents
     keep, chance, start_key, yaw_key, goal_key, source_key = split_key(to_raw_key(key), 6)
@@ -103,7 +97,7 @@ def init_physics_and_world(
 
 
 def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, world: World) -> Snapshot:
-    """Build the snapshot that tasks and sensors read from a physics state and the rest of the same state, `world`."""
+    """Build the snapshot of all agents from the physics state `data` and the `world` of the same instant."""
     template, drawn = physics_template(config, params.bank.spec), world.variation
     pos, yaw = physics.agent_pose(template, data)
     bodies, turned = physics.body_pose(template, data), jax.vmap(yaw_quat)(yaw)
@@ -144,24 +138,28 @@ def physics_template(config: EnvConfig, spec: BankSpec) -> physics.Template:
 @functools.lru_cache(maxsize=32)
 def _cached_template(config: physics.PhysicsSetup, spec: BankSpec) -> physics.Template:
     # Built once per capacity; inside a trace it must hold no tracers.
+    """Return the physics template of one setup and capacity; equal arguments return the same object."""
     with jax.ensure_compile_time_eval():
         return physics.Template(config, spec)
 
 
 def weights_flag(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array, ""]:
-    """Return the flag `WEIGHTS` if a row was sampled by weights, none of which is usable; else 0."""
+    """Return the flag `WEIGHTS` if a reset samples rows by weights of which none is positive and finite; else 0."""
     if isinstance(tasks, TaskBank) and tasks.weights is not None and episode is None:
         return status_flags(WEIGHTS=~tasks.has_weight())
     return jnp.zeros((), jnp.int32)
 
 
 def is_sequential(tasks: Episodes | TaskBank | None) -> bool:
-    """Return whether batches use rows in order instead of sampling them; False without rows."""
+    """Return whether batches take the rows of `tasks` in order; False without rows, or with weights to sample by."""
     return tasks is not None and not (isinstance(tasks, TaskBank) and tasks.weights is not None)
 
 
 def _pick_row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
-    """Return the index as given or sampled, and the row at it modulo their number; -1 and None without `tasks`."""
+    """Return the number of an episode, as given or sampled, and the row at that number modulo the number of rows.
+
+    Without `tasks` they are -1 and None; `ConfigError` if a number is given then.
+    """
     if tasks is None:
         if episode is not None:
             hint = "Write env.with_tasks(episodes), or EnvParams(bank, tasks=episodes)."
@@ -181,7 +179,7 @@ def _pick_arrangement(
     source: Float[Array, "3"],
     key: Array,
 ) -> Int[Array, ""] | None:
-    """Sample an arrangement whose bodies overlap neither agents nor the source, -1 if none; None: as in the file."""
+    """Sample an arrangement whose bodies keep clear of agents and the source; -1 if none does. None: initial poses."""
     if config.arrangement == "initial":
         return None
     check_arrangements(bank)

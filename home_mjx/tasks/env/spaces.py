@@ -13,7 +13,7 @@ def observation_space(env: Env) -> gymnasium.spaces.Dict:
 
 
 def action_space(env: Env) -> gymnasium.Space:
-    """Return a box in [-1, 1], or discrete actions; with several agents, a leading axis of agents."""
+    """Return a Box in [-1, 1] or Discrete; for several agents, a Box with a leading agent axis or MultiDiscrete."""
     if env.num_agents == 1:
         return agent_action_space(env)
     if env.config.discrete is None:

@@ -101,9 +101,6 @@ class StateOrigin(NamedTuple):
 def read_origin(path: str | Path) -> StateOrigin:
     """Read the environment of a file of states, without the states.
 
-    Args:
-        path: The file.
-
     Raises:
         MissingFileError: The file does not exist.
         DatasetError: The file is not one of states.
@@ -119,9 +116,7 @@ def read_origin(path: str | Path) -> StateOrigin:
 def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
     """Load the states before the flagged step and their actions, as `dump_flagged` has written them.
 
-    Args:
-        path: The file.
-        env: An environment of the same options, houses and capacities.
+    `env` must have the same options, houses and capacities.
 
     Raises:
         MissingFileError: The file does not exist.
@@ -137,9 +132,7 @@ def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
 def load_states(path: str | Path, env: Env) -> State:
     """Load states that `save_states` has written, as a batch even if it is one state; `info` is empty.
 
-    Args:
-        path: The file.
-        env: An environment of the same options and capacities.
+    `env` must have the options, houses and capacities with which they were saved.
 
     Raises:
         MissingFileError: The file does not exist.
@@ -165,7 +158,10 @@ def load_states(path: str | Path, env: Env) -> State:
 
 
 def _origin(env: Env | None) -> dict[str, np.ndarray]:
-    """Return the arrays that `read_origin` reads: empty without `env`, no spec if an option exists in memory only."""
+    """Return the arrays that `read_origin` reads: spec as JSON and ids of houses; both empty without `env`.
+
+    The spec is also empty if one of its options has no JSON.
+    """
     spec, houses = "", () if env is None else env.bank.house_ids
     if env is not None and env.spec is not None:
         with suppress(ConfigError):
@@ -180,15 +176,18 @@ def _to_host_batch(states: State) -> State:
 
 
 def _leaves_by_path(states: State) -> dict[str, np.ndarray]:
+    """Return the arrays of states by their path in the tree, such as `.world.step`."""
     return {jax.tree_util.keystr(place): leaf for place, leaf in jax.tree_util.tree_leaves_with_path(states)}
 
 
 def _write(path: str | Path, arrays: dict[str, np.ndarray]) -> None:
+    """Write arrays to a compressed `.npz` file, which appears whole or not at all."""
     with write_durably(as_path(path, "states"), "states") as file:
         np.savez_compressed(file, **arrays)  # pyright: ignore[reportArgumentType]
 
 
 def _read(path: str | Path, names: list[str]) -> list[np.ndarray]:
+    """Return the named arrays of a file of states; `MissingFileError` or `DatasetError` if that fails."""
     return read_arrays(
         as_path(path, "states"), names, "file of states", "Name one that `save_states` or `dump_flagged` has written."
     )
