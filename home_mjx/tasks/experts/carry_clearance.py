@@ -27,12 +27,12 @@ def has_hands(snapshot: Snapshot) -> bool:
 
 
 def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
-    """Return distances of objects from the nearest initial position of a selected instance [m]; 0 if none can move.
+    """Return each object's distance from the nearest initial position of a selected movable instance [m]; 0 if none.
 
     Args:
         snapshot: The environment.
-        selected: Mask of the selected instances.
-        middle: Centre of the object that each agent targets [m].
+        selected: Mask of instances.
+        middle: Present centre of the object that each agent targets [m].
     """
     if not has_hands(snapshot):
         return jnp.zeros(middle.shape[0], jnp.float32)
@@ -44,12 +44,7 @@ def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float
 
 
 def pick_distance(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
-    """Return the distance from which agents pick up an object [m]: larger for low objects, which they look down at.
-
-    Args:
-        snapshot: The environment.
-        middle: Centre of the object that each agent targets [m].
-    """
+    """Return the distance in plan from which agents pick up objects centred at `middle` [m]: larger for lower ones."""
     below = eye_position(snapshot.config, snapshot.pose)[:, 2] - middle[:, 2]
     return jnp.clip(
         below / jnp.tan(jnp.float32(MAX_HAND_ANGLE)) + jnp.float32(OBSTACLE_CLEARANCE),
@@ -59,21 +54,19 @@ def pick_distance(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Arra
 
 
 def carried_radius(snapshot: Snapshot, agent: Int[Array, ""]) -> Float[Array, ""]:
-    """Return a carried object's horizontal radius plus `OBSTACLE_CLEARANCE` [m]; 0 if none. Requires `has_hands`."""
+    """Return the plan radius of an agent's carried object plus `OBSTACLE_CLEARANCE` [m]; 0 if it carries nothing.
+
+    Requires `has_hands`.
+    """
     body, physics = jnp.maximum(snapshot.held[agent], 0), snapshot.bank.physics
     radius = plan_radius(physics.body_size[snapshot.house, body], physics.body_quat[snapshot.house, body])
     return jnp.where(snapshot.held[agent] >= 0, radius + jnp.float32(OBSTACLE_CLEARANCE), 0.0)
 
 
 def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Array, "a 2"], Float[Array, " a"]]:
-    """Return discs in the plan that carried objects would cover at another heading [m].
+    """Return discs (centres, radii [m]) in plan that carried objects would cover at headings `yaw` [rad].
 
-    Args:
-        snapshot: The environment; agents have hands.
-        yaw: Heading of each agent [rad].
-
-    Returns:
-        Centres and radii; the agents' own discs where they carry nothing.
+    Agents that carry nothing have their own disc. Requires `has_hands`.
     """
     radius = jax.vmap(lambda agent: carried_radius(snapshot, agent))(jnp.arange(snapshot.config.num_agents))
     own = jnp.array([body.radius for body in snapshot.config.agents], jnp.float32)
@@ -84,12 +77,12 @@ def carried_discs(snapshot: Snapshot, yaw: Float[Array, " a"]) -> tuple[Float[Ar
 
 
 def would_collide(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether an agent's carried object, centred at a position, would be too close to obstacles; False if none.
+    """Return at which positions an agent's carried object would be too close to obstacles; False if it carries none.
 
-    Its height stays as it is now.
+    Too close is less than `carried_radius` in plan from a box at the object's present height. Requires `has_hands`.
 
     Args:
-        snapshot: The environment; agents have hands.
+        snapshot: The environment.
         agent: Index of the agent.
         place: Positions of the object's centre [m]; z is unused.
     """
@@ -102,11 +95,10 @@ def would_collide(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array,
 
 
 def choose_clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Reverse turns [rad] where only the longer way round keeps carried objects clear of obstacles.
+    """Return `turn` [rad], replaced by the longer way round where only that keeps a carried object clear of obstacles.
 
-    Args:
-        snapshot: The environment; agents have hands.
-        turn: Turn of each agent to the left [rad]; less than half a revolution.
+    A turn of an agent that carries something keeps the direction in which it has begun. Turns are to the left, less
+    than half a revolution. Requires `has_hands`.
     """
     radius = jnp.array([body.radius for body in snapshot.config.agents], jnp.float32)
     part = jnp.linspace(0.0, 1.0, NUM_TURN_SAMPLES + 1, dtype=jnp.float32)[1:]
@@ -130,14 +122,10 @@ def reverse_turns(turn: Float[Array, " a"]) -> Float[Array, " a"]:
 def resolve_turns(
     turn: Float[Array, " a"], blocked: Bool[Array, " a"], direction: Float[Array, " a"]
 ) -> Float[Array, " a"]:
-    """Reverse turns [rad] that are blocked, but keep the direction of a turn that has begun.
+    """Return `turn`, the shorter turn to the left [rad], reversed to the longer way round where it is `blocked`.
 
-    Without this hysteresis agents could oscillate: after one step the other direction may look better again.
-
-    Args:
-        turn: The shorter turn, to the left [rad].
-        blocked: True where the longer one is better.
-        direction: Current turn of each agent: 1 to the left, -1 to the right, 0 neither.
+    A turn that has begun (`direction`: 1 left, -1 right, 0 none) goes on instead, except to correct an overshoot of at
+    most `MAX_OVERSHOOT`: otherwise agents could oscillate.
     """
     back = (direction * turn < 0) & (jnp.abs(turn) > jnp.float32(MAX_OVERSHOOT))
     return jnp.where(jnp.where(direction == 0, blocked, back), reverse_turns(turn), turn)

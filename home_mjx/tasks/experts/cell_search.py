@@ -18,7 +18,7 @@ NEIGHBOUR_OFFSETS = np.array([-1, 0, 1])  # [cells], neighbourhood of an agent
 def seek_nearest_cell(
     snapshot: Snapshot, targets: Bool[Array, "levels rows columns"], unvisited: Bool[Array, "levels rows columns"]
 ) -> Array:
-    """Return actions of all agents by `turns_to_nearest_cell`; `stop` where there is no cell.
+    """Return actions of all agents towards cells, by `turns_to_nearest_cell`; `stop` where there is none to go to.
 
     With continuous actions, which have no `stop`, they turn on the spot instead.
     """
@@ -33,7 +33,7 @@ def turns_to_nearest_cell(
     unvisited: Bool[Array, "levels rows columns"],
     num_agents: int = -1,
 ) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
-    """Return turns of agents towards the nearest cell of `targets` [rad, to the left]; True if there is no place to go.
+    """Return turns of agents towards the nearest cell of `targets` [rad, to the left], and which have none to go to.
 
     On the agent's level the path follows a distance field computed for the purpose, past door leaves at their current
     angles. Without such a path, an agent goes to the nearest of the house's goals in `unvisited`.
@@ -41,7 +41,7 @@ def turns_to_nearest_cell(
     Args:
         snapshot: The environment.
         targets: Cells of the house's grids; those that are not walkable do not count.
-        unvisited: Cells whose goals are worth a visit.
+        unvisited: Cells of the grids; the house's goals in them are worth a visit.
         num_agents: Number of agents, the first ones; -1: all.
     """
     bank, house = snapshot.bank, snapshot.house

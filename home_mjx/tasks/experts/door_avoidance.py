@@ -27,12 +27,9 @@ SWING_CLEARANCE_ANGLE = 0.35  # [rad], angle from the leaf at which an agent is 
 def leaf_distances(
     snapshot: Snapshot, place: Float[Array, "n 3"], selected: Bool[Array, " h"] | None = None
 ) -> Float[Array, " n"]:
-    """Return horizontal distances of positions to the nearest leaf as high as the agent [m]; inf without one.
+    """Return plan distances of feet at `place` [m] to the nearest leaf at an agent's height [m]; inf without one.
 
-    Args:
-        snapshot: The environment.
-        place: The positions of their feet [m].
-        selected: Mask of leaves; None: all.
+    `selected` is a mask of leaves; None: all.
     """
     away, _ = _leaf_offsets(snapshot, place, selected)
     return jnp.min(away, axis=1, initial=jnp.inf)
@@ -41,7 +38,7 @@ def leaf_distances(
 def _leaf_offsets(
     snapshot: Snapshot, place: Float[Array, "n 3"], which: Bool[Array, " h"] | None
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h 2"]]:
-    """Return plan distances of feet to leaves as high as the agent [m], inf for others, and offsets to them (x, y) [m].
+    """Return plan distances of feet to leaves [m], inf for leaves above or below an agent, and offsets (x, y) [m].
 
     An offset leads from the feet to the nearest point of the leaf. `which` is a mask of leaves; None: all.
     """
@@ -63,27 +60,25 @@ def _leaf_offsets(
 def _is_as_high(
     snapshot: Snapshot, rise: Float[Array, "n h"], half: Float[Array, "#n h"] | float
 ) -> Bool[Array, "n h"]:
-    """Return whether upright boxes overlap an agent's height range.
+    """Return whether upright boxes overlap the height range of an agent.
 
-    Args:
-        snapshot: The environment.
-        rise: Height of the agents' feet above the middle of the boxes [m].
-        half: Half the height of the boxes [m].
+    Feet are `rise` above the middle of a box, which has half the height `half` [m].
     """
     return (rise < half) & (rise > -half - jnp.float32(snapshot.bank.spec.agent_height))
 
 
 def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether an agent with its feet at each position [m] would have a leaf within `MIN_LEAF_CLEARANCE`."""
+    """Return whether an agent with its feet at each position [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
     return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
 
 
 def cost_factors(
     snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, ""] | None = None
 ) -> Float[Array, " n"]:
-    """Return cost factors (1: free) of path length at positions, from present leaves, agents and the carried object.
+    """Return cost factors (1: free) of path length at feet positions, from leaves, agents and the carried object now.
 
-    Leaves cost nothing in the last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`.
+    A leaf or agent costs `PUSH_COST_FACTOR` in contact and `BRUSH_COST_FACTOR` close by; leaves cost nothing in the
+    last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`.
 
     Args:
         snapshot: The environment.
@@ -115,11 +110,9 @@ def is_shut(snapshot: Snapshot) -> Bool[Array, " h"]:
 
 
 def is_facing_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:
-    """Return whether a leaf less than half open is within half of `OPEN_DISTANCE` of the point so far ahead.
+    """Return whether a leaf less than half open is near the point `OPEN_DISTANCE` ahead of each agent.
 
-    Args:
-        snapshot: The environment.
-        way: Heading of the path [rad].
+    Near is within half that distance; `way` is the heading [rad].
     """
     ahead = jnp.stack([jnp.cos(way), jnp.sin(way), jnp.zeros_like(way)], axis=-1) * jnp.float32(OPEN_DISTANCE)
     return leaf_distances(snapshot, snapshot.feet + ahead, is_shut(snapshot)) < jnp.float32(OPEN_DISTANCE / 2)
@@ -128,10 +121,7 @@ def is_facing_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Arr
 def is_swept(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array, " n"]) -> Bool[Array, "n h"]:
     """Return which hinged leaves that are less than half open would sweep over discs when opened wide.
 
-    Args:
-        snapshot: The environment.
-        place: Centres of the discs [m], z at the feet of the agent.
-        radius: Radii of the discs [m].
+    Discs have centres `place` [m], with z at an agent's feet, and a `radius` [m].
     """
     away, turn, arc = _hinge_coordinates(snapshot, place)
     wide = jnp.arcsin(jnp.clip(radius[:, None] / away, 0.0, 1.0))  # half of the angle that the disc subtends
@@ -143,15 +133,13 @@ def is_swept(snapshot: Snapshot, place: Float[Array, "n 3"], radius: Float[Array
 
 
 def plan_opening(snapshot: Snapshot) -> tuple[Bool[Array, " a"], Bool[Array, " a"], Float[Array, " a"]]:
-    """Return how agents that carry something open a leaf that swings towards them and would hit the object.
+    """Plan how agents that carry something open the nearest leaf that is less than half open; requires `has_hands`.
 
-    They go beyond its free edge, within reach but clear of its swing, turn to it and open it.
-
-    Args:
-        snapshot: The environment; agents have hands.
+    If its swing would hit them or the object, they first go beyond its free edge, within reach but clear of the swing.
 
     Returns:
-        Whether each agent is busy with that; whether it is in place to open it; heading to turn to [rad].
+        Whether each agent is busy with that; whether it is in place to open the leaf; heading to turn to [rad]. An
+        agent is not busy if no such leaf is near, or it carries nothing.
     """
     pos, holds = snapshot.feet, snapshot.held >= 0
     if not snapshot.door_angle.shape[0]:
@@ -173,6 +161,7 @@ def plan_opening(snapshot: Snapshot) -> tuple[Bool[Array, " a"], Bool[Array, " a
 
 
 def _house_leaves(snapshot: Snapshot) -> DoorLeaves:
+    """Return the door leaves of the snapshot's house."""
     return jax.tree.map(lambda x: x[snapshot.house], DoorLeaves.from_physics(snapshot.bank.physics))
 
 

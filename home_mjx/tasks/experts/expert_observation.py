@@ -48,9 +48,11 @@ class ExpertObservationEnv(HouseholdEnv):
         self.progress = core.progress
 
     def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
+        """Return `expert`, the actions of all agents."""
         return {EXPERT: _expert_action(self.task, snapshot, state.task)}
 
     def _observation_spec(self) -> Specs:
+        """Return the specs of the environment and, as that of `expert`, the spec of actions."""
         spec = dataclasses.replace(self.action_spec, text=f"action of the expert: {self.action_spec.text}")
         return {**super()._observation_spec(), EXPERT: spec}
 
@@ -63,6 +65,7 @@ def add_expert(env: Env[HouseholdEnv]) -> Env[HouseholdEnv]:
 
 
 def _expert_action(task: Task, snapshot: Snapshot, state: object) -> Array:
+    """Return the expert's action for every agent, by the kind of task; `ConfigError` if it has none."""
     if isinstance(task, PointNav) and isinstance(state, PointNavState):
         return _point_nav_action(task, snapshot, state)
     if not isinstance(state, RowState) and not hasattr(state, "expert"):

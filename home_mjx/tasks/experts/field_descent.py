@@ -43,7 +43,7 @@ def descend_field(
     Args:
         snapshot: The environment.
         agent: Index of the agent.
-        field: The field.
+        field: Function that returns remaining distances of cells [m]; inf where no path leads.
         min_distance: Remaining distance below which the path ends, too [m].
         tolerance: Distance to the end that counts as reached [m].
     """
@@ -67,20 +67,16 @@ def descend_field(
 def circle_distance(
     snapshot: Snapshot, places: Int[Array, "n 3"], point: Float[Array, "3"], radius: Float[Array, ""]
 ) -> Float[Array, " n"]:
-    """Return unsigned plan distances of cells to a circle around a point [m]: a field for points without a stored one.
+    """Return plan distances of cells (level, row, column) to a circle around a point [m], inside it as well as outside.
 
-    Args:
-        snapshot: The environment.
-        places: Level, row and column of the cells.
-        point: The point [m].
-        radius: Radius of the circle [m].
+    It replaces a stored field for points that have none, such as objects that have moved.
     """
     place = jax.vmap(lambda p: grid_position(snapshot.bank, snapshot.house, p))(places)
     return jnp.abs(jnp.linalg.norm(place[:, :2] - point[:2], axis=1) - radius)
 
 
 def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether `NUM_SEGMENT_SAMPLES` points straight to a position [m] are walkable, leaves and agents aside."""
+    """Return whether sampled points of the straight way to a floor point [m] are home cells; leaves do not matter."""
     free, _, _ = _check_segments(snapshot, agent, place[None])
     return free[0]
 
@@ -92,7 +88,7 @@ def step_aside(
     step_length: float,
     tolerance: Float[Array, ""] | float = 0.0,
 ) -> Float[Array, "2"]:
-    """Return a waypoint from which whole steps end at a target less than two steps away [m].
+    """Return a waypoint (x, y) [m] from which one whole step ends at a target less than two steps away.
 
     It is the apex of a triangle with two sides of one step each, on a free side. It is the target itself if that is
     farther away, if one step reaches it, or if no side is free.
@@ -147,15 +143,11 @@ def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFun
 def _check_segments(
     snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "k 3"]
 ) -> tuple[Bool[Array, " k"], Float[Array, " k"], Float[Array, " k"]]:
-    """Check straight segments from an agent to positions.
-
-    Args:
-        snapshot: The environment.
-        agent: Index of the agent.
-        place: Ends of the segments [m].
+    """Check straight segments from an agent's feet to positions `place` [m], at `NUM_SEGMENT_SAMPLES` points each.
 
     Returns:
-        Whether each segment is free; the maximum of `cost_factors` along it; their maximum at its two ends.
+        Whether each segment is in home cells, except for its first `bank.spec.cell`; the maximum of `cost_factors`
+        along it; their maximum at its two ends.
     """
     bank, house, pos = snapshot.bank, snapshot.house, snapshot.feet[agent]
     part = jnp.linspace(0.0, 1.0, NUM_SEGMENT_SAMPLES, dtype=jnp.float32)[:, None]

@@ -41,11 +41,7 @@ def plan_grasp(
 ) -> GraspPlan:
     """Return hand commands for the current stage, and the aim for them; the stage's guide is its target descriptor.
 
-    Args:
-        snapshot: The environment.
-        state: State of its row task.
-        values: See `features.FeatureValues`.
-        box: Bounds of the nearest object that the guide selects [m].
+    `values` are those of `FeatureValues`; `box` has the bounds of the nearest object that the guide selects [m].
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
     take, put = _pending_commands(state, values, guide)
@@ -62,17 +58,16 @@ def plan_grasp(
 def plan_retreat(
     snapshot: Snapshot, state: RowState, dropped: Bool[Array, " a"]
 ) -> tuple[Bool[Array, " a"], Int[Array, " a"], Float[Array, " a"]]:
-    """Return whether agents should move away, because the current stage has made no progress for long.
-
-    Stages of a dropped object restart again and again: for these the time of the whole episode counts.
+    """Return which agents should move away as their stage has lasted long: the last steps of each `RETREAT_PERIOD`.
 
     Args:
         snapshot: The environment.
         state: State of its row task.
-        dropped: True if the object that an agent targets has been held before.
+        dropped: True if the object that an agent targets has been held before; the time of the whole episode counts
+            then, because its stages restart again and again.
 
     Returns:
-        Whether to move away; number of times before; direction to move in [rad].
+        Whether to move away; number of completed periods; direction to move in [rad].
     """
     time = jnp.where(dropped, snapshot.step, snapshot.step - state.stage_start)
     before = time // RETREAT_PERIOD
@@ -86,11 +81,8 @@ def plan_retreat(
 def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: Bool[Array, " a"]) -> Array:
     """Return actions with hand commands: these replace discrete moves, or set the element `pick` (0 without command).
 
-    Args:
-        config: Options.
-        actions: Moves and looks.
-        grip: Hand commands.
-        aims: True for agents in place for the command, with its target at the view centre.
+    `actions` have moves and looks. Picks and places apply only where `aims`, in place with the target at the view
+    centre; drops always.
     """
     names, picks = action_names(config), (grip.pick | grip.place) & aims
     if config.discrete is not None:
@@ -109,7 +101,10 @@ def add_door_commands(config: EnvConfig, actions: Array, opens: Bool[Array, " a"
 
 
 def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
-    """Return whether no turn and no look would move the view centre closer to the hand's target."""
+    """Return whether the view centre is as close to the hand's target as actions can bring it.
+
+    That is within half a discrete turn and look, or within `MAX_AIM_ERROR` / 2.
+    """
     if config.discrete is None:
         return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(MAX_AIM_ERROR / 2)
     half, step = (math.radians(x) / 2 + 2e-3 for x in (config.discrete.turn_angle, config.discrete.tilt_angle or 0))
@@ -121,7 +116,8 @@ def _pending_commands(
 ) -> tuple[Bool[Array, " a"], Bool[Array, " a"]]:
     """Return whether the stage needs a target of descriptor `guide` picked up, and whether the held object put down.
 
-    Never both; False where the stage goes on without.
+    Found by trying: a transition that is not to FAILURE would be taken if it were. Never both; both False if a
+    transition is possible now.
     """
     program, stage = state.program, state.stage
 
@@ -142,9 +138,9 @@ def _pending_commands(
 def _pick_candidates(
     snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Return points of the nearest object [m], and which are visible and in reach.
+    """Return points at which to grasp the guide's nearest object [m], and which are visible and in reach.
 
-    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these.
+    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these. `box` has the object's bounds.
     """
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
     points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
@@ -164,11 +160,7 @@ def _place_candidates(
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
     """Return spots for the held body on the guide's nearest object [m]; whether each is free, visible and in reach.
 
-    Args:
-        snapshot: The environment.
-        state: State of its row task.
-        guide: Index of the descriptor that selects the objects.
-        box: Bounds of the nearest of them to each agent [m].
+    `box` has that object's bounds [m].
     """
     config, bank, house = snapshot.config, snapshot.bank, snapshot.house
     eyes, carried = eye_position(config, snapshot.pose), held_object_ids(snapshot)
@@ -188,10 +180,10 @@ def _place_candidates(
 def _best_aim(
     snapshot: Snapshot, points: Float[Array, "a p 3"], fits: Bool[Array, "a p"], tried: Int[Array, ""], most: float
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
-    """Return turn and tilt to the best aim point [rad], and whether a usable point has an error of at most `most`.
+    """Return turn and tilt to the best aim point [rad], and whether a usable point has at most the error `most` [rad].
 
-    `fits` marks usable points; `tried`, the number of attempts before, varies the choice.
-    Discrete actions turn and tilt by whole steps: the usable point with the smallest remaining error is preferred.
+    `fits` marks usable points; `tried`, the number of attempts before, varies the choice. Discrete actions turn and
+    tilt by whole steps: usable points with a small remaining error are preferred.
     """
     config, pose = snapshot.config, snapshot.pose
     offset = points - eye_position(config, pose)[:, None]

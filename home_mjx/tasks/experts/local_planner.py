@@ -41,17 +41,17 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
 def window_distances(
     global_distance: Float[Array, " n"], length: Float[Array, " n"], height: Float[Array, " n"]
 ) -> Float[Array, "w w"]:
-    """Return distances along the cells of a window, continued by the known distances beyond it.
+    """Return remaining distances [m] of a window's cells, by paths within it and `global_distance` where they leave.
 
     Cells without a nearer neighbour keep their known distance: the end itself, and cells where paths leave the window.
     Other cells at the edge do not: known distances ignore current obstacles, and such a path could lead back through
     them. Where paths leave the window farther from the end than its centre is, they cost `RETREAT_COST` more, and
     beside an obstacle `EDGE_COST`. Paths cut no corners, and do not lead from a floor to one above or below it, see
-    `MAX_RISE`.
+    `MAX_RISE`. A cell that no path reaches has inf.
 
     Args:
         global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
-        length: Length of a step out of each cell [m].
+        length: Length of a step out of each cell [m], longer beside obstacles.
         height: Height of each cell [m].
 
     Example:
@@ -93,12 +93,9 @@ def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
 def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
     """Return row and column, from the window's corner, of the walkable cell nearest to its centre.
 
-    Cells in `elsewhere`, or far from the end, count as farther away.
-    An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside.
-
-    Args:
-        global_distance: Distances of cells [m]; inf where agents cannot walk.
-        elsewhere: Mask of cells in another room than the centre, or not as high.
+    An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside. Cells in the
+    mask `elsewhere` (another room or height) count as `OTHER_ROOM_COST` farther, and those far from the end as a little
+    farther. `global_distance` [m] is inf where agents cannot walk.
     """
     away = jnp.asarray(np.hypot(*np.meshgrid(*[np.arange(WIDTH) - HALF_WIDTH] * 2)), jnp.float32).reshape(-1)
     rank = away + DISTANCE_WEIGHT * jnp.minimum(global_distance, MAX_WEIGHTED_DISTANCE) + OTHER_ROOM_COST * elsewhere
@@ -127,7 +124,7 @@ def descend_window(
 
 
 def _lowest_neighbour(far: Float[Array, "w w"], height: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
-    """Return row and column of the lowest distance among a cell and its neighbours as high; the cell itself on ties."""
+    """Return row and column of the lowest distance among a cell and its neighbours of like height; the cell on ties."""
     around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
     rise = jnp.abs(height[around[:, 0], around[:, 1]] - height[at[0], at[1]])
     known = jnp.where(rise < jnp.float32(MAX_RISE), far[around[:, 0], around[:, 1]], jnp.inf)
@@ -136,6 +133,7 @@ def _lowest_neighbour(far: Float[Array, "w w"], height: Float[Array, "w w"], at:
 
 
 def _offset_index(y: int, x: int) -> int:
+    """Return the index of an offset (-1, 0 or 1 each) in `OFFSETS`."""
     return int(3 * (y + 1) + x + 1)
 
 

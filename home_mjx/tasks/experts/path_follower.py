@@ -52,15 +52,9 @@ class HasExpert(Protocol):
 
 
 def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
-    """Return the expert's current action for every agent.
+    """Return the expert's current action for every agent; `state` is a `RowState`, or has an expert of its own.
 
-    Args:
-        snapshot: The environment.
-        state: State of its task: a `RowState`, or one with its own expert.
-
-    Returns:
-        Actions in the environment's format, with an axis of all agents, or of the acting ones if the task has its own
-        expert.
+    Actions are in the environment's format with an agent axis, of the acting agents if `state` has its own expert.
 
     Example:
         >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
@@ -111,7 +105,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
 
 
 def current_features(snapshot: Snapshot, state: RowState) -> FeatureValues:
-    """Return the current feature values: from the task's state if it keeps them, else computed anew."""
+    """Return the feature values of this step: from the task's state if it stores them, else computed anew."""
     time = snapshot.step - state.stage_start
     if state.features is None:
         return compute_features(snapshot, state.program, state.targets, snapshot.tasks.field, time)
@@ -152,7 +146,7 @@ def plan_view(
 
 
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only a look or a `stop` of each agent; same for all."""
+    """Return whether a transition of the stage, not to FAILURE, needs at most SEEN and STOPPED; same for all agents."""
     turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
     after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, turned))
     return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
@@ -161,7 +155,8 @@ def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureValues) -> Float[Array, "feature a d d"]:
     """Return feature values with margins for the step in which `stop` takes effect, one step later.
 
-    A collision must not push an agent out of its room by then, and a moving target must stay visible and close.
+    INSIDE must hold at all `EYE_OFFSETS`, unless in contact: a collision could push the agent out of its room. For a
+    moving target CLEAR must hold for points around its middle, and STRAIGHT is larger by `MAX_TARGET_LAG`.
     """
     values, walks, shifts = (
         looked.values,
@@ -187,7 +182,7 @@ def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureVal
 
 
 def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only time, and none is taken now; same for all agents."""
+    """Return whether a transition of the stage, not to FAILURE, needs only time and is not taken now; same for all."""
     later = values.at[Feature.TIME].set(jnp.inf)
     after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, later))
     quiet = take_transition(state.program, state.stage, evaluate_conditions(state.program, values))[2]
@@ -195,7 +190,7 @@ def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether a transition of the current stage needs only `stop` of each agent, and none is taken now.
+    """Return whether a transition of the stage, not to FAILURE, needs only `stop`, and none is taken now.
 
     It is the same for all agents.
     """
@@ -211,14 +206,9 @@ def heading_to_target(
 ) -> tuple[Float[Array, " a"], Bool[Array, " a"]]:
     """Return the heading of the shortest path to a descriptor's target [rad], and whether the path ends here.
 
-    Each agent can walk straight along it, see `descend_field`; inside a target room it walks on. The field of a dropped
-    object is outdated: agents head for its current position.
-
-    Args:
-        snapshot: The environment.
-        state: State of its row task.
-        guide: Index of the descriptor.
-        box: Bounds of the nearest object that it selects [m].
+    Each agent can walk straight along it, see `descend_field`. In a target room it walks straight on and never ends.
+    The field of an object that was moved is outdated: agents head for its current position. `guide` is the index of the
+    descriptor, `box` has the bounds of the nearest object that it selects [m].
     """
     moves, column = snapshot.config.discrete, jnp.maximum(state.program.field[guide], 0).astype(jnp.int32)
     least = moves.forward_step_size / 2 if moves and has_hands(snapshot) else 0.0  # a further step would overshoot
@@ -248,13 +238,7 @@ def heading_to_target(
 def turn_towards(
     snapshot: Snapshot, aim: Float[Array, "a 2"], agents: Int[Array, " a"] | None = None
 ) -> Float[Array, " a"]:
-    """Return the turns to the left after which agents face positions [rad].
-
-    Args:
-        snapshot: The environment.
-        aim: Position for each agent [m].
-        agents: Indices of the agents; None: all.
-    """
+    """Return the turns to the left [rad] after which agents face positions `aim` [m]; `agents`: indices, None: all."""
     pose = snapshot.pose
     pos, yaw = (pose.pos, pose.yaw) if agents is None else (pose.pos[agents], pose.yaw[agents])
     way = aim - pos[:, :2]
@@ -279,6 +263,10 @@ def to_actions(
 
 
 def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Float[Array, "a n"]:
+    """Return continuous actions as `to_actions` describes.
+
+    Forward speed falls with the heading error, and is 0 above `MAX_WALK_HEADING_ERROR`.
+    """
     dt = config.timing.ctrl_dt
     rates = jnp.array([body.turn_rate for body in config.agents], jnp.float32)
     forward = jnp.where(jnp.abs(error) < MAX_WALK_HEADING_ERROR, jnp.cos(error), 0.0)
@@ -289,7 +277,7 @@ def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop:
 
 
 def _look_or_forward(moves: DiscreteActions, names: tuple[str, ...], tilt: Array) -> Array | int:
-    """Return the look towards `tilt` [rad]; `move_forward` where it is closer than half a look, or without looks."""
+    """Return the look that brings a pitch error `tilt` [rad] closer to 0; `move_forward` if none does."""
     forward = names.index("move_forward")
     if moves.tilt_angle is None:
         return forward
@@ -298,6 +286,7 @@ def _look_or_forward(moves: DiscreteActions, names: tuple[str, ...], tilt: Array
 
 
 def _discrete(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Int[Array, " a"]:
+    """Return indices of discrete actions as `to_actions` describes; turns below half a step are skipped."""
     moves, names = config.discrete, action_names(config)
     assert moves is not None
     half = math.radians(moves.turn_angle) / 2

@@ -14,13 +14,9 @@ REPEAT_PERIOD = 4  # [steps] between words of an informed agent, which walks out
 
 
 def insert_words(snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], actions: Array) -> Array:
-    """Return actions, with the speech action (index) of its next word for each agent that should speak; others stay.
+    """Return actions of all agents, replaced by the speech action (index) of its next word where an agent has one.
 
-    Args:
-        snapshot: The environment.
-        state: State of its row task.
-        values: See `features.FeatureValues`.
-        actions: Actions of all agents.
+    `values` are those of `features.FeatureValues`. Without speech actions nothing changes.
     """
     config = snapshot.config
     if not config.speech:
@@ -46,7 +42,7 @@ def next_words(snapshot: Snapshot, state: RowState, values: Float[Array, "featur
 
 
 def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
-    """Return whether the current stage is the last one and needs only that an agent says the answer; same for all."""
+    """Return whether the stage can only end the task, and needs only that the answer is said; same for all agents."""
     program = state.program
     said = values.at[Feature.SAID].set(state.speech.answer.astype(jnp.float32))
     after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
