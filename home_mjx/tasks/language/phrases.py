@@ -88,7 +88,10 @@ def draw_identifying_words(
 def minimal_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:
-    """Return all smallest sets of values that identify an object: category, attributes from `telling`; [] if none."""
+    """Return all smallest sets of values that only `thing` has: its category and some of the attributes `telling`.
+
+    [] if even all attributes do not single it out among `things`.
+    """
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     peers = _semantic_table(select_matching(things, noun))
@@ -116,12 +119,7 @@ def _naming_values(thing: HouseObject, word: Attribute) -> tuple[int, ...]:
 
 
 def describe_goal(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.ndarray, "d words"]) -> str:
-    """Return the instruction of a row; if its tokens are all padding, the task and a phrase for its descriptors.
-
-    Args:
-        task: Name of the task.
-        tokens: Tokens of the instruction.
-        descriptors: Descriptors of the row's program.
+    """Return the instruction of a row; without tokens, the task's name and phrases for all its descriptors.
 
     Example:
         >>> row = np.full((1, len(Attribute)), ANY)
@@ -134,6 +132,7 @@ def describe_goal(task: str, tokens: Int[np.ndarray, " n"], descriptors: Int[np.
 
 
 def _describe_target(row: np.ndarray) -> str:
+    """Return a phrase for the target of a descriptor: a place, an agent, a room or an object."""
     if row[Attribute.KIND] == TargetKind.PLACE:
         return "a place"
     if row[Attribute.KIND] == TargetKind.AGENT:

@@ -63,7 +63,7 @@ def mask_new_combinations(tasks: TaskBank, fraction: float = 0.2, seed: int = 0)
 def mask_new_descriptors(
     descriptors: Int[np.ndarray, "t d words"], fraction: float = 0.2, seed: int = 0
 ) -> Bool[np.ndarray, " t"]:
-    """Return the mask of `mask_new_combinations` for descriptors with the columns of `Attribute`."""
+    """Return the mask of `mask_new_combinations` from the descriptors of rows (columns `Attribute`)."""
     check_number("fraction", fraction, 0, 1)
     check_number("seed", seed, *SEED_RANGE, integer=True)
     said = descriptors[..., list(COMBINED_ATTRIBUTES)]

@@ -49,6 +49,7 @@ def all_words() -> tuple[str, ...]:
 
 @cache
 def _tokens() -> dict[str, int]:
+    """Return the token of each word."""
     return {word: token for token, word in enumerate(all_words())}
 
 
