@@ -15,12 +15,9 @@ from home_mjx.tasks.suite.point_nav import PointNavState
 
 
 def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return a mask of a storey's cells that hold the goal of the present stage: its rooms, objects, point or agent.
+    """Return a mask of the cells of storey `level` with the present stage's goal: its rooms, objects, point or agent.
 
-    Args:
-        snapshot: The environment.
-        task: State of the task; tasks other than PointNav and those of rows have no goal cells.
-        level: Index of the storey.
+    `task` is the task's state; tasks other than PointNav and those of rows have no goal cells.
     """
     bank, house = snapshot.bank, snapshot.house
     if isinstance(task, PointNavState):
@@ -47,7 +44,10 @@ def _point_cell(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, 
 
 
 def _object_cells(snapshot: Snapshot, meant: Bool[Array, " i"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return a mask of cells under the present bounds of objects on a level (differences at corners, summed twice)."""
+    """Return a mask of a level's cells under the present bounds of objects whose middle is above that level.
+
+    Differences at the corners of bounds are summed along both axes.
+    """
     bank, house, boxes = snapshot.bank, snapshot.house, current_boxes(snapshot)
     rows, columns = bank.navigation.room.shape[2:]
     boxes = jnp.where(meant[:, None, None], boxes, 0.0)

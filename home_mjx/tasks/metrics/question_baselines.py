@@ -14,7 +14,7 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 def chance_accuracy(tasks: TaskBank) -> float:
-    """Return the accuracy of uniform draws among the answers that each question has here; `ConfigError` without any."""
+    """Return the accuracy of guessing uniformly among each question's answers in `tasks`; `ConfigError` without any."""
     texts, answers = _questions_and_answers(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)
     for text, answer in zip(texts, answers.tolist(), strict=True):
@@ -23,14 +23,10 @@ def chance_accuracy(tasks: TaskBank) -> float:
 
 
 def prior_accuracy(train_tasks: TaskBank, test_tasks: TaskBank) -> float:
-    """Return the accuracy of the best agent that reads questions but observes nothing else.
+    """Return the accuracy on `test_tasks` of the best agent that reads questions but observes nothing else.
 
     It gives each question its most frequent answer in `train_tasks`, and an unseen question the most frequent answer of
     all.
-
-    Args:
-        train_tasks: Tasks on which it was trained.
-        test_tasks: Tasks on which it is evaluated; may be the same.
 
     Raises:
         ConfigError: One of them has no questions.

@@ -124,11 +124,12 @@ def top_down_map(snapshot: Snapshot, task: Any, memory: MapMemory, agent: int = 
 
 
 def _on_level(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*a 2"]:
+    """Return row and column of cells (level, row, column); `OTHER_STOREY` for those on another level."""
     return jnp.where(place[..., :1] == level, place[..., 1:], OTHER_STOREY)
 
 
 def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
-    """Return a mask of cells on the straight line from each agent's previous position to the present one."""
+    """Return cells under a straight line from each agent's last feet position to its present one, as a mask."""
     bank, house, config = snapshot.bank, snapshot.house, snapshot.config
     way = max(body.forward_speed for body in config.agents) * config.timing.ctrl_dt
     parts = jnp.linspace(0, 1, 2 + math.ceil(2 * way / bank.spec.cell))
@@ -143,7 +144,10 @@ def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, 
 
 
 def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
-    """Return a mask of cells seen at eye height: unoccluded, within the horizontal field of view and `max_depth`."""
+    """Return a mask of cells of each agent's own level that it sees at eye height, and its own cell.
+
+    Seen are those in the horizontal field of view and within `max_depth`, before the first hit of horizontal rays.
+    """
     bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
     levels, rows, columns = bank.navigation.room.shape[1:]
     half = math.atan(math.tan(math.radians(config.fovy) / 2) * config.width / config.height)
