@@ -55,6 +55,7 @@ def balance_rows(drawn: list[FeasibleRow], max_rows: int, random: np.random.Gene
 
 
 def _group_rows(drawn: list[FeasibleRow]) -> dict[tuple[str, str], list[FeasibleRow]]:
+    """Return the rows by their `group`."""
     groups: dict = defaultdict(list)
     for row in drawn:
         groups[row.row.group].append(row)

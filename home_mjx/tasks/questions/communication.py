@@ -76,6 +76,7 @@ class Communication(NavigationTask):
                 yield self._row(kind)
 
     def _row(self, kind: int) -> TaskRow:
+        """Return the row whose goal is a room type, which the speaker's instruction names."""
         room = to_word(ROOM_TYPES[kind])
         inside = (Condition(Feature.INSIDE, 0, minimum=1, agent=LISTENER),)
         stage = arrival_stage(inside, self.stop, self.success_reward)

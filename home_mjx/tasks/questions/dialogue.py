@@ -79,6 +79,7 @@ class Dialogue(NavigationTask):
         words: dict[Attribute, int],
         random: np.random.Generator,
     ) -> TaskRow:
+        """Return the row of a hidden object; `words` identify it, and the oracle's first replies are these."""
         there = Condition(Feature.DISTANCE, 1, maximum=self.success_distance), Condition(Feature.SEEN, 1, minimum=1)
         first = [word for word in QUESTION_WORDS if word in words]
         asked = [*first, *(word for word in QUESTION_WORDS if word not in words)]

@@ -90,13 +90,14 @@ class HouseQA(QuestionTask):
         check_number("look_distance", self.look_distance, 0.5)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield up to `MAX_CANDIDATES` questions of each kind; a hash prefers the same texts in all houses."""
+        """Yield a row for each question, at most `MAX_CANDIDATES` a kind; a hash prefers equal texts in all houses."""
         for kind in dict.fromkeys(self.kinds):
             known = {question.texts[0]: question for question in QUESTION_GENERATORS[kind](view)}
             for text in sorted(known, key=lambda text: crc32(text.encode()))[:MAX_CANDIDATES]:
                 yield self._row(known[text])
 
     def _row(self, question: Question) -> TaskRow:
+        """Return the row of a question; its other wordings are paraphrases."""
         texts = [tokenize(text) for text in question.texts]
         (answer,) = tokenize(question.answer)
         return TaskRow(
@@ -117,6 +118,7 @@ class HouseQA(QuestionTask):
         return [*stages, TaskStage(ends, guide=len(looks) - 1)]
 
     def _there(self, at: int, look: Selector) -> tuple[Condition, ...]:
+        """Return the conditions for having looked at descriptor `at`: inside a room, or near an object in view."""
         if look.attributes["kind"] == TargetKind.ROOM:
             return (Condition(Feature.INSIDE, at, minimum=1),)
         return Condition(Feature.DISTANCE, at, maximum=self.look_distance), Condition(Feature.SEEN, at, minimum=1)

@@ -87,12 +87,9 @@ def indefinite_noun(name: str) -> str:
 def identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, without: Sequence[Attribute] = ()
 ) -> list[dict[Attribute, int]]:
-    """Return the smallest sets of values that identify an object, of attributes known for its whole category; or [].
+    """Return all smallest sets of attribute values that identify an object among `things`; [] if there are none.
 
-    Args:
-        things: Objects among which it is identified.
-        thing: One of them.
-        without: Words that must not be used.
+    Sets with attributes that are unknown for any object of its category, and words of `without`, are excluded.
     """
     peers = [other for other in things if other.semantic(Semantic.COARSE) == thing.semantic(Semantic.COARSE)]
     found = minimal_identifying_words(
@@ -110,5 +107,5 @@ def unique_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
 
 
 def is_on(thing: HouseObject, other: HouseObject) -> bool:
-    """Return whether `thing` rests on `other`, by its semantics."""
+    """Return whether `thing` rests on `other` by its semantics, not by bounds."""
     return thing.semantic(Semantic.SUPPORTER) == other.object_id

@@ -82,6 +82,7 @@ def count_in_rooms(view: HouseView) -> Iterator[tuple[str, int, int]]:
 
 
 def _is_in_room(thing: HouseObject) -> bool:
+    """Return whether an object is in a room of the house."""
     return thing.semantic(Semantic.ROOM) >= 0
 
 
@@ -144,6 +145,7 @@ def relation_questions(view: HouseView) -> Iterator[Question]:
 
 
 def _support_questions(view: HouseView, thing: HouseObject, words: dict[Attribute, int]) -> Iterator[Question]:
+    """Yield questions on what is on an object that `words` identify; none unless all that it carries is visible."""
     carried = [other for other in view.objects if is_on(other, thing)]
     if not all(view.is_visible(other) for other in carried):
         return
@@ -157,12 +159,7 @@ def _support_questions(view: HouseView, thing: HouseObject, words: dict[Attribut
 
 
 def definite_noun(thing: HouseObject) -> str:
-    """Return `the` and the category's word, for an object that is the only one of its category.
-
-    Example:
-        >>> definite_noun(thing)  # doctest: +SKIP
-        'the sofa'
-    """
+    """Return the name of an object that is the only one of its category, with article, such as `the sofa`."""
     return f"the {to_word(noun(thing))}"
 
 
@@ -187,6 +184,7 @@ def gap_between(a: HouseObject, b: HouseObject) -> float:
 
 
 def _attribute_generator(kind: str) -> Callable[[HouseView], Iterator[Question]]:
+    """Return the generator of a house's questions about one attribute."""
     return lambda view: attribute_questions(view.objects, kind)
 
 

@@ -73,6 +73,7 @@ class VQA(QuestionTask):
         yield from known.values()
 
     def _row(self, question: Question, place: np.ndarray, yaw: float) -> TaskRow:
+        """Return the row of a question at a start pose: the right answer in the first step succeeds, all else fails."""
         texts = [tokenize(text) for text in question.texts]
         (answer,) = tokenize(question.answer)
         right, _ = answer_transitions(answer, self.success_reward)
