@@ -193,6 +193,7 @@ def _check_generated(
 
 
 def _generate_rows(generator: TaskGenerator, view: HouseView, random: np.random.Generator, most: int) -> list[TaskRow]:
+    """Return the first `most` rows that a generator yields for a house; all rows of a `RowSelector`."""
     limit = None if isinstance(generator, RowSelector) else most
     return list(itertools.islice(generator.rows(view, random), limit))
 
@@ -222,7 +223,10 @@ def _filter_rows(generators: Sequence[TaskGenerator], columns: list[dict]) -> li
 def _drop_unused_fields(
     rows: list[FeasibleRow], fields: dict[int, np.ndarray]
 ) -> tuple[list[FeasibleRow], dict[int, np.ndarray]]:
-    """Return rows with renumbered `field` columns, grouped by house, and fields without those that no row uses."""
+    """Return rows grouped by house, and each house's fields (cells, fields) with only the columns that its rows use.
+
+    The `field` entries of the rows are renumbered to match; -1 stays.
+    """
     found, kept = [], {}
     for house, field_ in fields.items():
         own = [row for row in rows if row.house == house]
@@ -235,6 +239,7 @@ def _drop_unused_fields(
 
 
 def _columns(one: FeasibleRow) -> dict:
+    """Return all columns of a row by key, padded to their capacities."""
     row = one.row
     return (
         pack_program(row.selectors, row.stages)
@@ -252,7 +257,10 @@ def _feasible_rows(
     random: np.random.Generator,
     limits: tuple[float, float],
 ) -> tuple[list[FeasibleRow], np.ndarray]:
-    """Return the feasible rows of a house, and its distance fields (cells, fields), to which their `field` refers."""
+    """Return the feasible rows of a house, and its distance fields (cells, fields), which their column `field` indexes.
+
+    `rows` are pairs of generator index and row; `limits` are the minimum and maximum shortest-path length [m].
+    """
     columns = [pack_program(row.selectors, row.stages) for _, row in rows]
     for _, row in rows:
         check_success(row.stages)
@@ -277,7 +285,9 @@ def _feasible_rows(
 
 
 def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
-    """Return whether all guides but agents are reachable, as closely (`GOAL_TOLERANCE`) as distance conditions require.
+    """Return whether paths lead to all guides of a row's stages, agents excepted, and near enough for its conditions.
+
+    Near enough: to `GOAL_TOLERANCE` less than the maximum of every DISTANCE condition.
 
     Args:
         column: Columns of one row, with `field`.
@@ -295,8 +305,8 @@ def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
 def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[np.ndarray, "c g"]:
     """Compute the distance fields (cells, fields) of a house's descriptors; add their index `field` to `columns`.
 
-    This changes `columns` in place. Descriptors with the same end cells share a field. The index is -1 without end
-    cells, and for agents and descriptors of nothing.
+    It changes `columns` (one dictionary per row) in place. Descriptors with the same end cells share a field. The index
+    is -1 without end cells, and for kinds AGENT and NOTHING.
     """
     if not columns:
         return view.graph.compute_fields([])
@@ -324,7 +334,7 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
 
 
 def _keep_close_ends(column: dict, d: int, ends: EndCells) -> EndCells:
-    """Keep the end cells of descriptor `d` that meet its distance conditions; all, if none does.
+    """Keep the end cells of descriptor `d` close enough for its DISTANCE conditions; all of them, if none is.
 
     Otherwise a path could end at the nearest of several objects that is visible but not approachable closely enough.
     """
@@ -337,7 +347,7 @@ def _keep_close_ends(column: dict, d: int, ends: EndCells) -> EndCells:
 def _approach_purpose(
     view: HouseView, column: dict, d: int, instance: Bool[np.ndarray, "d i"]
 ) -> tuple[Purpose, float]:
-    """Return the purpose of going to descriptor `d`, and the largest plan radius of objects to put there [m]; else 0.
+    """Return the purpose of going to descriptor `d`; and the maximum plan radius [m] of objects to put there, else 0.
 
     `instance` has the target instances of the row's descriptors.
     """
@@ -354,9 +364,9 @@ def _approach_purpose(
 def _draw_start(
     view: HouseView, field_: np.ndarray, random: np.random.Generator, limits: tuple[float, float]
 ) -> dict | None:
-    """Draw `start`, `yaw`, `length`: a cell off door leaves with a path within limits [m], inclusive; None if none.
+    """Sample a home cell with a path to the goal within limits [m], inclusive, and away from door leaves; None if none.
 
-    `field_` has the goal's distances from the home cells in `FIELD_UNIT`.
+    `field_` has the goal's distances from the home cells in `FIELD_UNIT`. Keys are `start`, `yaw` (uniform), `length`.
     """
     way = np.where(field_ == FIELD_UNREACHABLE, np.inf, field_ * FIELD_UNIT)
     fit = np.flatnonzero(np.isfinite(way) & (way >= limits[0]) & (way <= limits[1]) & ~view.graph.at_leaf)
@@ -376,9 +386,9 @@ def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) ->
 def _prescribed_start(
     view: HouseView, way: UInt16[np.ndarray, " c"], pose: tuple[Sequence[float], float]
 ) -> dict | None:
-    """Return `start`, `yaw`, `length` of a prescribed pose; None if no path leads there, or its cell is cut off.
+    """Return `start`, `yaw`, `length` of a given pose; None if no path leads from it to the goal, or it is cut off.
 
-    `way` has the goal's distances from the home cells in `FIELD_UNIT`; the nearest cell counts.
+    `way` has the goal's distances from the home cells in `FIELD_UNIT`; that of the cell nearest to the pose counts.
     """
     place, yaw = np.asarray(pose[0], np.float32), np.float32(pose[1])
     cell = np.argmin(np.linalg.norm(view.graph.place - place, axis=1))
@@ -397,7 +407,7 @@ def _interleave_houses(drawn: list[FeasibleRow]) -> list[FeasibleRow]:
 def pack_task_bank(
     bank: HouseBank, rows: list[dict], fields: dict[int, UInt16[np.ndarray, "c g"]], names: tuple[str, ...]
 ) -> TaskBank:
-    """Pack the columns of rows, by key, and the distance fields of houses, by index, into a task bank."""
+    """Pack rows (columns by key) and distance fields (by house index) into a task bank with generators `names`."""
     arrays = {name: jnp.asarray(np.stack([row[name] for row in rows])) for name in rows[0]}
     count = max(1, *(f.shape[1] for f in fields.values()))  # at least one column, even if no row has a field
     whole = np.full((bank.navigation.field.shape[0], count), FIELD_UNREACHABLE, np.uint16)

@@ -83,9 +83,10 @@ class CellGraph:
         return found
 
     def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:
-        """Compute distances of all cells to goals in `FIELD_UNIT`, ordered as `NavigationArrays.field`.
+        """Compute path lengths from all cells of the house to goals, in units of `FIELD_UNIT`, by cell number.
 
-        They are `FIELD_UNREACHABLE` where no path leads.
+        They are those of `compute_distances`, extrapolated to reachable cells outside the home region;
+        `FIELD_UNREACHABLE` where no path leads.
         """
         home = self.compute_distances(ends)
         parts = [(np.argwhere(self._home), home)]
@@ -98,20 +99,18 @@ class CellGraph:
         return np.where(np.isfinite(whole), units, FIELD_UNREACHABLE).astype(np.uint16)
 
     def compute_distances(self, ends: Sequence[EndCells]) -> Float[np.ndarray, "c g"]:
-        """Compute the distances of each home cell to goals [m]; inf if unreachable."""
+        """Compute the path length from each home cell to each goal, given by its end cells [m]; inf if unreachable.
+
+        Steps beside the leaf of an open door count `brush_cost_factor` times, in contact with it the square of that.
+        """
         cells, goals = len(self.place), len(ends)
         graph = self._graph_with_goals(ends)
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
     def shortest_path(self, feet: Float[np.ndarray, " 3"], ends: EndCells) -> Float[np.ndarray, "n 3"]:
-        """Return the centres of the cells along the shortest path from the cell nearest to `feet` [m] to a goal.
+        """Return the centres of cells on the shortest path from the cell nearest to `feet` [m] to a goal's end cells.
 
-        Args:
-            feet: Lowest point of an agent, or a point on a floor [m].
-            ends: End cells of the goal.
-
-        Returns:
-            Points on the floor, the first one beneath the feet; none if there is no path.
+        They are points on the floor [m], the first one beneath the feet; (0, 3) if there is no path.
         """
         cells = len(self.place)
         _, previous = dijkstra(self._graph_with_goals([ends]), indices=cells, return_predecessors=True)
@@ -121,7 +120,7 @@ class CellGraph:
         return self.place[path] if previous[path[-1]] == cells else np.zeros((0, 3))
 
     def _graph_with_goals(self, ends: Sequence[EndCells]) -> csr_matrix:
-        """Return the path lengths between cells, and from each goal, as a further node, to its end cells [m].
+        """Return the matrix of edge lengths [m] between home cells, and from each goal, an extra node, to end cells.
 
         Edges never lead back to a goal, so that no path passes through one.
         """
@@ -132,10 +131,9 @@ class CellGraph:
         return csr_matrix((ways, (begins, stops)), shape=(cells + len(ends),) * 2)
 
     def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
-        """Return home cells (indices) of the storey of a box (corners `low`, `high`), and their plan distances [m].
+        """Return the home cells (indices) nearest in plan to a box on its storey, and plan distances [m], ascending.
 
-        They are the nearest ones, at most `most`, in ascending order.
-
+        They are at most `most`, on floors below the box's top and less than `MAX_HEIGHT_ON_STOREY` below its bottom.
         Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object behind
         it.
         """
@@ -198,7 +196,7 @@ def _plan_gaps(
 def _is_cut_off(
     blocked: Bool[np.ndarray, " c"], sources: Int[np.ndarray, " e"], targets: Int[np.ndarray, " e"]
 ) -> Bool[np.ndarray, " c"]:
-    """Return which cells are blocked, or outside the largest connected set of unblocked cells."""
+    """Return which cells are blocked, or outside the largest connected set of unblocked cells; edges are undirected."""
     free = ~blocked[sources] & ~blocked[targets]
     count = len(blocked)
     joined = csr_matrix((np.ones(free.sum()), (sources[free], targets[free])), shape=(count, count))

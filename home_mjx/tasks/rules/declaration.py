@@ -153,12 +153,9 @@ def pack(record: type[Pytree], values: Mapping[str, Any]) -> dict[str, np.ndarra
 
 
 def pack_items(record: type[Pytree], axis: str, items: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-    """Pack items along an axis into all columns of a record that begin with it; raises as `Column.pack` does.
+    """Pack items along an axis of `AXES` into all columns of a record that begin with it; raises as `Column.pack` does.
 
-    Args:
-        record: Record that declares the columns.
-        axis: Key of `AXES`.
-        items: Values of each item by field; a field that an item lacks is filled in all items.
+    `items` are the values of each item by field; a field that any item lacks has its fill value in all of them.
     """
     names = [name for name, column in columns_of(record).items() if column.axes[:1] == (axis,)]
     known = [name for name in names if all(name in item for item in items)]

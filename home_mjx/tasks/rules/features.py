@@ -44,15 +44,7 @@ def compute_features(
     field: UInt16[Array, "cell f"],
     stage_steps: Int[Array, ""],
 ) -> FeatureValues:
-    """Compute the values of all features.
-
-    Args:
-        snapshot: The environment.
-        program: Program of the episode.
-        means: Resolved targets of its descriptors.
-        field: Distance fields of the task bank.
-        stage_steps: Steps since the stage began.
-    """
+    """Compute all `Feature` values of all agents and descriptors; `stage_steps` is the number of steps of the stage."""
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
     boxes = current_boxes(snapshot)
     straight, nearest = nearest_targets(snapshot, program, means, boxes)
@@ -81,9 +73,10 @@ def compute_features(
 def nearest_targets(
     snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
-    """Return distances of agents' middles to nearest targets [m], `UNREACHABLE_DISTANCE` if none; and their bounds.
+    """Return each agent's distance to the nearest target of each descriptor [m], and that target's world bounds [m].
 
-    Distances to objects are to their bounds, those to points and agents horizontal, on the same storey only.
+    Distances are from capsule centres to bounds of objects; to points and agents horizontal, on the same storey only.
+    They are `UNREACHABLE_DISTANCE` without a target.
     """
     pos, kind = snapshot.pose.pos, program.descriptor[:, Attribute.KIND]
     away = jax.vmap(
@@ -107,9 +100,9 @@ def nearest_targets(
 def sound_positions(
     snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets
 ) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
-    """Return the sound position of each descriptor [m], inf if it has none, and its object id; -1 if it has none.
+    """Return where each descriptor emits sound [m], inf if it cannot, and the id of its object or agent; -1 for others.
 
-    Objects emit from their middle (the first of several targets), agents from theirs, places from
+    Objects emit from the middle of their box (the first of several targets), agents from theirs, places from
     `EnvConfig.source_height` above the floor.
     """
     kind = program.descriptor[:, Attribute.KIND]
@@ -139,7 +132,7 @@ def path_distances(
 def lines_of_sight(
     snapshot: Snapshot, box: Float[Array, "a d 2 3"]
 ) -> tuple[Float[Array, "a d p 3"], Bool[Array, "a d p"]]:
-    """Return the points that each agent inspects on a target's bounds [m], and whether its line of sight is free."""
+    """Return the `look_points` of each target's bounds for an agent [m], and which are unoccluded from its eyes."""
     eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, box.shape[0])
 
     def one(eye: Array, own: Array, box: Array) -> tuple[Array, Array]:
@@ -163,7 +156,7 @@ def is_in_view(snapshot: Snapshot, points: Float[Array, "a d p 3"]) -> Bool[Arra
 def _camera_coordinates(
     way: Float[Array, "a d p 3"], yaw: Float[Array, " a"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a d p"], Float[Array, "a d p"], Float[Array, "a d p"]]:
-    """Project offsets on the camera axes: forward, left and up in the image [m]."""
+    """Return world-frame offsets along the head camera's axes: forward, left and up in the image [m]."""
     cos, sin = jnp.cos(yaw)[:, None, None], jnp.sin(yaw)[:, None, None]
     level, left = cos * way[..., 0] + sin * way[..., 1], cos * way[..., 1] - sin * way[..., 0]
     cos, sin = jnp.cos(pitch)[:, None, None], jnp.sin(pitch)[:, None, None]
@@ -184,7 +177,7 @@ def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array,
 
 
 def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
-    """Return the minimum gap between two different targets of each pair of descriptors [m].
+    """Return the minimum gap between bounds of a target of i and another one of j, for each pair of descriptors [m].
 
     It is `UNREACHABLE_DISTANCE` if there are none.
     """
@@ -196,7 +189,7 @@ def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[A
 
 
 def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
-    """Return whether a target of the first descriptor rests on a target of the second, for each pair.
+    """Return whether a target of descriptor i rests on a target of j, for each pair [i, j], by their bounds.
 
     The middle of the first is above the second's footprint. Its underside is at most `MAX_SUPPORT_GAP` above the
     second's top, and not below the second's middle.

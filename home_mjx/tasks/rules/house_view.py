@@ -104,7 +104,7 @@ class HouseView:
         return tuple(found)
 
     def instance_of(self, thing: HouseObject) -> int:
-        """Return the instance index of an object; -1 if it has several parts, or is not in the house."""
+        """Return the index of an object's only instance; -1 if it has several, as doors, or is not in the house."""
         parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
         return int(parts[0]) if len(parts) == 1 else -1
 
@@ -128,13 +128,8 @@ class HouseView:
     ) -> EndCells:
         """Return the end cells of paths to a descriptor's targets, and the distance from each to its target [m].
 
-        Args:
-            kind: Kind of the descriptor.
-            instances: Its target instances.
-            rooms: Its target rooms.
-            place: Its target point [m].
-            use: Purpose of going there.
-            radius: Plan radius of an object to be put there [m].
+        A descriptor of the given `kind` has target instances, rooms or a `place` [m]. To PUT an object of a plan
+        `radius` [m] on an instance, or to TAKE one, other cells are needed than to LOOK at it.
         """
         if kind == TargetKind.PLACE:
             return self.graph.nearest_cell(place)
@@ -167,7 +162,7 @@ class HouseView:
         return parts
 
     def plan_radius(self, instance: int) -> float:
-        """Return the plan radius of a movable instance around its middle, in whole centimetres [m]; 0 if static."""
+        """Return the plan radius [m] of a movable instance about its middle, rounded up to centimetres; 0 if static."""
         body, physics = int(self.bank.geometry.instance_body[self.house, instance]), self.bank.physics
         if body < 0:
             return 0.0
@@ -228,12 +223,13 @@ class HouseView:
 
     @property
     def _number(self) -> Int[Array, ""]:
+        """Index of the house as a device scalar."""
         return jnp.int32(self.house)
 
     def _cells_at_hand(self, key: tuple[int, float], there: Callable[[Array], Array]) -> EndCells:
-        """Return every `CELL_STRIDE`-th cell within reach of an instance at which eyes (n, 3) pass the test `there`.
+        """Return end cells within `MAX_HAND_REACH` of an instance: those of every `CELL_STRIDE`-th that pass `there`.
 
-        `key`, under which they are cached, begins with the instance.
+        `there` maps eye positions (n, 3) to a mask. `key`, under which they are cached, begins with the instance.
         """
         if key not in self._at_hand:
             box = self._boxes[key[0]]
@@ -269,17 +265,13 @@ class HouseView:
         return any(len(self.view_cells(part)[0]) for part in parts.tolist())
 
     def image_fractions(self, places: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]) -> list[dict[int, float]]:
-        """Render level views, and return the fraction of the image that each visible object covers, by object id.
-
-        Args:
-            places: Positions on the floor [m].
-            yaw: Headings [rad].
-        """
+        """Render level views at floor points [m] and headings [rad]; return image fractions by visible object id."""
         images = visible_ids(self._device, self.house, self._eyes(places), yaw)
         found = [np.unique(image[image >= 0], return_counts=True) for image in images]
         return [dict(zip(ids.tolist(), (counts / images[0].size).tolist(), strict=True)) for ids, counts in found]
 
     def _eyes(self, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+        """Return eye positions [m] of agents that stand at floor points."""
         return places + np.array([0, 0, self.bank.spec.agent_height - EYE_DEPTH])
 
 

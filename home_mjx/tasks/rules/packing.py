@@ -59,6 +59,7 @@ def pack_program(selectors: Sequence[Selector], stages: Sequence[TaskStage]) -> 
 def _check_references(
     selectors: Sequence[Selector], conditions: Mapping[Condition, int], stages: Sequence[TaskStage]
 ) -> None:
+    """Raise `ConfigError` if a condition or guide names a missing descriptor, or a transition a missing stage."""
     used = [when.first for when in conditions if when.feature in FIRST_DESCRIPTOR_FEATURES]
     used += [when.second for when in conditions if when.feature in SECOND_DESCRIPTOR_FEATURES]
     for number in (*used, *(stage.guide for stage in stages)):
@@ -72,6 +73,7 @@ def _check_references(
 
 
 def _words(selector: Selector) -> list[int]:
+    """Return a selector's values in the order of `Attribute`; `ANY` where it has none."""
     words = [ANY] * len(Attribute)
     for name, value in selector.attributes.items():
         words[Attribute[name.upper()]] = value
@@ -79,6 +81,8 @@ def _words(selector: Selector) -> list[int]:
 
 
 def _stage_fields(stage: TaskStage, numbers: Mapping[Condition, int]) -> dict[str, Any]:
+    """Return the column values of a stage; conditions become bits at their `numbers`."""
+
     def bits(conditions: Sequence[Condition]) -> int:
         return sum(1 << numbers[when] for when in set(conditions))
 
@@ -88,7 +92,7 @@ def _stage_fields(stage: TaskStage, numbers: Mapping[Condition, int]) -> dict[st
 
 
 def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
-    """Unpack the selectors and stages of a row; the inverse of `pack_program`.
+    """Unpack the selectors and stages of a row, without unused ones at the end; the inverse of `pack_program`.
 
     Example:
         >>> stages = [TaskStage((Transition(-1, (Condition(Feature.STOPPED, minimum=1.0),)),))]
@@ -110,19 +114,21 @@ def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
 
 
 def _selector(words: Sequence[int], place: Sequence[float]) -> Selector:
+    """Return the selector with these values of `Attribute`; a place that is not finite is left out."""
     attributes = {word.name.lower(): words[word] for word in Attribute if words[word] != ANY}
     x, y, z = place
     return Selector(attributes, (x, y, z)) if np.isfinite(place).all() else Selector(attributes)
 
 
 def _transitions(conditions: Sequence[Condition], ways: Sequence[Sequence[Any]]) -> Iterator[Transition]:
-    """Yield the transitions of a stage from its entries of `next`, `require`, `forbid` and `reward`."""
+    """Yield the transitions of a stage from its entries of `next`, `require`, `forbid`, `reward`; skip unused ones."""
     for after, require, forbid, reward in zip(*ways, strict=True):
         if require >= 0:
             yield Transition(after, _selected(conditions, require), _selected(conditions, forbid), reward)
 
 
 def _selected(conditions: Sequence[Condition], bits: int) -> tuple[Condition, ...]:
+    """Return the conditions whose bit is set."""
     return tuple(when for c, when in enumerate(conditions) if bits >> c & 1)
 
 
@@ -144,6 +150,7 @@ def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str,
 
 
 def _clip_number(clip: str) -> int:
+    """Return the index of a clip in `CLIPS`, or the code of spoken instructions."""
     return VOICE_CLIP_NUMBER if clip == VOICE_CLIP else CLIPS.index(clip)
 
 
@@ -161,13 +168,7 @@ def pack_speech(
     oracle: Sequence[tuple[int, int]] = (),
     num_identifying_questions: int = 0,
 ) -> dict[str, np.ndarray]:
-    """Pack speech options into the columns of `SpeechColumns`.
-
-    Args:
-        answer: Token of the correct answer.
-        instructed_agents: Indices of the agents that receive the instruction; None: all.
-        oracle: Pairs of tokens: question and reply.
-        num_identifying_questions: Number of oracle questions, from the first, that suffice to identify the target.
+    """Pack the speech of a row into the columns of `SpeechColumns`; see `TaskRow` for the arguments.
 
     Raises:
         ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `num_identifying_questions`.

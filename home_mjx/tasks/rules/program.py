@@ -151,10 +151,12 @@ class TaskStage:
 
 
 def check_success(stages: Sequence[TaskStage]) -> None:
-    """Check that `SUCCESS` can be reached from the first stage; the stages must be valid for `pack_program`.
+    """Check that a chain of transitions leads from the first stage to `SUCCESS`, whatever their conditions.
+
+    The stages must be valid for `pack_program`.
 
     Raises:
-        ConfigError: No sequence of transitions from the first stage leads to `SUCCESS`.
+        ConfigError: None does.
 
     Example:
         >>> check_success([TaskStage((Transition(1),)), TaskStage((Transition(SUCCESS),))])
@@ -168,14 +170,9 @@ def check_success(stages: Sequence[TaskStage]) -> None:
 
 
 def evaluate_conditions(program: TaskProgram, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
-    """Evaluate the conditions of a program.
+    """Return which conditions of a program hold, from the values of `FeatureValues`.
 
-    Args:
-        program: Program of the episode.
-        table: Feature values, see `features.FeatureValues`.
-
-    Returns:
-        Whether each condition holds.
+    A condition tests its agent's value, with agent -1 that of any agent; both limits are inclusive.
     """
     first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
     value = table[program.feature, :, first, second]  # (c, a)
@@ -187,15 +184,10 @@ def evaluate_conditions(program: TaskProgram, table: Float[Array, "feature a d d
 def take_transition(
     program: TaskProgram, stage: Int[Array, ""], holds: Bool[Array, " c"]
 ) -> tuple[Int[Array, ""], Float[Array, ""], Bool[Array, ""]]:
-    """Take the first transition of a stage whose conditions hold.
+    """Return the stage after the first transition whose conditions hold, its reward, and whether there was one.
 
-    Args:
-        program: Program of the episode.
-        stage: Present stage; an episode that has ended stays in its final stage.
-        holds: Whether each condition holds.
-
-    Returns:
-        The next stage, the transition's reward, and whether a transition was taken.
+    Otherwise the stage stays and the reward is 0, as in an episode that has ended (negative stage). `holds` has the
+    result of each condition.
     """
     bits = jnp.sum(jnp.where(holds, jnp.left_shift(1, jnp.arange(NUM_CONDITIONS)), 0)).astype(jnp.int32)
     at = jnp.maximum(stage, 0)

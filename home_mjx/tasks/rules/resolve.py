@@ -34,12 +34,9 @@ class ResolvedTargets(Pytree):
 
 
 def resolve_targets(bank: HouseBank, house: Int[Array, ""], descriptor: Int[Array, "d words"]) -> ResolvedTargets:
-    """Resolve a row's descriptors to instances and rooms, by the house's compiled semantics.
+    """Resolve descriptors, rows with the columns of `Attribute`, to masks of the house's instances and rooms.
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        descriptor: Descriptors, with the columns of `Attribute`.
+    Relations such as ON are those of the compiled house, not of the present poses.
     """
     geometry, labels = bank.geometry, bank.navigation.room_labels[house]
     known = geometry.instance_object[house] >= 0
@@ -50,6 +47,7 @@ def resolve_targets(bank: HouseBank, house: Int[Array, ""], descriptor: Int[Arra
 def _match_instances(
     rows: Int[Array, "i columns"], known: Bool[Array, " i"], descriptor: Int[Array, "d words"]
 ) -> Bool[Array, "d i"]:
+    """Return which instances of objects have all values of each descriptor of kind OBJECT; False for other kinds."""
     fits = known[None] & (descriptor[:, Attribute.KIND, None] == TargetKind.OBJECT)
     for word, columns in SEMANTIC_COLUMNS.items():
         value = descriptor[:, word, None]
@@ -83,6 +81,7 @@ def _has_label(labels: Int[Array, "..."], kind: Int[Array, "..."]) -> Bool[Array
 
 
 def _match_rooms(labels: Int[Array, " r"], descriptor: Int[Array, "d words"]) -> Bool[Array, "d r"]:
+    """Return which rooms have all values of each descriptor of kind ROOM; False for others, and where `labels` is 0."""
     kind, number = descriptor[:, Attribute.ROOM_TYPE, None], descriptor[:, Attribute.ROOM, None]
     fits = (descriptor[:, Attribute.KIND, None] == TargetKind.ROOM) & (labels[None] > 0)
     fits = fits & ((kind == ANY) | _has_label(labels[None], kind))
@@ -90,7 +89,7 @@ def _match_rooms(labels: Int[Array, " r"], descriptor: Int[Array, "d words"]) ->
 
 
 def resolve_targets_on_host(bank: HouseBank, house: int, descriptors: np.ndarray) -> ResolvedTargets:
-    """Resolve the descriptors of many rows at once; NumPy arrays with a leading axis of rows."""
+    """Resolve the descriptors of many rows (t, d, words) of one house; NumPy masks with a leading axis of rows."""
     room = 1 << (len(descriptors) - 1).bit_length()  # a power of two, as every size is compiled separately
     whole = np.full((room, *descriptors.shape[1:]), ANY, np.int32)
     whole[: len(descriptors)] = descriptors

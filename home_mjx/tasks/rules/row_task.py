@@ -130,6 +130,7 @@ class RowTask(Task):
 
     @property
     def _other_generators(self) -> tuple[TaskGenerator, ...]:
+        """Generators without the task itself, which may be one."""
         return tuple(task for task in self.generators if task is not self)
 
     @property
@@ -283,6 +284,7 @@ class RowTask(Task):
         }
 
     def _speech_metrics(self, state: RowState) -> dict[str, Float[Array, ""]]:
+        """Return `answered` and `questions`, see `metrics`; empty for tasks without speech."""
         if not self.speech:
             return {}
         answered = (state.num_words > 0) & (state.speech.answer >= 0)
@@ -290,7 +292,7 @@ class RowTask(Task):
 
 
 def present_goal(program: TaskProgram, stage: Int[Array, ""], last: Int[Array, ""]) -> Int[Array, ""]:
-    """Return the descriptor to which a stage leads; `last` for final stages and stages that lead nowhere."""
+    """Return the descriptor that a stage guides to; `last` for final (negative) stages and stages without guide."""
     guide = program.guide[jnp.maximum(stage, 0)].astype(jnp.int32)
     return jnp.where((stage >= 0) & (guide >= 0), guide, last)
 
@@ -298,7 +300,10 @@ def present_goal(program: TaskProgram, stage: Int[Array, ""], last: Int[Array, "
 def _pass_goal(
     state: RowState, stage: Int[Array, ""], goal: Int[Array, ""], distance: Float[Array, "a d"]
 ) -> Float[Array, ""]:
-    """Return `later_legs` at a new stage: less the leg to its goal, or plus the leg that is due again; 0 on success."""
+    """Return `later_legs` [m], the path length beyond the goal of the new stage; unchanged if the goal is the same.
+
+    A later stage takes off the distance to its goal, an earlier one adds that to the old goal again; 0 on success.
+    """
     leg, old_leg = jnp.min(distance[:, goal]), jnp.min(distance[:, state.goal])
     change = jnp.where(stage > state.stage, -leg, old_leg)
     is_passed = (goal != state.goal) & jnp.isfinite(change)
@@ -307,7 +312,7 @@ def _pass_goal(
 
 
 def _track_moving_sources(snapshot: Snapshot, state: RowState) -> TaskProgram:
-    """Return the program with `place` of descriptors that are moving sound sources at their present positions."""
+    """Return the program with `place` of descriptors that are moving sources set to the present floor points below."""
     count = min(snapshot.sounds.clip.shape[0], state.sound_events.emitter.shape[0])
     speed, emitter = state.sound_events.speed[:count], state.sound_events.emitter[:count].astype(jnp.int32)
     place = snapshot.sounds.pos[:count].at[:, 2].add(-jnp.float32(snapshot.config.source_height))

@@ -44,7 +44,7 @@ def oracle_replies(speech: SpeechColumns, said: Int[Array, " a"]) -> Int[Array, 
 
 
 def is_instructed(speech: SpeechColumns, num_agents: int) -> Bool[Array, " a"]:
-    """Return a mask of the agents that receive the instruction, by the bits of `instructed_agents`."""
+    """Return a mask of the agents that receive the instruction, by bits of `instructed_agents`; -1: all."""
     return (jnp.right_shift(speech.instructed_agents, jnp.arange(num_agents)) & 1) == 1
 
 
