@@ -130,7 +130,7 @@ class Exploration(Task):
 
 
 def divide_in_tiles(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
-    """Return a house's tiles: number of free cells, room (-1 if none), and mask of free cells nearest to centres."""
+    """Return the tiles of a house's grids, by cells of its home region; see `Tiles`."""
     count, home = _cells_per_edge(bank), is_home_cell(bank, house, bank.navigation.cell[house])
     levels, rows, columns = home.shape
     place = (np.arange(count) + 0.5) / count - 0.5

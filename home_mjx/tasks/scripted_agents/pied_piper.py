@@ -128,6 +128,7 @@ class PiedPiper(NavigationTask):
             yield TaskRow(meant, self._stages(), ROUTE_START, tokenize("follow the sound"), sounds)
 
     def _stages(self) -> list[TaskStage]:
+        """Return two stages: until the follower is near the piper in sight; near it for `follow_steps`, or back."""
         near = Condition(Feature.STRAIGHT, 0, agent=FOLLOWER, maximum=self.follow_distance)
         clear, long = (
             Condition(Feature.CLEAR, 0, agent=FOLLOWER, minimum=1),
@@ -205,7 +206,7 @@ def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"
 
 
 def _route_columns(state: PiedPiperState) -> Int[Array, "2"]:
-    """Return the columns of `TaskBank.field` with distances to both ends of the piper's route."""
+    """Return the columns of `TaskBank.field` for both ends of the piper's route."""
     return jnp.maximum(state.program.field[ROUTE_START : ROUTE_START + 2], 0).astype(jnp.int32)
 
 
@@ -218,12 +219,11 @@ def _destination_columns(state: PiedPiperState) -> tuple[Int[Array, " a"], Int[A
 
 
 def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2"]:
-    """Return the point (x, y) that the follower walks straight to on its way to the piper [m].
+    """Return the point (x, y) [m] that the follower walks straight to on its way to the piper.
 
     That is the piper, if it is within `MAX_DIRECT_DISTANCE` and the path is free. Otherwise it is the next point on the
-    path to one end of the piper's route. The follower takes the end that the piper heads for if it is farther from
-    there than the piper, and so gets behind it. Else it takes the other end, from which the piper comes to meet it. No
-    distance field to a moving piper is needed.
+    path to one end of the piper's route: the end that the piper heads for, if the follower is farther from it than the
+    piper and so gets behind it; else the other, from which the piper comes to meet it.
     """
     pos, feet, field = snapshot.pose.pos, snapshot.feet, snapshot.tasks.field
     ends = _route_columns(state)
