@@ -49,6 +49,7 @@ class Cameras(Sensor):
 
 
 def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
+    """Return the spec of one kind of a camera's observations for one agent; unknown kinds are id images."""
     shape = view.lens.shape
     known = {
         "rgb": ArraySpec((*shape, 3), "uint8", 0, 255, "sRGB, row 0 at the top"),
@@ -106,7 +107,7 @@ def _add_noise(
 
 
 def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: CameraOffsets | None = None) -> Camera:
-    """Return the camera `view` of every agent, with a leading agent axis; `mount`: offsets of the episode, None: 0."""
+    """Return the camera `view` of every agent in the world, agent axis first; `mount`: the episode's offsets, or 0."""
     mount = mount or CameraOffsets()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
     pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.follow_pitch else jnp.zeros_like(pose.pitch))

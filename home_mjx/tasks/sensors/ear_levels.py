@@ -120,12 +120,10 @@ class EarLevels(Sensor):
 
 
 def source_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) -> Float[Array, "e w bands"]:
-    """Return the power that each source emits in a frame and before it, per time bin and octave; see `mean_band_power`.
+    """Return the power that each source of clips emits, per time bin and octave, as `mean_band_power` takes it.
 
-    Args:
-        config: Options.
-        snapshot: The environment.
-        time: Samples from the start of the episode, and of the clips, to the frame.
+    The w bins are those of the frame that begins `time` samples after the start of the episode, and the `num_bins` - 1
+    before; 0 where the source is silent or pauses.
     """
     audio, sounds, row = config.audio, scale_sounds(snapshot), clip_indices(config, snapshot)
     table = jnp.asarray(np.stack([clip_power(name, audio) for name in clip_names(config)]))
@@ -140,4 +138,5 @@ def source_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) ->
 
 
 def _num_frame_bins(audio: AudioConfig) -> int:
+    """Return the number of time bins of a frame, at least 1."""
     return max(round(audio.frame / audio.bin_samples), 1)

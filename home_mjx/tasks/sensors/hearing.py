@@ -97,7 +97,7 @@ class Hearing(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> HearingState:
-        """Return the state after a step: responses traced anew, to which the frame changes over from the last ones."""
+        """Return the state after a step: responses traced anew, and the frame, which cross-fades to them."""
         clips = jnp.asarray(np.stack([clip_samples(name, config.audio) for name in clip_names(config)]))
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
@@ -199,13 +199,13 @@ def describe_channels(config: EnvConfig) -> str:
 
 
 def scale_sounds(snapshot: Snapshot) -> SoundSources:
-    """Return the sounds with gains scaled by the volume sampled for this episode; unchanged if none was."""
+    """Return the snapshot's sounds with gains times the volume sampled for the episode; unchanged if none was."""
     sounds, drawn = snapshot.sounds, snapshot.variation
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
 def scale_contact_sounds(snapshot: Snapshot) -> ContactSounds:
-    """Return the contact sounds with gains scaled by the volume sampled for this episode; they must exist."""
+    """Return the snapshot's contact sounds, which must exist, with gains times the volume sampled for the episode."""
     noises, drawn = snapshot.contact_sounds, snapshot.variation
     assert noises is not None
     if drawn is None or drawn.contact_sound_volume is None:
@@ -248,8 +248,8 @@ def source_tokens(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k 
 def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..., Any] | None = None) -> Any:
     """Trace from all sources to every agent, with axes (a, e).
 
-    By default the result is the response that `HearingState` stores; another `response`, a function of
-    scene, source, listener, key and options, uses the same rays.
+    By default the result is the field `response` of `HearingState`; another `response`, a function of scene, source,
+    listener, key and options, uses the same rays. The rays' random key is that of the episode, the same in all steps.
     """
     response = response or (render_receiver_state if config.audio.motion is not None else impulse_response)
     pose, num_agents = snapshot.pose, config.num_agents
@@ -297,7 +297,7 @@ def is_response_cut(response: Float[Array, "c l"] | ReceiverState, config: Audio
 
 
 def received_energy(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Float[Array, ""]:
-    """Return the energy of a response, summed over its channels, re the free field of the source at 1 m."""
+    """Return the energy of a response, summed over channels, relative to the direct sound at 1 m in a free field."""
     if not isinstance(response, ReceiverState):
         return jnp.sum(response**2)
     bands = jnp.sum(response.paths.gain**2, axis=0) + jnp.sum(response.energy[:, : config.num_channels], axis=(0, 1))
@@ -305,11 +305,9 @@ def received_energy(response: Float[Array, "c l"] | ReceiverState, config: Audio
 
 
 def is_inaudible(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
-    """Return which sources play a clip that reaches no agent; contact sounds and words are excluded.
+    """Return which of the s sources of clips play one that no agent receives; words and contact sounds do not count.
 
-    Args:
-        snapshot: The environment, with s sources of clips, the first ones of e traced sources.
-        energy: Energy of each response, see `received_energy`; NaN counts as unheard.
+    `energy` is that of each response (`received_energy`), with sources of clips first; NaN counts as not received.
     """
     clip = snapshot.sounds.clip
     return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > MIN_AUDIBLE_ENERGY, axis=0)

@@ -100,7 +100,7 @@ class LocalMap(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return `local_map`: 1 if a cell's centre is navigable; row 0 is the farthest ahead, column 0 leftmost."""
+        """Return `local_map`: 1 where a cell's centre is walkable; row 0 is the farthest ahead, column 0 leftmost."""
         bank, house = snapshot.bank, snapshot.house
         steps = (jnp.arange(MAP_SIZE) - (MAP_SIZE - 1) / 2) * jnp.float32(MAP_CELL)
         ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")

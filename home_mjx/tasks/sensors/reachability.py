@@ -33,18 +33,16 @@ Distance = Float[Array, ""] | float  # [m]
 
 
 def plan_radius(size: Float[Array, "3"], quat: Float[Array, "4"]) -> Float[Array, ""]:
-    """Return an upper bound of a box's horizontal radius about its centre, for any rotation about the vertical [m].
+    """Return an upper bound of a box's plan radius about its centre [m], for any rotation about the vertical.
 
-    Args:
-        size: Half extents [m].
-        quat: Orientation (wxyz).
+    It has the half extents `size` [m] and the orientation `quat` (wxyz).
     """
     upward = quat_matrix(quat)[2]
     return jnp.sqrt(jnp.sum(size * size * (1 - upward * upward)))
 
 
 def pick_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
-    """Return 5 x 5 aim points [m] on an object with these bounds, at most 0.85 half extents from its centre.
+    """Return 5 x 5 aim points [m] on an object with bounds `box`, at most 0.85 half extents from its centre.
 
     They are on the vertical plane through the centre that faces the eye.
     """
@@ -75,9 +73,10 @@ def free_spots(
     radius: Float[Array, ""],
     ignored_id: Int[Array, ""],
 ) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
-    """Return points on the top of furniture [m], and which of them have room.
+    """Return a 10 x 10 grid of points on top of furniture [m], and at which an object can be put: supported and clear.
 
-    Rays find the top; physics, whose geoms are boxes, must support objects there as well.
+    Rays find the top; boxes of physics, which support objects, must be there as well. Points without a top have the
+    height of the furniture's middle.
 
     Args:
         scene: The environment.
@@ -102,7 +101,7 @@ def free_spots(
 
 
 def obstacle_footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
-    """Return footprints of all obstacles: static boxes, movable bodies and leaves, not of object `carried`; -1 none."""
+    """Return present footprints of static boxes, movable bodies and leaves, without object id `carried` (-1 none)."""
     physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
     parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
     count = bank.spec.num_bodies + bank.spec.num_doors
@@ -115,7 +114,7 @@ def obstacle_footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
 
 
 def box_distances(boxes: Footprints, plan: Float[Array, "n 2"]) -> Float[Array, "n b"]:
-    """Return distances of positions to boxes in the plan [m]; 0 inside."""
+    """Return plan distances of positions (x, y) to boxes [m]; 0 inside."""
     u, v = _side_distances(boxes, plan)
     return jnp.hypot(jnp.maximum(u, 0), jnp.maximum(v, 0))
 
@@ -164,7 +163,10 @@ def can_pick_from(
     box: Float[Array, "2 3"],
     reach: Float[Array, ""],
 ) -> Bool[Array, " n"]:
-    """Return at which eye positions [m] a hand can pick up an instance with these bounds; initial house, doors open."""
+    """Return at which eye positions [m] a hand can pick up an instance with these bounds; initial house, doors open.
+
+    At least `MIN_VISIBLE_POINTS` of its `pick_points` must be visible and within `reach` [m].
+    """
     scene = make_open_scene(bank, house)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
@@ -181,14 +183,9 @@ def can_pick_from(
 def carry_gaps(
     bank: HouseBank, house: Int[Array, ""], eyes: Float[Array, "n 3"], half: Float[Array, ""], carried: Int[Array, ""]
 ) -> Float[Array, " n"]:
-    """Return plan distances of eyes to the nearest box at carrying height, in the initial house [m]; inf if none.
+    """Return plan distances of eyes to the nearest box at carrying height [m]; inf if none. Initial house, doors open.
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        eyes: Eyes of agents [m].
-        half: Half height of the carried object [m].
-        carried: Its object id.
+    `half` is half the height of the carried object [m], `carried` its object id.
     """
     boxes = obstacle_footprints(make_open_scene(bank, house), carried)
     middle = eyes[:, 2:] - jnp.float32(CARRY_HEIGHT_BELOW_EYES)

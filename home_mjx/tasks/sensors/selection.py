@@ -110,14 +110,17 @@ def _used_names(config: EnvConfig, owner: Sensor | Task) -> Iterator[tuple[str, 
 
 
 def _is_builtin(owner: Sensor | Task) -> bool:
+    """Return whether a sensor or task is of this package, so that users cannot rename it."""
     return type(owner).__module__.startswith("home_mjx.")
 
 
 def _describe(owner: Sensor | Task) -> str:
+    """Return the kind and class name of a sensor or task, for messages."""
     return f"the {'task' if isinstance(owner, Task) else 'sensor'} {type(owner).__name__}"
 
 
 def _definition_of(owner: Sensor | Task, role: str) -> str:
+    """Return the attributes that define a name of an owner, as text for a hint."""
     name = type(owner).__name__
     if role == NAME_ROLE:
         return f"`{name}.name`"

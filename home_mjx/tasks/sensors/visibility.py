@@ -48,13 +48,13 @@ def is_unobstructed(
     points: Float[Array, "p 3"],
     ignored_id: Int[Array, ""],
 ) -> Bool[Array, " p"]:
-    """Return whether rays from an eye to points in some bounds reach these without an obstacle.
+    """Return which rays from an eye to points inside bounds reach these bounds unobstructed; False for inf points.
 
     Args:
         scene: One environment.
         eye: Position of the eye [m].
         box: The bounds [m].
-        points: Such as `look_points`; inf: none.
+        points: Such as `look_points`.
         ignored_id: Object that rays ignore, the agent's own body; -1 none.
     """
     way = points - eye
@@ -72,10 +72,9 @@ def is_unobstructed(
 def is_visible_from(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
 ) -> Bool[np.ndarray, " n"]:
-    """Return from which eye positions [m], and from all `EYE_OFFSETS` around each, any look point of a box is visible.
+    """Return at which eye positions, shifted by each of `EYE_OFFSETS`, some `look_points` of a box are visible [m].
 
-    The house is in its initial state, doors open. Agents do not stop exactly at a position. A view that exists only
-    there, past an edge, would be visible by chance only.
+    The house is in its initial state, doors open. Agents do not stop exactly at a position, so all shifts must see it.
     """
     return np.asarray(
         _is_visible_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32))
@@ -84,6 +83,7 @@ def is_visible_from(
 
 @jax.jit
 def _is_visible_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> Array:
+    """Compute `is_visible_from` on the device."""
     scene = make_open_scene(bank, house)
     around = eyes[:, None] + jnp.asarray(EYE_OFFSETS, jnp.float32)
     look = partial(is_unobstructed, scene, ignored_id=jnp.full((), -1, jnp.int32))
@@ -94,13 +94,9 @@ def _is_visible_from(bank: HouseBank, house: Array, eyes: Array, box: Array) -> 
 def visible_ids(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]
 ) -> Int[np.ndarray, "n h w"]:
-    """Return object ids in horizontal views of the default camera in the initial house, doors open; -1 none.
+    """Render object ids in level views of the default camera at `eyes` [m] and `yaw` [rad]; -1 none.
 
-    Args:
-        bank: The houses.
-        house: Index of the house.
-        eyes: Camera positions [m].
-        yaw: Headings [rad].
+    The house is in its initial state, doors open.
     """
     poses = jnp.asarray(eyes, jnp.float32), jnp.asarray(yaw, jnp.float32)
     return np.asarray(_visible_ids(bank, jnp.int32(house), *poses))
@@ -108,6 +104,7 @@ def visible_ids(
 
 @jax.jit
 def _visible_ids(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Array:
+    """Compute `visible_ids` on the device."""
     scene = make_open_scene(bank, house)
 
     def look(eye: Array, yaw: Array) -> Array:
