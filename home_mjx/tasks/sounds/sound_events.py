@@ -98,5 +98,5 @@ def clip_name(number: int) -> str:
 
 
 def has_voices(emission: SoundEvents) -> Bool[Array, "*t"]:
-    """Return whether the words of any agent are sounds; then no other observation has them."""
+    """Return whether a row's sounds include words of an agent; then they are audible only, in no other observation."""
     return jnp.any((emission.clip == VOICE_CLIP_NUMBER) & (emission.emitter >= 0), axis=-1)

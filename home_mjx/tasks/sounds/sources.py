@@ -21,14 +21,9 @@ NUM_SUBSTEPS = 4  # number of parts of a move; each one ends at the next cell at
 def house_source(
     config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array, clip: Int[Array, ""] | None = None
 ) -> SoundSources:
-    """Return one source at a random place of a house that plays a clip without end; further ones are silent.
+    """Return sources of a house: the first at a random start point, with an endless clip; further ones are silent.
 
-    Args:
-        config: Options.
-        bank: The houses.
-        house: Index of the house.
-        key: Random key of the place.
-        clip: Index into `CLIPS`; None: `config.clip`.
+    It is `config.source_height` above the floor; `clip` is an index into `CLIPS`, None: `config.clip`.
     """
     number = config.num_sources
     pos = random_source(bank, house, config.source_height, key)
@@ -95,7 +90,9 @@ def move_along_field(
     max_length: Float[Array, ""],
     height: Float[Array, ""],
 ) -> Float[Array, "3"]:
-    """Return the position of a point above the floor after a move down a field; unchanged without a walkable cell.
+    """Return the position of a point above the floor after a move from cell to cell down a field.
+
+    It stays without a home cell around it.
 
     Args:
         bank: The houses.

@@ -59,7 +59,7 @@ def synthesize_word(token: Int[Array, ""], config: AudioConfig) -> Float[Array, 
 
 
 def num_audible_frames(config: AudioConfig) -> int:
-    """Return the number of frames, including this one, whose words may still be audible.
+    """Return the number of frames, including this one, whose words this frame may contain: word plus response length.
 
     Example:
         >>> num_audible_frames(AudioConfig())
@@ -95,12 +95,7 @@ def synthesize_voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Arr
 
 
 def voice_power(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w bands"]:
-    """Return the power of the signals of `synthesize_voices` per time bin and octave, as `mean_band_power` takes it.
-
-    Args:
-        said: As for `synthesize_voices`.
-        config: Options with the lengths of frame and bins.
-    """
+    """Return the power of the signals of `synthesize_voices` per time bin and octave, see `mean_band_power`."""
     frame, past = round(config.frame / config.bin_samples), config.num_bins - 1
     length = round(WORD_SECONDS / config.bin_seconds)
     of_tone = jnp.asarray(CLIP_RMS**2 / NUM_GROUPS * octave_gains(tone_frequencies()).T ** 2, jnp.float32)
@@ -140,4 +135,5 @@ def tone_frequencies() -> Float[np.ndarray, " tones"]:
 
 
 def _word_samples(sample_rate: int) -> int:
+    """Return the number of samples of a word."""
     return round(WORD_SECONDS * sample_rate)
