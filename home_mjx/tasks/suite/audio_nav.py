@@ -101,7 +101,7 @@ class AudioNav(NavigationTask):
         return SPLITS.get(self.clip_split, (self.clip_split,))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows of clips at places or objects, endlessly in random order; none if these are too few."""
+        """Yield rows with target and distractor clips at places or objects, endlessly; none if these are too few."""
         found = self._emitters(view, random)
         count = 1 + self.num_distractors + self.moving_source
         while len(found) >= count:
@@ -110,6 +110,7 @@ class AudioNav(NavigationTask):
                 yield self._row([found[i] for i in order[at : at + count]], random)
 
     def _emitters(self, view: HouseView, random: np.random.Generator) -> list[Selector]:
+        """Return candidate emitters: objects of categories that can be goals, or `NUM_PLACES` cells off door leaves."""
         if self.emitter == "object" and not self.moving_source:
             things = [
                 thing for thing in view.objects if COARSE[thing.semantic(Semantic.COARSE)] not in EXCLUDED_CATEGORIES
@@ -119,6 +120,7 @@ class AudioNav(NavigationTask):
         return [Selector.point(view.graph.place[i].tolist()) for i in random.permutation(free)[:NUM_PLACES]]
 
     def _row(self, meant: Sequence[Selector], random: np.random.Generator) -> TaskRow:
+        """Return the row whose target is the first of `meant`; a moving source's destination and distractors follow."""
         near = self.success_distance
         if self.moving_source:
             there = (
@@ -137,6 +139,7 @@ class AudioNav(NavigationTask):
         return TaskRow([Selector.nothing(), *meant], stages, goal, tokenize("go to the sound"), sounds)
 
     def _target(self, random: np.random.Generator) -> SoundEvent:
+        """Return the sound of the target, with a random clip of the split."""
         when = {
             "always": {},
             "intermittent": {"period": self.period, "duration": self.duration},

@@ -48,7 +48,7 @@ class InstructionFollowing(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def filter_rows(self, descriptors: Int[np.ndarray, "t d words"]) -> Bool[np.ndarray, " t"]:
-        """Return the mask of rows whose combination of words is as `combinations` requires: any, new or not new."""
+        """Return the mask of rows that `combinations` keeps, by the words of their descriptors."""
         if self.combinations == "all":
             return np.ones(len(descriptors), bool)
         is_new = mask_new_descriptors(descriptors, self.unseen_fraction)
@@ -67,6 +67,7 @@ class InstructionFollowing(NavigationTask):
             yield self._row([told[i] for i in random.permutation(len(told))[:count]], random)
 
     def _row(self, parts: list[dict[Attribute, int]], random: np.random.Generator) -> TaskRow:
+        """Return a row with one stage per part, each of which identifies an object, in order, and a random wording."""
         stages = []
         for at in range(len(parts)):
             there = (

@@ -28,7 +28,7 @@ EXCLUDED_CATEGORIES = frozenset(
 
 
 def arrival_stage(conditions: tuple[Condition, ...], stop: bool, reward: float, guide: int = 0) -> TaskStage:
-    """Return a stage that succeeds where all `conditions` hold; with `stop`, only by `stop`, which fails elsewhere."""
+    """Return a stage that succeeds where all `conditions` hold; with `stop` on STOPPED only, which fails elsewhere."""
     if not stop:
         return TaskStage((Transition(SUCCESS, conditions, reward=reward),), guide)
     return TaskStage(

@@ -24,13 +24,13 @@ NUM_START_SAMPLES = 64  # samples of a start per episode
 
 
 def pick_goal(snapshot: Snapshot, key: Array, min_distance: float, same_storey: bool = False) -> Int[Array, ""]:
-    """Sample a goal of the house uniformly, and return its index; conditions that no goal fulfils are dropped.
+    """Sample the index of a goal of the house uniformly, among those with a path; a condition no goal meets is dropped.
 
     Args:
         snapshot: The environment.
         key: Random key.
-        min_distance: Minimum distance from the first agent, if there is such a goal [m].
-        same_storey: Sample a goal on the first agent's storey, if it has one to which a path leads.
+        min_distance: Minimum length of the path from the first agent [m].
+        same_storey: Sample a goal on the first agent's storey; this condition goes first.
     """
     bank, house = snapshot.bank, snapshot.house
     distance = geodesic_distance(bank, house, None, snapshot.feet[0])
@@ -69,8 +69,8 @@ def sample_goal(
         same_storey: Sample start and goal on the same storey.
 
     Returns:
-        Start, yaw, and the columns `goal` and `length`; the length is inf if none of `NUM_START_SAMPLES` starts had
-        such a goal.
+        Start on the floor [m], yaw [rad], and the columns `goal` and `length` [m]; the length is inf if none of
+        `NUM_START_SAMPLES` starts had such a goal.
     """
     place, turn, choose = jax.random.split(key, 3)
     starts = jax.vmap(lambda k: _random_start(bank, house, k))(jax.random.split(place, NUM_START_SAMPLES))
@@ -86,7 +86,7 @@ def sample_goal(
 
 
 def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[Array, "3"]:
-    """Sample a position within `MAX_START_OFFSET` in x and y of the centre of the cell of a random start [m]."""
+    """Sample a floor point within `MAX_START_OFFSET` in x and y of the centre of a random start point's cell [m]."""
     which, shift = jax.random.split(key)
     known = bank.navigation.start[bank.clip_house_index(house)]
     point = known[jax.random.randint(which, (), 0, known.shape[0])]
@@ -97,14 +97,17 @@ def _random_start(bank: HouseBank, house: Int[Array, ""], key: Array) -> Float[A
 
 
 def is_solvable(bank: HouseBank, episode: Episodes) -> Bool[Array, ""]:
-    """Return whether the start is on a floor, within the grid, in or beside a cell with paths to the goals."""
+    """Return whether the start is within a cell size and `MAX_FLOOR_OFFSET` of the floor, and near the home region.
+
+    Near is in or beside a cell with paths to all goals, so every goal of the house is reachable.
+    """
     off = grid_position(bank, episode.house, cell_at_feet(bank, episode.house, episode.start)) - episode.start
     near = jnp.all(jnp.abs(off) < jnp.array([bank.spec.cell, bank.spec.cell, MAX_FLOOR_OFFSET], jnp.float32))
     return near & is_near_home_region(bank, episode.house, episode.start)
 
 
 def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, Any]:
-    """Return JSON values: `goal`, the goal's position [m], and `length` of the shortest path [m]."""
+    """Return JSON values: `goal`, the goal's position [m], and `length`, that of the shortest path [m]."""
     goal = np.asarray(bank.navigation.goal[house, int(columns["goal"])])
     return {"goal": goal.tolist(), "length": float(columns["length"])}
 

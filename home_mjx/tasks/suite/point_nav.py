@@ -174,4 +174,5 @@ class PointNav(Task):
         return geodesic_distance(bank, episode.house, episode.columns["goal"], episode.start)
 
     def _distance(self, snapshot: Snapshot, goal: Int[Array, ""]) -> Float[Array, " a"]:
+        """Return each agent's geodesic distance to a goal [m]."""
         return jax.vmap(lambda p: geodesic_distance(snapshot.bank, snapshot.house, goal, p))(snapshot.feet)

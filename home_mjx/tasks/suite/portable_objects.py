@@ -26,12 +26,9 @@ class PortableObject:
 
 
 def find_portable_objects(view: HouseView, max_mass: float, max_size: float) -> list[PortableObject]:
-    """Return the objects that hands can pick up from somewhere: light and small, with nothing on or in them.
+    """Return the objects that hands can pick up from somewhere, with nothing on or in them.
 
-    Args:
-        view: The house.
-        max_mass: Maximum mass [kg].
-        max_size: Maximum extent along x, y or z [m].
+    They weigh at most `max_mass` [kg], and extend at most `max_size` [m] along x, y and z.
     """
     physics = view.bank.physics
     below = {thing.semantic(Semantic.SUPPORTER) for thing in view.objects} | {
@@ -49,12 +46,9 @@ def find_portable_objects(view: HouseView, max_mass: float, max_size: float) -> 
 
 
 def is_receptacle(view: HouseView, thing: HouseObject, portable_ids: Collection[int]) -> bool:
-    """Return whether an object is a receptacle whose top is within reach. Portable objects are never receptacles.
+    """Return whether an object is a receptacle, not portable itself, with its top within `RECEPTACLE_HEIGHTS` [m].
 
-    Args:
-        view: The house.
-        thing: The object.
-        portable_ids: Object ids of portable objects.
+    `portable_ids` are object ids; objects of several instances are not receptacles.
     """
     if thing.coarse not in RECEPTACLES or thing.object_id in portable_ids or view.instance_of(thing) < 0:
         return False
@@ -63,7 +57,7 @@ def is_receptacle(view: HouseView, thing: HouseObject, portable_ids: Collection[
 
 
 def is_on(thing: HouseObject, other: HouseObject) -> bool:
-    """Return whether `thing` is on `other` at their initial bounds, by the rule of `Feature.ON`."""
+    """Return whether `thing` is on `other` by their initial bounds, with the rule of `Feature.ON`."""
     middle, low, high = thing.box.mean(axis=0), other.box[0], other.box[1]
     over = np.all((middle[:2] >= low[:2]) & (middle[:2] <= high[:2]))
     bottom = thing.box[0, 2]

@@ -99,6 +99,7 @@ class Fetch(ManipulationTask):
                     yield self._to_start(view, words, random)
 
     def _to_thing(self, thing: PortableObject, words: Words, goal: tuple[HouseObject, Words]) -> Iterator[TaskRow]:
+        """Yield the row to bring an object to another one; none if they are within twice `success_distance` already."""
         if box_gap(thing.object, goal[0]) > 2 * self.success_distance:  # also excludes the object itself
             near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
             yield self._row(words, Selector.objects_with(goal[1]), near, f"to {noun_phrase(goal[1])}")
@@ -106,6 +107,7 @@ class Fetch(ManipulationTask):
     def _to_room(
         self, view: HouseView, thing: PortableObject, words: Words, random: np.random.Generator
     ) -> Iterator[TaskRow]:
+        """Yield the row to bring an object into another type of room; none without one, or if its own is unknown."""
         own = thing.object.room_types
         others = [kind for kind in view.rooms_by_type if kind not in own]
         if others and own:
@@ -116,12 +118,18 @@ class Fetch(ManipulationTask):
             )
 
     def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> TaskRow:
+        """Return the row to bring an object to its random start pose."""
         free = view.graph.place[~view.graph.at_leaf]
         start = free[int(random.integers(len(free)))].tolist()
         near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
         return self._row(words, Selector.point(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
 
     def _row(self, words: Words, goal: Selector, there: Condition, where: str, pose: Pose | None = None) -> TaskRow:
+        """Return the row with two stages: hold the object, then hold it where the condition `there` is met.
+
+        Half of `success_reward` is paid for each; dropping the object takes the first half back. `pose` is the start;
+        None: any.
+        """
         held, half = Condition(Feature.HELD, 0, minimum=1), self.success_reward / 2
         said, wrong = ((STOP_CONDITION,), (Transition(FAILURE, (STOP_CONDITION,)),)) if self.stop else ((), ())
         back = Transition(0, forbid=(held,), reward=-half)  # dropping the object costs the first reward
@@ -144,7 +152,7 @@ class ObjectPlacement:
 
 
 def _conflict(pair: ObjectPlacement, other: ObjectPlacement) -> bool:
-    """Return whether pairs share an object, or an object is on the other pair's receptacle and might fall off."""
+    """Return whether placements share an object, or an object is on the other's receptacle and might fall off."""
     same = {pair.object.object.object_id, pair.receptacle.object_id} & {
         other.object.object.object_id,
         other.receptacle.object_id,
@@ -212,9 +220,9 @@ class Rearrange(ManipulationTask):
         return TaskRow(meant, self._stages(len(chosen)), tokens=tokens, later_goals=range(1, len(meant)))
 
     def _stages(self, count: int) -> list[TaskStage]:
-        """Return two stages per object: pick up, put down. Undone steps cost their reward and must be repeated.
+        """Return two stages per object, each for an equal share of `success_reward`: pick up, put down.
 
-        This includes objects that were put down before; the agent returns to these with an empty hand.
+        Undone stages cost their reward and are repeated, also those of earlier objects, with an empty hand.
         """
         held = [Condition(Feature.HELD, 2 * k, minimum=1) for k in range(count)]
         on = [Condition(Feature.ON, 2 * k, 2 * k + 1, minimum=1) for k in range(count)]

@@ -109,7 +109,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
 def _distance_fields(
     path: str | Path, bank: HouseBank, view: HouseView, rows: list[tuple[int, dict[str, Any]]]
 ) -> UInt16[np.ndarray, "c g"]:
-    """Return distances of cells to targets, add the column `field` and correct `length` in `rows`, in place.
+    """Return the distance fields of a house's rows; add the column `field` and correct `length` in `rows`, in place.
 
     `rows` are pairs of a line's index, from 0, and its columns.
 
@@ -168,6 +168,7 @@ def _parse_row(line: Any, index: dict[str, int], names: dict[str, int]) -> dict[
 
 
 def _pack_speech(task: TaskLine) -> dict[str, np.ndarray]:
+    """Return the columns of a line's speech; `DatasetError` names the invalid field."""
     with locate_errors("answer"):
         answer = NO_WORD if task.answer is None else _parse_word(task.answer)
     with locate_errors("oracle"):
@@ -177,6 +178,7 @@ def _pack_speech(task: TaskLine) -> dict[str, np.ndarray]:
 
 
 def _parse_word(word: str) -> int:
+    """Return the token of a single word; `ConfigError` for unknown words or other numbers of words."""
     tokens = tokenize(word)
     if len(tokens) != 1:
         raise ConfigError(f"expected one word, got {len(tokens)}: {word[:100]!r}", hint="Write one, such as `yes`.")
@@ -228,6 +230,7 @@ def decode(kind: Any, value: Any) -> Any:
 
 
 def _encode_selector(selector: Selector) -> dict[str, Any]:
+    """Return a selector as JSON values, with names of vocabularies instead of indices."""
     item: dict[str, Any] = {"kind": TargetKind(selector.attributes.get("kind", TargetKind.NOTHING)).name.lower()}
     for name, value in selector.attributes.items():
         word = Attribute[name.upper()]
@@ -237,6 +240,7 @@ def _encode_selector(selector: Selector) -> dict[str, Any]:
 
 
 def _decode_selector(item: dict[str, Any]) -> Selector:
+    """Return the selector that `_encode_selector` has encoded."""
     words = {"kind": int(TargetKind[item["kind"].upper()])}
     for name, value in item.items():
         if name not in ("kind", "place"):
