@@ -74,10 +74,12 @@ def index_range(count: int, allow_none: bool = True) -> Range:
 
 
 def _indices(count: int) -> Callable[[], Range]:
+    """Return a function that returns the range of indices into `count` items, or -1."""
     return lambda: index_range(count)
 
 
 def _token_range(allow_none: bool) -> Callable[[], Range]:
+    """Return a function that returns the range of tokens, with `allow_none` or -1."""
     return lambda: index_range(len(all_words()), allow_none)
 
 
@@ -131,14 +133,12 @@ def column_values() -> Mapping[str, str]:
 
 
 def _attribute_values(word: Attribute) -> str:
+    """Return the name of the range of an attribute's values."""
     return ATTRIBUTE_VALUES.get(word) or word.name.lower()
 
 
 def column_ranges(special: Mapping[str, Range] = MappingProxyType({})) -> dict[str, Range]:
-    """Return the range of each column of a row.
-
-    Args:
-        special: Ranges that differ from `RANGES`, by name of values.
+    """Return the range of each column of a row by its key; `special` ranges, by name of values, replace `RANGES`.
 
     Example:
         >>> print(column_ranges()["reward"])

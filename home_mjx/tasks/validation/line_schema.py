@@ -76,13 +76,7 @@ Schema = Checker | ListSchema | Mapping[str, "Schema"]  # fields of a mapping wh
 
 
 def check_line(line: Any) -> None:
-    """Check that a line has the form of a task.
-
-    Args:
-        line: Decoded JSON of the line.
-
-    Raises:
-        DatasetError: Names the field, such as `stages[0].ways[1].reward`, and its allowed values.
+    """Raise `DatasetError` unless a line's decoded JSON has the form of a task; names the field and its allowed values.
 
     Example:
         >>> check_line(["house"])
@@ -158,18 +152,21 @@ def names_of(kind: type[IntEnum]) -> list[str]:
 
 
 def _selector_schema() -> Schema:
+    """Return the schema of a selector: its kind, optional place and optional attributes, by name."""
     place = ListSchema(_range_checker(values_range("point")), 3, 3)
     words = {f"{word.name.lower()}?": _attribute_checker(word) for word in list(Attribute)[1:]}
     return {"kind": _name_checker(names_of(TargetKind)), "place?": place, **words}
 
 
 def _attribute_checker(word: Attribute) -> Checker:
+    """Return the checker of an attribute's value: a name of its vocabulary, or a number in its range."""
     if word in SEMANTIC_COLUMN:
         return _name_checker(("", "unknown", *vocabularies()[SEMANTIC_COLUMN[word]]))
     return _range_checker(column_ranges()[DESCRIPTOR_COLUMN.format(word.name.lower())])
 
 
 def _check(value: Any, form: Schema, place: str) -> None:
+    """Raise `DatasetError` unless `value`, at `place` in the line, has the form of a schema, at any depth."""
     if isinstance(form, Mapping):
         _check_fields(value, form, place)
     elif isinstance(form, ListSchema):
@@ -184,6 +181,7 @@ def _check(value: Any, form: Schema, place: str) -> None:
 
 
 def _check_fields(value: Any, form: Mapping[str, Schema], place: str) -> None:
+    """Raise `DatasetError` unless an object has all required fields, no others, and valid values."""
     _check_type(value, dict, "an object with fields", place)
     known = {name.rstrip("?"): own for name, own in form.items()}
     dot = f"{place}." if place else ""
@@ -201,15 +199,19 @@ def _check_fields(value: Any, form: Mapping[str, Schema], place: str) -> None:
 
 
 def _check_type(value: Any, kind: type, text: str, place: str) -> None:
+    """Raise `DatasetError` unless a value is of a type, whose description is `text`."""
     if not isinstance(value, kind):
         raise DatasetError(f"expected {text}, got {_format_value(value)}", element=place or None)
 
 
 def _check_text(value: Any, place: str) -> None:
+    """Raise `DatasetError` unless a value is a string."""
     _check_type(value, str, "a string", place)
 
 
 def _range_checker(allowed: Range) -> Checker:
+    """Return the checker of numbers in a range; booleans are not numbers, and floats are not whole numbers."""
+
     def check(value: Any, place: str) -> None:
         known = int if allowed.is_integer else int | float
         if isinstance(value, bool) or not isinstance(value, known) or not allowed.contains(value):
@@ -219,6 +221,8 @@ def _range_checker(allowed: Range) -> Checker:
 
 
 def _name_checker(names: Any) -> Checker:
+    """Return the checker of strings that are one of `names`; its error suggests the closest."""
+
     def check(value: Any, place: str) -> None:
         if not isinstance(value, str) or value not in names:
             raise DatasetError(
@@ -229,6 +233,7 @@ def _name_checker(names: Any) -> Checker:
 
 
 def _check_next(value: Any, place: str) -> None:
+    """Raise `DatasetError` unless a value is the number of a stage or the name of an outcome."""
     names = list(OUTCOMES.values())
     if isinstance(value, str):
         _name_checker(names)(value, place)

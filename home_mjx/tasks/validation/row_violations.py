@@ -85,6 +85,7 @@ def _first_true(wrong: Bool[np.ndarray, "t ..."]) -> tuple[int, ...] | None:
 
 
 def _find_out_of_range(columns: Columns, ranges: Mapping[str, Range], hints: Mapping[str, str]) -> Violation | None:
+    """Return the first violation of the range of a column, in the order of `ranges`; None if all values are valid."""
     for name, allowed in ranges.items():
         at = _first_true(~allowed.contains(columns[name]))
         if at is not None:
@@ -109,12 +110,13 @@ def _find_outside_grid(columns: Columns, bank: HouseBank) -> Violation | None:
 
 
 def _find_blocked_start(columns: Columns, bank: HouseBank) -> Violation | None:
+    """Return the violation of the first start that is not `is_standable`; None if there is none."""
     at = _first_true(~is_standable(bank, columns["house"], columns["start"]))
     return None if at is None else blocked_start(at[0], columns["start"][at[0]])
 
 
 def blocked_start(row: int, start: Float[np.ndarray, "3"]) -> Violation:
-    """Return the fault of a row that starts where no agent can stand."""
+    """Return the violation of a row whose start [m] no agent can stand at."""
     place = ", ".join(f"{x:g}" for x in start)
     return Violation(row, "start", f"no agent can stand at `start` ({place})", "Start on a free part of the floor [m].")
 
@@ -130,12 +132,16 @@ def is_same_length(given: np.ndarray, length: np.ndarray) -> np.ndarray:
 
 
 def wrong_length(given: float, length: float) -> tuple[str, str]:
-    """Return message and hint for a path length [m] that a file gives wrong."""
+    """Return message and hint about a file's `given` path length [m], where `length` is right."""
     message = f"`length` is {given:g} m, but the shortest path from start to goal is {length:.2f} m"
     return message, f"Write {length:.2f}; or use the houses that the file was made for, compiled alike."
 
 
 def _find_too_long(columns: Columns, most_steps: float) -> Violation | None:
+    """Return the first row that takes more than `most_steps` steps of TIME to succeed; None without one.
+
+    Rows that cannot succeed in any number of steps are left out.
+    """
     steps = min_steps(columns)
     at_once = dict(columns) | {"minimum": np.zeros_like(columns["minimum"])}
     late = steps > most_steps
@@ -183,6 +189,7 @@ def _unsatisfiable_conditions(
 
 
 def _sound_violations(columns: Columns, kind: np.ndarray) -> Iterator[Violation]:
+    """Yield the first sound whose emitter cannot emit, the first without destination, the first voice of no agent."""
     emitter, towards, clip = (columns[f"sound_{name}"] for name in ("emitter", "destination", "clip"))
     mute = (emitter >= 0) & ~np.isin(_kinds_of(kind, emitter), SOUND_KINDS)
     lost = (emitter >= 0) & (towards >= 0) & (_kinds_of(kind, towards) == TargetKind.NOTHING)
@@ -218,10 +225,8 @@ def _kinds_of(kind: np.ndarray, number: np.ndarray) -> np.ndarray:
 def min_steps(columns: Columns) -> Float[np.ndarray, " t"]:
     """Return the minimum number of steps before a row can succeed: the least sum of `TIME` along its stages.
 
-    All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success.
-
-    Args:
-        columns: `require`, `next`, `feature` and `minimum` of the rows, see `TaskProgram`.
+    All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success. `columns` has
+    `require`, `next`, `feature` and `minimum` of the rows, see `TaskProgram`.
 
     Example:
         >>> columns = {"require": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}
@@ -251,14 +256,10 @@ def min_steps(columns: Columns) -> Float[np.ndarray, " t"]:
 def is_standable(
     bank: HouseBank, house: Int[np.ndarray, " t"], start: Float[np.ndarray, "t 3"]
 ) -> Bool[np.ndarray, " t"]:
-    """Return whether an agent fits at each position and can reach the home region from there.
+    """Return whether an agent can stand at each position and has paths to all goals from there.
 
-    True in or next to a cell of the home region, which is free for the body size that the houses were compiled for.
-
-    Args:
-        bank: The houses.
-        house: Index of the house of each position.
-        start: Positions on the floor [m].
+    True in or next to a cell of the home region of house `house[i]` whose floor is within `MAX_FLOOR_OFFSET` in height.
+    `start` are positions on the floor [m].
     """
     navigation = bank.navigation
     numbers, height = np.asarray(navigation.cell), np.asarray(navigation.height)

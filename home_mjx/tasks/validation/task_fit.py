@@ -131,15 +131,10 @@ def _hint(config: EnvConfig, values: str) -> str | None:
 def find_infeasible(
     bank: HouseBank, view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
 ) -> Violation | None:
-    """Return the first infeasible row of a house; None if all are feasible.
+    """Return the violation of the first infeasible row of a house; None if all are feasible.
 
     Feasible: the house has its targets, an agent can stand at its start, and paths lead close enough to its targets.
-
-    Args:
-        bank: The houses.
-        view: The house.
-        rows: Columns of its rows, with `field`.
-        fields: Distances of its cells, as returned by `add_fields`.
+    `rows` have their columns with `field`, `fields` is from `add_fields`.
     """
     descriptor = np.stack([row["descriptor"] for row in rows])
     means = resolve_targets_on_host(bank, view.house, descriptor)
@@ -165,12 +160,9 @@ def find_infeasible(
 def correct_lengths(
     view: HouseView, rows: list[dict[str, np.ndarray]], fields: UInt16[np.ndarray, "c g"]
 ) -> dict[int, tuple[float, float]]:
-    """Replace each `length` that no path to targets of its row has by that of the path through all guides, in place.
+    """Replace each `length` that is none of `_path_lengths` by that of the path through all guides, in place.
 
-    Args:
-        view: The house.
-        rows: Columns of its rows, with `field`; feasible.
-        fields: Distances of its cells, as returned by `add_fields`.
+    `rows` are feasible and have `field`; `fields` is from `add_fields`.
 
     Returns:
         Wrong and right length [m], by index of the row.
