@@ -54,7 +54,7 @@ def add_move_noise(
 def add_depth_noise(
     level: Float[Array, ""], key: Array, depth: Float[Array, "h w 1"], depth_max: float
 ) -> Float[Array, "h w 1"]:
-    """Add Kinect noise to depth [m], see `kinect_depth`; values from `depth_max`, or all at level 0, stay."""
+    """Add Kinect noise (`kinect_depth`) of strength `level` to depth [m]; values from `depth_max` stay, all for 0."""
     read = kinect_depth(key, depth, near=0.0, far=depth_max, strength=level)
     read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
     return jnp.where(level > 0, read, depth)

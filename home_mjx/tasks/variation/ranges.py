@@ -131,7 +131,7 @@ RANGE_NAMES = tuple(Variation.__dataclass_fields__)
 
 
 def normalize_ranges(given: Any) -> dict[str, Any]:
-    """Return ranges in any form that `make` accepts, validated, as plain numbers by name; {} for None.
+    """Return ranges in any form that `to_variation` takes, validated, as plain numbers by name; {} for None.
 
     Example:
         >>> normalize_ranges({"lamps": 0.5, "volume": 2})
@@ -157,6 +157,7 @@ def to_variation(given: Any) -> Variation | None:
 
 
 def _to_array(name: str, value: Any) -> Array:
+    """Return a range, a probability or weights of clips, validated, as a float32 array."""
     if name == "clips":
         return jnp.asarray(_clip_weights(value), jnp.float32)
     if name in PROBABILITIES:
@@ -166,6 +167,7 @@ def _to_array(name: str, value: Any) -> Array:
 
 
 def _check_range(name: str, value: Any) -> tuple[float, float]:
+    """Return (minimum, maximum) of a range; one number is both. `ConfigError` if empty or beyond `RANGE_LIMITS`."""
     least, most = RANGE_LIMITS[name]
     ends = np.asarray(value).tolist() if isinstance(value, np.ndarray | Array) else value
     pair = (ends, ends) if not isinstance(ends, tuple | list) else ends
@@ -180,6 +182,7 @@ def _check_range(name: str, value: Any) -> tuple[float, float]:
 
 
 def _clip_weights(value: Any) -> list[float]:
+    """Return a weight for each of `CLIPS`, from names (1 each) or weights by name; 0 for others."""
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
         hint = 'Write clips=("radio", "bell"), or {"radio": 1, "bell": 3}.'
