@@ -51,7 +51,7 @@ class ArrangementCounts:
 def with_arrangements(
     bank: HouseBank, num_arrangements: int, key: Array, progress: bool | None = None
 ) -> tuple[HouseBank, ArrangementCounts]:
-    """Add arrangements of the bodies of its houses to a bank, all at rest; on the host, once per bank.
+    """Return a bank with new arrangements of the bodies of its houses, all at rest; on the host, once per bank.
 
     Small objects (`house_layout.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and

@@ -86,7 +86,11 @@ class AutoReset:
         return self._store_final(state, self._select_final(state.obs))
 
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
-        """Step all environments, reset those whose episode ends, and store their last observations; see `final_obs`."""
+        """Step all environments, and begin the next episode of those whose episode ends.
+
+        The state of these is the first of the next episode, but reward, flags, metrics and status are those of the
+        final step, and `info["final_obs"]` has its observations; see the option `final_obs`.
+        """
         self.core._announce_compile("step", state.status)
         check_state(self.template(params.bank).layout, params, state)
         stepped, last = jax.vmap(self._advance, (None, 0, 0))(params, state, action)

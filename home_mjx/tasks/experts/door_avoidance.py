@@ -176,7 +176,7 @@ def _hinge_coordinates(
 ) -> tuple[Float[Array, "n h"], Float[Array, "n h"], Float[Array, " h"]]:
     """Return plan distances of positions to hinges [m], and two angles by which leaves open from now [rad].
 
-    The first one, negative behind the leaf, ends where it points at the position; the second where it is wide open.
+    The first one turns the leaf to the position, and is negative behind it; the second until it is wide open.
     """
     leaves = _house_leaves(snapshot)
     offset = place[:, None, :2] - leaves.pivot[None]

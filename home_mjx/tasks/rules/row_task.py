@@ -252,7 +252,10 @@ class RowTask(Task):
         }
 
     def reward(self, snapshot: Snapshot, before: RowState, state: RowState) -> Float[Array, " a"]:
-        """Return rewards of transition and progress per agent, minus costs of steps, contacts, questions, mistakes."""
+        """Return per agent the transition's reward and progress to the guide, minus costs of steps, contacts and so on.
+
+        The guide is that of the stage before the step; a step's progress is at most `MAX_STEP_PROGRESS` [m] either way.
+        """
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -MAX_STEP_PROGRESS, MAX_STEP_PROGRESS))

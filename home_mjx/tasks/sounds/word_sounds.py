@@ -70,7 +70,7 @@ def num_audible_frames(config: AudioConfig) -> int:
 
 
 def synthesize_voices(said: Int[Array, "k e"], config: AudioConfig) -> Float[Array, "e w"]:
-    """Synthesize the signals that speakers emit in this frame and its past, as `emitted_signal` for `render_frame`.
+    """Synthesize the signals that speakers emit in the past, this frame and the look-ahead, as `emitted_signal` does.
 
     A word begins with the frame in which it is said. Words that a speaker says before the last one has ended overlap.
 

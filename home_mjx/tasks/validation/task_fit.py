@@ -43,7 +43,9 @@ OTHER_HOUSES_HINT = (
 
 
 def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> None:
-    """Check that an environment can begin these tasks, and that they can be solved.
+    """Check that an environment can begin these tasks, and that their conditions can hold in it.
+
+    None passes, unless the task is a `RowTask`.
 
     Args:
         config: Options of the environment.
