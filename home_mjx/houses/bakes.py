@@ -13,7 +13,6 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-import jax
 import numpy as np
 
 from home_mjx.bank.bank import HouseBank
@@ -186,9 +185,9 @@ def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count
 def bake_entry(bake: Bake, house: CompiledHouse) -> Path:
     """Return the path of a record in the store, whether or not it exists.
 
-    Its name is a digest of the bake, JAX's backend and the content of the house that the bake uses.
+    Its name is a digest of the bake and the content of the house that the bake uses, so that machines share records.
     """
-    key = hashlib.sha256(repr((bake.name, bake.version, bake.options, jax.default_backend())).encode())
+    key = hashlib.sha256(repr((bake.name, bake.version, bake.options)).encode())
     arrays, notes = flatten(house, skip=frozenset(("models", *bake.unused)))
     key.update(repr((sorted(arrays), notes["instances.model"])).encode())
     meshes = [house.models[name].triangle for name in sorted(house.models)]

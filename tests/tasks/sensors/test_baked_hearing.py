@@ -73,6 +73,12 @@ def test_it_is_baked_once(bank, room, monkeypatch):
     assert bake_entry(LateReverbBake(FEW), other) != bake_entry(LateReverbBake(FEW), room)
 
 
+def test_machines_with_and_without_gpu_share_records(room, monkeypatch):
+    entry = bake_entry(LateReverbBake(FEW), room)
+    monkeypatch.setattr(jax, "default_backend", lambda: "gpu")
+    assert bake_entry(LateReverbBake(FEW), room) == entry
+
+
 def test_wrong_banks_are_refused(bank, room):
     with pytest.raises(ConfigError, match="add_bakes"):
         HouseholdEnv(make_config(audio=BAKED, **OPTIONS)).bind(HouseBank.from_compiled([room]))
