@@ -13,6 +13,7 @@ from home_mjx.audio_jax.base.options import Binaural, Omni
 from home_mjx.audio_jax.contact_sounds.sound_slots import emitted_power
 from home_mjx.core.pytree import Pytree
 from home_mjx.errors import ConfigError
+from home_mjx.houses.bakes import Bake
 from home_mjx.schema.compiled import BANDS
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
@@ -25,6 +26,7 @@ from home_mjx.tasks.sensors.hearing import (
     is_inaudible,
     scale_contact_sounds,
     scale_sounds,
+    select_bakes,
     silent_history,
     source_tokens,
     trace_responses,
@@ -76,6 +78,10 @@ class EarLevels(Sensor):
             "ear_difference": ArraySpec((bands,), "float32", -span, span, "octaves, left less right ear [dB]"),
             "ear_delay": ArraySpec((1,), "float32", -MAX_EAR_DELAY, MAX_EAR_DELAY, "lead of the left ear [ms]"),
         }
+
+    def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
+        """Return the bake of late reverberation if `audio.late` is `Baked`; else none."""
+        return select_bakes(config)
 
     def init(self, config: EnvConfig) -> EarLevelsState:
         """Return a silent state."""

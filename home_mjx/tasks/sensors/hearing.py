@@ -78,7 +78,7 @@ class Hearing(Sensor):
 
     def bakes(self, config: EnvConfig) -> tuple[Bake, ...]:
         """Return the bake of late reverberation if `audio.late` is `Baked`; else none."""
-        return (COARSE_BAKE,) if isinstance(config.audio.late, Baked) else ()
+        return select_bakes(config)
 
     def init(self, config: EnvConfig) -> HearingState:
         """Return a silent state."""
@@ -132,6 +132,11 @@ class Hearing(Sensor):
             plays = jnp.concatenate([plays, has_sound(snapshot.contact_sounds)])
         energy = jax.vmap(jax.vmap(lambda r: received_energy(r, config.audio)))(state.response)
         return status_flags(RESPONSE_CUT=cut & plays[None], UNHEARD=is_inaudible(snapshot, energy))
+
+
+def select_bakes(config: EnvConfig) -> tuple[Bake, ...]:
+    """Return the bakes that responses read: that of late reverberation if `audio.late` is `Baked`; else none."""
+    return (COARSE_BAKE,) if isinstance(config.audio.late, Baked) else ()
 
 
 class Stft(Sensor):

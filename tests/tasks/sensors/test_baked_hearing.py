@@ -62,6 +62,13 @@ def test_a_step_hears_baked_sound(bank):
     np.testing.assert_allclose(levels[loud], traced[loud], atol=1.5)
 
 
+@pytest.mark.parametrize("sensor", ["audio", "stft", "log_mel", "ear_levels"])
+def test_each_sensor_that_hears_requests_the_bake(sensor):
+    for late, names in ((Baked(), ["late_reverb"]), (Traced(), [])):
+        env = HouseholdEnv(make_config(audio=AudioConfig(late=late), **OPTIONS | {"sensors": (sensor,)}))
+        assert [bake.name for bake in env.bakes] == names
+
+
 def test_it_is_baked_once(bank, room, monkeypatch):
     assert bake_entry(LateReverbBake(FEW), room).is_file()
     monkeypatch.setattr("home_mjx.audio_jax.late_reverb.bake.bake.bake_house", lambda *_: pytest.fail("baked again"))
