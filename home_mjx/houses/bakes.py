@@ -7,7 +7,7 @@ compiled house. So the store never returns a stale record. A distribution adds b
 
 import hashlib
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -83,7 +83,37 @@ class Bake(Protocol):
         ...
 
     def stack(self, records: Sequence[Any], houses: Sequence[CompiledHouse], bank: HouseBank) -> Any:
-        """Return the records, one per house in bank order, as one pytree on the device with a leading house axis."""
+        """Return the records, one per house in bank order, as one pytree on the device with a leading house axis.
+
+        Args:
+            records: Results of `bake_house`.
+            houses: The compiled houses.
+            bank: Bank that gets the pytree. In a `HouseStream` its arrays have shapes and types only, and `records` and
+                `houses` may be those of one slot.
+        """
+        ...
+
+
+@runtime_checkable
+class SizedBake(Bake, Protocol):
+    """A bake whose records differ in size between houses, for slots of a `HouseStream`, whose shapes never change."""
+
+    def capacity(self, records: Sequence[Any], capacity_factor: float) -> Mapping[str, int]:
+        """Return lengths by name that hold a record `capacity_factor` times as large as the largest of `records`."""
+        ...
+
+    def stack(
+        self,
+        records: Sequence[Any],
+        houses: Sequence[CompiledHouse],
+        bank: HouseBank,
+        capacity: Mapping[str, int] | None = None,
+    ) -> Any:
+        """Return the records as `Bake.stack` does, padded to a result of `capacity`; None: to the largest.
+
+        Raises:
+            CapacityError: A record does not fit.
+        """
         ...
 
 
@@ -146,24 +176,42 @@ def add_bakes(
     given, held = tuple(house.id for house in houses), bank.house_ids
     if given != held:
         raise ConfigError(f"the bank holds houses {held}, but those given are {given}", hint="Give the bank's own.")
-    listed = [bakes] if isinstance(bakes, str | Bake) else bakes
-    for bake in [find_bake(item) if isinstance(item, str) else item for item in listed]:
-        if not isinstance(bake, Bake):
-            raise ConfigError(f"expected a bake or its name, got {bake!r}")
+    for bake in find_bakes(bakes):
         records = []
         text = f"loading {bake.name} of {plural(len(houses), 'house')}"
         with ProgressCount(text, len(houses), "house", progress) as count:
             for index, house in enumerate(houses):
-                records.append(_record(bake, bank, index, house, count))
+                record = read_record(bake, house)
+                if record is None:
+                    count.describe(f"baking {bake.name} of {plural(len(houses), 'house')} (once, then cached)")
+                    record = make_record(bake, bank, index, house)
+                records.append(record)
                 count.update()
         bank = bank.replace(bakes={**bank.bakes, bake.name: bake.stack(records, houses, bank)})
     return bank
 
 
-def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count: ProgressCount) -> Any:
-    """Return a house's stored record, of a substitute first; else bake and store it, and describe that in `count`.
+def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:
+    """Return one or several bakes, given by themselves or by name.
 
-    A corrupted record counts as missing; a failed write is logged.
+    Raises:
+        ConfigError: A value is not a bake.
+        UnknownNameError: No bake has this name.
+    """
+    listed = [bakes] if isinstance(bakes, str | Bake) else bakes
+    found = tuple(find_bake(item) if isinstance(item, str) else item for item in listed)
+    for item in found:
+        if not isinstance(item, Bake):
+            raise ConfigError(f"expected a bake or its name, got {item!r}")
+    return found
+
+
+def read_record(bake: Bake, house: CompiledHouse) -> Any:
+    """Return one house's record from the store, or that of a substitute; None if it is missing or corrupted.
+
+    Args:
+        bake: The bake.
+        house: The compiled house.
     """
     for stored in (*getattr(bake, "substitutes", ()), bake):
         entry = bake_entry(stored, house)
@@ -173,10 +221,14 @@ def _record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse, count
             pass
         except READ_ERRORS as error:
             log.warning("broken cache entry %s is made again: %s", entry, error)
-    count.describe(f"baking {bake.name} of {plural(bank.num_houses, 'house')} (once, then cached)")
+    return None
+
+
+def make_record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
+    """Return one house's record, computed now, and store it; arguments as of `Bake.bake_house`."""
     record = bake.bake_house(bank, index, house)
     try:
-        write_entry(entry, *flatten(record))
+        write_entry(bake_entry(bake, house), *flatten(record))
     except OSError as error:
         log.warning("bake `%s` of house %s is not cached: %s", bake.name, house.id, error)
     return record

@@ -2,11 +2,12 @@
 
 import functools
 import logging
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -16,23 +17,32 @@ from jaxtyping import Array, Bool, Int
 from home_mjx.bank.bank import HouseBank, to_bank
 from home_mjx.bank.packing.capacity import capacity_of, slot_stride
 from home_mjx.bank.packing.library import Library, agent_model
-from home_mjx.bank.packing.pack import pack_house_slot, pack_house_slots
+from home_mjx.bank.packing.pack import check_house_fits, pack_house_slot, pack_house_slots
 from home_mjx.bank.records.bank_arrays import get_array, replace_arrays
 from home_mjx.bank.records.declaration import Key
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.array_store import READ_ERRORS
 from home_mjx.core.checks import check_number
-from home_mjx.core.progress import is_progress_shown, plural, track
+from home_mjx.core.progress import ProgressCount, is_progress_shown, plural, track
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError, HomeMjxError
+from home_mjx.houses.bakes import Bake
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.houses.selection import HouseFilter
+from home_mjx.houses.slot_bakes import Records, SlotBakes
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, Model
 
 log = logging.getLogger(__name__)
 
-Prepared = tuple[str, dict[Key, Array], dict[Key, Array]]  # house id, rows, and the first row of each
+
+class _Prepared(NamedTuple):
+    """A house packed for a slot, on the device."""
+
+    rows: dict[Key, Array]
+    starts: dict[Key, Array]  # first row of each array
+    bakes: dict[str, Any]  # baked records by name, with a house axis of length 1
+    house_slot: Array
 
 
 @dataclass
@@ -41,17 +51,18 @@ class _Retiring:
 
     house_slot: int
     since: int  # number of the `advance` call since which no reset draws it
-    house: "Future[Prepared | None]"
+    house: "Future[_Prepared | None]"
 
 
 class HouseStream:
     """A `HouseBank` with a fixed number of house slots, which a thread fills in turn with the houses of a dataset.
 
-    Models and textures of all houses stay on the device; a slot stores only data private to its house. Shapes never
-    change, so nothing is recompiled. To exchange a house, its slot is first retired: resets no longer draw it. When no
-    environment uses the slot any more, the next house overwrites it in place.
+    Models and textures of all houses stay on the device; a slot stores only data private to its house, and its baked
+    records. Shapes never change, so nothing is recompiled. To exchange a house, its slot is first retired: resets no
+    longer draw it. When no environment uses the slot any more, the next house overwrites it in place.
 
-    Houses should be in the cache (`home-mjx compile ROOT`); otherwise the first pass compiles them.
+    Houses should be in the cache (`home-mjx compile ROOT --bakes ...`); otherwise the first pass compiles them, and
+    the thread bakes each before its first use.
 
     Args:
         root: Folder of the dataset, an open `Dataset`, or a `HouseSet`; None: the dataset of `SUNCG_DATA_DIR`.
@@ -66,6 +77,8 @@ class HouseStream:
         progress: Show a progress bar while models and textures of all houses are collected.
         filter: Restrict to houses that meet this filter.
         num_houses: Maximum number of houses; the first are taken.
+        bakes: Baked records that the bank gets, or their names, see `add_bakes`; those of an environment are
+            `HouseholdEnv.bakes`.
 
     Attributes:
         bank: The current bank. Earlier banks are invalid after `advance`, since their memory is overwritten.
@@ -73,7 +86,8 @@ class HouseStream:
         num_swaps: Number of houses exchanged so far.
 
     Raises:
-        ConfigError: There are fewer houses than slots.
+        ConfigError: There are fewer houses than slots, or a value of `bakes` is not a bake.
+        UnknownNameError: No bake has this name.
 
     Example:
         >>> with HouseStream("datasets/suncg", num_slots=64) as stream:  # doctest: +SKIP
@@ -96,6 +110,7 @@ class HouseStream:
         progress: bool | None = None,
         filter: HouseFilter | None = None,
         num_houses: int | None = None,
+        bakes: Bake | str | Sequence[Bake | str] = (),
     ) -> None:
         for name, value, least in (("num_slots", num_slots, 2), ("num_retiring", num_retiring, 1), ("seed", seed, 0)):
             check_number(name, value, least, integer=True)
@@ -106,16 +121,18 @@ class HouseStream:
             raise ConfigError(f"`num_retiring` must be from 1 to num_slots - 1, got {num_retiring} of {num_slots}")
         self.skipped: dict[str, str] = {}
         self.num_swaps = 0
+        self._bakes = SlotBakes(bakes)
         self._cache = houses.open_cache()
         houses.resolved_dataset.prepare(houses.house_ids, is_progress_shown(progress))
         models, textures = self._look_through(houses.house_ids, progress)
         self._order = self._endless(houses.house_ids, np.random.default_rng(seed))
-        first = self._first_houses(num_slots)
+        first, records = self._first_houses(num_slots, progress)
         self._library = Library(models, textures, first[0].agent_materials)
         self._capacity, self._stride = capacity_of(first, capacity_factor), slot_stride(first, capacity_factor)
-        self.bank: HouseBank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
+        bank = to_bank(pack_house_slots(first, self._library, self._capacity, self._stride))
+        bank = self._bakes.reserve(records, first, bank, capacity_factor)
         # Compiled now, so that the first swap does not have to wait.
-        self.bank = _write(self.bank, *self._prepare(first[0], 0)[1:])
+        self.bank: HouseBank = _write(bank, self._prepare(first[0], records[0], 0))
         self._calls, self._used, self._closed = 0, None, False
         self._num_envs = 0  # number of environments; 0: not known yet
         self._worker = ThreadPoolExecutor(1, "house-stream")
@@ -197,17 +214,25 @@ class HouseStream:
                 if house_id not in self.skipped:
                     yield house_id
 
-    def _first_houses(self, num_slots: int) -> list[CompiledHouse]:
-        """Load the first `num_slots` different houses of the order; raise `ConfigError` if there are fewer."""
-        houses: dict[str, CompiledHouse] = {}
-        for house_id in self._order:
-            if house_id in houses:
-                break
-            houses[house_id] = self._cache.load(house_id)
-            if len(houses) == num_slots:
-                return list(houses.values())
+    def _first_houses(self, num_slots: int, progress: bool | None) -> tuple[list[CompiledHouse], list[Records]]:
+        """Return the first houses and their baked records; add those that fail to `skipped`."""
+        found: dict[str, tuple[CompiledHouse, Records]] = {}
+        with ProgressCount(f"loading {plural(num_slots, 'house')}", num_slots, "house", progress) as count:
+            for house_id in self._order:
+                if house_id in found:
+                    break
+                try:
+                    house = self._cache.load(house_id)
+                    found[house_id] = house, self._bakes.records(house, count)
+                except HomeMjxError as error:
+                    self._skip(house_id, error)
+                    continue
+                count.update()
+                if len(found) == num_slots:
+                    houses, records = zip(*found.values(), strict=True)
+                    return list(houses), list(records)
         raise ConfigError(
-            f"{num_slots} slots need at least as many houses, there are {len(houses)}",
+            f"{num_slots} slots need at least as many houses, there are {len(found)}",
             hint="Use fewer slots, or a HouseBank with all houses.",
         )
 
@@ -225,42 +250,50 @@ class HouseStream:
         prepared = item.house.result()
         if prepared is None:  # no usable house is left, so the slot keeps its house
             return
-        _, rows, starts = prepared
-        self.bank = _write(self.bank, rows, starts)
+        self.bank = _write(self.bank, prepared)
         self._active.append(item.house_slot)
         self.num_swaps += 1
         self._retire()
 
-    def _next(self, house_slot: int) -> Prepared | None:
+    def _next(self, house_slot: int) -> _Prepared | None:
         """Return the next house that fits, packed for a slot, in the background thread; None if all are in `skipped`.
 
         Houses that fail or do not fit are added to `skipped`.
         """
         for house_id in self._order:
             try:
-                return self._prepare(self._cache.load(house_id), house_slot)
+                house = self._cache.load(house_id)
+                check_house_fits(house, self._capacity, self._stride)  # before it is baked
+                return self._prepare(house, self._bakes.records(house), house_slot)
             except HomeMjxError as error:
-                self.skipped[house_id] = str(error)
-                log.warning("house %s is skipped: %s", house_id, error)
+                self._skip(house_id, error)
         return None
 
-    def _prepare(self, house: CompiledHouse, house_slot: int) -> Prepared:
+    def _skip(self, house_id: str, error: HomeMjxError) -> None:
+        self.skipped[house_id] = str(error)
+        log.warning("house %s is skipped: %s", house_id, error)
+
+    def _prepare(self, house: CompiledHouse, records: Records, house_slot: int) -> _Prepared:
         """Return a house packed for a slot, on the device; drop its architecture from the host's library of models.
 
         Raises:
-            CapacityError: The house does not fit.
+            CapacityError: The house or one of its baked records does not fit.
         """
         rows, starts = pack_house_slot(house, self._library, self._capacity, self._stride, house_slot)
+        bakes = self._bakes.pack(records, house)
         for key in house.instances.model[:1]:
             self._cache.library.pop(key, None)  # drop its architecture; shared models stay
-        return house.id, jax.device_put(rows), jax.device_put({k: np.int32(v) for k, v in starts.items()})
+        first = {key: np.int32(row) for key, row in starts.items()}
+        return jax.device_put(_Prepared(rows, first, bakes, np.int32(house_slot)))
 
 
 @functools.partial(jax.jit, donate_argnums=0)
-def _write(bank: HouseBank, rows: Mapping[Key, Array], starts: Mapping[Key, Array]) -> HouseBank:
-    """Return the bank with `rows` written from `starts` on, in the memory of the argument, which becomes invalid."""
+def _write(bank: HouseBank, house: _Prepared) -> HouseBank:
+    """Return the bank with the house in its slot, in the memory of the argument, which becomes invalid."""
     write = functools.partial(jax.lax.dynamic_update_slice_in_dim, axis=0)
-    bank = replace_arrays(bank, {key: write(get_array(bank, key), values, starts[key]) for key, values in rows.items()})
+    rows = {key: write(get_array(bank, key), values, house.starts[key]) for key, values in house.rows.items()}
+    bakes = jax.tree.map(lambda stack, record: write(stack, record, house.house_slot), bank.bakes, house.bakes)
+    bank = replace_arrays(bank, rows).replace(bakes=bakes)
     if bank.geometry.gpu is not None:
         bank = bank.replace(geometry=bank.geometry.replace(gpu=gpu_geometry(bank.geometry)))
     return bank

@@ -61,7 +61,7 @@ def soak(folder: Path, args: argparse.Namespace) -> dict[str, object]:
     config = make_config(sensors=tuple(args.sensors), impl=args.impl, episode_length=100, width=32, height=32)
     env, rng, looks, steps = AutoReset(HouseholdEnv(config)), np.random.default_rng(args.seed), [], 0
     reset, step = jax.jit(env.reset), jax.jit(env.step)
-    with HouseStream(folder, ids, num_slots=max(2, args.houses // 2)) as stream:
+    with HouseStream(folder, ids, num_slots=max(2, args.houses // 2), bakes=env.bakes) as stream:
         begun = told = time.monotonic()
         while time.monotonic() - begun < args.seconds or len(looks) < 8:
             if len(looks) % ANEW == 0:

@@ -146,7 +146,8 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
         check_arrangements(bank)
     for bake in bakes:
         if bake.name not in bank.bakes:
-            hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank."
+            hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank; "
+            hint += f"a HouseStream takes bakes=('{bake.name}',)."
             if bake.name == LATE_REVERB:
                 hint = f"{hint[:-1]}; or trace sound in every step with late='traced'."
             raise ConfigError(

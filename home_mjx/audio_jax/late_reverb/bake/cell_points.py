@@ -5,11 +5,10 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse.csgraph import dijkstra
 
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import horizontal_distance, weigh_cells
-from home_mjx.audio_jax.late_reverb.trace.cells import Cells
+from home_mjx.audio_jax.late_reverb.trace.cells import CELLS_PER_PLACE, Cells
 from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
 from home_mjx.schema.compiled import CompiledHouse
 
-CELLS_PER_PLACE = 4  # maximum cells per lattice point
 CELL_REACH = 1.7  # [cell sizes], distance at which a cell's weight becomes zero
 LATTICE_STEP = 0.2  # [m], spacing of the lattice on which weights are stored
 EAR_HEIGHT = 1.4  # [m], height of lattice points above the floor

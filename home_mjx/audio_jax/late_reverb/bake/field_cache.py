@@ -1,11 +1,12 @@
 """Late reverberation as a `Bake`: `home_mjx.houses.add_bakes` stores its records and puts them into a bank."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, stack_fields
+from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, padded_lengths, stack_fields
 from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
 from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.packing.capacity import check_fits
 from home_mjx.bank.records.acoustics import LATE_REVERB, LateReverb
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -47,10 +48,28 @@ class LateReverbBake:
 
         return bake_house(house, self.options, bank, index)
 
-    def stack(self, records: Sequence[LateField], houses: Sequence[CompiledHouse], bank: HouseBank) -> LateReverb:
-        """Return the records of all houses as one pytree, padded to the largest."""
+    def capacity(self, records: Sequence[LateField], capacity_factor: float) -> dict[str, int]:
+        """Return the number of cells, rooms, lattice points and portals up to which later houses fit."""
+        return padded_lengths(records, capacity_factor)
+
+    def stack(
+        self,
+        records: Sequence[LateField],
+        houses: Sequence[CompiledHouse],
+        bank: HouseBank,
+        capacity: Mapping[str, int] | None = None,
+    ) -> LateReverb:
+        """Return the records of all houses as one pytree, padded to a capacity or else to the largest.
+
+        Raises:
+            CapacityError: A record does not fit.
+        """
+        if capacity is not None:
+            for house, record in zip(houses, records, strict=True):
+                check_fits(house.id, record.lengths, capacity)
         spec = bank.spec
-        return stack_fields(records, [house.doors.bank_rows(spec.num_doors, spec.num_slides) for house in houses])
+        rows = [house.doors.bank_rows(spec.num_doors, spec.num_slides) for house in houses]
+        return stack_fields(records, rows, capacity)
 
 
 COARSE_BAKE = LateReverbBake(BakeOptions(quality="coarse"))  # serves at once where no fine record is stored

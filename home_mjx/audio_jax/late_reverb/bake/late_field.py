@@ -1,7 +1,9 @@
 """Baked late field of one house, and stacking of several houses with padding."""
 
 import dataclasses
-from collections.abc import Sequence
+import math
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,17 +12,21 @@ import numpy as np
 from jaxtyping import Float, Int, Int8, UInt8
 
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import MIN_ENERGY
+from home_mjx.audio_jax.late_reverb.trace.cells import CELLS_PER_PLACE, MAX_CELLS
 from home_mjx.bank.records.acoustics import LateReverb
 
-# Multiples to which the first axes of each field are padded; other axes have equal lengths in all houses.
-AXIS_PADDING: dict[str, tuple[int, ...]] = {
-    **dict.fromkeys(("arrival", "level", "comes_from"), (16, 16)),
-    "room": (16,),
-    **dict.fromkeys(("shape", "opening", "wall"), (4, 4)),
-    **dict.fromkeys(("volume", "loss"), (4,)),
-    **dict.fromkeys(("near", "weight"), (1, 8, 8, 1)),
-    "floor": (1,),
-    **dict.fromkeys(("portal_room", "portal_share", "portal_leaf", "portal_leak"), (4,)),
+# Axes whose lengths differ between houses, and the multiples to which these are padded.
+AXIS_PADDING = {"cells": 16, "rooms": 4, "levels": 1, "rows": 8, "columns": 8, "near_cells": 1, "portals": 4}
+MAX_LENGTHS = {"cells": MAX_CELLS, "near_cells": CELLS_PER_PLACE}  # that no house exceeds
+# The first axes of each field; the others have equal lengths in all houses.
+FIELD_AXES: dict[str, tuple[str, ...]] = {
+    **dict.fromkeys(("arrival", "level", "comes_from"), ("cells", "cells")),
+    "room": ("cells",),
+    **dict.fromkeys(("shape", "opening", "wall"), ("rooms", "rooms")),
+    **dict.fromkeys(("volume", "loss"), ("rooms",)),
+    **dict.fromkeys(("near", "weight"), ("levels", "rows", "columns", "near_cells")),
+    "floor": ("levels",),
+    **dict.fromkeys(("portal_room", "portal_share", "portal_leaf", "portal_leak"), ("portals",)),
 }
 HALF_FIELDS = ("level", "shape", "weight", "loss", "opening", "wall", "portal_leak")
 PAD_VALUES: dict[str, Any] = {
@@ -61,6 +67,12 @@ class LateField:
         """Size of all arrays as stored [bytes]."""
         return sum(x.nbytes for x in vars(self).values())
 
+    @property
+    def lengths(self) -> dict[str, int]:
+        """Lengths of the axes of `AXIS_PADDING`."""
+        named = {name: dict(zip(axes, getattr(self, name).shape, strict=False)) for name, axes in FIELD_AXES.items()}
+        return {axis: length for axes in named.values() for axis, length in axes.items()}
+
 
 def pack_field(values: dict[str, np.ndarray]) -> LateField:
     """Convert arrays to the lowest sufficient precision and return them as a field."""
@@ -69,25 +81,39 @@ def pack_field(values: dict[str, np.ndarray]) -> LateField:
     return LateField(**rest, **half)
 
 
-def stack_fields(fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " _"]]) -> LateReverb:
-    """Stack the fields of several houses, padded to the largest.
+def padded_lengths(fields: Sequence[LateField], capacity_factor: float = 1.0) -> dict[str, int]:
+    """Return lengths of the axes of `AXIS_PADDING`, padded, for fields up to `capacity_factor` times the largest."""
+    found = [field.lengths for field in fields]
+    lengths: dict[str, int] = {}
+    for axis, block in AXIS_PADDING.items():
+        largest = max(each[axis] for each in found)
+        grown = min(math.ceil(largest * capacity_factor), max(largest, MAX_LENGTHS.get(axis, sys.maxsize)))
+        lengths[axis] = max(-(-grown // block), 1) * block
+    return lengths
+
+
+def stack_fields(
+    fields: Sequence[LateField], leaf_rows: Sequence[Int[np.ndarray, " _"]], lengths: Mapping[str, int] | None = None
+) -> LateReverb:
+    """Stack the fields of several houses with padding.
 
     Args:
         fields: One field per house.
         leaf_rows: For each house, the bank's row of each door leaf.
+        lengths: Lengths of the axes, see `padded_lengths`; None: for the largest of these fields.
     """
+    lengths = padded_lengths(fields) if lengths is None else lengths
     rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]
     fields = [dataclasses.replace(field, portal_leaf=leaf) for field, leaf in zip(fields, rows, strict=True)]
-    arrays = {f.name: jnp.asarray(_pad(f.name, fields)) for f in dataclasses.fields(LateField)}
+    arrays = {f.name: jnp.asarray(_pad(f.name, fields, lengths)) for f in dataclasses.fields(LateField)}
     return LateReverb(num_rooms=jnp.asarray([len(field.volume) for field in fields], jnp.int32), **arrays)
 
 
-def _pad(name: str, fields: Sequence[LateField]) -> np.ndarray:
-    """Stack one array of all fields, padded with `PAD_VALUES` to multiples of `AXIS_PADDING`."""
+def _pad(name: str, fields: Sequence[LateField], lengths: Mapping[str, int]) -> np.ndarray:
+    """Stack one array of all fields, padded with `PAD_VALUES` to `lengths`."""
     arrays = [np.asarray(getattr(field, name)) for field in fields]
-    size = np.max([x.shape for x in arrays], axis=0).astype(int)
-    for axis, block in enumerate(AXIS_PADDING.get(name, ())):
-        size[axis] = max(-(-size[axis] // block), 1) * block
+    size = [lengths[axis] for axis in FIELD_AXES.get(name, ())]
+    size += arrays[0].shape[len(size) :]
     out = np.full((len(arrays), *size), PAD_VALUES.get(name, 0), arrays[0].dtype)
     for row, x in enumerate(arrays):
         out[(row, *(slice(n) for n in x.shape))] = x

@@ -11,6 +11,7 @@ from home_mjx.schema.compiled import CompiledHouse
 CELL_FLOOR_GAP = 0.9  # [m], height of cells above the floor, above most furniture
 CELL_CEILING_GAP = 0.2  # [m], from the top of cells to the ceiling
 MAX_CELLS = 160  # maximum per house; all pairs then fit into 3 MB
+CELLS_PER_PLACE = 4  # maximum cells per lattice point
 
 
 @dataclass(frozen=True)
