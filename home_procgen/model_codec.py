@@ -15,6 +15,7 @@ from home_procgen.textures.recipes import repeat_uv, uv_scale
 POSITION_DECIMALS, UV_DECIMALS = 5, 4  # of a metre, to which library meshes are rounded
 COMPRESSION_LEVEL = 9
 _HEAD = 3  # numbers of vertices, faces and distinct normals, before the columns
+NORMAL_TOLERANCE, EXTENT_TOLERANCE = 1e-3, 2  # relative, and steps of the grid: what rounding to it changes
 _PLANES = np.array([(2, 1), (0, 2), (0, 1)])  # axes of texture coordinates of faces that point along x, y and z
 
 
@@ -111,9 +112,10 @@ def _predict_uv(positions: Int[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]
     piece = np.searchsorted(start, faces[:, 0], "right") - 1
     corners = positions[faces].astype(np.int64)
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    axes = _PLANES[np.abs(normal).argmax(axis=1)]
+    size = np.abs(normal)
+    axes = _PLANES[(size >= (1 - NORMAL_TOLERANCE) * size.max(axis=1, keepdims=True)).argmax(axis=1)]
     own = np.take_along_axis(extent[piece], axes, axis=1)
-    axes = np.where(own[:, :1] < own[:, 1:], axes[:, ::-1], axes)
+    axes = np.where(own[:, :1] < own[:, 1:] - EXTENT_TOLERANCE, axes[:, ::-1], axes)
     return np.take_along_axis(corners, axes[:, None, :], axis=-1) // 10 ** (POSITION_DECIMALS - UV_DECIMALS)
 
 

@@ -7,6 +7,8 @@ from contextvars import ContextVar
 import numpy as np
 from jaxtyping import Float
 
+from home_procgen.primitives.grid import round_shape
+
 DETAILS = ("full", "low")  # the second has few facets and sharp edges
 MIN_SIDES, MID_SIDES, MAX_SIDES = 4, 6, 8  # of round pieces, if thin, very coarse, and coarse
 THIN_RADIUS = 0.012  # [m], radius below which coarse round pieces have `MIN_SIDES`
@@ -60,12 +62,12 @@ def simplify_line(points: Float[np.ndarray, "n d"], tolerance: float) -> Float[n
     tolerance *= _coarseness.get()
     if not tolerance or len(points) < 3:
         return points
-    kept = np.zeros(len(points), bool)
+    rounded, kept = round_shape(points), np.zeros(len(points), bool)
     kept[[0, -1]] = True
     spans = [(0, len(points) - 1)]
     while spans:
         first, last = spans.pop()
-        away = _distance(points[first : last + 1])
+        away = _distance(rounded[first : last + 1])
         if away.max(initial=0.0) > tolerance:
             middle = first + int(away.argmax())
             kept[middle] = True
@@ -75,6 +77,7 @@ def simplify_line(points: Float[np.ndarray, "n d"], tolerance: float) -> Float[n
 
 def simplify_outline(points: Float[np.ndarray, "n 2"], tolerance: float) -> Float[np.ndarray, "m 2"]:
     """Return a closed outline as by `simplify_line`, with a smaller tolerance where too much of its area would go."""
+    points = round_shape(points)
     area = _area(points)
     for share in SHARES:
         found = simplify_line(points, share * tolerance)
@@ -104,5 +107,5 @@ def simplify_grid(points: Float[np.ndarray, "n m d"]) -> Float[np.ndarray, "k l 
 def _distance(points: Float[np.ndarray, "n d"]) -> Float[np.ndarray, " n"]:
     """Return the distances of points from the segment between the first and the last."""
     way = points[-1] - points[0]
-    along = (points - points[0]) @ way / max(float(way @ way), 1e-18)
+    along = ((points - points[0]) * way).sum(axis=1) / max(float((way * way).sum()), 1e-18)
     return np.linalg.norm(points - points[0] - np.clip(along, 0.0, 1.0)[:, None] * way, axis=1)

@@ -11,9 +11,11 @@ from scipy.spatial import ConvexHull
 from home_mjx.geometry.wall_prisms import extrude_grid
 from home_mjx.schema.house import JointKind, Material, Mesh
 from home_procgen.primitives.detail import is_sharp, limit_sides, simplify_outline
+from home_procgen.primitives.grid import round_shape
 
 Vector = tuple[float, float, float]
 PROFILE_TOLERANCE = 0.08  # of the radius, by which profiles are simplified where shapes are coarse
+TIE_TOLERANCE = 1e-6  # of normals, and [m] of extents, below which their difference is rounding
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ class MovablePart:
 
 
 def _triple(values: Float[np.ndarray, " 3"]) -> Vector:
-    x, y, z = values.tolist()
+    x, y, z = round_shape(values).tolist()
     return x, y, z
 
 
@@ -76,14 +78,15 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def project_uv(vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Float[np.ndarray, "f 3 2"]:
     """Return UVs in metres from the projection of each face along its dominant axis, u along the longer extent.
 
-    Wood grain runs along u.
+    Wood grain runs along u. Ties go to the first axis, so that the faces of a diagonal board are projected alike.
     """
     corners = vertices[faces]
     normal = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    axis = np.abs(normal).argmax(-1)
+    size = np.abs(normal)
+    axis = (size >= (1 - TIE_TOLERANCE) * size.max(axis=-1, keepdims=True)).argmax(-1)
     extent = (vertices.max(0) - vertices.min(0)).tolist()
     planes = ((2, 1), (0, 2), (0, 1))
-    columns = np.array([(a, b) if extent[a] >= extent[b] else (b, a) for a, b in planes])[axis]
+    columns = np.array([(a, b) if extent[a] >= extent[b] - TIE_TOLERANCE else (b, a) for a, b in planes])[axis]
     return np.take_along_axis(corners, columns[:, None, :], -1)
 
 
@@ -94,7 +97,8 @@ def picture_uv(piece: Solid) -> Solid:
 
 
 def make_solid(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
-    """Return a solid with projected UVs; faces are reversed if they point inwards."""
+    """Return a solid with rounded vertices and projected UVs; faces are reversed if they point inwards."""
+    vertices = round_shape(vertices)
     corners = vertices[faces] - vertices.mean(0)
     if np.einsum("fi,fi->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) < 0:
         faces = faces[:, ::-1]
@@ -201,7 +205,7 @@ def rotate(piece: Solid, axis: int, angle: float, pivot: Vector = (0.0, 0.0, 0.0
     i, j = (axis + 1) % 3, (axis + 2) % 3
     turn[[i, i, j, j], [i, j, i, j]] = np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)
     part = piece.part and piece.part.transform(turn, np.asarray(pivot) - turn @ np.asarray(pivot))
-    return replace(piece, vertices=(piece.vertices - pivot) @ turn.T + np.asarray(pivot), part=part)
+    return replace(piece, vertices=round_shape((piece.vertices - pivot) @ turn.T + np.asarray(pivot)), part=part)
 
 
 def to_mesh(path: Path, pieces: Sequence[Solid], slots: Sequence[str], materials: tuple[Material, ...]) -> Mesh:

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_procgen.primitives.detail import is_sharp, limit_steps, simplify_grid
+from home_procgen.primitives.grid import round_shape
 from home_procgen.primitives.solids import Solid, Vector, box, lathe, make_solid, move
 from home_procgen.shapes.sweep import triangulate
 
@@ -14,7 +15,7 @@ _MERGE = 7  # decimals of a metre to which corners must agree to be merged
 
 def weld(material: str, vertices: Float[np.ndarray, "v 3"], faces: Int[np.ndarray, "f 3"]) -> Solid:
     """Return a solid with vertices merged that are equal to `_MERGE` decimals, and degenerate triangles removed."""
-    unique, index = np.unique(np.round(vertices, _MERGE) + 0.0, axis=0, return_inverse=True)
+    unique, index = np.unique(np.round(round_shape(vertices), _MERGE) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[faces]
     kept = (faces != np.roll(faces, 1, 1)).all(1)
     return make_solid(material, unique, faces[kept])

@@ -7,6 +7,7 @@ from typing import overload
 import numpy as np
 
 from home_procgen.primitives.family import Bulb
+from home_procgen.primitives.grid import round_shape
 from home_procgen.primitives.solids import Solid, Vector, move, rotate
 
 Piece = Solid | Bulb
@@ -31,7 +32,7 @@ def rotate_pieces(pieces: Iterable[Piece], axis: int, angle: float, pivot: Vecto
 
 
 def _bulb(bulb: Bulb, turn: np.ndarray, by: Vector | np.ndarray) -> Bulb:
-    x, y, z = (turn @ np.asarray(bulb.position) + np.asarray(by)).tolist()
+    x, y, z = round_shape(turn @ np.asarray(bulb.position) + np.asarray(by)).tolist()
     return replace(bulb, position=(x, y, z))
 
 

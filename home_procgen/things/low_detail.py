@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float
 
 from home_procgen.primitives.detail import build_coarsely
 from home_procgen.primitives.solids import Solid, box
@@ -50,14 +51,19 @@ def _count(pieces: Sequence[Solid]) -> int:
 
 def _diagonal(pieces: Sequence[Solid]) -> float:
     boxes = np.stack([piece.box for piece in pieces])
-    return float(np.linalg.norm(boxes[:, 1].max(0) - boxes[:, 0].min(0)))
+    return _length(boxes[:, 1].max(0) - boxes[:, 0].min(0))
+
+
+def _length(way: Float[np.ndarray, " 3"]) -> float:
+    """Return the length of a vector; unlike `np.linalg.norm`, with the same bits on all CPUs."""
+    return float(np.sqrt((way * way).sum()))
 
 
 def _fit(piece: Solid, full: Solid, max_diagonal: float) -> Solid:
     """Return a coarse piece stretched to the bounding box of the full one, or that box if its diagonal is small."""
     (low, high), own = full.box, piece.box
     size = high - low
-    if len(piece.faces) > NUM_BOX_FACES and np.linalg.norm(size) < max_diagonal and isinstance(full.material, str):
+    if len(piece.faces) > NUM_BOX_FACES and _length(size) < max_diagonal and isinstance(full.material, str):
         (x, y, z), (at_x, _, at_z) = size.tolist(), ((low + high) / 2).tolist()
         made = box(full.material, (x, y, z), (at_x, float(low[1]), at_z))
         return replace(made, part=full.part, group=full.group)
@@ -70,7 +76,7 @@ def select_pieces(pieces: Sequence[Solid]) -> list[int]:
 
     The largest of every material and movable part stay, and one at each side of the bounding box.
     """
-    size = np.array([np.linalg.norm(np.ptp(piece.box, axis=0)) for piece in pieces])
+    size = np.array([_length(np.ptp(piece.box, axis=0)) for piece in pieces])
     # Equal pieces, such as books, leave evenly.
     order = sorted(range(len(pieces)), key=lambda i: (np.round(2 * np.log2(size[i])), i * GOLDEN_RATIO % 1))
     needed = {max(own, key=lambda i: size[i]) for own in _groups(pieces)} | _outer(pieces)

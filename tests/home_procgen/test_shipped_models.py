@@ -1,5 +1,9 @@
 """Shipped models: those of the recipes, to the last bit; damaged files are refused."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -8,6 +12,7 @@ from home_procgen import model_store
 from home_procgen.build_library import RECIPES, hash_recipes, write_models
 from home_procgen.model_store import STORE, ModelStore, family_numbers, library, library_model
 from home_procgen.primitives.detail import DETAILS
+from home_procgen.primitives.solids import box, make_solid, rotate
 from home_procgen.things import build_models, families
 
 SAMPLED = ("plant", "double_bed", "door", "dresser", "table_lamp")  # leaves, cloth, two states, joints, lights
@@ -52,6 +57,47 @@ def test_recipes_build_all_shipped_models(detail):
 def test_the_command_writes_the_shipped_file(tmp_path):
     write_models(tmp_path / STORE.name, {detail: build_models(detail) for detail in DETAILS})
     assert (tmp_path / STORE.name).read_bytes() == STORE.read_bytes()
+
+
+BUILD = """
+import sys
+from pathlib import Path
+import jaxtyping
+jaxtyping.config.update("jaxtyping_disable", True)
+from home_procgen.build_library import write_models
+from home_procgen.primitives.detail import DETAILS
+from home_procgen.things import build_models
+write_models(Path(sys.argv[1]), {detail: build_models(detail) for detail in DETAILS})
+"""
+
+
+def used_features(*left_out: str) -> str:
+    """Return the instruction sets that NumPy uses here beyond its baseline, without some of them."""
+    core = np._core._multiarray_umath
+    return " ".join(name for name in core.__cpu_dispatch__ if core.__cpu_features__.get(name) and name not in left_out)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("disabled", "blas"), [(used_features(), "Nehalem"), (used_features("X86_V3", "AVX2", "FMA3"), "Haswell")]
+)
+def test_other_processors_build_the_shipped_file(tmp_path, disabled, blas):
+    """Sines, powers and products of matrices differ there in the last bit; other makes than x86 ignore the names."""
+    changed = {"NPY_DISABLE_CPU_FEATURES": disabled, "OPENBLAS_CORETYPE": blas}
+    subprocess.run([sys.executable, "-c", BUILD, tmp_path / STORE.name], env={**os.environ, **changed}, check=True)
+    assert (tmp_path / STORE.name).read_bytes() == STORE.read_bytes()
+
+
+@pytest.mark.parametrize("angle", [0.0, np.pi / 4, np.pi / 2])
+def test_last_bits_of_vertices_change_no_solid(angle):
+    """The extents of a cube are equal; turned by 45 degrees, so are components of its normals."""
+    solid = rotate(box("wood", (0.3, 0.3, 0.3), (0.7, 0.1, 0.2)), 1, angle)
+    right = make_solid("wood", solid.vertices, solid.faces)
+    for seed in range(5):
+        noise = np.random.default_rng(seed).uniform(-1e-15, 1e-15, solid.vertices.shape)
+        found = make_solid("wood", solid.vertices + noise, solid.faces)
+        np.testing.assert_array_equal(found.vertices, right.vertices)
+        np.testing.assert_array_equal(found.uv, right.uv)
 
 
 @pytest.mark.parametrize("damage", ["byte", "end", "empty", "missing"])
