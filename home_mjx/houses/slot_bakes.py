@@ -39,7 +39,9 @@ class SlotBakes:
         """
         found = {bake.name: read_record(bake, house) for bake in self._bakes}
         missing = [bake for bake in self._bakes if found[bake.name] is None]
-        bank = HouseBank.from_compiled([house]) if missing else None
+        if not missing:
+            return found
+        bank = HouseBank.from_compiled([house])
         for bake in missing:
             if count is not None and count.total is not None:
                 count.describe(f"baking {bake.name} of {plural(count.total, 'house')} (once, then cached)")

@@ -284,7 +284,7 @@ class HouseStream:
         for key in house.instances.model[:1]:
             self._cache.library.pop(key, None)  # drop its architecture; shared models stay
         first = {key: np.int32(row) for key, row in starts.items()}
-        return jax.device_put(_Prepared(rows, first, bakes, np.int32(house_slot)))
+        return _Prepared(*jax.device_put((rows, first, bakes, np.int32(house_slot))))
 
 
 @functools.partial(jax.jit, donate_argnums=0)
