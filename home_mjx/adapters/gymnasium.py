@@ -34,6 +34,7 @@ class GymEnv(gymnasium.Env, EzPickle):
 
     Raises:
         BackendError: Gymnasium's `AsyncVectorEnv` asks for it and would fork worker processes.
+        ConfigError: It has saved episodes, and worker processes ask for it, which would all begin at the first one.
 
     Example:
         >>> import gymnasium, home_mjx  # doctest: +SKIP
@@ -55,6 +56,8 @@ class GymEnv(gymnasium.Env, EzPickle):
         tools.check_render_mode(render_mode)
         tools.refuse_forking_workers()
         self.env = tools.make_env(env_id, episodes, options)
+        if is_sequential(self.env.params.tasks):
+            tools.refuse_shared_rows()
         self.render_mode = render_mode
         self.metadata = {**type(self).metadata, "render_fps": round(1 / self.env.dt)}
         self.observation_space = observation_space(self.env)
@@ -63,7 +66,7 @@ class GymEnv(gymnasium.Env, EzPickle):
         self._reset: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.reset), "reset")
         self._step: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.step), "step")
         self._state: State | None = None
-        # Rows of saved episodes: the first, and from one to the next. Those of a `SyncVectorEnv` share the rows.
+        # Rows of saved episodes: the first, and from one to the next. Those of a batch share the rows.
         self._first_row, self._row_step = tools.position_in_batch()
         self._next_episode = self._first_row
 

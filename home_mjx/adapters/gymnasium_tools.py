@@ -3,8 +3,9 @@
 import inspect
 import multiprocessing
 import weakref
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 import gymnasium
@@ -36,8 +37,8 @@ HOUSE_OPTIONS = {
 }  # options that select houses; without them the episode file selects them
 MAX_LISTED_ROWS = 8  # maximum number of rows that a message lists
 DEFAULT_RENDER_SIZE = 256  # [px] default width and height of `render` images
-# Number of environments that each batch of Gymnasium has made so far.
-_num_built: weakref.WeakKeyDictionary[gymnasium.vector.SyncVectorEnv, int] = weakref.WeakKeyDictionary()
+# Number of environments that each batch in this process has made so far.
+_num_built: weakref.WeakKeyDictionary[Any, int] = weakref.WeakKeyDictionary()
 
 
 def make_env(
@@ -68,25 +69,49 @@ def refuse_forking_workers() -> None:
 
 
 def position_in_batch() -> tuple[int, int]:
-    """Return the index of the environment that Gymnasium's `SyncVectorEnv` makes, and their number; else (0, 1).
+    """Return the index of the environment that a batch in this process makes, and their number; else (0, 1).
 
-    Gymnasium does not pass the index, so the frames of the callers are searched, and the calls counted.
+    Such batches are Gymnasium's `SyncVectorEnv` and Stable-Baselines3's `DummyVecEnv`. They do not pass the index, so
+    the frames of the callers are searched, and the calls counted.
     """
-    owner = _building(gymnasium.vector.SyncVectorEnv)
-    if owner is None:
+    found = _caller(lambda frame: frame.f_code.co_name == "__init__" and {"self", "env_fns"} <= frame.f_locals.keys())
+    if found is None:
         return 0, 1
-    index = _num_built.get(owner, 0)
-    _num_built[owner] = index + 1
-    return index, len(owner.env_fns)
+    index = _num_built.get(found["self"], 0)
+    _num_built[found["self"]] = index + 1
+    return index, len(found["env_fns"])
+
+
+def refuse_shared_rows() -> None:
+    """Raise if environments of saved episodes are made for worker processes, which would all begin at the first row.
+
+    Gymnasium's `AsyncVectorEnv` makes one more environment before its workers. Those of Stable-Baselines3's
+    `SubprocVecEnv` raise themselves. Neither tells a worker how many there are.
+
+    Raises:
+        ConfigError: Names the batches that share rows.
+    """
+    is_worker = multiprocessing.parent_process() is not None and _caller(lambda f: "env_fn_wrapper" in f.f_locals)
+    if is_worker or _building(gymnasium.vector.AsyncVectorEnv) is not None:
+        hint = (
+            "Omit `vectorization_mode` for one jitted batch, or use 'sync', whose environments share the rows; with "
+            "Stable-Baselines3 use `home_mjx.adapters.stable_baselines3`."
+        )
+        raise ConfigError("environments of worker processes would all begin at the same episode", hint=hint)
 
 
 def _building(kind: type) -> Any:
     """Return the innermost object of a class whose `__init__` is among the callers; None if there is none."""
+    found = _caller(lambda frame: frame.f_code.co_name == "__init__" and isinstance(frame.f_locals.get("self"), kind))
+    return None if found is None else found["self"]
+
+
+def _caller(is_wanted: Callable[[FrameType], Any]) -> dict[str, Any] | None:
+    """Return the local variables of the innermost caller that fits a condition; None if there is none."""
     frame = inspect.currentframe()
     while frame is not None:
-        owner = frame.f_locals.get("self") if frame.f_code.co_name == "__init__" else None
-        if isinstance(owner, kind):
-            return owner
+        if is_wanted(frame):
+            return dict(frame.f_locals)
         frame = frame.f_back
     return None
 

@@ -228,6 +228,43 @@ def test_environments_of_a_sync_batch_share_the_rows(make):
     assert GymEnv(**options).reset()[1]["episode_index"] == 0
 
 
+class _OtherBatch:
+    """A batch in one process, as Stable-Baselines3's `DummyVecEnv` makes it."""
+
+    def __init__(self, env_fns):
+        self.envs = [_unpack(fn)() for fn in env_fns]
+
+
+def _unpack(function):
+    return function
+
+
+def test_environments_of_other_batches_share_the_rows(make):
+    options = make("episodes")
+    envs = _OtherBatch([lambda: GymEnv(**options)] * 2).envs
+    assert [[env.reset()[1]["episode_index"] for env in envs] for _ in range(2)] == [[0, 1], [2, 3]]
+
+
+def test_asynchronous_workers_are_refused_rows_before_they_start(make):
+    """Each worker would begin at row 0, because no worker knows how many there are."""
+    options = make("episodes")
+    with pytest.raises(ConfigError, match=r"begin at the same episode.*vectorization_mode"):
+        gymnasium.vector.AsyncVectorEnv([lambda: GymEnv(**options)] * 2, context="spawn")
+
+
+def _worker(env_fn_wrapper):
+    """A worker process of a batch, as those of Stable-Baselines3's `SubprocVecEnv`."""
+    return env_fn_wrapper()
+
+
+def test_other_worker_processes_are_refused_rows(make, monkeypatch):
+    options = make("episodes")
+    assert _worker(lambda: GymEnv(**options)).reset()[1]["episode_index"] == 0
+    monkeypatch.setattr(multiprocessing, "parent_process", object)
+    with pytest.raises(ConfigError, match="begin at the same episode"):
+        _worker(lambda: GymEnv(**options))
+
+
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # JAX's, of every fork
 @pytest.mark.filterwarnings("ignore:os.fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="this system does not fork")
