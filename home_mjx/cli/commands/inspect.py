@@ -18,12 +18,10 @@ from home_mjx.cli.houses import (
     selected_house,
 )
 from home_mjx.core.progress import is_progress_shown, plural, track
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
     from home_mjx.datasets.base import Dataset
-    from home_mjx.datasets.suncg.dataset import SuncgDataset
-    from home_mjx.datasets.suncg.validate.finding import ValidationFinding
     from home_mjx.schema.compiled import CompiledHouse
     from home_mjx.schema.house import House
 
@@ -191,7 +189,7 @@ def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
 
     if not isinstance(dataset, SuncgDataset):
         raise ConfigError(f"`{dataset.name}` is not in SUNCG's format, so there is no validator for it")
-    findings = (*validate_house(dataset, house_id), *_unreachable_storeys(dataset, house_id))
+    findings = validate_house(dataset, house_id)
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:
         listed = [{"severity": finding.severity, **asdict(finding)} for finding in findings]
@@ -200,21 +198,3 @@ def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
         sys.stdout.writelines(f"{finding.severity}: {finding}\n" for finding in findings)
         sys.stdout.write(f"{house_id}: {errors} errors, {len(findings) - errors} warnings\n")
     return errors
-
-
-def _unreachable_storeys(dataset: "SuncgDataset", house_id: str) -> list["ValidationFinding"]:
-    """Return findings about storeys that agents cannot reach; none if the house does not compile."""
-    from home_mjx.datasets.suncg.read.house_json import house_path
-    from home_mjx.datasets.suncg.validate.finding import ValidationFinding
-    from home_mjx.scene_compile.pipeline.compile import find_storeys_without_access
-
-    try:
-        storeys = find_storeys_without_access(dataset.load_house(house_id), dataset.metadata)
-    except DatasetError:
-        return []
-    path, found = str(house_path(house_id, dataset.assets)), []
-    for one, names in storeys.items():
-        reason = f"stairs {', '.join(names)} do not connect it" if names else "no stairs connect it"
-        message = f"{reason} to the ground floor: agents cannot reach storey {one.storey} ({one.area:.1f} m²)"
-        found.append(ValidationFinding(path, f"levels[{one.level}]", "unreachable-storey", message))
-    return found

@@ -32,13 +32,13 @@ class UnreachableStorey:
 def find_unreachable_storeys(
     spaces: Sequence[FreeSpace], region: Int[np.ndarray, "l ny nx"], stairs: Sequence[Staircase], cell: float
 ) -> tuple[UnreachableStorey, ...]:
-    """Return the storeys of which less than `MIN_REACHED_SHARE` of the free floor is in the home region.
+    """Return the upper storeys of which less than `MIN_REACHED_SHARE` of the free floor is in the home region.
 
     `spaces` has the levels with rooms, lowest first, and `region` (0 home, -1 none) the cells of their grids, of size
     `cell` [m].
     """
     found = []
-    for grid, space in enumerate(spaces):
+    for grid, space in enumerate(spaces[1:], 1):
         floor = (region[grid] >= 0) & ~space.on_ramp
         if np.sum(floor & (region[grid] == 0)) < MIN_REACHED_SHARE * floor.sum():
             near = tuple(one.object_id for one in stairs if grid in (one.lower, one.upper))

@@ -66,7 +66,7 @@ RULES: Mapping[str, ValidationRule] = {
     "flat-wall": ValidationRule("warning", "a wall without length"),
     "element-type": ValidationRule("warning", "an architectural element of an unknown type"),
     "unreachable-storey": ValidationRule(
-        "warning", "a storey that agents cannot reach from the ground floor; `home-mjx inspect --validate` reports it"
+        "warning", "a storey that agents cannot reach from the ground floor, because no stairs connect it"
     ),
     # models
     "flat-model": ValidationRule("warning", "a model without thickness, which never moves"),

@@ -1,5 +1,10 @@
 """Validator that reports all faults of a house, like a linter, not only those that prevent reading it."""
 
+from collections.abc import Callable
+from functools import cache
+from importlib.metadata import EntryPoint
+from typing import Any
+
 from home_mjx.datasets.base import ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.datasets.suncg.formats.json_value import read_json
@@ -17,6 +22,9 @@ from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Mesh, Metadata, RoomNode
 
 __all__ = ["RULES", "ValidationFinding", "validate_house"]
+
+# The check that compiles the house; packages above import this one.
+ACCESS = EntryPoint("access", "home_mjx.houses.access:check_access", "home_mjx.house_checks")
 
 
 def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFinding, ...]:
@@ -48,7 +56,13 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
         subject.report("no-room", "levels", "no room has a floor, ceiling or wall mesh")
     for check in (check_document, check_boxes, check_rooms, check_meshes, check_faces, check_materials, check_joints):
         check(subject)
+    _access_check()(subject)
     return _sorted(subject, str(path))
+
+
+@cache
+def _access_check() -> Callable[[ValidationContext], Any]:
+    return ACCESS.load()
 
 
 def _meshes(room: RoomNode) -> tuple[Mesh | None, ...]:
