@@ -12,6 +12,7 @@ from home_mjx.geometry.geodesic import GridLink, distance_fields
 from home_mjx.scene_compile.navigation.clearance import compute_clearance
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
+from home_mjx.scene_compile.navigation.reach import find_unreachable_storeys
 from home_mjx.scene_compile.navigation.regions import label_regions, stair_links
 from home_mjx.scene_compile.objects.doorways import Doorway
 from home_mjx.scene_compile.objects.stairs import Staircase
@@ -57,6 +58,8 @@ def build_navigation(
     portals = find_portals(rooms, room, standable, height, centres, doorways or [[] for _ in spaces], climbed)
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(house_id.encode()).digest()[:8], "little"))
     floor = home & ~on_ramp
+    for lost in find_unreachable_storeys(spaces, region, stairs, options.cell):
+        floor[lost.storey] = False  # a landing at the head of stairs, whose room would have as many goals as others
     drawn = floor & ~_cut_off_cells(home, links, spaces, rooms, open_leaves, options)
     drawn = drawn if drawn.any() else floor
     drawn = _clear_of_leaves(drawn, spaces, rooms, leaves, options)
