@@ -190,10 +190,11 @@ def test_the_level_falls_with_distance(env, step, quiet):
     way = np.linalg.norm(pos[:, SPEAKER] - pos[:, LISTENER] - [0, 0, rise], axis=1)
     first = [round(length / 343.2 * RATE) for length in way]
     audio = np.asarray(states.obs["audio"])[:3, LISTENER]
-    level = [np.abs(sound[:, begin - 10 : begin + 40]).max(axis=1) for sound, begin in zip(audio, first, strict=True)]
+    # 1.25 ms, before most reflections. With 2.5 ms, as before, those of the corner add 14 % to the first place.
+    level = [np.abs(sound[:, begin - 10 : begin + 20]).max(axis=1) for sound, begin in zip(audio, first, strict=True)]
     before = [np.abs(sound[:, : begin - 20]).max() for sound, begin in zip(audio, first, strict=True)]
-    # What comes first, with reflections in the same 3 ms, falls as the way grows; at the third place a wall adds to it.
-    np.testing.assert_allclose(np.mean(level[0]) / np.mean(level[1]), way[1] / way[0], rtol=0.15)
+    # What comes first falls as the way grows; at the third place a wall beside the listener adds to it.
+    np.testing.assert_allclose(np.mean(level[0]) / np.mean(level[1]), way[1] / way[0], rtol=0.1)
     assert np.min(np.max(level, axis=1)) > 10 * max(before)  # nothing comes before it
     power = np.sum(audio**2, axis=(-2, -1))
     assert min(power[:2]) > power[2]  # near the speaker tones and their reflections add up as it happens
