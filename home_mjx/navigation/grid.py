@@ -214,17 +214,6 @@ def stored_distance(
     return jnp.where(stored == jnp.uint16(FIELD_UNREACHABLE), jnp.float32(jnp.inf), metres)
 
 
-def ground_fields(bank: HouseBank, house: int) -> Float[np.ndarray, "g ny nx"]:
-    """Return the geodesic distance of every cell of a house's lowest grid to each goal [m], on the host.
-
-    It is inf outside the home region, where agents cannot be unless an object is moved. `house` is not clipped.
-    """
-    cell = bank.navigation.cell[house, 0]
-    stored = np.asarray(stored_distance(bank.navigation.field, cell.ravel(), None))
-    known = np.asarray(_rank(bank, jnp.asarray(house), cell) == HOME_RANK).ravel()
-    return np.where(known[:, None], stored, np.inf).T.reshape(-1, *cell.shape)
-
-
 def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: float = 0.05) -> Float[Array, "3"]:
     """Sample a point on the floor [m], uniformly over the cells of the home region.
 

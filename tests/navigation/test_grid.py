@@ -7,7 +7,7 @@ import pytest
 from handmade import Furniture, shoebox, two_rooms
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import geodesic_distance, ground_fields, random_position, room_below
+from home_mjx.navigation.grid import geodesic_distance, random_position, room_below
 from home_mjx.schema.compiled import FIELD_UNIT
 
 CHEST = Furniture((1.0, 0.5), size=(2.0, 1.0, 1.0))
@@ -46,13 +46,6 @@ def test_distances_at_cell_centres_are_those_of_the_field(bank, houses):
 def test_rooms_of_points(bank):
     points = np.array([[-2, 0, 0], [2, 0, 0.8], [0.0, 9, 0]], np.float32)
     assert strictly(jax.vmap(lambda p: room_below(bank, jnp.int32(0), p)), points).tolist() == [0, 1, -1]
-
-
-def test_ground_fields_are_the_hosts(bank, houses):
-    n = houses[1].navigation
-    ny, nx = n.region.shape[1:]
-    fields = ground_fields(bank, 1)[:, :ny, :nx]
-    np.testing.assert_allclose(fields[5], n.distance(5)[0], rtol=1e-6)
 
 
 def test_random_positions_are_free_and_uniform(bank, houses):
