@@ -183,6 +183,8 @@ def _reduce_to_bytes(image: "Image") -> "Image":
 
 def _check_palette(image: "Image") -> None:
     """Raise `_UnsupportedImageError` if pixels of mode P refer to missing palette entries, which Pillow shows black."""
+    if image.palette is None:
+        raise _UnsupportedImageError("it has no palette")
     count, largest = len(image.palette.palette) // len(image.palette.mode), int(np.asarray(image).max())  # type: ignore
     if largest >= count:
         raise _UnsupportedImageError(f"a pixel has the palette entry {largest} of {count}")
@@ -191,7 +193,7 @@ def _check_palette(image: "Image") -> None:
 def _decode_alpha(image: "Image", depth: int) -> "Image":
     """Return alpha as an image of mode L: the image's own, else 0 at its transparent colour, else 255 everywhere.
 
-    PNG stores a transparent colour in the bits of the file (`depth` per sample); Pillow compares it with 8-bit values.
+    PNG stores a transparent colour in the lowest `depth` bits of 16; Pillow compares it with 8-bit values as it is.
     """
     from PIL import Image
 
@@ -202,6 +204,8 @@ def _decode_alpha(image: "Image", depth: int) -> "Image":
         return image.convert("RGBA").getchannel("A")
     if image.mode == "RGB" and depth == 16:
         raise _UnsupportedImageError("16-bit RGB with a transparent colour is not supported, only an alpha channel")
+    if image.mode in ("L", "RGB"):
+        key = np.asarray(key) % 2**depth
     if image.mode == "L" and depth < 8:
         key = key * 255 // (2**depth - 1)
     keyed = np.asarray(image.convert("L") if image.mode == "1" else image) == np.asarray(key)

@@ -58,6 +58,10 @@ def grey(*values, clear=()):
         (png(3, 16, GREY, struct.pack(">3H", 5, 0x8000, 0x8001), tRNS=b"\x80\0"), grey(0, 128, 128, clear=(1,))),
         (png(2, 16, GREY_ALPHA, struct.pack(">4H", 0x0101, 0x7FFF, 0xFFFF, 0xFFFF)), [(1, 1, 1, 127), (255,) * 4]),
         (png(2, 8, RGB, b"\1\2\3\xff\0\0", tRNS=b"\0\1\0\2\0\3"), [(1, 2, 3, 0), (255, 0, 0, 255)]),
+        # The bits of a transparent colour above the depth do not count; some encoders repeat the sample in them.
+        (png(2, 8, RGB, b"\1\2\3\xff\0\0", tRNS=b"\1\1\2\2\3\3"), [(1, 2, 3, 0), (255, 0, 0, 255)]),
+        (png(3, 8, GREY, b"\x05\xaf\xff", tRNS=b"\5\5"), grey(5, 175, 255, clear=(0,))),
+        (png(4, 4, GREY, b"\x05\xaf", tRNS=b"\x55\x55"), grey(0, 85, 170, 255, clear=(1,))),
         (png(2, 16, RGB, WIDE), [(1, 2, 3, 255), (255, 0, 0, 255)]),
         (png(1, 16, RGBA, struct.pack(">4H", 0x0101, 0x0202, 0x0303, 0x8080)), [(1, 2, 3, 128)]),
         (png(2, 4, PALETTE, b"\x01", PLTE=bytes(range(6)), tRNS=b"\0"), [(0, 1, 2, 0), (3, 4, 5, 255)]),
@@ -83,6 +87,7 @@ def test_png_of_every_depth(write, data, expected):
             "16-bit RGB with a transparent colour",
         ),
         (png(2, 8, PALETTE, b"\1\x20", PLTE=bytes(range(9))), "a pixel has the palette entry 32 of 3"),
+        (png(2, 8, PALETTE, b"\0\1"), "it has no palette"),
         (png(2, 8, RGB, b"\1\2\3"), "truncated"),
         (encoded(Image.new("RGB", (2, 2)), "GIF"), "but as GIF"),
         (encoded(Image.new("RGB", (2, 2)), icc_profile=b"nothing"), "its colour profile is broken"),
@@ -91,7 +96,7 @@ def test_png_of_every_depth(write, data, expected):
 def test_refused_images_name_file_and_reason(write, data, reason):
     path = write(data)
     for read in (open_texture, has_cut_outs, read_texture):
-        if read is has_cut_outs and reason.startswith(("a pixel", "truncated", "its colour")):
+        if read is has_cut_outs and reason.startswith(("a pixel", "it has no", "truncated", "its colour")):
             continue  # opaque images are not decoded there
         with pytest.raises(DatasetError, match="cannot read texture") as caught:
             read(path)
