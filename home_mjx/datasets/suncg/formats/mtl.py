@@ -1,6 +1,7 @@
 """Reader of Wavefront MTL files: names, diffuse colours, opacities and colour maps."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -97,15 +98,21 @@ def _numbers(text: str, count: int, place: Location, largest: float = 1.0) -> li
     return [min(max(x, 0.0), largest) for x in numbers]
 
 
+def _color(text: str, place: Location) -> tuple[float, float, float]:
+    """Return three numbers, or one three times: green and blue are as red if they are left out."""
+    words = text.partition("#")[0].split()
+    red, green, blue = _numbers(text, 3, place) if len(words) != 1 else _numbers(text, 1, place) * 3
+    return red, green, blue
+
+
 def _diffuse(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
     """Read `Kd`, an sRGB colour clipped to 0..1."""
-    red, green, blue = _numbers(text, 3, place)
-    return {"diffuse": (red, green, blue)}
+    return {"diffuse": _color(text, place)}
 
 
 def _opacity(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
     """Read `d` as opacity, and record it as `dissolve` for a `Tr` below."""
-    opacity = _numbers(text.removeprefix("-halo"), 1, place)[0]
+    opacity = _numbers(re.sub("^-halo", "", text, flags=re.IGNORECASE), 1, place)[0]
     return {"opacity": opacity, "dissolve": opacity}
 
 
@@ -117,8 +124,7 @@ def _transparency(text: str, _: TextureLookup, place: Location, block: dict) -> 
 
 def _specular(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
     """Read `Ks`, clipped to 0..1."""
-    red, green, blue = _numbers(text, 3, place)
-    return {"specular": (red, green, blue)}
+    return {"specular": _color(text, place)}
 
 
 def _shininess(text: str, _: TextureLookup, place: Location, __: dict) -> dict:

@@ -230,11 +230,12 @@ def _materials(
         known = [entry.material for entry in entries]
         entries += tuple(map(LibraryMaterial, missing_materials(used_names, known, name)))
     slots = _slots([entry.material.name for entry in entries])
-    used = [_slot(row, slots, path) for row in used_names]
-    if (shape.use < 0).any():
+    used = [-1 if textures.tolerant and not row[1].strip() else _slot(row, slots, path) for row in used_names]
+    slot = np.array([*used, -1], np.int32)[shape.use]
+    if (slot < 0).any():
         entries += (LibraryMaterial(DEFAULT_MATERIAL),)
-    # Index -1, for faces above every usemtl, selects the plain material at the end of both.
-    return entries, np.array([*used, len(entries) - 1], np.int32)[shape.use]
+    # Faces above every usemtl, and behind one without a name, have the plain material at the end.
+    return entries, np.where(slot < 0, np.int32(len(entries) - 1), slot)
 
 
 def _slots(names: Sequence[str]) -> Mapping[str, int]:
@@ -287,9 +288,13 @@ def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> lis
     """Return path and line of the files of a `mtllib`, one with spaces in its name or several; they may not exist.
 
     Raises:
-        DatasetError: A path leads out of the dataset.
+        DatasetError: A path leads out of the dataset, or there is no name and the lookup is not tolerant.
     """
     place, text = Location(path, f"line {row[0]}"), row[1].strip()
+    if not text:
+        if textures.tolerant:
+            return []
+        raise place.error("`mtllib` without a file name")
     names = [text]
     if not textures.has_file(text, path.parent):
         names = split_library_names(text)
@@ -311,6 +316,8 @@ def _remedy(place: Location) -> str:
 def _slot(row: tuple[int, str], slots: Mapping[str, int], path: Path) -> int:
     """Return the slot of the material that a `usemtl` row names; raise `DatasetError` if it is unknown."""
     name = row[1].strip()
+    if not name:
+        raise Location(path, f"line {row[0]}").error("`usemtl` without a name")
     slot = slots.get(name, slots.get(bare_name(name)))
     if slot is None:
         raise _unknown_material(name, slots, Location(path, f"line {row[0]}"))

@@ -107,7 +107,9 @@ def _clamped_values(text: str) -> dict[str, int]:
     for line, keyword, rest in split_statements(text):
         if keyword in VALUES:
             name, count, largest = VALUES[keyword]
-            numbers = [_numeric_prefix(word) for word in rest.removeprefix("-halo").split()[:count]]
+            numbers = [
+                _numeric_prefix(word) for word in re.sub("^-halo", "", rest, flags=re.IGNORECASE).split()[:count]
+            ]
             if any(number < 0 or number > largest for number in numbers):
                 seen.setdefault(name, line)
     return seen

@@ -217,7 +217,7 @@ def test_a_clamped_map_that_would_have_to_repeat_is_refused(read, tmp_path):
     assert caught.value.element == "material `red`"
 
 
-ODD_LINES = ["Kd x", "Kd 1 nan 0", "d", "Ns many", "map_Kd", "map_Kd -s x a.png", "map_Kd -mm 1 2 a.png", "Ks 1",
+ODD_LINES = ["Kd x", "Kd 1 nan 0", "d", "Ns many", "map_Kd", "map_Kd -s x a.png", "map_Kd -mm 1 2 a.png", "Ks 1 1",
              "map_Kd /etc/x.png", "newmtl", "Tr inf"]  # fmt: skip
 
 
@@ -241,6 +241,32 @@ def test_letters_of_another_encoding(read, tmp_path):
     mesh = read(f"# für\n{PLAIN}usemtl grün\nf 2 3 4\n".encode("cp1252"), True, m=library)
     assert [mesh.materials[slot].name for slot in mesh.slot] == ["blue", "blue", "red", "grün"]
     assert mesh.materials[1:] == (RED, BLUE)
+
+
+@pytest.mark.parametrize("line", ["Kd 0.5", "Kd 0.5 # grey", "Kd 0.5 0.5 0.5"])
+def test_a_single_number_is_a_grey(read, line):
+    """As in the format's description: green and blue are as red if they are left out."""
+    mesh = read(PLAIN, m=RED_BLUE + f"newmtl grey\n{line}\nKs 0.25\nd -HALO 0.5\n")
+    assert mesh.materials[2] == Material("grey", (0.5, 0.5, 0.5), None, 0.5, specular=(0.25, 0.25, 0.25))
+
+
+def test_a_usemtl_without_a_name(read):
+    """In a partial copy its faces are plain, and the other materials stay."""
+    text = PLAIN + "usemtl\nf 1 2 4\n"
+    with pytest.raises(DatasetError, match="`usemtl` without a name") as caught:
+        read(text)
+    assert caught.value.element == "line 10"
+    mesh = read(text, tolerant=True)
+    assert [mesh.materials[i].name for i in mesh.slot] == ["blue", "blue", "red", "default"]
+    assert mesh.materials[:2] == (RED, BLUE)
+
+
+def test_a_mtllib_without_a_name(read):
+    text = "mtllib\n" + PLAIN
+    with pytest.raises(DatasetError, match="`mtllib` without a file name") as caught:
+        read(text)
+    assert caught.value.element == "line 1"
+    assert read(text, tolerant=True).materials == (RED, BLUE)
 
 
 BLENDER = """# Blender 4.1.0\n# www.blender.org\nmtllib cube two.mtl\no Cube.001\nv 1.000000 1.000000 -1.000000
