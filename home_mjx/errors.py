@@ -131,7 +131,9 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
         return "No choices are available."
     # Names from a broken file may have megabytes, and the cost of comparing is the product of both lengths.
     short = [candidate for candidate in known if len(candidate) <= MAX_COMPARED]
-    close = difflib.get_close_matches(str(name)[:MAX_COMPARED], short[:MAX_CANDIDATES], n=1)
+    given, by_case = str(name)[:MAX_COMPARED], {candidate.casefold(): candidate for candidate in short}
+    same = by_case.get(given.casefold())
+    close = [same] if same else difflib.get_close_matches(given, short[:MAX_CANDIDATES], n=1)
     more = f", … ({len(known)} in all)" if len(known) > MAX_LISTED else ""
     listing = "Known: " + ", ".join(known[:MAX_LISTED]) + more
     return f"Did you mean `{close[0]}`? {listing}" if close else listing

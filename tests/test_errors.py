@@ -160,6 +160,13 @@ def test_an_entry_point_that_is_refused_keeps_its_own_message(tmp_path: Path, mo
         home_mjx.make(EnvSpec("Other-v0", "task_of_a_user:Task"))
 
 
+def test_hints_find_names_in_other_cases():
+    """`RGB` and `rgb` have no letter in common."""
+    assert errors.did_you_mean("RGB", ["rgb", "depth"]).startswith("Did you mean `rgb`?")
+    assert errors.did_you_mean("SEED", ["seed", "preset"]).startswith("Did you mean `seed`?")
+    assert errors.did_you_mean("wood", ["Wood", "wood_8"]).startswith("Did you mean `Wood`?")
+
+
 def test_hints_name_no_empty_names():
     assert errors.did_you_mean("depth", []) == errors.did_you_mean("", [""]) == "No choices are available."
     assert errors.did_you_mean("a", ["", "b"]) == "Known: b"

@@ -92,6 +92,8 @@ def read_json_lines(
             raise type(error)(error.message, file=path, element=place, hint=error.hint) from None
         except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError) as error:
             reason = f"`{error.args[0]}` is missing" if type(error) is KeyError else str(error)
+            if not isinstance(error, ValueError | RecursionError) and not line.lstrip().startswith("{"):
+                reason = f"expected a JSON object, got `{line.strip():.60}`"
             hint = "Each line must be one JSON object, as the package writes them."
             raise DatasetError(f"invalid {content}: {reason}", file=path, element=f"line {number}", hint=hint) from None
 
@@ -257,6 +259,9 @@ def _decode(data: bytes, path: Path, first: int = 1) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
+        kind = next((kind for magic, kind in FILE_KINDS if first == 1 and data.startswith(magic)), None)
+        if kind is not None:
+            raise DatasetError(f"file is {kind}", file=path, hint="Give a text file in UTF-8.") from None
         line = data.count(b"\n", 0, error.start) + first
         raise DatasetError(
             f"byte {error.start} is not UTF-8", file=path, element=f"line {line}", hint="Save the file as UTF-8."

@@ -1,5 +1,6 @@
 """Files and folders written whole or not at all."""
 
+import gzip
 import os
 import tracemalloc
 import zipfile
@@ -13,6 +14,7 @@ from home_mjx.core.files import (
     read_arrays,
     read_bytes,
     read_json_lines,
+    read_text,
     replace_folder,
     write_all_or_none,
     write_atomically,
@@ -186,6 +188,23 @@ def test_a_file_of_another_kind_is_named(tmp_path, content: bytes, words: str):
         read_arrays(tmp_path / "a", ["x"], "checkpoint", "Name one.")
     assert "pickle=" not in str(caught.value)
     assert str(caught.value).endswith("Name one.")
+
+
+def test_a_compressed_file_of_lines_is_named(tmp_path):
+    """The advice was to save it as UTF-8."""
+    (tmp_path / "e.json.gz").write_bytes(gzip.compress(b'{"house": "a"}'))
+    with pytest.raises(DatasetError, match="file is compressed by gzip; unpack it first"):
+        list(read_json_lines(tmp_path / "e.json.gz", "episode", dict))
+    with pytest.raises(DatasetError, match="file is compressed by gzip; unpack it first"):
+        read_text(tmp_path / "e.json.gz")
+
+
+@pytest.mark.parametrize("line", ["[1]", "NaN", "3", "null", '"a"', "true"])
+def test_a_line_that_is_no_object_is_named(tmp_path, line):
+    (tmp_path / "a.jsonl").write_text(line + "\n")
+    with pytest.raises(DatasetError, match="invalid episode: expected a JSON object, got") as caught:
+        list(read_json_lines(tmp_path / "a.jsonl", "episode", lambda row: row["house"]))
+    assert caught.value.element == "line 1"
 
 
 @pytest.mark.parametrize("order", ["<", ">"])

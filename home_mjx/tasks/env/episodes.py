@@ -16,7 +16,7 @@ from home_mjx.tasks.base.state import Episodes, check_rows
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.rules.row_task import RowTask
 from home_mjx.tasks.rules.task_bank import TaskBank
-from home_mjx.tasks.suite.point_goals import OTHER_BANK_HINT, ROW_FORMAT_HINT
+from home_mjx.tasks.suite.point_goals import OTHER_BANK_HINT, ROW_FORMAT_HINT, read_numbers
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.task_io import load_tasks
 from home_mjx.tasks.validation.row_violations import is_same_length, wrong_length
@@ -196,11 +196,9 @@ def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int],
     if line.get("task", name) not in [kind.__name__ for kind in type(task).__mro__]:
         message = f"the episode is one of {line['task']!s:.100}, not of {name}"
         raise DatasetError(message, element="task", hint="Give the task that it was drawn for.")
-    if line["house"] not in index:
+    if not isinstance(line["house"], str) or line["house"] not in index:
         raise UnknownIdError(f"the bank has no house {line['house']}", hint=OTHER_BANK_HINT)
-    house, start, yaw = index[line["house"]], np.array(line["start"], float), float(line["yaw"])
-    if start.shape != (3,) or not np.isfinite([*start, yaw]).all():
-        raise ValueError("`start` must be three finite numbers and `yaw` one")
+    house, start, yaw = index[line["house"]], read_numbers(line, "start", (3,)), float(read_numbers(line, "yaw", ()))
     columns = {name: _as_scalar(value) for name, value in task.from_json(bank, house, line).items()}
     return {"house": np.int32(house), "start": start.astype(np.float32), "yaw": np.float32(yaw), "columns": columns}
 

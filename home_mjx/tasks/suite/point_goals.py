@@ -1,5 +1,6 @@
 """Point goals of a house: sampling, saving and loading."""
 
+import json
 from typing import Any
 
 import jax
@@ -112,17 +113,32 @@ def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, A
     return {"goal": goal.tolist(), "length": float(columns["length"])}
 
 
+def read_numbers(line: dict[str, Any], name: str, shape: tuple[int, ...]) -> np.ndarray:
+    """Return finite numbers of a JSON line, as an array of a shape.
+
+    Raises:
+        KeyError: They are missing.
+        ValueError: They have another shape, or are not finite numbers.
+    """
+    try:
+        found = np.array(line[name])
+    except ValueError:  # lists of different lengths
+        found = np.array(None)
+    if found.shape != shape or found.dtype.kind not in "iuf" or not np.isfinite(found).all():
+        expected = "a finite number" if shape == () else "three finite numbers"
+        raise ValueError(f"`{name}` must be {expected}, got {json.dumps(line[name]):.60}")
+    return found.astype(float)
+
+
 def from_json(bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
     """Return `goal`, the index of the bank's goal within `MAX_GOAL_OFFSET` of the line's position, and `length` [m].
 
     Raises:
         DatasetError: The house has no goal there.
-        KeyError, TypeError, ValueError: The line is malformed.
+        KeyError, ValueError: The line is malformed.
     """
-    place, length = np.array(line["goal"], float), float(line["length"])
-    if place.shape != (3,) or not np.isfinite(place).all():
-        raise ValueError("`goal` must be three finite numbers")
-    if not 0 <= length < np.inf:
+    place, length = read_numbers(line, "goal", (3,)), float(read_numbers(line, "length", ()))
+    if length < 0:
         raise ValueError("`length` must be a finite number of at least 0")
     away = np.linalg.norm(np.asarray(bank.navigation.goal[house]) - place, axis=-1)
     if away.min() > MAX_GOAL_OFFSET:

@@ -111,7 +111,14 @@ def test_files_keep_episodes_for_any_bank_of_the_houses(bank, tmp_path):
         ({"start": [0.0, 1.0]}, "three finite"),
         ({"goal": [float("nan"), 0.0, 0.0]}, "three finite"),
         ({"yaw": "north"}, "north"),
-        ({"length": None}, "invalid episode"),
+        ({"length": None}, "`length` must be a finite number, got null"),
+        ({"length": -1.0}, "at least 0"),
+        ({"length": True}, "`length` must be a finite number, got true"),
+        ({"yaw": [1.0]}, "`yaw` must be a finite number"),
+        ({"start": [[0.0], [1.0, 2.0], 3.0]}, "`start` must be three finite numbers"),
+        ({"start": "here"}, "`start` must be three finite numbers, got"),
+        ({"goal": {}}, "`goal` must be three finite numbers, got {}"),
+        ({"house": ["a"]}, "no house"),
     ],
 )
 def test_broken_lines_are_named(bank, tmp_path, change, words):
