@@ -3,6 +3,7 @@
 Importing this module is cheap: generators are imported when a house is written.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -46,7 +47,7 @@ class ProceduralName:
     variant: Variant = HOME_VARIANT
 
     def __post_init__(self) -> None:
-        check_number("N", self.count, 1, integer=True)
+        check_number("N", self.count, 1, MAX_SEED, integer=True)
         check_number("seed", self.seed, 0, MAX_SEED, integer=True)
 
     @classmethod
@@ -62,17 +63,27 @@ class ProceduralName:
         """
         count, _, options = text.partition("?")
         try:
-            pairs = dict(parse_qsl(options, keep_blank_values=True, strict_parsing=bool(options)))
+            listed = parse_qsl(options, keep_blank_values=True, strict_parsing=bool(options))
+            pairs = dict(listed)
             if "version" in pairs:
                 message = f"generated houses have no option `version`: all are of version {GENERATOR_VERSION}"
                 raise ConfigError(message, hint=VERSION_HINT)
             check_known("option of generated houses", pairs, OPTIONS)
-            seed = int(pairs.pop("seed", 0))
-            return cls(int(count), seed, Variant(**pairs))
+            if len(pairs) < len(listed):
+                twice = next(name for number, (name, _) in enumerate(listed) if name in dict(listed[:number]))
+                raise ConfigError(f"name of generated houses has `{twice}` twice", hint="Leave one of them out.")
+            return cls(_whole(count), _whole(pairs.pop("seed", "0")), Variant(**pairs))
         except ValueError as error:
             if isinstance(error, ConfigError):
                 raise
             raise ConfigError(f"`{SCHEME}:{text}` does not name generated houses", hint=NAME_FORMAT_HINT) from None
+
+
+def _whole(text: str) -> int:
+    """Return a whole number in decimal digits; `ValueError` for others, such as `1_0`, which `int` reads."""
+    if not re.fullmatch(r"-?[0-9]{1,30}", text.strip()):
+        raise ValueError(text)
+    return int(text)
 
 
 class SeedIds(Sequence[str]):
