@@ -252,6 +252,9 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         seed = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
         if len(seed) != self.num_envs:
             raise ConfigError(f"expected one seed, or {self.num_envs}, got {len(seed)}")
+        for i, one in enumerate(seed):
+            if one is not None:
+                check_number(f"seed of environment {i}", one, 0, integer=True)
         return np.stack([tools.draw_key(np.random.default_rng(one)) for one in seed])
 
     def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
