@@ -10,6 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.texture_layers import MAX_TEXTURE_SIZE
 from home_mjx.cli.houses import add_house_arguments, load_compiled_house
 from home_mjx.cli.parsing import number_type
+from home_mjx.core.progress import plural
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.agent import AgentBody
@@ -105,7 +106,9 @@ def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpo
     house = load_compiled_house(args)
     levels = house.navigation.level
     if storey >= len(levels):
-        raise ConfigError(f"--top {storey}: the house has {len(levels)} storeys", hint=f"Pass 0 to {len(levels) - 1}.")
+        raise ConfigError(
+            f"--top {storey}: the house has {plural(len(levels), 'storey')}", hint=f"Pass 0 to {len(levels) - 1}."
+        )
     here = np.flatnonzero((house.rooms.level == levels[storey]) & [len(p) > 0 for p in house.rooms.polygon])
     points = np.concatenate([house.rooms.polygon[room] for room in here])
     low, high = points.min(axis=0), points.max(axis=0)

@@ -31,12 +31,15 @@ def check_names(kind: str, names: object, known: Iterable[str]) -> None:
 def names_hint(text: object) -> str:
     """Return a hint that shows names, given as one text with or without commas, as a tuple and as a JSON list.
 
+    Brackets and quotes in the text are left out: shells remove quotes within `[depth]`.
+
     Example:
         >>> names_hint("depth, rgb")
         'Write ("depth", "rgb"); on the command line NAME=["depth", "rgb"], in quotes.'
     """
-    names = [name.strip() for name in str(text)[:MAX_VALUE_LENGTH].split(",") if name.strip()] or ["..."]
-    return f"Write {json.dumps(names)[:-1].replace('[', '(')}{',' * (len(names) == 1)}); " + (
+    names = [name.strip("[](){}'\" ") for name in str(text)[:MAX_VALUE_LENGTH].split(",")]
+    names = [name for name in names if name] or ["..."]
+    return f"Write ({json.dumps(names)[1:-1]}{',' * (len(names) == 1)}); " + (
         f"on the command line NAME={json.dumps(names)}, in quotes."
     )
 

@@ -224,7 +224,7 @@ def test_a_plan_leaves_no_choice_of_the_camera(options: list[str], houses: Path,
 
 def test_a_storey_that_is_not_there_is_refused(houses: Path, tmp_path: Path, capsys):
     assert main(["render", "--dataset", str(houses), "--out", str(tmp_path), "--top", "1"]) == 2
-    assert "--top 1: the house has 1 storeys. Pass 0 to 0" in capsys.readouterr().err
+    assert "--top 1: the house has 1 storey. Pass 0 to 0" in capsys.readouterr().err
 
 
 def test_a_terrace_does_not_lower_the_camera_of_a_plan():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from home_mjx.core.checks import check_number, check_type, shorten
+from home_mjx.core.checks import check_number, check_type, names_hint, shorten
 from home_mjx.errors import ConfigError
 
 
@@ -38,3 +38,11 @@ def test_whole_numbers_have_64_bits(value: int):
 def test_long_values_are_cut_off():
     with pytest.raises(ConfigError, match=r"… \(5002 characters\)$"):
         check_type("n", "x" * 5000, int)
+
+
+@pytest.mark.parametrize("text", ["depth, rgb", "[depth, rgb]", "['depth', \"rgb\"]", "(depth,rgb)"])
+def test_hints_about_names_leave_out_brackets_and_quotes(text):
+    """`[depth]` of a shell became `("(depth]",)`."""
+    assert names_hint(text) == 'Write ("depth", "rgb"); on the command line NAME=["depth", "rgb"], in quotes.'
+    assert names_hint("[depth]").startswith('Write ("depth",); ')
+    assert names_hint("[]").startswith('Write ("...",); ')
