@@ -50,10 +50,8 @@ def extrapolate_fields(
     values[home], known = field, home
     for cells in extensions:
         cells = cells | known
-        graph = _graph(cells, standable[cells], room[cells], height, cell)
+        graph, inner = _extend(known, cells, standable, room, height, cell)
         border = known[cells]
-        _, patch = connected_components(graph, directed=False)
-        inner = ~border & np.isin(patch, patch[border])
         place = np.argwhere(cells)[inner]
         if inner.any():
             way = dijkstra(graph, indices=np.flatnonzero(border), min_only=True)[inner]
@@ -62,6 +60,35 @@ def extrapolate_fields(
         known = known.copy()
         known[tuple(place.T)] = True
     return found
+
+
+def passable_cells(
+    home: Bool[np.ndarray, "l ny nx"],
+    extension: Bool[np.ndarray, "l ny nx"],
+    standable: Bool[np.ndarray, "l ny nx"],
+    room: Int[np.ndarray, "l ny nx"],
+    height: Float[np.ndarray, "l ny nx"],
+    cell: float,
+) -> Bool[np.ndarray, "l ny nx"]:
+    """Return the home cells, and the cells of the first extension that `extrapolate_fields` reaches from there."""
+    found = home.copy()
+    cells = home | extension
+    found[tuple(np.argwhere(cells)[_extend(home, cells, standable, room, height, cell)[1]].T)] = True
+    return found
+
+
+def _extend(
+    known: Bool[np.ndarray, "l ny nx"],
+    cells: Bool[np.ndarray, "l ny nx"],
+    standable: Bool[np.ndarray, "l ny nx"],
+    room: Int[np.ndarray, "l ny nx"],
+    height: Float[np.ndarray, "l ny nx"],
+    cell: float,
+) -> tuple[csr_matrix, Bool[np.ndarray, " n"]]:
+    """Return the graph of `cells`, and which of these are not `known`, but connected to known ones."""
+    graph, border = _graph(cells, standable[cells], room[cells], height, cell), known[cells]
+    _, patch = connected_components(graph, directed=False)
+    return graph, ~border & np.isin(patch, patch[border])
 
 
 def _graph(

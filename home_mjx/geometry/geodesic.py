@@ -30,6 +30,7 @@ def distance_fields(
     cell: float,
     links: Sequence[GridLink] = (),
     height: Float[np.ndarray, "l ny nx"] | None = None,
+    passable: Bool[np.ndarray, "l ny nx"] | None = None,
 ) -> Float[np.ndarray, "c g"]:
     """Compute geodesic distances from free cells to goals over the 8-connected graph of `grid_edges` and `links`.
 
@@ -39,12 +40,13 @@ def distance_fields(
         cell: Cell size [m].
         links: Two-way connections between cells; ignored if an end is not free.
         height: Floor height of each cell [m]; None: flat.
+        passable: Cells at the corners of diagonal steps, see `grid_edges`; None: `free`.
 
     Returns:
         Distances [m], one row per free cell in C order (grid, row, column); inf if there is no path.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
-    edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell)]
+    edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell, passable)]
     edges += [(number[link.start][None], number[link.end][None], np.array([link.length])) for link in links]
     sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     known = (sources >= 0) & (targets >= 0)
@@ -53,27 +55,33 @@ def distance_fields(
 
 
 def grid_edges(
-    free: Bool[np.ndarray, "l ny nx"], height: Float[np.ndarray, "l ny nx"], cell: float
+    free: Bool[np.ndarray, "l ny nx"],
+    height: Float[np.ndarray, "l ny nx"],
+    cell: float,
+    passable: Bool[np.ndarray, "l ny nx"] | None = None,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
     """Return the edges (source, target, length [m]) of the 8-connected graph of free cells, each pair of cells once.
 
     Free cells are numbered from 0 in C order. Lengths include the difference in height; edges that are no
-    `is_walkable_rise` are omitted. Corners are not cut: a diagonal step needs both cells beside it free, and walkable
-    from both of its ends.
+    `is_walkable_rise` are omitted. Corners are not cut: a diagonal step needs both cells beside it passable, and
+    walkable from both of its ends.
 
     Args:
         free: Mask of walkable cells, by grid, row and column.
         height: Floor height of each cell [m].
         cell: Cell size [m].
+        passable: Cells that may be at the corners of a diagonal step, see `has_clear_diagonals`; None: `free`.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
-    edges = [_neighbours(free, number, height, step, cell) for step in NEIGHBOUR_OFFSETS]
+    corners = free if passable is None else passable
+    edges = [_neighbours(free, corners, number, height, step, cell) for step in NEIGHBOUR_OFFSETS]
     sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
     return sources, targets, lengths
 
 
 def _neighbours(
     free: Bool[np.ndarray, "l ny nx"],
+    passable: Bool[np.ndarray, "l ny nx"],
     number: Int[np.ndarray, "l ny nx"],
     height: Float[np.ndarray, "l ny nx"],
     step: tuple[int, int],
@@ -85,11 +93,20 @@ def _neighbours(
     way = free[here] & free[there] & is_walkable_rise(height[here] - height[there], away)
     if all(step):
         for corner in (_corner(step, (step[0], 0)), _corner(step, (0, step[1]))):
-            way &= free[corner]
+            way &= passable[corner]
             for end in (here, there):
                 way &= is_walkable_rise(height[end] - height[corner], cell)
     length = np.hypot(away, height[here][way] - height[there][way])
     return number[here][way], number[there][way], length
+
+
+def has_clear_diagonals(cell: float, radius: float) -> bool:
+    """Return whether no obstacle is between two diagonal neighbours that both have a clearance of `radius` [m].
+
+    Then diagonal steps may pass cells whose clearance lacks the margin. With a clearance of r + m at both ends, it is
+    at least sqrt((r + m)² - cell² / 2) along the step: 0.132 m for agents of 0.1 m with the default margin.
+    """
+    return 2 * radius**2 >= cell**2
 
 
 def is_walkable_rise(rise: Float[Any, "*s"], away: float) -> Bool[Any, "*s"]:

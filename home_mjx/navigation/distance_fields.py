@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.geodesic import is_walkable_rise
-from home_mjx.navigation.grid import row_of_cell
+from home_mjx.navigation.grid import is_passable_cell, row_of_cell
 
 REGION_DISTANCE = 1e4  # [m], height difference by which regions without heights are separated
 FORTH, BACK = slice(None), slice(None, None, -1)  # orders of rows
@@ -32,6 +32,7 @@ def distance_field(
     cell: float,
     step_factor: Float[Array, "ny nx"] | float = 1.0,
     height: Float[Array, "ny nx"] | None = None,
+    passable: Bool[Array, "ny nx"] | None = None,
 ) -> Float[Array, "ny nx"]:
     """Compute the length of the shortest 8-connected path over free cells to the nearest source, without corner cuts.
 
@@ -46,6 +47,7 @@ def distance_field(
         step_factor: Factor on the length of steps between cells; positive. A step has that of its farther cell from
             the source.
         height: Height of the cells [m], which are joined as in `geometry.geodesic.grid_edges`; None: equal heights.
+        passable: Cells that may be at the corners of a diagonal step; None: `free`.
 
     Returns:
         Distances in plan [m]; inf if there is no path. With a factor of 1 and equal heights, equal to
@@ -57,7 +59,10 @@ def distance_field(
     far = jnp.float32(jnp.inf)
     start = jnp.where(free & source, jnp.float32(0), far)
     step = jnp.broadcast_to(jnp.float32(cell) * step_factor, free.shape)
-    down, up = (_grid_moves(free[way], None if height is None else height[way], cell) for way in (FORTH, BACK))
+    corners = free if passable is None else passable
+    down, up = (
+        _grid_moves(free[way], corners[way], None if height is None else height[way], cell) for way in (FORTH, BACK)
+    )
 
     def changed(carry: tuple[Array, Array]) -> Array:
         return jnp.any(carry[0] < carry[1])
@@ -71,23 +76,26 @@ def distance_field(
     return distance
 
 
-def _grid_moves(free: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None, cell: float) -> _GridMoves:
+def _grid_moves(
+    free: Bool[Array, "ny nx"], passable: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None, cell: float
+) -> _GridMoves:
     """Return the moves between neighbouring free cells, see `_GridMoves`; `height` None: no height limits them."""
 
     def joined(rows: int, columns: int) -> Array:
-        move = functools.partial(_shift_grid, rows=rows, columns=columns)
-        both = free & move(free, fill=False)
-        if height is None:
-            return both
-        return both & is_walkable_rise(height - move(height, fill=0.0), cell * math.hypot(rows, columns))
+        return free & _shift_grid(free, rows, columns, False) & walkable(rows, columns)
 
-    straight, along = joined(1, 0), joined(0, 1)
-    sides = {}
-    for column in (1, -1):
-        beside = along if column == 1 else _shift_grid(along, 0, -1, False)
-        corners = straight & _shift_grid(straight, 0, column, False) & beside & _shift_grid(beside, 1, 0, False)
-        sides[column] = corners & joined(1, column)
-    return _GridMoves(free, straight, sides[1], sides[-1], along)
+    def walkable(rows: int, columns: int) -> Array:
+        if height is None:
+            return jnp.ones_like(free)
+        return is_walkable_rise(height - _shift_grid(height, rows, columns, 0.0), cell * math.hypot(rows, columns))
+
+    def diagonal(column: int) -> Array:
+        before, beside = walkable(1, 0), walkable(0, column)
+        corners = _shift_grid(passable, 1, 0, False) & _shift_grid(passable, 0, column, False)
+        corners &= before & _shift_grid(before, 0, column, False) & beside & _shift_grid(beside, 1, 0, False)
+        return corners & joined(1, column)
+
+    return _GridMoves(free, joined(1, 0), diagonal(1), diagonal(-1), joined(0, 1))
 
 
 def _sweep(moves: _GridMoves, distance: Float[Array, "ny nx"], step: Float[Array, "ny nx"]) -> Float[Array, "ny nx"]:
@@ -158,14 +166,16 @@ def goal_fields(
         free cell at the goal.
     """
     region = bank.navigation.region[house, level]
-    free, height = region >= 0, bank.navigation.height[row_of_cell(bank.navigation.cell[house, level])]
+    free, cell = region >= 0, bank.navigation.cell[house, level]
+    narrow = is_passable_cell(bank, house, cell) & ~free
     # Other regions have no heights. They are not joined to the home region or to one another.
-    height = jnp.where(region == 0, height, jnp.float32(REGION_DISTANCE) * region.astype(jnp.float32))
+    height = bank.navigation.height[row_of_cell(cell)]
+    height = jnp.where(narrow | (region == 0), height, jnp.float32(REGION_DISTANCE) * region.astype(jnp.float32))
     rows, columns = free.shape
     scaled = (goals[:, :2] - bank.navigation.origin[house][None]) / jnp.float32(bank.spec.cell)
     x, y = jnp.arange(columns, dtype=jnp.float32) + 0.5, jnp.arange(rows, dtype=jnp.float32) + 0.5
     near_x = jnp.abs(x[None] - scaled[:, :1]) <= 1
     near_y = jnp.abs(y[None] - scaled[:, 1:]) <= 1
     source = near_y[:, :, None] & near_x[:, None, :]
-    field = functools.partial(distance_field, cell=bank.spec.cell, height=height)
+    field = functools.partial(distance_field, cell=bank.spec.cell, height=height, passable=free | narrow)
     return jax.vmap(field, (None, 0))(free, source)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.geometry.geodesic import has_clear_diagonals
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE, MAX_DEPTH_BELOW_FLOOR
 
 # The shortest path from a point may begin over a neighbour of its cell.
@@ -18,7 +19,7 @@ _OFFSETS = [(dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
 _MIDDLE = _OFFSETS.index((0, 0))
 # Of each offset, the two cells that a diagonal step passes between.
 _BESIDE = np.array([[_OFFSETS.index((dy, 0)) for dy, _ in _OFFSETS], [_OFFSETS.index((0, dx)) for _, dx in _OFFSETS]])
-HOME_RANK, UNREACHABLE_RANK = 0, 3  # ranks of cells, see `_rank`
+HOME_RANK, NARROW_RANK, UNREACHABLE_RANK = 0, 1, 3  # ranks of cells, see `_rank`
 MAX_SLOPE = 1.5  # maximum slope of stairs between cells, with the rounding of cells
 MAX_SHARED_GAP = 0.05  # [m], maximum height difference of cells of two levels that are one place on a ramp
 
@@ -123,7 +124,8 @@ def geodesic_distance(
     rank = _rank(bank, house, cell)
     # Cells inside an obstacle have other distances than free cells beside it, so higher ranks are excluded.
     usable = (rank <= rank[_MIDDLE]) & (rank < UNREACHABLE_RANK)
-    usable = usable & usable[_BESIDE[0]] & usable[_BESIDE[1]]  # paths cut no corners
+    passable = rank <= jnp.maximum(rank[_MIDDLE], _passable_rank(bank))
+    usable = usable & passable[_BESIDE[0]] & passable[_BESIDE[1]]  # paths cut no corners
     usable = usable.at[_MIDDLE].set(True)
     nearest = navigation.cell_coords[row_of_cell(cell[_MIDDLE])]
     plan = jnp.stack([x, y], axis=-1).at[_MIDDLE].set(nearest[:0:-1].astype(jnp.int32))
@@ -184,6 +186,16 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
     ends = jnp.stack([navigation.num_cells[house], navigation.num_free_cells[house]])
     rank = jnp.sum((number[..., None] >= ends.reshape((1,) * number.ndim + (2,))).astype(jnp.int32), axis=-1)
     return jnp.where(cell >= 0, rank, UNREACHABLE_RANK)
+
+
+def _passable_rank(bank: HouseBank) -> int:
+    """Return the maximum rank of the cells at both corners of a diagonal step between home cells."""
+    return NARROW_RANK if has_clear_diagonals(bank.spec.cell, bank.spec.agent_radius) else HOME_RANK
+
+
+def is_passable_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
+    """Return whether entries of `NavigationArrays.cell` may be at the corners of diagonal steps between home cells."""
+    return _rank(bank, house, cell) <= _passable_rank(bank)
 
 
 def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:

@@ -129,3 +129,31 @@ def test_fields_of_a_house_agree_with_the_stored_ones():
         # Sources reach to the neighbours of the goal's cell: at most one diagonal step nearer.
         assert (stored - found).min() > -0.01
         assert (stored - found).max() < 0.1 * 2**0.5 + 0.01
+
+
+def test_diagonal_steps_pass_cells_that_lack_only_the_margin(rng):
+    free = rng.random((40, 50)) < 0.6
+    passable = free | (rng.random((40, 50)) < 0.5)
+    goals = rng.permutation(np.argwhere(free))[:8]
+    with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
+        field = functools.partial(distance_field, cell=0.1, passable=jnp.asarray(passable))
+        found = np.asarray(jax.jit(jax.vmap(field, (None, 0)))(free, single(free, goals)))
+    wanted = host.distance_fields(free[None], np.c_[np.zeros(8, int), goals], 0.1, passable=passable[None]).T
+    np.testing.assert_allclose(found[:, free], wanted, rtol=1e-5)
+    cut = host.distance_fields(free[None], np.c_[np.zeros(8, int), goals], 0.1).T
+    assert (wanted < cut - 0.1).mean() > 0.1
+
+
+def test_a_diagonal_gap_is_a_step_only_where_both_corners_are_passable():
+    free = np.array([[1, 0], [0, 1]], bool)
+    for passable, way in (([[1, 1], [1, 1]], 2**0.5), ([[1, 1], [0, 1]], np.inf), ([[1, 0], [0, 1]], np.inf)):
+        passable = np.array(passable, bool)
+        on_host = host.distance_fields(free[None], np.array([[0, 0, 0]]), 1.0, passable=passable[None])[:, 0]
+        source = jnp.asarray(single(free, np.array([[0, 0]]))[0])
+        on_device = distance_field(jnp.asarray(free), source, 1.0, passable=jnp.asarray(passable))
+        np.testing.assert_allclose([on_host[1], on_device[1, 1]], way, rtol=1e-6)
+
+
+def test_diagonals_are_clear_unless_cells_are_coarse():
+    assert host.has_clear_diagonals(0.1, 0.1)
+    assert not host.has_clear_diagonals(0.3, 0.1)

@@ -8,7 +8,7 @@ from storey_homes import HOMES, homes_bank
 
 from home_mjx.geometry.geodesic import grid_edges
 from home_mjx.navigation import cell_at_feet, cell_below, geodesic_distance, room_at_feet, room_below
-from home_mjx.navigation.grid import cell_position, stored_distance
+from home_mjx.navigation.grid import cell_position, is_passable_cell, stored_distance
 
 STEP, TOLERANCE = 0.25, 0.05  # [m], of a walk, and between the change of the distance and what was walked
 NUM_PAIRS = 150  # of a start and a goal, in each home
@@ -29,7 +29,9 @@ def grid_graph(bank, house: int):
     free, tall, number = (np.zeros(navigation.cell.shape[1:], kind) for kind in (bool, float, int))
     free[tuple(coords.T)], tall[tuple(coords.T)], number[tuple(coords.T)] = True, height, np.arange(count)
     rows = number[free]
-    sources, targets, _ = grid_edges(free, tall, bank.spec.cell)
+    passable = np.asarray(is_passable_cell(bank, jnp.int32(house), bank.navigation.cell[house]))
+    tall[~free & passable] = navigation.height[navigation.cell[house][~free & passable]]
+    sources, targets, _ = grid_edges(free, tall, bank.spec.cell, passable)
     around: list[list[int]] = [[] for _ in range(count)]
     for a, b in zip(rows[sources].tolist(), rows[targets].tolist(), strict=True):
         around[a].append(b)

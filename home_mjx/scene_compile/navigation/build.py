@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt16
 
 from home_mjx.geometry.boxes import BoxSet
-from home_mjx.geometry.extrapolation import extrapolate_fields, nearest_cell_numbers
-from home_mjx.geometry.geodesic import GridLink, distance_fields
+from home_mjx.geometry.extrapolation import extrapolate_fields, nearest_cell_numbers, passable_cells
+from home_mjx.geometry.geodesic import GridLink, distance_fields, has_clear_diagonals
 from home_mjx.scene_compile.navigation.clearance import compute_clearance
 from home_mjx.scene_compile.navigation.free_space import FreeSpace, NavigationOptions
 from home_mjx.scene_compile.navigation.portals import find_portals, room_hops
@@ -66,7 +66,7 @@ def build_navigation(
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
-    field = distance_fields(home, goals, options.cell, links, height)
+    field = distance_fields(home, goals, options.cell, links, height, _passable(spaces, home, options))
     return HouseNavigation(
         origin=ground.origin,
         cell=options.cell,
@@ -117,6 +117,16 @@ def _cut_off_cells(
         cells &= compute_clearance(boxes, floor, space.x, space.y, heights, radius) >= radius
     region, _ = label_regions(free, links, options.cell, np.stack([s.height for s in spaces]))
     return home & (region != 0) if free.any() else np.zeros_like(home)
+
+
+def _passable(
+    spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], options: NavigationOptions
+) -> Bool[np.ndarray, "l ny nx"] | None:
+    """Return the cells that may be at the corners of diagonal steps; None: home cells."""
+    if not has_clear_diagonals(options.cell, options.agent_radius):
+        return None
+    grids = ("standable_without_margin", "standable", "room", "height")
+    return passable_cells(home, *(np.stack([getattr(s, name) for s in spaces]) for name in grids), options.cell)
 
 
 def _fringe(

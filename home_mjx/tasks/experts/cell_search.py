@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.navigation.distance_fields import distance_field
-from home_mjx.navigation.grid import cell_at_feet, is_home_cell, row_of_cell, stored_distance
+from home_mjx.navigation.grid import cell_at_feet, is_home_cell, is_passable_cell, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cell_cost_factors
 from home_mjx.tasks.experts.field_descent import descend_field
@@ -54,7 +54,8 @@ def turns_to_nearest_cell(
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
         height = navigation.height[row_of_cell(numbers[level])]
-        near = distance_field(home[level], targets[level], bank.spec.cell, slow[level], height)
+        passable = is_passable_cell(bank, house, numbers[level])
+        near = distance_field(home[level], targets[level], bank.spec.cell, slow[level], height, passable)
         y, x = (
             jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
         )

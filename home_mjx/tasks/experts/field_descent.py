@@ -7,7 +7,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.geometry.geodesic import MAX_RISE
-from home_mjx.navigation.grid import cell_at_feet, continue_levels, grid_position, is_home_cell, row_of_cell
+from home_mjx.navigation.grid import (
+    cell_at_feet,
+    continue_levels,
+    grid_position,
+    is_home_cell,
+    is_passable_cell,
+    row_of_cell,
+)
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cost_factors
 from home_mjx.tasks.experts.local_planner import (
@@ -133,7 +140,8 @@ def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFun
     middle = jax.vmap(lambda p: grid_position(bank, house, p))(places)
     known = jnp.where(home, field(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * cost_factors(snapshot, middle, agent)
-    height, far = middle[:, 2], window_distances(known, length, middle[:, 2])
+    height, passable = middle[:, 2], inside & is_passable_cell(bank, house, cell)
+    far = window_distances(known, length, height, passable)
     elsewhere |= jnp.abs(height - snapshot.feet[agent, 2]) >= jnp.float32(MAX_RISE)
     path = descend_window(far, height, nearest_walkable(known, elsewhere), MAX_LOOK_AHEAD)
     row, column = (path + HALF_WIDTH).T

@@ -39,7 +39,10 @@ def window_places(at: Int[Array, "3"], shape: tuple[int, ...]) -> tuple[Int[Arra
 
 
 def window_distances(
-    global_distance: Float[Array, " n"], length: Float[Array, " n"], height: Float[Array, " n"]
+    global_distance: Float[Array, " n"],
+    length: Float[Array, " n"],
+    height: Float[Array, " n"],
+    passable: Bool[Array, " n"] | None = None,
 ) -> Float[Array, "w w"]:
     """Return remaining distances [m] of a window's cells, by paths within it and `global_distance` where they leave.
 
@@ -53,6 +56,7 @@ def window_distances(
         global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
         length: Length of a step out of each cell [m], longer beside obstacles.
         height: Height of each cell [m].
+        passable: Cells that may be at the corners of a diagonal step; None: those where agents can walk.
 
     Example:
         >>> far = window_distances(jnp.zeros(WIDTH**2), jnp.full(WIDTH**2, 0.1), jnp.zeros(WIDTH**2))
@@ -60,7 +64,8 @@ def window_distances(
         (29, 29)
     """
     global_distance, length, height = (x.reshape(WIDTH, WIDTH) for x in (global_distance, length, height))
-    cost = _step_lengths(jnp.isfinite(global_distance), length, height)
+    free = jnp.isfinite(global_distance)
+    cost = _step_lengths(free, free if passable is None else passable.reshape(free.shape), length, height)
     around = jnp.where(jnp.isfinite(cost), _neighbours(global_distance, jnp.inf), jnp.inf)
     retreats = global_distance > global_distance[HALF_WIDTH, HALF_WIDTH]
     beside = length > jnp.min(length)
@@ -74,13 +79,14 @@ def window_distances(
 
 
 def _step_lengths(
-    free: Bool[Array, "w w"], length: Float[Array, "w w"], height: Float[Array, "w w"]
+    free: Bool[Array, "w w"], passable: Bool[Array, "w w"], length: Float[Array, "w w"], height: Float[Array, "w w"]
 ) -> Float[Array, "9 w w"]:
     """Return the length of a step out of each cell to each of the 3 × 3 around it [m]; inf if blocked."""
-    sides = _neighbours(free, False) & _is_step_away(height)
+    rises = _is_step_away(height)
+    sides, corners = _neighbours(free, False) & rises, _neighbours(passable, False) & rises
     steps = []
     for index, (y, x) in enumerate(OFFSETS.tolist()):
-        open_ = free & sides[index] & sides[_offset_index(y, 0)] & sides[_offset_index(0, x)]
+        open_ = free & sides[index] & corners[_offset_index(y, 0)] & corners[_offset_index(0, x)]
         steps.append(jnp.where(open_, length * jnp.float32(np.hypot(y, x)), jnp.inf))
     return jnp.stack(steps)
 

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.extrapolation import extrapolate_fields
-from home_mjx.geometry.geodesic import MAX_RISE, grid_edges, is_walkable_rise
+from home_mjx.geometry.geodesic import MAX_RISE, grid_edges, has_clear_diagonals, is_walkable_rise
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 
@@ -60,7 +60,8 @@ class CellGraph:
         plan = (np.argwhere(self._home)[:, :0:-1] + 0.5) * self._cell + np.asarray(navigation.origin[house])
         self.place = np.concatenate([plan, self._height[self._home][:, None]], axis=1)
         self.room = self._rooms[self._home]
-        edges = [grid_edges(self._home, self._height, self._cell), *self._ramp_edges()]
+        passable = rank <= int(has_clear_diagonals(self._cell, bank.spec.agent_radius))
+        edges = [grid_edges(self._home, self._height, self._cell, passable), *self._ramp_edges()]
         sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
         gap, radius = self._leaf_gaps(bank, house), bank.spec.agent_radius
         beside = gap < radius + MIN_LEAF_CLEARANCE
