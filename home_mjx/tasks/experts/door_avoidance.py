@@ -15,8 +15,8 @@ from home_mjx.tasks.rules.cell_graph import (
     PUSH_COST_FACTOR,
 )
 
-# [steps]: a period, and its last steps, in which agents walk as if there were no leaves. Fields do not contain these:
-# an agent may turn round at one, lose sight of it and come back, for ever.
+# [steps]: a period, and its last steps, in which agents may brush leaves. Fields do not contain these: an agent may
+# turn round at one, lose sight of it and come back, for ever. No leaf is ever ignored: agents would shut it for good.
 PATIENCE_PERIOD, NUM_IMPATIENT_STEPS = 200, 40
 CARRY_COST_FACTOR = 1.5  # cost factor where a carried object collides; small, because fields of rows ignore it
 OPEN_DISTANCE = 0.4  # [m], distance of a shut leaf at which an agent with hands opens it
@@ -77,8 +77,8 @@ def cost_factors(
 ) -> Float[Array, " n"]:
     """Return cost factors (1: free) of path length at feet positions, from leaves, agents and the carried object now.
 
-    A leaf or agent costs `PUSH_COST_FACTOR` in contact and `BRUSH_COST_FACTOR` close by; leaves cost nothing in the
-    last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`.
+    A leaf or agent costs `PUSH_COST_FACTOR` in contact and `BRUSH_COST_FACTOR` close by. Brushing a leaf costs nothing
+    in the last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`; pushing it always does.
 
     Args:
         snapshot: The environment.
@@ -88,7 +88,8 @@ def cost_factors(
     """
     radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MIN_LEAF_CLEARANCE)
     is_patient = snapshot.step % PATIENCE_PERIOD < PATIENCE_PERIOD - NUM_IMPATIENT_STEPS
-    gap = jnp.where(is_patient, leaf_distances(snapshot, place), jnp.inf)
+    gap = leaf_distances(snapshot, place)
+    gap = jnp.where(is_patient | (gap < radius), gap, jnp.inf)
     if agent is not None and snapshot.config.num_agents > 1:
         others = snapshot.feet
         away = place[:, None] - others[None]

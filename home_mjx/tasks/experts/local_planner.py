@@ -16,6 +16,9 @@ DISTANCE_WEIGHT, MAX_WEIGHTED_DISTANCE = 0.05, 20.0
 # a leaf in the way, lose sight of it, and come back.
 RETREAT_COST = 100.0
 EDGE_COST = 5.0  # [m], extra distance of an exit of the window beside a leaf, of which the rest may lie beyond the edge
+# Length factor of steps more than `MAX_DETOUR_RISE` [m] farther from the end than the centre. Getting round a leaf
+# needs less. Beyond such a ridge is another way; halfway to it the leaf is out of sight, and agents would come back.
+RIDGE_COST_FACTOR, MAX_DETOUR_RISE = 20.0, 0.5
 OTHER_ROOM_COST = 10.0  # [cells], extra cost of a cell in another room: a wall may be in between
 # [m]: distance of unreachable cells, and advantage of the current cell, so that agents stay put on ties.
 UNREACHABLE_DISTANCE, STAY_BONUS = 1e4, 1e-2
@@ -49,8 +52,8 @@ def window_distances(
     Cells without a nearer neighbour keep their known distance: the end itself, and cells where paths leave the window.
     Other cells at the edge do not: known distances ignore current obstacles, and such a path could lead back through
     them. Where paths leave the window farther from the end than its centre is, they cost `RETREAT_COST` more, and
-    beside an obstacle `EDGE_COST`. Paths cut no corners, and do not lead from a floor to one above or below it, see
-    `MAX_RISE`. A cell that no path reaches has inf.
+    beside an obstacle `EDGE_COST`. Steps over a ridge in between are longer by `RIDGE_COST_FACTOR`. Paths cut no
+    corners, and do not lead from a floor to one above or below it, see `MAX_RISE`. A cell that no path reaches has inf.
 
     Args:
         global_distance: Distances that ignore current obstacles [m]; inf where agents cannot walk.
@@ -65,9 +68,12 @@ def window_distances(
     """
     global_distance, length, height = (x.reshape(WIDTH, WIDTH) for x in (global_distance, length, height))
     free = jnp.isfinite(global_distance)
-    cost = _step_lengths(free, free if passable is None else passable.reshape(free.shape), length, height)
+    here = global_distance[HALF_WIDTH, HALF_WIDTH]
+    ridge = global_distance > here + jnp.float32(MAX_DETOUR_RISE)
+    slow = jnp.where(ridge, length * jnp.float32(RIDGE_COST_FACTOR), length)
+    cost = _step_lengths(free, free if passable is None else passable.reshape(free.shape), slow, height)
     around = jnp.where(jnp.isfinite(cost), _neighbours(global_distance, jnp.inf), jnp.inf)
-    retreats = global_distance > global_distance[HALF_WIDTH, HALF_WIDTH]
+    retreats = global_distance > here
     beside = length > jnp.min(length)
     leave = global_distance + jnp.float32(RETREAT_COST) * retreats + jnp.float32(EDGE_COST) * beside
     begin = jnp.where(global_distance <= jnp.min(around, axis=0), leave, jnp.inf)

@@ -17,7 +17,7 @@ from home_mjx.tasks.experts.door_avoidance import (
     leaf_distances,
 )
 from home_mjx.tasks.experts.field_descent import END_TOLERANCE, descend_field, step_aside
-from home_mjx.tasks.rules.cell_graph import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, CellGraph
+from home_mjx.tasks.rules.cell_graph import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, PUSH_COST_FACTOR, CellGraph
 
 STEP = 0.25
 
@@ -56,11 +56,13 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     np.testing.assert_array_equal(slow[~near] >= BRUSH_COST_FACTOR, graph.at_leaf[~near])
 
 
-def test_agents_ignore_leaves_after_some_steps(snapshot):
-    """Who turned round at a leaf, and comes back for it, walks past it in the end."""
+def test_agents_brush_leaves_after_some_steps_but_do_not_push_them(snapshot):
+    """Who turned round at a leaf, and comes back for it, walks past it in the end, and does not shut it for good."""
     last = snapshot.replace(step=jnp.int32(PATIENCE_PERIOD - NUM_IMPATIENT_STEPS - 1))
-    assert (jax.jit(cell_cost_factors)(last) > 1).any()
-    assert (jax.jit(cell_cost_factors)(last.replace(step=last.step + 1)) == 1).all()
+    before, after = (jax.jit(cell_cost_factors)(last.replace(step=last.step + k)) for k in (0, 1))
+    assert (before == BRUSH_COST_FACTOR).any()
+    assert (before == PUSH_COST_FACTOR).any()
+    np.testing.assert_array_equal(after, jnp.where(before == PUSH_COST_FACTOR, before, 1))
 
 
 def test_what_open_leaves_cut_off_is_what_a_flood_from_the_rest_does_not_reach(snapshot, graph):

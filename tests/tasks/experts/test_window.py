@@ -7,7 +7,15 @@ import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from home_mjx.tasks.experts.local_planner import HALF_WIDTH, WIDTH, descend_window, nearest_walkable, window_distances
+from home_mjx.tasks.experts.local_planner import (
+    HALF_WIDTH,
+    MAX_DETOUR_RISE,
+    RIDGE_COST_FACTOR,
+    WIDTH,
+    descend_window,
+    nearest_walkable,
+    window_distances,
+)
 
 CELL = 0.1
 
@@ -41,7 +49,8 @@ def room(rng):
 def test_where_nothing_is_in_the_way_distances_are_as_known(room):
     free, far = room
     found = jax.jit(window_distances)(far.ravel(), np.full(far.size, CELL, np.float32), LEVEL)
-    np.testing.assert_allclose(np.asarray(found)[free], far[free], atol=1e-4)
+    low = far <= far[HALF_WIDTH, HALF_WIDTH] + MAX_DETOUR_RISE
+    np.testing.assert_allclose(np.asarray(found)[low], far[low], atol=1e-4)
     assert np.isinf(np.asarray(found)[~free]).all()
 
 
@@ -49,7 +58,7 @@ def test_what_is_slow_is_gone_round_on_the_way_to_an_end(room):
     free, far = room
     slow = slowed(far)
     found = np.asarray(jax.jit(window_distances)(far.ravel(), (CELL * slow).ravel(), LEVEL))
-    expected = dijkstra(steps(free, slow).T, indices=3 * WIDTH + 4).reshape(far.shape)
+    expected = dijkstra(steps(free, over_ridges(far, slow)).T, indices=3 * WIDTH + 4).reshape(far.shape)
     # A way of more cells than rounds is not found.
     np.testing.assert_allclose(found[np.isfinite(found)], expected[np.isfinite(found)], atol=1e-4)
     assert np.isfinite(found)[free].mean() > 0.9
@@ -71,11 +80,17 @@ def test_without_an_end_ways_lead_to_the_edge_and_on_as_known(room):
     ways, known = steps(free, np.ones(free.shape)), far.ravel()
     around = np.array([known[ways[i].indices].min(initial=np.inf) for i in range(known.size)])
     ends = np.flatnonzero(free.ravel() & (known <= around))
-    within = dijkstra(steps(free, slow), indices=np.arange(far.size))[:, ends]
+    within = dijkstra(steps(free, over_ridges(far, slow)), indices=np.arange(far.size))[:, ends]
     expected = np.min(within + far.ravel()[ends], axis=1).reshape(far.shape)
     reached = np.isfinite(found)  # a way of more cells than rounds is not found
     np.testing.assert_allclose(found[reached], expected[reached], atol=1e-4)
     assert reached[free].mean() > 0.9
+
+
+def over_ridges(far: np.ndarray, slow: np.ndarray) -> np.ndarray:
+    """Cost factors, those of cells much farther from the end than the middle included."""
+    far = far.astype(np.float32)
+    return slow * np.where(far > far[HALF_WIDTH, HALF_WIDTH] + np.float32(MAX_DETOUR_RISE), RIDGE_COST_FACTOR, 1)
 
 
 def slowed(far: np.ndarray) -> np.ndarray:
@@ -130,9 +145,32 @@ def test_an_exit_beside_a_leaf_costs_more_than_a_clear_one():
     columns = np.arange(WIDTH)
     far = np.full((WIDTH, WIDTH), np.inf, np.float32)
     far[HALF_WIDTH - 1 : HALF_WIDTH + 2] = 3.0 + CELL * columns  # a corridor to the end, left
-    far[HALF_WIDTH + 2 :, 20:23] = (5.0 - CELL * np.arange(HALF_WIDTH - 1))[:, None]  # and one down, 0.4 m longer
+    far[HALF_WIDTH + 2 :, 18:21] = (4.8 - CELL * np.arange(HALF_WIDTH - 1))[:, None]  # and one down, 0.3 m longer
     slow = np.ones(far.shape)
     slow[:, 0] = 4.0
     found = window_distances(jnp.asarray(far.ravel()), jnp.asarray((CELL * slow).ravel()), LEVEL)
     path = np.asarray(descend_window(found, LEVEL, jnp.array([HALF_WIDTH, HALF_WIDTH]), 6))
-    assert (np.diff(path[:, 1]) == 1).all()
+    assert (np.diff(path[:4, 1]) == 1).all()
+
+
+def test_a_corridor_with_a_leaf_ahead_is_left_in_one_direction():
+    """Two ways to the end are nearly as long, a leaf is on one: who sees it does not turn round and come back."""
+    length, leaf = 90, slice(24, 30)
+    line = np.minimum(3.0 + CELL * np.arange(length), 4.1 + CELL * np.arange(length)[::-1])
+    far, slow = (np.full((length + 2 * WIDTH, WIDTH), fill, np.float32) for fill in (np.inf, 1.0))
+    aside = 0.05 * np.arange(7)  # ways are shorter on the side of the leaf
+    far[WIDTH:-WIDTH, HALF_WIDTH - 3 : HALF_WIDTH + 4] = line[:, None] + aside
+    slow[WIDTH + leaf.start : WIDTH + leaf.stop, : HALF_WIDTH + 2] = 4.0
+    plan = jax.jit(lambda far, slow: descend_window(window_distances(far, slow, LEVEL), LEVEL, jnp.zeros(2, int), 1))
+    for begin in range(40, 50):
+        at, seen = np.array([WIDTH + begin, HALF_WIDTH]), set()
+        while WIDTH + 4 < at[0] < WIDTH + length - 5 and tuple(at) not in seen:
+            seen.add(tuple(at))
+            window = slice(at[0] - HALF_WIDTH, at[0] + HALF_WIDTH + 1)
+            around = [np.full((WIDTH, WIDTH), fill, np.float32) for fill in (np.inf, 1.0)]
+            left = at[1] - HALF_WIDTH
+            for target, source in zip(around, (far, slow), strict=True):
+                part = source[window, max(left, 0) : WIDTH + min(left, 0)]
+                target[:, max(-left, 0) : max(-left, 0) + part.shape[1]] = part
+            at = at + np.asarray(plan(*(jnp.asarray(x.ravel() * f) for x, f in zip(around, (1, CELL), strict=True))))[1]
+        assert tuple(at) not in seen, f"from {begin}"
