@@ -169,7 +169,7 @@ def _call(
 
 
 def _is_cpu_default() -> bool:
-    device = jax.config.jax_default_device
+    device = getattr(jax.config, "jax_default_device")  # noqa: B009 - not among the attributes that types declare
     return (getattr(device, "platform", device) or jax.default_backend()) == "cpu"
 
 

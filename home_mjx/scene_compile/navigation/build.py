@@ -125,8 +125,9 @@ def _passable(
     """Return the cells that may be at the corners of diagonal steps; None: home cells."""
     if not has_clear_diagonals(options.cell, options.agent_radius):
         return None
-    grids = ("standable_without_margin", "standable", "room", "height")
-    return passable_cells(home, *(np.stack([getattr(s, name) for s in spaces]) for name in grids), options.cell)
+    bare, standable = (np.stack([getattr(s, f"standable{end}") for s in spaces]) for end in ("_without_margin", ""))
+    room, height = np.stack([s.room for s in spaces]), np.stack([s.height for s in spaces])
+    return passable_cells(home, bare, standable, room, height, options.cell)
 
 
 def _fringe(

@@ -41,7 +41,10 @@ def decay_in_rooms(
     rooms = start.shape[0]
     fast = {"cuda": functools.partial(_decay_by_cuda, bins=bins)} if _available(rooms) else {}
     count = jnp.full((), rooms if num_rooms is None else num_rooms, jnp.int32)
-    by_xla = lambda *given: decay_in_rooms_by_xla(*given[:3], bins)  # noqa: E731
+
+    def by_xla(rates: Array, start: Array, listener: Array, count: Array) -> Array:
+        return decay_in_rooms_by_xla(rates, start, listener, bins)
+
     return with_fallback_gradient(by_xla, fast)(rates, start, listener, count)
 
 
