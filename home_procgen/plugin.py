@@ -5,7 +5,7 @@ Importing this module is cheap: generators are imported when a house is written.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import overload
 from urllib.parse import parse_qsl
@@ -135,6 +135,10 @@ class ProceduralDataset(SuncgDataset):
     def fallbacks(self) -> str:
         """Empty: no model is missing, so none is replaced."""
         return ""
+
+    def resolved(self, options: ReadOptions) -> ReadOptions:
+        """Return the options with a `strict` of None replaced by True, whether or not a house is on disk yet."""
+        return options if options.strict is not None else replace(options, strict=True)
 
     def prepare(self, house_ids: Sequence[str], progress: bool = False) -> None:
         """Write the houses that are not on disk yet, with worker processes if there are many.

@@ -151,3 +151,12 @@ def test_without_a_dataset_houses_are_generated(tmp_path, monkeypatch, root):
 def test_a_split_without_houses_is_named_with_their_number():
     with pytest.raises(ConfigError, match=r"none of its 2 houses are in the split `val`.*more houses"):
         HouseSet("procedural:2?seed=6&preset=flat", split="val").load()
+
+
+def test_a_generated_house_has_one_entry_before_and_after_it_is_on_disk(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
+    caches = [HouseSet("procedural:1?preset=flat").open_cache() for _ in range(2)]
+    house_id = caches[0].dataset.house_ids[0]
+    written = caches[0].entry_path(house_id)  # writes the house
+    assert caches[1].entry_path(house_id) == written
+    assert HouseSet("procedural:1?preset=flat").open_cache().entry_path(house_id) == written
