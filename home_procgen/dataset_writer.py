@@ -48,7 +48,7 @@ def write_seeds(
     """
     seeds = [_check_seed(seed) for seed in seeds]
     root = Path(root).expanduser().absolute()
-    _claim_root(root, variant)
+    claim_root(root, variant)
     write_library_tables(root, variant.detail)
     names = {seed: variant.house_id(seed) for seed in seeds}
     missing = [
@@ -70,7 +70,7 @@ def _check_seed(seed: object) -> int:
     raise ConfigError(f"seed must be an integer from 0 to 2**63 - 1, got {seed!r}", element="seeds")
 
 
-def _claim_root(root: Path, variant: Variant) -> None:
+def claim_root(root: Path, variant: Variant) -> None:
     """Mark a new or empty folder as a generated dataset; `DatasetError` for other folders and other variants."""
     marker = {"generator": GENERATOR_NAME, "version": GENERATOR_VERSION, **variant.settings}
     ours = root.parent == cache_folder().absolute()

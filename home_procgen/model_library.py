@@ -79,7 +79,7 @@ def has_intact_library(root: Path, house_id: str) -> bool:
     )
     found = [_model_facts(root, name) for name in used.names if name.startswith("object/")] if used.digest else [used]
     textures = {name for facts in (used, *found) for name in facts.names if name.startswith("texture/")}
-    return all(facts.digest for facts in found) and all(_has_intact_texture(root, Path(n).name) for n in textures)
+    return all(facts.digest for facts in found) and all(has_intact_texture(root, Path(n).name) for n in textures)
 
 
 def save_intact_index(root: Path) -> None:
@@ -138,7 +138,8 @@ def _model_facts(root: Path, name: str) -> FileFacts:
     return _intact_index(root).facts(name, _stamp(folder), look)
 
 
-def _has_intact_texture(root: Path, stem: str) -> bool:
+def has_intact_texture(root: Path, stem: str) -> bool:
+    """Return whether the texture with a name exists and is an image."""
     path = root / "texture" / f"{stem}.png"
     facts = _intact_index(root).facts(
         f"texture/{stem}", _stamp(path), lambda: _facts(set() if _is_image(path) else None)
@@ -171,7 +172,7 @@ def write_used_models(root: Path, home: House, detail: str = DETAILS[0]) -> None
             model = building_models().get(name) or library_model(name, detail)
             write_model(root, _with_row(model), digests=True)
     every = (material for materials in _materials(home) for material in materials)
-    _write_textures(root, {material.texture.stem for material in every if material.texture is not None})
+    write_textures_named(root, {material.texture.stem for material in every if material.texture is not None})
 
 
 def _materials(home: House) -> Iterator[tuple[Material, ...]]:
@@ -184,7 +185,8 @@ def _materials(home: House) -> Iterator[tuple[Material, ...]]:
             yield from (mesh.materials for mesh in (room.floor, room.ceiling, room.walls) if mesh is not None)
 
 
-def _write_textures(root: Path, names: Set[str]) -> None:
+def write_textures_named(root: Path, names: Set[str]) -> None:
+    """Write the textures with some names that are missing or damaged."""
     for name in sorted(names):
-        if not _has_intact_texture(root, name):
+        if not has_intact_texture(root, name):
             write_textures(root, {name: texture(name)})

@@ -48,6 +48,10 @@ class ModelStore:
         """Ids of the models, in the order of the metadata rows."""
         return list(self._models)
 
+    def has(self, model_id: str) -> bool:
+        """Return whether there is a model with an id."""
+        return model_id in self._models
+
     def model(self, model_id: str, detail: str = DETAILS[0]) -> FurnitureModel:
         """Return a model.
 

@@ -21,6 +21,7 @@ from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.errors import ConfigError, UnknownIdError
 from home_mjx.schema.house import House, Mesh
 from home_procgen.presets import GENERATOR_VERSION, HOME_VARIANT, Variant
+from home_procgen.shipped import ShippedHomes
 
 SCHEME = "procedural"
 MAX_SEED = 2**63 - 1
@@ -135,6 +136,11 @@ class ProceduralDataset(SuncgDataset):
     def fallbacks(self) -> str:
         """Empty: no model is missing, so none is replaced."""
         return ""
+
+    @property
+    def shipped(self) -> ShippedHomes | None:
+        """Shipped default homes; None for other variants."""
+        return ShippedHomes(self.root, self.parsed.variant) if self.parsed.variant == HOME_VARIANT else None
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
         """Return the options with a `strict` of None replaced by True, whether or not a house is on disk yet."""

@@ -10,6 +10,7 @@ They are stored uncompressed, so reading never takes more memory than the size o
 import dataclasses
 import errno
 import functools
+import io
 import json
 import math
 import os
@@ -167,6 +168,13 @@ def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
     Raises:
         OSError: The folder is not writable, or the arrays have more than 2 GiB.
     """
+    content = pack_entry(path, arrays, notes)
+    with write_atomically(path) as file:
+        file.write(content)
+
+
+def pack_entry(path: Path, arrays: Arrays, notes: JsonFields) -> bytes:
+    """Return the bytes that `write_entry` writes; arguments and errors as there."""
     table, chunks, at = {}, [], 0
     for name, array in arrays.items():
         data = array.tobytes()
@@ -180,9 +188,11 @@ def write_entry(path: Path, arrays: Arrays, notes: JsonFields) -> None:
     before = 2 * _LOCAL + len(NOTES_MEMBER) + len(head) + len(DATA_MEMBER)
     head += b" " * (-before % ALIGNMENT)  # aligns the data member
     members = {NOTES_MEMBER: head, DATA_MEMBER: b"".join(chunks)}
-    with write_atomically(path) as file, zipfile.ZipFile(file, "w") as archive:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
         for name, data in members.items():
             archive.writestr(zipfile.ZipInfo(name), data)  # no timestamp: equal content, equal bytes
+    return file.getvalue()
 
 
 def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
@@ -192,9 +202,18 @@ def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
         FileNotFoundError: There is no such entry.
         Exception: The file is corrupted, or was renamed from another entry; one of `READ_ERRORS`.
     """
-    content = _content(path)
+    return parse_entry(_content(path), path.stem)
+
+
+def parse_entry(content: np.ndarray, name: str) -> tuple[Arrays, JsonFields]:
+    """Return the arrays and the notes of an entry's bytes; errors as of `read_entry`.
+
+    Args:
+        content: All bytes of the file, as `uint8`.
+        name: Name of the entry.
+    """
     notes, data = _members(content)
-    head, numbers = _head(_sound(content, notes), path), _sound(content, data)
+    head, numbers = _head(_sound(content, notes), name), _sound(content, data)
     if data.begin % ALIGNMENT:  # entries of older versions are not aligned
         numbers = numbers.copy()
     arrays = {name: _view(numbers, *place) for name, place in head["arrays"].items()}
@@ -204,7 +223,7 @@ def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
 def read_notes(path: Path) -> JsonFields:
     """Return only the notes of an entry, without verifying its arrays; errors as of `read_entry`."""
     content = _content(path)
-    return _head(_sound(content, _members(content)[0]), path)["notes"]
+    return _head(_sound(content, _members(content)[0]), path.stem)["notes"]
 
 
 def _content(path: Path) -> np.ndarray:
@@ -262,10 +281,10 @@ def _sound(content: np.ndarray, member: _Member) -> np.ndarray:
     return found
 
 
-def _head(text: np.ndarray, path: Path) -> dict[str, Any]:
-    """Parse the notes member; raise `ValueError` if its stored name is not the file's stem."""
+def _head(text: np.ndarray, name: str) -> dict[str, Any]:
+    """Parse the notes member; raise `ValueError` if its stored name is another."""
     head = json.loads(text.tobytes())
-    if head["name"] != path.stem:
+    if head["name"] != name:
         raise ValueError(f"entry belongs to {head['name']!s:.80}")
     return head
 

@@ -16,6 +16,7 @@ from home_mjx.core.checks import check_flag
 from home_mjx.core.files import resolve_below
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
 from home_mjx.schema.categories import COARSE, FINE, NYU40
+from home_mjx.schema.compiled import Model
 from home_mjx.schema.house import Fallback, House, Joints, Metadata, ModelInfo
 
 log = logging.getLogger(__name__)
@@ -75,6 +76,28 @@ class InputDigests(Protocol):
 
     def save(self, interval: float = 0.0) -> None:
         """Write new digests to disk, unless the last write was less than `interval` [s] ago."""
+        ...
+
+
+@runtime_checkable
+class ShippedSource(Protocol):
+    """Compiled houses that a distribution ships, and the parts of them that it can make quickly; hashable."""
+
+    @property
+    def path(self) -> Path:
+        """The archive, see `houses.shipped`; it may not exist."""
+        ...
+
+    def digest(self) -> bytes:
+        """Return a digest of all code and data, apart from the compiler, that determine the houses."""
+        ...
+
+    def library_model(self, key: str) -> Model | None:
+        """Return the compiled model with a key; None if the library does not have it."""
+        ...
+
+    def write_textures(self, paths: Sequence[str], progress: bool = False) -> None:
+        """Write the missing ones of some textures; paths are relative to the dataset."""
         ...
 
 
@@ -162,6 +185,11 @@ class Dataset(ABC):
         Raises:
             DatasetError: The houses cannot be written.
         """
+
+    @property
+    def shipped(self) -> ShippedSource | None:
+        """Compiled houses that the distribution of the dataset ships; None if there are none."""
+        return None
 
     @property
     def joints(self) -> Joints:

@@ -32,7 +32,8 @@ class Bake(Protocol):
     """One kind of baked product; its properties may be plain attributes.
 
     A bake may have `substitutes`, a tuple of bakes with other options. The first of these with a stored record replaces
-    the bake's own.
+    the bake's own. A bake may have a `platform`, the JAX backend on which every record is made; without it that is the
+    default backend.
 
     Example:
         >>> class FloorArea:  # doctest: +SKIP
@@ -237,9 +238,14 @@ def make_record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -
 def bake_entry(bake: Bake, house: CompiledHouse) -> Path:
     """Return the path of a record in the store, whether or not it exists.
 
-    Its name is a digest of the bake and the content of the house that the bake uses, so that machines share records.
+    Its name is a digest of the bake, its platform and the content of the house that the bake uses.
+
+    Args:
+        bake: The bake.
+        house: The compiled house.
     """
-    key = hashlib.sha256(repr((bake.name, bake.version, bake.options)).encode())
+    platform = getattr(bake, "platform", None) or jax.default_backend()
+    key = hashlib.sha256(repr((bake.name, bake.version, bake.options, platform)).encode())
     arrays, notes = flatten(house, skip=frozenset(("models", *bake.unused)))
     key.update(repr((sorted(arrays), notes["instances.model"])).encode())
     meshes = [house.models[name].triangle for name in sorted(house.models)]

@@ -16,6 +16,7 @@ from pathlib import Path
 from home_mjx.core.array_store import (
     ENTRY_SUFFIX,
     READ_ERRORS,
+    Arrays,
     JsonFields,
     flatten,
     read_entry,
@@ -23,17 +24,19 @@ from home_mjx.core.array_store import (
     rebuild,
     write_entry,
 )
-from home_mjx.core.files import resolve_below
+from home_mjx.core.files import resolve_below, write_atomically
 from home_mjx.core.progress import say
 from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.kept_results import ResultStore, keep_results
 from home_mjx.houses.integrity import check_house, check_models
 from home_mjx.houses.selection import HouseContents, summarize_contents
+from home_mjx.houses.shipped import ShippedHouse, open_shipped
 from home_mjx.houses.version import create_version_folder, mark_used, version_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.compiled import CompiledHouse, Model, RoomTable
 from home_mjx.schema.house import Fallback
 
+HOUSES, MODELS = "houses", "models"  # subfolders of a version folder
 log = logging.getLogger(__name__)
 
 
@@ -67,18 +70,35 @@ class HouseCache:
         self._root = str(dataset.root)
         self._inputs = dataset.inputs()
         weakref.finalize(self, self._inputs.save)
+        self._shipped = open_shipped(dataset.shipped)
         self._folder = version_folder()
         mark_used(self._folder)
+
+    def prepare(self, house_ids: Sequence[str], progress: bool = False) -> None:
+        """Make the files of houses available, see `Dataset.prepare`; of shipped houses only the textures.
+
+        Raises:
+            DatasetError: The files cannot be written.
+        """
+        rows = {house_id: self._shipped_row(house_id) for house_id in house_ids}
+        paths = [path for row in rows.values() if row is not None for path in row.textures]
+        if paths:
+            self._shipped.write_textures(paths, progress)
+        self.dataset.prepare([house_id for house_id, row in rows.items() if row is None], progress)
 
     def load(self, house_id: str) -> CompiledHouse:
         """Return a compiled house and record its fallbacks; compile it if it is not cached or an input has changed.
 
-        A corrupted entry is compiled and written again. If the folder is not writable, each run compiles the house.
+        A shipped house is copied into the cache instead. A corrupted entry is compiled and written again. If the folder
+        is not writable, each run compiles the house.
 
         Raises:
             DatasetError: The house is unknown or broken.
         """
         self.dataset.check_known(house_id)
+        row = self._shipped_row(house_id)
+        if row is not None:
+            self._shipped.write_textures(row.textures)
         entry = self.entry_path(house_id)
         broken = False
         try:
@@ -88,6 +108,11 @@ class HouseCache:
         except READ_ERRORS as error:
             broken = True
             log.warning("broken cache entry %s is compiled again: %s", entry, error)
+        if row is not None:
+            house = self._unpack(row, entry, broken)
+            if house is not None:
+                return house
+            entry = self.entry_path(house_id)
         return self._compile(house_id, entry, broken)
 
     def notes(self, house_id: str) -> JsonFields:
@@ -126,15 +151,15 @@ class HouseCache:
         except FileNotFoundError:
             return None
         except READ_ERRORS as error:
-            log.warning("broken cache entry %s is built again: %s", self._model_path(key), error)
+            log.warning("broken cache entry %s is built again: %s", self.model_path(key), error)
             with suppress(OSError):
-                self._model_path(key).unlink()
+                self.model_path(key).unlink()
             return None
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
         """Return models by key, each read and validated once into `library`; one of `READ_ERRORS` if that fails."""
         keys = dict.fromkeys(keys)
-        fresh = {key: rebuild(Model, *read_entry(self._model_path(key))) for key in keys if key not in self.library}
+        fresh = {key: rebuild(Model, *read_entry(self.model_path(key))) for key in keys if key not in self.library}
         check_models(fresh)
         self.library |= fresh
         return {key: self.library[key] for key in keys}
@@ -147,10 +172,59 @@ class HouseCache:
         Raises:
             DatasetError: The files cannot be written, see `Dataset.prepare`.
         """
+        key = self.entry_name(house_id, self._shipped.inputs)
+        if key not in self._shipped.houses:
+            self.dataset.prepare((house_id,))
+            key = self.entry_name(house_id, self._inputs.house(house_id))
+        return self._folder / HOUSES / f"{key}{ENTRY_SUFFIX}"
+
+    def entry_name(self, house_id: str, inputs: bytes) -> str:
+        """Return the name of the house's entry, a digest, if its files have the digest `inputs`."""
         named = repr((house_id, self.options, self.dataset.fallbacks, self.dataset.reader))
-        self.dataset.prepare((house_id,))
-        key = hashlib.sha256(named.encode() + self._inputs.house(house_id)).hexdigest()
-        return self._folder / "houses" / f"{key}{ENTRY_SUFFIX}"
+        return hashlib.sha256(named.encode() + inputs).hexdigest()
+
+    def _shipped_row(self, house_id: str) -> ShippedHouse | None:
+        return self._shipped.houses.get(self.entry_name(house_id, self._shipped.inputs))
+
+    def _unpack(self, row: ShippedHouse, entry: Path, broken: bool) -> CompiledHouse | None:
+        """Return a shipped house and copy it into the cache; None, after a warning, if the archive is damaged."""
+        try:
+            content, arrays, notes = self._shipped.read(f"{HOUSES}/{entry.name}")
+            fresh = {key: self._unpack_model(key, broken) for key in row.models if key not in self.library}
+            check_models(fresh)
+            self.library |= fresh
+            house = self._assemble(row.id, arrays, notes)
+        except READ_ERRORS as error:
+            log.warning("shipped house %s is damaged, it is compiled instead: %s", row.id, error)
+            del self._shipped.houses[entry.stem]
+            return None
+        try:
+            self.write_error = None
+            create_version_folder(self._folder)
+            self._shipped.unpack_bakes(row)
+            with write_atomically(entry) as file:
+                file.write(content)
+        except READ_ERRORS as error:
+            self.write_error = error if isinstance(error, OSError) else None
+            log.warning("shipped house %s is not copied into the cache: %s", row.id, error)
+        return house
+
+    def _unpack_model(self, key: str, broken: bool) -> Model:
+        """Return a model of a shipped house, and write it into the cache unless it is there."""
+        path = self.model_path(key)
+        with suppress(FileNotFoundError):
+            if not broken:
+                return rebuild(Model, *read_entry(path))
+        member = f"{MODELS}/{path.name}"
+        if self._shipped.has(member):
+            model = rebuild(Model, *self._shipped.read(member)[1:])
+        else:
+            model = self._shipped.library_model(key)
+        if model is None or model.key != key:
+            raise ValueError(f"model {key} is missing")
+        with suppress(OSError):  # a folder that cannot be written to is reported when the house is written
+            write_entry(path, *flatten(model))
+        return model
 
     def _read(self, house_id: str, entry: Path) -> CompiledHouse:
         """Return a house with its models from its entry; validate them, record the fallbacks and warn of them.
@@ -159,13 +233,16 @@ class HouseCache:
             Exception: The entry is corrupted or invalid; one of `READ_ERRORS`.
             FileNotFoundError: There is no entry, a used texture has changed, or a missing one has been added.
         """
-        arrays, notes = read_entry(entry)
+        return self._assemble(house_id, *read_entry(entry))
+
+    def _assemble(self, house_id: str, arrays: Arrays, notes: JsonFields) -> CompiledHouse:
+        """Return a house of the arrays and notes of its entry; errors as of `_read`."""
         textures = {self._absolute(path): digest for path, digest in notes.pop("texture_paths").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
-            raise FileNotFoundError(entry)
+            raise FileNotFoundError(house_id)
         fallbacks = tuple(Fallback(**item) for item in notes.pop("fallbacks"))
         if any(item.kind == "texture" and self._inputs.has_texture(item.name) for item in fallbacks):
-            raise FileNotFoundError(entry)  # other added files change the key
+            raise FileNotFoundError(house_id)  # other added files change the key
         models = self._models(notes["instances.model"])
         house = rebuild(CompiledHouse, arrays, notes, models=models)
         check_house(house, house_id)
@@ -198,7 +275,7 @@ class HouseCache:
         """Write the missing ones of the house's models, or all if its entry was `broken`, and then the house."""
         create_version_folder(self._folder)
         for key, model in house.models.items():
-            path = self._model_path(key)
+            path = self.model_path(key)
             if broken or not path.is_file():
                 write_entry(path, *flatten(model))
         arrays, notes = flatten(house, skip=frozenset(("models",)))
@@ -222,9 +299,9 @@ class HouseCache:
             raise ValueError(f"texture is outside the dataset: {path!s:.80}")
         return os.path.join(self._root, path) if path else ""
 
-    def _model_path(self, key: str) -> Path:
-        """Return the path of a model's entry, whether or not it exists."""
-        return self._folder / "models" / f"{hashlib.sha256(key.encode()).hexdigest()}{ENTRY_SUFFIX}"
+    def model_path(self, key: str) -> Path:
+        """Return the path of a model's cache entry, whether or not it exists."""
+        return self._folder / MODELS / f"{hashlib.sha256(key.encode()).hexdigest()}{ENTRY_SUFFIX}"
 
 
 def load_compiled(

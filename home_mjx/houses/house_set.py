@@ -129,7 +129,7 @@ class HouseSet:
         """
         cache, total = self.open_cache(), self.num_houses
         if self.filter is None:
-            self.resolved_dataset.prepare(self.house_ids, is_progress_shown(progress))
+            cache.prepare(self.house_ids, is_progress_shown(progress))
             total = len(self.house_ids)
         what = "houses" if total is None else plural(total, "house")
         with ProgressCount(f"loading {what}", total, "house", progress) as count:

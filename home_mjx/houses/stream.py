@@ -123,7 +123,7 @@ class HouseStream:
         self.num_swaps = 0
         self._bakes = SlotBakes(bakes)
         self._cache = houses.open_cache()
-        houses.resolved_dataset.prepare(houses.house_ids, is_progress_shown(progress))
+        self._cache.prepare(houses.house_ids, is_progress_shown(progress))
         models, textures = self._look_through(houses.house_ids, progress)
         self._order = self._endless(houses.house_ids, np.random.default_rng(seed))
         first, records = self._first_houses(num_slots, progress)

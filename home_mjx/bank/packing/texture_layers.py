@@ -1,6 +1,7 @@
 """Loading of image files into one array of texture layers."""
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from jaxtyping import Float, UInt8, UInt32
 from home_mjx.bank.packing.capacity import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
+from home_mjx.core.workers import usable_cores
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import TextureArray
 
@@ -27,7 +29,7 @@ def texture_size_for(edge: int) -> int:
 
 
 def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:
-    """Load images as sRGB and alpha layers (layer, texel, 4) with mip levels; layers beyond the last image are white.
+    """Load images on all cores as sRGB and alpha layers (layer, texel, 4) with mip levels; later layers are white.
 
     Args:
         paths: Image files, which are resized to squares.
@@ -40,8 +42,12 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     if size < 1 or size & (size - 1):
         raise ConfigError(f"the edge of texture layers must be a power of two, got {size}")
     layers = np.full((*texture_shape(len(paths), size), 4), 255, np.uint8)
-    for layer, path in zip(layers, paths, strict=False):
-        layer[...] = mip_levels(read_texture(Path(path), size, "lanczos"))
+
+    def fill(number: int) -> None:
+        layers[number] = mip_levels(read_texture(Path(paths[number]), size, "lanczos"))
+
+    with ThreadPoolExecutor(usable_cores()) as pool:  # Pillow and NumPy release the interpreter's lock
+        list(pool.map(fill, range(len(paths))))
     return layers
 
 

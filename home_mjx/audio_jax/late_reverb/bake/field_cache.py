@@ -29,6 +29,7 @@ class LateReverbBake:
     options: BakeOptions = field(default_factory=BakeOptions)
     name = LATE_REVERB
     version = CACHE_VERSION
+    platform = "cpu"  # rays are traced on the host, whatever the device
     record = LateField
     unused = frozenset(("lights", "gloss", "ground_floor", "lot", "agent_materials"))
 

@@ -148,7 +148,19 @@ def smooth_normals(
     table = _numbers(rows)
     if table is None or (index == 0).any():
         return None
-    normals = _unit(table)[index - 1]
+    return keep_smooth_normals(table[index - 1].reshape(-1, 3), triangles)
+
+
+def keep_smooth_normals(
+    normals: Float[np.ndarray, "c 3"], triangles: Float[np.ndarray, "f 3 3"]
+) -> Float[np.ndarray, "f 3 3"] | None:
+    """Return normals per corner as unit vectors; None if all equal their face normals.
+
+    Args:
+        normals: Vectors of the corners of all faces, in order.
+        triangles: Corners of the faces [m].
+    """
+    normals = _unit(normals).reshape(-1, 3, 3)
     faces = _unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
     sized = np.linalg.norm(faces, axis=1) > 0
     return normals if (abs(normals - faces[:, None])[sized] > MIN_NORMAL_DEVIATION).any() else None

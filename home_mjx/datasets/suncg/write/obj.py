@@ -17,14 +17,14 @@ def obj_text(mesh: Mesh, library: str) -> str:
     """
     group = mesh.group[:, None].repeat(3, axis=1).reshape(-1)  # of every corner
     used, vertex = _unique(group, mesh.faces.reshape(-1, 1))
-    uvs, uv = _unique(group, _rounded(mesh.uv.reshape(-1, 2)))
+    uvs, uv = _unique(group, rounded(mesh.uv.reshape(-1, 2)))
     normal = np.repeat(_flat(mesh), 3, axis=0) if mesh.normal is None else mesh.normal.reshape(-1, 3)
-    normals, toward = _unique(group, _rounded(normal))
+    normals, toward = _unique(group, rounded(normal))
     index = np.stack([vertex, uv, toward], axis=-1).reshape(-1, 9) + 1  # OBJ indices start at 1, over all groups
     lines = [f"mtllib {library}\n"]
     for number in np.unique(mesh.group).tolist():
         lines += [f"o {mesh.groups[number]}\n"] if number >= 0 and mesh.groups[number] else []
-        lines.append(_rows("v %r %r %r\n", _rounded(mesh.vertices[_of(number, used)[:, 0]])))
+        lines.append(_rows("v %r %r %r\n", rounded(mesh.vertices[_of(number, used)[:, 0]])))
         lines += [_rows("vt %r %r\n", _of(number, uvs)), _rows("vn %r %r %r\n", _of(number, normals))]
         lines += _faces(mesh, mesh.group == number, index)
     return "".join(lines)
@@ -55,7 +55,7 @@ def _flat(mesh: Mesh) -> Float[np.ndarray, "f 3"]:
     return normal / np.where(length > 0, length, 1)
 
 
-def _rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
+def rounded(rows: Float[np.ndarray, "n d"]) -> Float[np.ndarray, "n d"]:
     """Return numbers rounded to `DECIMALS`, without negative zeros."""
     return np.round(rows, DECIMALS) + 0.0  # adding 0 turns -0 into 0
 
