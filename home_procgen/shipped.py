@@ -95,6 +95,8 @@ def as_read(mesh: Mesh) -> Mesh:
 
     order = face_order(mesh)
     faces = mesh.faces[order]
-    normal = keep_smooth_normals(rounded(mesh.normal[order].reshape(-1, 3)), mesh.vertices[faces])
+    normal = mesh.normal
+    if normal is not None:
+        normal = keep_smooth_normals(rounded(normal[order].reshape(-1, 3)), mesh.vertices[faces])
     parts = {name: getattr(mesh, name)[order] for name in ("uv", "slot", "group")}
     return replace(mesh, faces=faces, normal=normal, **parts)

@@ -62,6 +62,7 @@ NOT_BELOW = {  # packages that an import must not load
 }
 # Imports inside functions hide weight or a ring; each place has its reason.
 LAZY: Mapping[str, str] = {
+    "home_mjx.audio_jax.auralization.recordings": "SciPy's signal package loads for half a second; few resample",
     "home_mjx.audio_jax.kernels.cpu.xla_calls": "Numba kernels compile on first use",
     "home_mjx.audio_jax.late_reverb.bake.field_cache": "Numba is loaded where a house is baked",
     "home_mjx.cli": "a command loads only its own part, so that --help is quick",
@@ -74,6 +75,7 @@ LAZY: Mapping[str, str] = {
     "home_mjx.viewer.demo.search": "policies need Flax, which is loaded with a checkpoint",
     "home_mjx.viewer.episodes": "policies need Flax, which is loaded with a checkpoint",
     "home_procgen.plugin": "an entry point loads the generator on first use",
+    "home_procgen.shipped": "models and textures are loaded where they are made",
     "home_procgen.things.seats.armchairs": "two kinds of seats share parts",
 }
 

@@ -14,7 +14,6 @@ from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from home_mjx.core.files import write_atomically
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import ShippedSource
 from home_mjx.houses.version import version
+from home_mjx.schema.compiled import Model
 
 INDEX_MEMBER = "index.json"
 MAX_MEMBER_BYTES = 1 << 28  # [bytes], maximum size of an unpacked member
@@ -100,7 +100,7 @@ class ShippedHouses:
         assert self._source is not None
         self._source.write_textures(tuple(dict.fromkeys(paths)), progress)
 
-    def library_model(self, key: str) -> Any:
+    def library_model(self, key: str) -> Model | None:
         """Return the model with a key, built from the source's own library; None if it does not have this model."""
         assert self._source is not None
         return self._source.library_model(key)

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 from scipy.io import wavfile
-from scipy.signal import resample_poly
 
 from home_mjx.audio_jax.auralization.clips import CLIP_RMS
 from home_mjx.audio_jax.base.config import AudioConfig
@@ -43,6 +42,8 @@ def read_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
         raise ConfigError("the recording has samples that are not finite", file=path, hint="Export it again.")
     sound = samples.astype(float).reshape(len(samples), -1).mean(axis=1)
     if rate != config.sample_rate:
+        from scipy.signal import resample_poly
+
         log.warning("%s: resampled from %d to %d Hz", path, rate, config.sample_rate)
         common = math.gcd(rate, config.sample_rate)
         sound = resample_poly(sound, config.sample_rate // common, rate // common)

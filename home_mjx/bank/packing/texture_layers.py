@@ -16,6 +16,7 @@ from home_mjx.schema.compiled import TextureArray
 
 TEXTURE_SIZE, MAX_TEXTURE_SIZE = 128, 512  # [px], default edge of a layer, and the largest for large images
 WORD_BITS = 32
+LINEAR = decode_srgb(np.arange(256) / 255.0)  # linear light of each sRGB value
 
 
 def texture_size_for(edge: int) -> int:
@@ -82,7 +83,7 @@ def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
     A texel is the mean of four in linear light, weighted by opacity, so that colours of transparent texels do not
     bleed into visible ones.
     """
-    color, alpha = decode_srgb(image[..., :3] / 255.0), image[..., 3:] / 255.0
+    color, alpha = LINEAR[image[..., :3]], image[..., 3:] / 255.0
     levels = [image.reshape(-1, 4)]
     while len(color) > 1:
         weight = np.maximum(alpha, 1e-6)
