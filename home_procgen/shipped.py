@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
-import home_mjx
 from home_mjx.core.progress import plural, say
 from home_mjx.core.workers import usable_cores
 from home_mjx.schema.compiled import Model
@@ -23,7 +23,10 @@ WRITERS = "datasets/suncg/write"  # folder of `home_mjx` that writes generated h
 @cache
 def hash_inputs() -> bytes:
     """Return the SHA-256 digest of all code and data from which homes are generated, apart from the compiler."""
-    writers = Path(home_mjx.__file__).parent / WRITERS
+    spec = find_spec("home_mjx")
+    assert spec is not None
+    assert spec.origin is not None
+    writers = Path(spec.origin).parent / WRITERS
     code = [path for path in sorted(ROOT.rglob("*.py")) if path.name not in BUILD_CODE]
     total = hashlib.sha256()
     for base, paths in ((ROOT, [*code, ROOT / "data" / "models.zip"]), (writers, sorted(writers.rglob("*.py")))):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.array_store import flatten, pack_entry, read_entry
+from home_mjx.core.array_store import Arrays, JsonFields, flatten, pack_entry, read_entry
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.progress import say
 from home_mjx.env_factory import core_of
@@ -60,20 +60,20 @@ def build(path: Path, num_houses: int = NUM_HOUSES, num_filmed: int = NUM_FILMED
         textures, notes["texture_paths"] = sorted(notes["texture_paths"]), {}  # drawn, so they fit without a digest
         key = cache.entry_name(house.id, source.digest())
         rows[key] = ShippedHouse(house.id, tuple(dict.fromkeys(house.instances.model)), tuple(textures), (baked,))
-        members[f"{HOUSES}/{key}.zip"] = pack_entry(Path(f"{key}.zip"), arrays, notes)
-        members[baked] = record.read_bytes()
+        members[f"{HOUSES}/{key}.zip"] = arrays, notes
+        members[baked] = read_entry(record)
         members |= pack_models(cache, source, rows[key].models)
     write_archive(path, source, rows, members)
     say(f"{path.name}: {path.stat().st_size / 1e6:.1f} MB", True)
 
 
-def pack_models(cache: HouseCache, source: ShippedHomes, keys: tuple[str, ...]) -> dict[str, bytes]:
+def pack_models(cache: HouseCache, source: ShippedHomes, keys: tuple[str, ...]) -> dict[str, tuple[Arrays, JsonFields]]:
     """Return the entries, by member, of those models that differ from the library's, or that the library lacks."""
     found = {}
     for key in keys:
         own, path = source.library_model(key), cache.model_path(key)
-        entry = pack_entry(path, *flatten(cache.model(key)))
-        if own is None or pack_entry(path, *flatten(own)) != entry:
+        entry = flatten(cache.model(key))
+        if own is None or pack_entry(path, *flatten(own)) != pack_entry(path, *entry):
             found[f"{MODELS}/{path.name}"] = entry
     return found
 

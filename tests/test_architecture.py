@@ -62,7 +62,6 @@ NOT_BELOW = {  # packages that an import must not load
 }
 # Imports inside functions hide weight or a ring; each place has its reason.
 LAZY: Mapping[str, str] = {
-    "home_mjx.audio_jax.auralization.recordings": "SciPy's signal package loads for half a second; few resample",
     "home_mjx.audio_jax.kernels.cpu.xla_calls": "Numba kernels compile on first use",
     "home_mjx.audio_jax.late_reverb.bake.field_cache": "Numba is loaded where a house is baked",
     "home_mjx.cli": "a command loads only its own part, so that --help is quick",

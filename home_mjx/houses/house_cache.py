@@ -24,7 +24,7 @@ from home_mjx.core.array_store import (
     rebuild,
     write_entry,
 )
-from home_mjx.core.files import resolve_below, write_atomically
+from home_mjx.core.files import resolve_below
 from home_mjx.core.progress import say
 from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.kept_results import ResultStore, keep_results
@@ -189,11 +189,11 @@ class HouseCache:
     def _unpack(self, row: ShippedHouse, entry: Path, broken: bool) -> CompiledHouse | None:
         """Return a shipped house and copy it into the cache; None, after a warning, if the archive is damaged."""
         try:
-            content, arrays, notes = self._shipped.read(f"{HOUSES}/{entry.name}")
+            arrays, notes = self._shipped.read(f"{HOUSES}/{entry.name}")
             fresh = {key: self._unpack_model(key, broken) for key in row.models if key not in self.library}
             check_models(fresh)
             self.library |= fresh
-            house = self._assemble(row.id, arrays, notes)
+            house = self._assemble(row.id, arrays, dict(notes))
         except READ_ERRORS as error:
             log.warning("shipped house %s is damaged, it is compiled instead: %s", row.id, error)
             del self._shipped.houses[entry.stem]
@@ -202,8 +202,7 @@ class HouseCache:
             self.write_error = None
             create_version_folder(self._folder)
             self._shipped.unpack_bakes(row)
-            with write_atomically(entry) as file:
-                file.write(content)
+            write_entry(entry, arrays, notes)
         except READ_ERRORS as error:
             self.write_error = error if isinstance(error, OSError) else None
             log.warning("shipped house %s is not copied into the cache: %s", row.id, error)
@@ -217,7 +216,7 @@ class HouseCache:
                 return rebuild(Model, *read_entry(path))
         member = f"{MODELS}/{path.name}"
         if self._shipped.has(member):
-            model = rebuild(Model, *self._shipped.read(member)[1:])
+            model = rebuild(Model, *self._shipped.read(member))
         else:
             model = self._shipped.library_model(key)
         if model is None or model.key != key:

@@ -9,6 +9,7 @@ of other inputs holds nothing. Damage costs time only: the house is then compile
 import functools
 import json
 import logging
+import lzma
 import zipfile
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -17,7 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.core.array_store import READ_ERRORS, Arrays, JsonFields, parse_entry
+from home_mjx.core.array_store import READ_ERRORS, Arrays, JsonFields, pack_entry, parse_entry, write_entry
 from home_mjx.core.files import write_atomically
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import ShippedSource
@@ -26,6 +27,7 @@ from home_mjx.schema.compiled import Model
 
 INDEX_MEMBER = "index.json"
 MAX_MEMBER_BYTES = 1 << 28  # [bytes], maximum size of an unpacked member
+CODED = "coded"  # note with the names of coded arrays
 STAMP = (1980, 1, 1, 0, 0, 0)  # of all members: equal content, equal bytes
 
 log = logging.getLogger(__name__)
@@ -64,7 +66,7 @@ class ShippedHouses:
             return
         try:
             with zipfile.ZipFile(source.path) as archive:
-                index = json.loads(archive.read(INDEX_MEMBER))
+                index = json.loads(_unpacked(archive, INDEX_MEMBER))
                 self._members = frozenset(archive.namelist())
             if (index["compiler"], index["inputs"]) != (version(), self.inputs.hex()):
                 log.info("shipped houses are of other code, they are not used: %s", source.path)
@@ -78,18 +80,16 @@ class ShippedHouses:
         except READ_ERRORS as error:
             log.warning("shipped houses are damaged, houses are compiled instead: %s: %s", source.path, error)
 
-    def read(self, member: str) -> tuple[bytes, Arrays, JsonFields]:
-        """Return the bytes of an entry, its arrays and its notes.
+    def read(self, member: str) -> tuple[Arrays, JsonFields]:
+        """Return the arrays and the notes of an entry.
 
         Raises:
             Exception: The archive is damaged; one of `READ_ERRORS`.
         """
         assert self._source is not None
         with zipfile.ZipFile(self._source.path) as archive:
-            if archive.getinfo(member).file_size > MAX_MEMBER_BYTES:
-                raise ValueError(f"{member} has {archive.getinfo(member).file_size} bytes")
-            content = archive.read(member)
-        return content, *parse_entry(np.frombuffer(content, np.uint8), Path(member).stem)
+            content = _unpacked(archive, member)
+        return decode_arrays(*parse_entry(np.frombuffer(content, np.uint8), Path(member).stem))
 
     def has(self, member: str) -> bool:
         """Return whether the archive has a member."""
@@ -110,8 +110,7 @@ class ShippedHouses:
         for member in house.bakes:
             path = cache_folder() / member
             if not path.is_file():
-                with write_atomically(path) as file:
-                    file.write(self.read(member)[0])
+                write_entry(path, *self.read(member))
 
 
 @functools.lru_cache(maxsize=8)
@@ -130,7 +129,10 @@ def open_shipped(source: ShippedSource | None) -> ShippedHouses:
 
 
 def write_archive(
-    path: Path, source: ShippedSource, houses: Mapping[str, ShippedHouse], members: Mapping[str, bytes]
+    path: Path,
+    source: ShippedSource,
+    houses: Mapping[str, ShippedHouse],
+    members: Mapping[str, tuple[Arrays, JsonFields]],
 ) -> None:
     """Write an archive for `ShippedHouses`.
 
@@ -138,16 +140,62 @@ def write_archive(
         path: The file.
         source: Inputs of the houses.
         houses: Row of each house by the name of its entry.
-        members: Entries by member.
+        members: Arrays and notes of the entries by member.
 
     Raises:
         OSError: The file cannot be written.
     """
     rows = {key: asdict(house) for key, house in sorted(houses.items())}
     index = {"compiler": version(), "inputs": source.digest().hex(), "houses": rows}
-    content = {INDEX_MEMBER: json.dumps(index, sort_keys=True).encode(), **dict(sorted(members.items()))}
+    content = {INDEX_MEMBER: json.dumps(index, sort_keys=True).encode()}
+    content |= {name: pack_entry(Path(name), *encode_arrays(*members[name])) for name in sorted(members)}
     with write_atomically(path) as file, zipfile.ZipFile(file, "w", zipfile.ZIP_LZMA) as archive:
         for name, data in content.items():
             info = zipfile.ZipInfo(name, STAMP)
             info.compress_type = zipfile.ZIP_LZMA
             archive.writestr(info, data)
+
+
+def _unpacked(archive: zipfile.ZipFile, member: str) -> bytes:
+    """Return the bytes of a member; one of `READ_ERRORS` if it is missing, too large or damaged."""
+    size = archive.getinfo(member).file_size
+    if size > MAX_MEMBER_BYTES:
+        raise ValueError(f"{member} has {size} bytes")
+    try:
+        return archive.read(member)
+    except lzma.LZMAError as error:
+        raise ValueError(f"{member} is damaged: {error}") from None
+
+
+def encode_arrays(arrays: Arrays, notes: JsonFields) -> tuple[Arrays, JsonFields]:
+    """Return an entry with arrays that LZMA packs better, exactly: differences of rows, and planes of bytes.
+
+    Distance fields, of type uint16, become differences modulo 2**16; they need a sixth of the bytes. Arrays of type
+    float16 become their low bytes and then their high bytes.
+    """
+    coded = {name: array.dtype.str for name, array in arrays.items() if _is_coded(array)}
+    packed = {name: _encode(array) if name in coded else array for name, array in arrays.items()}
+    return packed, {**notes, CODED: coded}
+
+
+def decode_arrays(arrays: Arrays, notes: JsonFields) -> tuple[Arrays, JsonFields]:
+    """Return the entry that `encode_arrays` coded."""
+    coded = notes[CODED]
+    plain = {name: _decode(array, coded[name]) if name in coded else array for name, array in arrays.items()}
+    return plain, {name: note for name, note in notes.items() if name != CODED}
+
+
+def _is_coded(array: np.ndarray) -> bool:
+    return array.dtype.str in ("<f2", "<u2") and array.ndim > 1 and array.size > 0
+
+
+def _encode(array: np.ndarray) -> np.ndarray:
+    if array.dtype.kind == "u":
+        return np.diff(array, axis=0, prepend=np.zeros_like(array[:1]))
+    return np.ascontiguousarray(np.moveaxis(np.ascontiguousarray(array)[..., None].view(np.uint8), -1, 0))
+
+
+def _decode(array: np.ndarray, dtype: str) -> np.ndarray:
+    if np.dtype(dtype).kind == "u":
+        return np.cumsum(array, axis=0, dtype=dtype)
+    return np.ascontiguousarray(np.moveaxis(array, 0, -1)).view(dtype)[..., 0]
