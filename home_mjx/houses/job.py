@@ -87,7 +87,7 @@ def compile_dataset(
     chosen = list(dict.fromkeys(houses.house_ids))
     for house_id in chosen:
         dataset.check_known(house_id)
-    dataset.prepare(chosen, is_progress_shown(progress))
+    HouseCache(dataset, options).prepare(chosen, is_progress_shown(progress))
     path = Path(report or report_path(dataset.root, options))
     earlier = load_report(path)
     done = find_done_houses(earlier) if resume else set()
