@@ -3,6 +3,9 @@
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.geometry.rotations import quat_matrix
+from home_mjx.schema.compiled import Colliders, RoomTable
+
 PROBE_DISTANCE = 0.02  # [m], distance of the probe points from an edge
 PROBE_POSITIONS = np.linspace(-0.9, 0.9, 5)  # probe positions along an edge, in half lengths
 MIN_FREE_PROBES = 2  # minimum number of positions surrounded by air
@@ -67,6 +70,13 @@ def find_exposed_edges(
         if len(first):
             air[box[first]] &= ~np.logical_or.reduceat(is_blocked, first, axis=0)
     return air.all(axis=-1).sum(axis=-1) >= MIN_FREE_PROBES
+
+
+def exposed_edge_bits(boxes: Colliders, rooms: RoomTable) -> Int[np.ndarray, " c"]:
+    """Return `find_exposed_edges` of static boxes in a house, as bits: bit i of a box is row i of `edge_rows`."""
+    heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
+    exposed = find_exposed_edges(boxes.pos, quat_matrix(boxes.quat), boxes.size, heights)
+    return (exposed @ (1 << np.arange(NUM_EDGES))).astype(np.int32)
 
 
 def _close_pairs(

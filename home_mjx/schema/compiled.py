@@ -284,6 +284,7 @@ class CompiledHouse:
     materials: MaterialTable
     semantics: Int[np.ndarray, "q columns"]  # columns: Semantic
     colliders: Colliders
+    exposed_edges: Int[np.ndarray, " c"]  # per collider: bit i is row i of `geometry.diffraction_edges.edge_rows`
     bodies: Bodies
     planes: Planes
     rooms: RoomTable

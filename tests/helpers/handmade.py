@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, make_boxes
+from home_mjx.geometry.diffraction_edges import exposed_edge_bits
 from home_mjx.geometry.meshes import box_triangles, build_instance_tree, make_model
 from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rotations import yaw_matrix, yaw_quat
@@ -135,6 +136,7 @@ def build_house(
     models = [_architecture(slabs), *(_furniture_model(f) for f in furniture)]
     instances = _instances(models, boxes, fixed, len(slabs))
     semantics = [semantic_row(s.category, s.category, s.category, **_place(s)) for s in slabs]
+    colliders = concat_boxes([shell, boxes[fixed]]).colliders(np.append(np.full(len(shell), -1), np.flatnonzero(fixed)))
     return CompiledHouse(
         id=name,
         offset=np.zeros(3),
@@ -143,9 +145,8 @@ def build_house(
         top_bvh=build_instance_tree(instances, {m.key: m for m in models}),
         materials=_join_tables(table, material_table([SurfaceMaterial(f.color, kind="wood") for f in furniture])),
         semantics=np.array([*semantics, *_furniture_rows(furniture, instances.body, rooms)]),
-        colliders=concat_boxes([shell, boxes[fixed]]).colliders(
-            np.append(np.full(len(shell), -1), np.flatnonzero(fixed))
-        ),
+        colliders=colliders,
+        exposed_edges=exposed_edge_bits(colliders, rooms),
         bodies=_bodies(furniture, boxes, instances.pose[1:]),
         planes=planes,
         rooms=rooms,

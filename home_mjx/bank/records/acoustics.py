@@ -7,8 +7,6 @@ from jaxtyping import Array, Bool, Float, Int, Int8, UInt8
 from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.bank.records.physics import PADDING_POS
 from home_mjx.core.pytree import Pytree, array
-from home_mjx.geometry.diffraction_edges import NUM_EDGES, find_exposed_edges
-from home_mjx.geometry.rotations import quat_matrix
 
 
 def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:
@@ -19,14 +17,6 @@ def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:
 def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
     """Return the row of each plane's material in the bank's material table."""
     return at.house.planes.material + at.start["material"]
-
-
-def exposed_edge_bits(at: HouseOwner) -> Int[np.ndarray, " c"]:
-    """Return per static box a mask of exposed edges: bit i is row i of `geometry.diffraction_edges.edge_rows`."""
-    boxes, rooms = at.house.colliders, at.house.rooms
-    turn = quat_matrix(boxes.quat)
-    heights = np.stack([rooms.floor, rooms.ceiling], axis=1)
-    return find_exposed_edges(boxes.pos, turn, boxes.size, heights) @ (1 << np.arange(NUM_EDGES))
 
 
 class Acoustics(Pytree):
@@ -43,7 +33,7 @@ class Acoustics(Pytree):
     )
     plane_material: Int[Array, "h planes"] = array("absolute row", source=plane_material)
     collider_edges: Int[Array, "h colliders"] = array(
-        "bits of the exposed edges of static boxes, see `geometry.diffraction_edges`", source=exposed_edge_bits
+        "bits of the exposed edges of static boxes, see `geometry.diffraction_edges`", source="exposed_edges"
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from home_mjx.geometry.diffraction_edges import exposed_edge_bits
 from home_mjx.geometry.meshes import build_instance_tree, instance_box
 from home_mjx.scene_compile.architecture.reflection_planes import build_reflection_planes
 from home_mjx.scene_compile.architecture.rooms import HouseFrame, ground_floor_height
@@ -80,6 +81,7 @@ def assemble(
         materials=surfaces.materials,
         semantics=semantics,
         colliders=levels.colliders,
+        exposed_edges=exposed_edge_bits(levels.colliders, frame.rooms),
         bodies=levels.bodies,
         planes=surfaces.planes,
         rooms=frame.rooms,

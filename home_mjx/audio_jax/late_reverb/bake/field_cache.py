@@ -31,7 +31,7 @@ class LateReverbBake:
     version = CACHE_VERSION
     platform = "cpu"  # rays are traced on the host, whatever the device
     record = LateField
-    unused = frozenset(("lights", "gloss", "ground_floor", "lot", "agent_materials"))
+    unused = frozenset(("lights", "gloss", "ground_floor", "lot", "agent_materials", "exposed_edges"))
 
     @property
     def substitutes(self) -> tuple["LateReverbBake", ...]:
