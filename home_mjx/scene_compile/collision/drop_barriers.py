@@ -36,7 +36,7 @@ class FloorEdge:
 
     @property
     def points(self) -> Float[np.ndarray, "n 2"]:
-        """Points along the edge, at most `SAMPLE_SPACING` apart, without its ends [m]."""
+        """Middles of equal pieces of the edge, each at most `SAMPLE_SPACING` long [m]; at least one."""
         count = max(int(np.ceil(np.linalg.norm(self.end - self.start) / SAMPLE_SPACING)), 1)
         return self.start + (np.arange(count) + 0.5)[:, None] / count * (self.end - self.start)
 

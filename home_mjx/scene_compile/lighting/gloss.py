@@ -31,9 +31,10 @@ def gloss_table(
     models: Mapping[str, Mesh],
     first: Sequence[int],
 ) -> Gloss:
-    """Return the gloss of the material rows of a house: from the MTL, else by the kind of material.
+    """Return the gloss of a house's material rows: from the MTL if it has `Ks` and `Ns`, else by kind of material.
 
-    `surfaces` are by row, `models` are meshes by key, and `first` has the first row of each object.
+    Set `mirror` for the reflecting slots of mirrors. `surfaces` are by row, `models` meshes by key, and `first` has
+    the first row of each object.
     """
     gloss = Gloss.matt(len(surfaces))
     for row, item in enumerate(surfaces):

@@ -187,7 +187,10 @@ def _stairs(
 
 
 def _head_gap(path: StraightFlights | CurvedFlight, width: float) -> Float[np.ndarray, "4 2"]:
-    """Return the rectangle from the last tread to the floor beyond, where its hole is longer than the stairs [m]."""
+    """Return a rectangle from the last tread to `ROOM_PROBE_DISTANCE` beyond, `width` wide [m].
+
+    It covers the gap of a hole that is longer than the stairs; its length does not depend on the hole.
+    """
     start, end = path.ends(0.0)[1], path.ends(ROOM_PROBE_DISTANCE)[1]
     aside = np.array([start[1] - end[1], end[0] - start[0]]) / ROOM_PROBE_DISTANCE * width / 2
     return np.array([start - aside, end - aside, end + aside, start + aside])

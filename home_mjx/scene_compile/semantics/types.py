@@ -142,7 +142,7 @@ class HouseSemantics:
 
     @property
     def _ids(self) -> list[int]:
-        """Object ids, in order."""
+        """Object ids in the order of `objects`, as `_boxes` and `_places`."""
         return [item.object_id for item in self.objects]
 
     @cached_property

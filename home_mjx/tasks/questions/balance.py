@@ -16,7 +16,9 @@ Block = list[FeasibleRow]  # rows of one question, one for each of its answers
 
 
 def balance_rows(drawn: list[FeasibleRow], max_rows: int, random: np.random.Generator) -> list[FeasibleRow]:
-    """Select rows such that each question occurs equally often with each of its answers.
+    """Select rows of all houses such that each question occurs equally often with each answer that is kept.
+
+    Each question keeps its most frequent answers, as many as keep most rows; with only one answer it is dropped.
 
     Args:
         drawn: Rows whose `group` is the kind and the text of their question.

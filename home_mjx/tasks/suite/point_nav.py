@@ -75,7 +75,7 @@ class PointNav(Task):
 
     @property
     def observation_spec(self) -> Specs:
-        """Spec of `goal`."""
+        """Spec of `goal`: plan distance [m], cosine and sine of bearing, height above feet [m]."""
         return {"goal": GOAL_SPEC}
 
     @property

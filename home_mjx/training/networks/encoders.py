@@ -139,10 +139,10 @@ class Encoder(nn.Module):
     def _encode_images(
         self, images: list[Array], marks: list[Array], words: Array | None
     ) -> list[Float[Array, "*b f"]]:
-        """Encode images of one size, stacked along channels with `marks` of `mark_named_pixels`; `words` are features.
+        """Encode images of one size and `marks` of `mark_named_pixels`, stacked; the features `words` condition it.
 
         Returns:
-            One feature vector; with marks and words, a second one by attention to the marked pixels.
+            One feature vector; with marks and words also a second, of image values pooled over marked pixels.
         """
         stacked = jnp.concatenate(images + marks, axis=-1)
         whole = ImageEncoder(self.channels, self.features, self.dtype)(stacked, words)

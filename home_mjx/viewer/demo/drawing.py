@@ -47,7 +47,10 @@ class WalkRecord:
 
 
 def write_contact_sheet(env: Env[HouseholdEnv], walk: WalkRecord, folder: Path) -> None:
-    """Write `contact_sheet.png`: a row per environment, at the step in which its agent observes most instances."""
+    """Write `contact_sheet.png`: a row per environment, at the step in which its agent observes most instances.
+
+    A row shows the agent's view, its depth and category images, and a plan of each storey with the path.
+    """
     camera = FilmCamera(env, WIDTH, HEIGHT)
     paths = np.stack(walk.positions)
     rows = []
