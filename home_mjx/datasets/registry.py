@@ -153,12 +153,12 @@ def find_format(scheme: str) -> DatasetFormat:
 
 
 @cache
-def _installed() -> dict[str, EntryPoint]:
+def _installed() -> dict[str, Any]:
     """Return the entry points of installed datasets by scheme, including `suncg`; cached."""
     return {point.name: point for point in (SUNCG, *entry_points(group=GROUP))}
 
 
-def _loaded(point: EntryPoint) -> Any:
+def _loaded(point: Any) -> Any:
     """Import the object of an entry point; raise `ConfigError` if that fails."""
     try:
         return point.load()

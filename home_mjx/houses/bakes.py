@@ -9,10 +9,11 @@ import hashlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
+import jax
 import numpy as np
 
 from home_mjx.bank.bank import HouseBank
@@ -147,7 +148,7 @@ def find_bake(name: str) -> Bake:
 
 
 @cache
-def _installed() -> dict[str, EntryPoint]:
+def _installed() -> dict[str, Any]:
     """Return the entry points of bakes by name; cached."""
     return {point.name: point for point in entry_points(group=GROUP)}
 

@@ -165,9 +165,10 @@ class HouseCache:
         return {key: self.library[key] for key in keys}
 
     def entry_path(self, house_id: str) -> Path:
-        """Return the path of the house's cache entry, whether or not it exists; first prepare the dataset's files.
+        """Return the path of the house's cache entry, whether or not it exists.
 
-        The file name is a digest of the id, the options, the reader and the content of these files.
+        The file name is a digest of the id, the options, the reader, the fallbacks and the dataset's files.
+        Prepare these files first, unless the house is shipped.
 
         Raises:
             DatasetError: The files cannot be written, see `Dataset.prepare`.

@@ -126,7 +126,7 @@ def _shift_grid(values: Array, rows: int, columns: int, fill: float | bool) -> A
 
 
 def _shift(values: Array, step: int, fill: float | bool) -> Array:
-    """Return values shifted by one column, to higher indices for `step` 1, lower for -1; `fill` moves in."""
+    """Return a row (nx,) shifted by one cell, to higher indices for `step` 1, lower for -1; `fill` moves in."""
     moved = jnp.roll(values, step)
     return moved.at[0 if step > 0 else -1].set(fill)
 

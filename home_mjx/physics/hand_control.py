@@ -222,7 +222,11 @@ def _track_place_target(template: Template, bodies: MovableBodies, state: Physic
 
 
 def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    """Open the hand if its body is placed or torn away; carry it again after `MAX_PLACE_STEPS` steps of placing."""
+    """Open the hand if its body is placed or torn away; carry it again after `MAX_PLACE_STEPS` steps of placing.
+
+    A carried body is torn away if it is beyond `MAX_HOLD_DISTANCE` after it was once within it.
+    A picked body that never comes that near is torn away after `MAX_PLACE_STEPS` steps.
+    """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     puts = jnp.isfinite(state.place_target[a, 0])

@@ -64,7 +64,7 @@ class Template:
 
     @functools.cached_property
     def data(self) -> mjx.Data:
-        """MJX data of the model at its initial pose, created on first use."""
+        """MJX data with the initial `qpos`, made on first use; derived fields such as `xpos` are 0."""
         return run_untraced(lambda: mjx.make_data(self.model))
 
 

@@ -129,7 +129,11 @@ def _door_jacobian(work, n, side, m, sign):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _surface(work, numbers, a, b):
-    """Return the contact parameters of a contact or joint limit: columns of `base.surfaces`; agents are always `a`."""
+    """Return friction, stiffness, damping, impedance and its width of a contact or joint limit; agents are `a`.
+
+    Agents' contacts and joint limits have no friction and the common parameters. Two bodies have the larger
+    friction, stiffness and damping, and mean impedances. Other contacts have those of the body.
+    """
     if b == JOINT_LIMIT or a < work.num_agents:
         return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
     other = SLEEPING_BODY - b if b <= SLEEPING_BODY else b

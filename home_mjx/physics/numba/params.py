@@ -114,7 +114,7 @@ def step_params(config: PhysicsSetup) -> StepParams:
 
 
 def reference_surfaces(surfaces: Values) -> Values:
-    """Convert stiffness and damping in rows of `base.surfaces`; other columns are unchanged.
+    """Divide stiffness by `SOLIMP[1]` ** 2 and damping by `SOLIMP[1]` in rows of `base.surfaces`.
 
     The reference acceleration is then `stiffness * impedance * depth - damping * velocity`.
     """

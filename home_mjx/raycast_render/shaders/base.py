@@ -7,7 +7,7 @@ object is its class.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import jax.numpy as jnp
@@ -176,7 +176,7 @@ def _find_class(name: str) -> Callable[[], Shader]:
 
 
 @cache
-def _installed() -> dict[str, EntryPoint]:
+def _installed() -> dict[str, Any]:
     """Return the entry points of installed shaders by name."""
     return {point.name: point for point in entry_points(group=GROUP)}
 

@@ -107,9 +107,10 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
 def lamp_light(
     scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, count: int
 ) -> IncidentLight:
-    """Compute the light that reaches points from their `count` lights of highest irradiance, with shadow rays.
+    """Compute irradiance and specular radiance at points from their `count` lights of highest irradiance.
 
-    `spread` has emitting positions in [-1, 1] along both axes of linear and rectangular lights; None: their centres.
+    Shadow rays are cast. `spread` has emitting positions in [-1, 1] along both axes of linear and rectangular
+    lights; None: their centres.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)

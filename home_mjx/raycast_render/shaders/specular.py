@@ -50,7 +50,7 @@ def trace_specular(
 ) -> PathState:
     """Trace camera rays through at most `max_specular_depth` specular events.
 
-    Behind the first pane all other glass is ignored, so that any number of panes costs one ray.
+    Behind the first pane or mirror all translucent glass is ignored, so that any number of panes costs one ray.
 
     Args:
         scene: Scene of one environment.
@@ -70,7 +70,10 @@ def _extend_path(
     growth: Float[Array, ""],
     exclude: Int[Array, ""] | int,
 ) -> PathState:
-    """Cast rays at glass or a mirror one segment farther, and multiply their throughput; other rays are unchanged."""
+    """Cast rays at translucent glass or a mirror one segment farther, and multiply their throughput.
+
+    Other rays are unchanged. The new segment passes all translucent glass, also behind a mirror.
+    """
     hit, bank = sight.hit, scene.bank
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0
