@@ -239,16 +239,22 @@ class HouseStream:
     def _retire(self) -> None:
         """Exclude the longest active slot from resets, and prepare its next house in the background thread."""
         house_slot = self._active.pop(0)
+        self._draw_active()
+        self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
+
+    def _draw_active(self) -> None:
+        """Let resets draw the active slots alone."""
         self.bank = self.bank.replace(
             reset_houses=jnp.asarray(np.resize(self._active, self.bank.num_houses), jnp.int32)
         )
-        self._retiring.append(_Retiring(house_slot, self._calls, self._worker.submit(self._next, house_slot)))
 
     def _exchange(self, item: _Retiring) -> None:
         """Write the prepared house into a retired slot and retire the next one; do nothing if no house is left."""
         self._retiring.remove(item)
         prepared = item.house.result()
-        if prepared is None:  # no usable house is left, so the slot keeps its house
+        if prepared is None:  # no usable house is left, so the slot keeps its house, and resets draw it again
+            self._active.append(item.house_slot)
+            self._draw_active()
             return
         self.bank = _write(self.bank, prepared)
         self._active.append(item.house_slot)

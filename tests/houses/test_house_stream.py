@@ -120,6 +120,16 @@ def test_a_house_that_does_not_fit_is_skipped_and_reported(root, tmp_path):
         assert "house.json" in stream.skipped[IDS[6]]
 
 
+def test_a_slot_without_a_next_house_is_drawn_again(root, monkeypatch):
+    """All other houses turn out to be unusable after the first ones were loaded."""
+    monkeypatch.setattr(HouseStream, "_next", lambda self, house_slot: None)
+    with HouseStream(root, IDS[:3], num_slots=2, capacity_factor=2.0) as stream:
+        assert set(np.asarray(stream.bank.reset_houses).tolist()) == {1}
+        for _ in range(8):
+            stream.advance(jnp.ones(1, jnp.int32))
+        assert set(np.asarray(stream.bank.reset_houses).tolist()) == {0, 1}
+
+
 def test_refusals(root):
     with pytest.raises(ConfigError, match="at least as many houses"):
         HouseStream(root, IDS[:2], num_slots=3)

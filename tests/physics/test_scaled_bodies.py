@@ -8,6 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tiny_houses import Box, TinyHouse, make_bank
 
 from home_mjx import physics
+from home_mjx.errors import ConfigError
 from home_mjx.physics import BodyScale, PhysicsSetup, Template
 from home_mjx.schema import Timing
 
@@ -49,6 +50,11 @@ def slide(houses, scales, impl="fused", speed=SPEED, agent=(50.0, 50.0, 0.0), fo
     pos, qpos, mass = run(house, factors)
     assert_array_equal(mass, factors[:, 1])
     return np.asarray(pos), np.asarray(qpos)
+
+
+def test_c_mujoco_refuses_scaled_bodies():
+    with pytest.raises(ConfigError, match="does not scale bodies"):
+        slide([TinyHouse(movable=boxes())], FACTORS[:1], impl="c")
 
 
 @pytest.fixture(scope="module")

@@ -102,7 +102,7 @@ def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"
         ((2000, 7), 0.01, 3)
     """
     samples, size = clip_samples(name, config), config.bin_samples
-    gains = octave_gains(np.fft.rfftfreq(len(samples), 1 / config.sample_rate))
+    gains = np.sqrt(octave_gains(np.fft.rfftfreq(len(samples), 1 / config.sample_rate)))  # energies of octaves add up
     bands = np.fft.irfft(np.fft.rfft(samples) * gains, len(samples))
     count = len(samples) // size
     power = np.mean(bands[:, : count * size].reshape(len(BANDS), count, size) ** 2, axis=-1)

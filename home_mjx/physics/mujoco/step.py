@@ -34,10 +34,12 @@ def step_mujoco(
     """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
     Raises:
-        ConfigError: The program is compiled for a platform other than CPU.
+        ConfigError: The program is compiled for a platform other than CPU, or the state has scaled bodies.
         BackendError: This is a forked child of a process that has already stepped.
     """
     check_platform()
+    if state.scale is not None:
+        raise ConfigError('impl="c" does not scale bodies', hint="Leave `BodyScale` out, or use another `impl`.")
     bodies, leaves = movable_bodies(physics, house), house_doors(physics, house)
     parts, layout = (bodies, leaves, physics.ramp[house]), template.layout
     find, move = _calls(_houses(template, physics))

@@ -119,9 +119,10 @@ def _alike(a: Light, b: Light) -> bool:
 
 
 def _aim(light: Light) -> Float[np.ndarray, "3"]:
-    """Return a light's unit direction in its model's frame, Z up; down if the file has none."""
-    direction = np.array(light.direction or (0.0, -1.0, 0.0), float)
-    return to_z_up(direction / max(np.linalg.norm(direction), 1e-9))
+    """Return a light's unit direction in its model's frame, Z up; down if the file has none, or zeros."""
+    given = light.direction if light.direction and any(light.direction) else (0.0, -1.0, 0.0)
+    direction = np.array(given, float)
+    return to_z_up(direction / np.linalg.norm(direction))
 
 
 def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSource:

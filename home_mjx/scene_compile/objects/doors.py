@@ -70,9 +70,9 @@ def _leaf_part(joint: Joint, model: Model) -> LeafPart:
 
 
 def _cut_out(model: Model, kept: Bool[np.ndarray, " t"], name: str) -> Model:
-    """Return the model of some triangles, `<stem>/<name>`, with new normals; kept models are reused."""
+    """Return the model of some triangles, `<stem>/<name>`, with their normals; kept models are reused."""
     stem = model.key.split(":")[0]
-    arrays = (values[kept] for values in (model.triangle, model.uv, model.slot, model.part))
+    arrays = (values[kept] for values in (model.triangle, model.uv, model.slot, model.part, model.normal))
     return make_model(f"{stem}/{name}", *arrays, find=find_model)
 
 

@@ -9,6 +9,7 @@ from home_mjx.geometry.polygons import find_innermost_point, is_inside_polygon
 from home_mjx.scene_compile.lighting.lights import (
     LightOptions,
     LightSource,
+    _aim,
     build_lights,
     compute_ambient_irradiance,
     find_lamp_sources,
@@ -54,6 +55,11 @@ def test_all_power_is_given_off(light):
     item = placed([light])
     (source,) = find_lamp_sources(item)
     np.testing.assert_allclose(flux_of(source), 10.0, rtol=0.02)
+
+
+def test_a_spot_whose_file_has_no_direction_or_zeros_shines_down():
+    for direction in (None, (0.0, 0.0, 0.0)):
+        np.testing.assert_allclose(_aim(point(kind="spot", direction=direction)), [0, 0, -1], atol=1e-12)
 
 
 def test_lights_stand_in_the_model_s_frame_z_up():

@@ -13,8 +13,9 @@ from scipy.spatial import cKDTree
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.hinges import find_hinges
 from home_mjx.geometry.box_fit import sample_surface
-from home_mjx.geometry.meshes import transform, triangles_z_up
+from home_mjx.geometry.meshes import box_triangles, make_model, transform, triangles_z_up
 from home_mjx.scene_compile.mjcf.export import to_mjcf
+from home_mjx.scene_compile.objects.doors import _cut_out
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.agent import AgentBody
 
@@ -188,3 +189,15 @@ def test_agent_pushes_a_leaf_open(tmp_path):
     # It opens to one side only; from the other the stop holds.
     assert max(turned_by) > np.deg2rad(80)
     assert min(turned_by) < np.deg2rad(1)
+
+
+def test_pieces_of_a_door_keep_its_normals(rng):
+    """Those of the file, which are not recomputed from the faces of a piece."""
+    triangles = box_triangles(np.zeros(3), np.array([0.4, 0.02, 1.0]))
+    normal = rng.normal(size=(len(triangles), 3, 3))
+    door = make_model("door", triangles, normal=normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+    kept = np.arange(len(triangles)) % 3 != 0
+    piece = _cut_out(door, kept, "leaf")
+    order = [int(np.flatnonzero((door.triangle == t).all(axis=(1, 2)))[0]) for t in piece.triangle]
+    assert sorted(order) == np.flatnonzero(kept).tolist()
+    np.testing.assert_array_equal(piece.normal, door.normal[order])

@@ -128,6 +128,14 @@ def test_power_of_a_frame_by_hand():
 
 @pytest.mark.parametrize("name", ["tone", "speech"])
 def test_the_power_of_clips_is_that_of_their_samples(name):
-    """But for what bands share at their edges."""
+    """Energies of octaves add up, also where they overlap."""
     power, samples = clip_power(name, AudioConfig()), clip_samples(name, AudioConfig())
-    assert 0.7 * np.mean(samples**2) < power.sum(axis=1).mean() <= 1.001 * np.mean(samples**2)
+    assert power.sum(axis=1).mean() == pytest.approx(np.mean(samples**2), rel=5e-3)
+
+
+def test_a_tone_between_two_octaves_has_all_its_power_in_both(monkeypatch):
+    """At 710 Hz; amplitude gains of one half would leave half of the power."""
+    tone = np.sin(2 * np.pi * 710 * np.arange(32_000) / 16_000)
+    monkeypatch.setattr("home_mjx.audio_jax.auralization.envelope.clip_samples", lambda name, config: tone)
+    power = clip_power.__wrapped__("tone", AudioConfig())
+    assert power.sum(axis=1).mean() == pytest.approx(0.5, rel=5e-3)
