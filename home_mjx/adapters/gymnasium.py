@@ -217,9 +217,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
     def _step_result(
         self, state: State, infos: dict[str, Any]
     ) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """Return the result of `step` by autoreset mode; update the mask of environments whose next step only resets.
+        """Return the 5-tuple of `step`; rewards (n,) are means over agents, 0 where it only reset.
 
-        `infos` is from `collect_infos`; `agent_reward` is added to it if there are several agents.
+        NEXT_STEP: `obs` has the last observations of ended episodes, and the mask marks them. SAME_STEP: they are
+        in `final_obs`. `infos` is from `collect_infos`; with several agents, `agent_reward` is added to it.
         """
         moved, obs = ~self._pending_reset, tools.to_numpy(state.obs)
         rewards = np.asarray(state.reward, np.float64).reshape(self.num_envs, -1) * moved[:, None]

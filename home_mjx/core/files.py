@@ -99,7 +99,10 @@ def read_json_lines(
 
 
 def _lines(path: Path, most: int | None) -> Iterator[str]:
-    """Yield decoded lines with newline; errors as in `read_text` (`most`: bytes), also above `MAX_LINE_BYTES`."""
+    """Yield decoded lines with newline; errors as in `read_text`, also for lines above `MAX_LINE_BYTES`.
+
+    `most`: maximum size of the file [bytes]; None: `MAX_BYTES`.
+    """
     with _readable(path):
         _check(path, most or MAX_BYTES)
         with open_regular(path) as file:

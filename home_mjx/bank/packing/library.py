@@ -83,7 +83,7 @@ class Library:
         return found | {"material": [row], "semantic": [row]}
 
     def shared_owners(self, texture_size: int) -> Owners:
-        """Read all textures at edge `texture_size` [px]; return the owner of shared arrays under the kind `SHARED`."""
+        """Read all textures at edge `texture_size` [px]; return {`SHARED`: [owner of texels and cut-outs]}."""
         layers = load_textures(self.textures, texture_size)
         return {SHARED: [SharedOwner(SharedArrays(layers.view("<u4")[..., 0], cutout_bits(layers, texture_size)))]}
 

@@ -62,7 +62,10 @@ def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
 
 
 def door_source(field: str, fill: Any = 0) -> Callable[[HouseOwner], np.ndarray]:
-    """Return a function that puts a field of a house's doors into their rows of the bank; other rows are `fill`."""
+    """Return a function of an owner that lists a field of its doors by row of the bank's `doors` axis.
+
+    Rows without a door are `fill`.
+    """
 
     def rows(at: HouseOwner) -> np.ndarray:
         """Return the field by row of the bank's doors."""

@@ -93,7 +93,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
-    """Raise `ConfigError`, before training, if the dataset has no house in the evaluation's split."""
+    """Raise `ConfigError`, before training, if the dataset has no house in the evaluation's split.
+
+    `num_houses`: maximum number of houses to evaluate on; fewer suffice. Specs without `houses` pass.
+    """
     from home_mjx.houses.house_set import HouseSet
     from home_mjx.training.evaluation import evaluation_spec
 

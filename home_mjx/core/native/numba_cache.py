@@ -114,7 +114,10 @@ def _locked(fcntl: Any, file: IO[bytes]) -> bool:
 
 
 def _place(build: Callable[[], Any]) -> tuple[Path | None, str]:
-    """Return the folder of Numba's cache for a function's file, None if there is no cache, and the file-name prefix."""
+    """Return the folder of Numba's cache, None if there is none, and the stem of the source file of `build`.
+
+    All cache files of the functions in that source file begin with the stem. `build` is not called.
+    """
     build = inspect.unwrap(build)  # a type checker may have wrapped it in a function of another file
     stem = Path(build.__code__.co_filename).stem
     try:

@@ -155,7 +155,10 @@ def _weight(i, rest):
 @compiled
 @no_type_check
 def _read_one(even, uneven, k, rest):
-    """Interpolate sample `k`, as `_read`."""
+    """Interpolate one value from the 8 half samples even[k], uneven[k], .. uneven[k + 3], as `_read` does.
+
+    `rest`: fraction 0..1 between the fourth and the fifth of them.
+    """
     value = ZERO
     for i in range(NUM_READ):
         weight = ZERO

@@ -47,7 +47,10 @@ def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
 
 
 def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for `first_tables`, then signal, begin, `octave_levels` of sources (e ...); return (e 2 m)."""
+    """Filter e signals with their octave gains at the start and at the end of the frame; return ((e 2 m),).
+
+    `given`: `first_tables`, then signal, begin and both results of `octave_levels`, each with a leading axis e.
+    """
     octaves, turns, source, begin, level, sounds = given
     (count, length), size = source.shape, 2 * (octaves.shape[1] - 1)
     sizes = traced_constant((length, num_filter_samples(config), num_output_samples(config)))

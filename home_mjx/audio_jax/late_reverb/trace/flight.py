@@ -344,10 +344,10 @@ def _add_portal(flight, room, entered, when, energy):
 @compiled
 @no_type_check
 def _keep(flight, rays, i, direction, at, energy, since, room, entered, filled):
-    """Keep an ended ray, if there is memory, and return the number of kept rays.
+    """Append ended ray `i` at its current origin; return the number of kept rays, unchanged if memory is full.
 
-    Rays restart with `since`, the distance from the start of the bin in which they reached the portal state. Otherwise,
-    rounding down to whole bins would lose half a bin at each portal state.
+    `at`: index of the first component in `direction`. `since`: distance from the start of the bin in which it
+    reached the portal state [m]; restarts need it. `entered`: room after `room`, equal if it ended by age.
     """
     ended = flight.ended
     if filled >= flight.rules.kept:

@@ -64,7 +64,7 @@ def _split_indices(rows: Rows) -> tuple[Int[np.ndarray, "c 3"] | None, Int[np.nd
 
 
 def _words(text: str) -> list[str]:
-    """Return the corners of an `f` line as text, such as `1/2/3`, without a comment behind them."""
+    """Split the text after the keyword `f` into corners such as `1/2/3`; a comment behind them is omitted."""
     return text.partition("#")[0].split()
 
 

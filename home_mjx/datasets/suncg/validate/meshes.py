@@ -81,5 +81,5 @@ def _check_faces(subject: ValidationContext, joints: tuple[Joint, ...], mesh: Me
 
 
 def _report(subject: ValidationContext, rule: str, element: str, message: str) -> None:
-    """Record a finding in the joint table."""
+    """Report a finding whose file is the dataset's table of joints, metadata/joints.csv."""
     subject.report(rule, element, message, subject.reading.assets.root / "metadata" / JOINTS)
