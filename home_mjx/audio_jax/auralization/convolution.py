@@ -57,9 +57,9 @@ def emitted_signal(
 
     Args:
         clips: All clips.
-        sounds: The sources.
+        sounds: The sources, whose gains and schedules apply, see `schedule_gain`.
         clip_index: Index of the clip that each source plays; -1 silent.
-        phase: Index of the clips' sample emitted at the frame's first sample.
+        phase: Sample index in the clips, which repeat, that is emitted at the frame's first sample.
         time: Number of the frame's first sample, counted from the start of the schedules.
         config: Options; provides the lengths.
 
@@ -84,7 +84,7 @@ def convolve_frame(
     response_new: Float[Array, "e l"],
     config: AudioConfig,
 ) -> Float[Array, "e m"]:
-    """Convolve an emitted signal with two responses and cross-fade, as in `convolve_clip_frame`.
+    """Convolve an emitted signal with two responses and cross-fade linearly, as in `convolve_clip_frame`.
 
     Args:
         emitted: Signal at 1 m: `config.response_length` - 1 samples before the frame, then the frame.

@@ -62,7 +62,10 @@ def energy_envelope(
 def _late(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
-    """Return late energies, and n world directions of incidence (n = 0: `NoLate`, 2: `Baked`) with energies."""
+    """Return late energies per bin, and n world directions of incidence with their energies over all bins.
+
+    n is 0 with `NoLate`, 2 with `Baked` (the mean direction and its opposite), else the number of rays.
+    """
     if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
         return jnp.zeros((config.num_bins, config.num_channels, len(BANDS)), jnp.float32), nowhere, nothing

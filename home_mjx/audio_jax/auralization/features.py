@@ -114,7 +114,7 @@ def hz_to_mel(frequency: float) -> float:
 
 @functools.cache
 def mel_filters(sample_rate: int, num_bins: int) -> Float[np.ndarray, "mels bins"]:
-    """Compute the weight, 0 .. 1, of each of `num_bins` frequencies from 0 to half the rate in each mel band."""
+    """Compute triangular weights, 0 .. 1, per mel band of `num_bins` equally spaced frequencies, 0 to half the rate."""
     corners = 700 * (10 ** (np.linspace(0, hz_to_mel(sample_rate / 2), NUM_MELS + 2) / 2595) - 1)
     frequency = np.linspace(0, sample_rate / 2, num_bins)
     rise = (frequency - corners[:-2, None]) / np.diff(corners)[:-1, None]

@@ -90,7 +90,7 @@ def baked_energy(
     """Return baked late energy per bin, channel and octave, and its mean direction of incidence (world, length <= 1).
 
     In each time span, the length of the mean direction (0 .. 1) is the share of energy from that direction; the rest is
-    isotropic.
+    isotropic. Energies include the source's directivity; channels are those of `late_energy`.
     """
     late = lookup_late_sound(scene, source.pos, listener.pos, config)
     late = late.replace(energy=late.energy * late_directivity_gain(source, late))
@@ -209,7 +209,7 @@ def path_basis_weights(
 
 
 def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
-    """Compute impulse responses with `path_basis_weights`, delayed by 0 .. 1; 0 is at `NUM_KERNEL_PRE_SAMPLES`."""
+    """Compute pulses of `path_basis_weights`, delayed by 0 .. 1 samples; time 0 is at tap `NUM_KERNEL_PRE_SAMPLES`."""
     size = _transform_size(config)
     spectra = np.fft.rfft(filter_basis(config.sample_rate).kernel, size)
     parts = (jnp.asarray(x, jnp.float32) for x in (spectra.real, spectra.imag))
@@ -242,7 +242,7 @@ def late_response(
 def diffuse_response(
     energy: Float[Array, "k e bands"], draw: NoiseDraw, head_quat: Float[Array, "4"], config: AudioConfig
 ) -> Float[Array, "c l"]:
-    """Synthesize the late response with a given draw of the noise instead of a key; else as `late_response`."""
+    """Synthesize late pressure per channel from `late_energy` and a given draw of the noise, see `late_response`."""
     table = jnp.asarray(noise_bin_table(config))
     subscripts = "kem,ekms->eks" if table.ndim == 4 else "kem,kms->eks"  # separate noise per channel, or shared noise
     sound = jnp.einsum(

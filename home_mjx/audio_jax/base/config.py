@@ -85,7 +85,7 @@ class AudioConfig:
             self._check_baked()
 
     def _check_baked(self) -> None:
-        """Raise `ConfigError` unless the options that affect baked energies equal those of the bake."""
+        """Raise `ConfigError` unless options that affect baked energies equal the bake's and reflections are on."""
         default, early = AudioConfig(), EarlyPaths().reflection_order
         for name, value, baked in (
             ("bin_seconds", self.bin_seconds, default.bin_seconds),

@@ -112,7 +112,7 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
 
 
 def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
-    """Return weights (sum 1) of `count` angles 0..pi for means over the sphere; exact for energies linear in angle."""
+    """Return weights (sum 1) of `count` equally spaced angles 0..pi for sphere means; exact for linear energy."""
     step = math.pi / (count - 1)
     share = np.sin(np.arange(count) * step) * (1 - math.cos(step)) / step
     share[0] = share[-1] = (1 - math.sin(step) / step) / 2
@@ -125,7 +125,7 @@ def _angles() -> Float[np.ndarray, " a"]:
 
 
 def _per_octave(name: str, value: float | Sequence[float], most: float) -> Float[np.ndarray, " bands"]:
-    """Repeat a single value for all octaves; raise `ConfigError` for other counts, and values outside 0 .. `most`."""
+    """Return one value per octave, a single one repeated; `ConfigError` for other counts, and outside 0 .. `most`."""
     values = [value] * len(BANDS) if isinstance(value, int | float) else list(value)
     if len(values) != len(BANDS):
         raise ConfigError(f"`{name}` must be one number or {len(BANDS)}, got {len(values)}")

@@ -81,7 +81,7 @@ def num_stored_frames(audio: AudioConfig) -> int:
 def add_transients(
     old: TransientSounds, new: TransientSounds, audio: AudioConfig, now: Int[Array, ""]
 ) -> tuple[TransientSounds, Bool[Array, ""]]:
-    """Put new transient sounds into the slots that started first.
+    """Put new transient sounds into empty slots, then into those that started first.
 
     Args:
         old: Current sounds in k slots.
@@ -118,11 +118,11 @@ def update_sustained(
 ) -> tuple[SustainedSounds, Bool[Array, ""]]:
     """Update sustained sounds: an emitter keeps its slot until its gains are 0; the loudest new ones take free slots.
 
-    Slots of silent emitters keep their position, body and row.
+    Slots of silent emitters keep their position, body and row. Gains of earlier frames move back by one column.
 
     Args:
         old: Current sounds.
-        pos: Positions of all n possible emitters [m]; their row is `SustainedSounds.emitter`.
+        pos: Positions of all n possible emitters [m]; their index is `SustainedSounds.emitter`.
         body: Object ids of the emitters.
         row: Row of `sustained_bank` of each emitter.
         gain: Current gain of each emitter; 0 if silent.
@@ -168,7 +168,7 @@ def has_sound(noises: ContactSounds) -> Bool[Array, " e"]:
 
 
 def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w"]:
-    """Return the signal of each slot, transient ones first, in the samples of `emitted_signal`.
+    """Return the pressure at 1 m of each slot, transient ones first, in the w samples of `emitted_signal`.
 
     `noises` are the sounds after the step of this frame, `time` is its start [samples since the episode's start].
     """
@@ -217,7 +217,7 @@ def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfi
 
 
 def _interpolate_gain(gain: Float[Array, " h"], place: Float[Array, " w"]) -> Float[Array, " w"]:
-    """Interpolate `gain`, of frame ends from this one back, linearly at `place` [frames] since this frame's start."""
+    """Interpolate `gain`, of frame ends from this one back, linearly at `place` [frames since its start]; clamped."""
     back = jnp.clip(1 - place, 0.0, gain.size - 1.0)  # frames before the end of this one
     whole = jnp.minimum(back.astype(jnp.int32), gain.size - 2)
     rest = back - whole.astype(jnp.float32)

@@ -62,7 +62,7 @@ _SIDES = np.array([[edge_number(u, side * d, v, s) for side in (-1, 1)] for u, d
 
 
 class _EdgeContacts(NamedTuple):
-    """Edges of a face that a path touches."""
+    """Edges of a face that a path touches; `possible`: whether there is such a path."""
 
     first: Array  # u of the first edge touched
     last: Array  # u of the last edge touched

@@ -112,7 +112,7 @@ def _of_order(
 def select_nearest_mirrors(
     mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
 ) -> Mirrors:
-    """Select up to `count` mirrors with the shortest paths from source to listener.
+    """Select up to `count` mirrors with the shortest paths from source to listener, shortest first.
 
     The reflection point is the specular point on the plane, clamped to the rectangle. Mirrors that have both source and
     listener behind them come last, with `valid` False.

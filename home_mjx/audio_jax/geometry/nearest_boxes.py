@@ -32,12 +32,12 @@ def nearest_boxes(
     bodies: Int[Array, "2"],
     count: int,
 ) -> Int[Array, " k"]:
-    """Return the boxes over which the path from source to listener is shortest, shortest first.
+    """Return indices of the boxes over which the path from source to listener is shortest, shortest first.
 
     Args:
         fixed: Boxes of all houses: centre [m], axes (unit vectors, one after the other), half sizes [m].
         fixed_owner: Object of each box; -1: architecture, `WITHOUT_EDGES`: the box has no exposed edge.
-        house: House of the environment.
+        house: Index of the environment's house.
         moving: Boxes of the environment, as `fixed`.
         moving_owner: Their objects, as `fixed_owner`.
         source: [m].

@@ -134,7 +134,7 @@ def _read_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "q d k"]
 def _mix(
     heard: Float[Array, "q d k"], share: Float[Array, "q e s two"], fade: Float[Array, " k"]
 ) -> Float[Array, "e s k"]:
-    """Mix all paths into buses with gains `share[..., 0]` + `fade` `share[..., 1]`."""
+    """Mix all paths q into buses s of channels e with gains `share[..., 0]` + `fade` `share[..., 1]`."""
     weights = jnp.swapaxes(jnp.concatenate([share[..., 0], share[..., 1]]), 0, 1)
     sounds = jnp.swapaxes(jnp.concatenate([heard, heard * fade[None, None]]), 0, 1)
     if sounds.shape[0] == 1:  # all channels share the delays

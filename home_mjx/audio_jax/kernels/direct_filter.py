@@ -47,7 +47,7 @@ def filter_direct_by_xla(
 
     Args:
         source: Emitted signal; zero outside its samples.
-        begin: First sample, from -`delay_margin` to the signal's length.
+        begin: Index in `source` of the first output sample, from -`delay_margin` to the signal's length.
         gain: Pressure gains of octaves, one row per end of the frame.
         config: Options for the lengths.
     """

@@ -70,7 +70,7 @@ def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def drr(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms of the strongest sample re all the rest."""
+    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms before and after its maximum re the rest."""
     near = jnp.abs(samples_since_onset(energy, jnp.argmax(energy, axis=-1).astype(jnp.int32))) <= round(
         DIRECT_HALF_WIDTH / dt
     )

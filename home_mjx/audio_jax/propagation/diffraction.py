@@ -64,7 +64,7 @@ def _static_boxes(scene: Scene) -> BarrierBoxes:
 
 
 def _moving_boxes(scene: Scene) -> BarrierBoxes:
-    """Return the boxes of movable objects, doors and agents; unused slots have no exposed edges."""
+    """Return boxes of movable objects, doors and agents, all edges exposed; unused slots have no exposed edges."""
     moving = scene.moving
     box = scene.geometry.model_box[moving.model]
     columns = jnp.swapaxes(moving.pose[:, :, :3], 1, 2)
@@ -233,7 +233,7 @@ def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[
 def _amplitudes(
     straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
-    """Compute each string's field re the free straight path, and the share of its finite edge; 0 if not in `heard`."""
+    """Compute each string's field re the free straight path, and its share of an infinite edge's; 0 unless `heard`."""
     # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
     seen = straight.is_clear & found.blocked
     turn = jnp.where(seen, jnp.minimum(found.wedge.shadow_angle, -GRAZING_ANGLE), found.wedge.shadow_angle)

@@ -12,7 +12,7 @@ OBJECT_BARRIER_OFFSET = 1 << 20  # offset of object ids in `barrier`, which sepa
 
 
 class AcousticSurface(Pytree):
-    """Surfaces hit by n rays; values of rays that miss are undefined."""
+    """Surfaces hit by n rays, with energy coefficients per octave; values of rays that miss are undefined."""
 
     normal: Float[Array, "n 3"]  # unit, towards the ray's origin
     absorption: Float[Array, "n bands"]

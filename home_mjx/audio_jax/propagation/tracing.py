@@ -33,6 +33,8 @@ class Trace(Pytree):
 
 
 class _Ray(NamedTuple):
+    """Rays before a segment: positions [m], unit directions, path lengths [m], energies per octave."""
+
     origin: Float[Array, "n 3"]
     direction: Float[Array, "n 3"]
     travelled: Float[Array, " n"]
@@ -90,7 +92,10 @@ def _octave_shares(rays: Traced) -> Float[np.ndarray, "n bands"]:
 
 
 class _TraceContext(NamedTuple):
-    """Constants of a trace, shared by all bounces."""
+    """Constants of a trace, shared by all bounces.
+
+    `exclude` and `emitter` are object ids of the listener's and the source's body, `carried` octave shares of each ray.
+    """
 
     scene: Scene
     source: SoundSource
@@ -100,7 +105,10 @@ class _TraceContext(NamedTuple):
     carried: Float[Array, "n bands"]
 
     def bounce(self, ray: _Ray, draw: tuple[Array, Array, Array]) -> tuple[_Ray, tuple[Array, Array, Array, Array]]:
-        """Trace a segment and reflect; `draw`: bounce index, uniforms, normal vectors. Return rays, part of `Trace`."""
+        """Trace a segment and reflect; `draw`: bounce index, uniforms, normal vectors.
+
+        Return the reflected rays, and this bounce's `arrival`, `energy`, `travelled` and `remaining` of `Trace`.
+        """
         index, choice, scattered = draw
         alive = jnp.max(ray.energy, axis=1) > 0
         hit = cast(

@@ -161,7 +161,7 @@ def _excess_lengths(
 def _ear_delays(
     angle: Float[Array, "*p two"], distance: Float[Array, "*p one"], config: AudioConfig
 ) -> Float[Array, "*p two"]:
-    """Compute the arrival delay at ears re the head centre [samples], by angle to the ear's axis [rad], distance [m].
+    """Compute delays at both ears re the head centre [samples], by angle to each ear's axis [rad] and distance [m].
 
     The path to the ear is straight, or tangential and then along the sphere: Woodworth's model at finite distance.
     """

@@ -49,7 +49,7 @@ def make_measured_head(
         response: Impulse responses of the left and right ear.
         rate: Sample rate of the responses [Hz].
         config: Options of the simulation that will use the head.
-        delay: Additional delay of each response [s].
+        delay: Additional delay of each response [s]; None: 0.
         phase: "minimum": delay and minimum-phase filter of each response. "measured": its measured phase.
         level: "file": levels as measured. "sphere": scaled so that the mean energy of the 500 Hz octave over all
             directions is that of a rigid sphere.

@@ -58,7 +58,7 @@ def add_echoes(
     """Add pinna echoes to ear filters; echo delays are the same at both ears.
 
     Args:
-        ears: Values of causal filters at the knots of `filter_basis`.
+        ears: Values of causal filters of the left and right ear at the knots of `filter_basis`.
         late: Mean delay of these filters [s]. It is removed from them and tabulated together with each echo's delay,
             because the few knots do not resolve products of delays.
         toward: Unit vectors towards the directions of incidence, in the head frame.

@@ -39,7 +39,7 @@ def transform(size, lanes, turns, values, spare):
     """Compute forward FFTs of `values`, real and imaginary parts (size, lanes); both arguments are overwritten.
 
     Return the result, in `values` or the equally large `spare`. `lanes` is the number of transforms, at least `LANES`;
-    `turns` are the twiddle factors exp(-2 pi i j / size), real and imaginary parts.
+    `turns` are the twiddle factors exp(-2 pi i j / size), real and imaginary parts. Prime factors of `size`: 2, 3, 5.
     """
     left, stride = size, lanes
     here, there = values, spare

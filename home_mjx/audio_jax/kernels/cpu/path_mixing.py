@@ -61,7 +61,7 @@ def upsample(signal, count, padded, on, between):
 @compiled
 @no_type_check
 def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, heard):
-    """Overwrite `heard` with a path, delayed for one ear: `count` samples from index `begin` of the buses on.
+    """Overwrite `heard` with a path's signal, delayed for one ear: `count` samples from index `begin` of the buses on.
 
     `way`: row of `pack_paths`; `rate`: samples per metre; `places`: half sample at zero delay, and lowest and highest
     half sample that a read may begin with; `signal`: results of `upsample`; `base` and `rest`: scratch.
@@ -80,7 +80,10 @@ def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 @compiled
 @no_type_check
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
-    """Write to `base`, per bus sample, the first half sample read minus twice its index; to `rest` the fraction."""
+    """Write to `base`, per bus sample, the first half sample read minus twice the bus index; to `rest` the fraction.
+
+    Other arguments are those of `read_block`.
+    """
     old, change, bend = way[0], way[1] - way[0], way[2]
     first, middle, last = (
         way[PATH_VALUES + ear],
@@ -171,10 +174,11 @@ def _read_one(even, uneven, k, rest):
 @compiled
 @no_type_check
 def mix_block(heard, share, which, far, begin, count, size, sums):
-    """Overwrite rows `begin` .. of the buses `sums` (sample, bus) with `count` mixed samples; gains change over it.
+    """Overwrite rows `begin` .. of the buses `sums` (sample, bus) with `count` mixed samples.
 
     `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's
-    start, and their change until its end, at a stride of `far`; `which`: number of audible paths, then their indices.
+    start, and their linear change until its end, at a stride of `far`; `which`: number of audible paths, then their
+    indices.
     """
     shapes = size.shapes
     for k in range(count):

@@ -147,7 +147,10 @@ def _read_all(frame, env, ear, begin, count, size, room):
 @compiled
 @no_type_check
 def _filter(frame, points, size, turns, lane, room):
-    """Filter and add up the buses in `room.values`; write the conjugate spectrum to column `lane` of `room.spectra`."""
+    """Filter and add up the buses of two channels, the real and imaginary parts of `room.values`.
+
+    The conjugate spectrum of the sum overwrites column `lane` of `room.spectra`.
+    """
     filters = complex_table(frame, SPECTRA, points * size.shapes)
     re, im = transform(points, size.shapes, turns, room.values, room.spare)
     whole = size.shapes // LANES * LANES

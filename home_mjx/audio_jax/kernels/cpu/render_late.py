@@ -150,7 +150,7 @@ def _zero(values, count):
 @compiled
 @no_type_check
 def _make_response(frame, number, channel, response, size):
-    """Write a channel's noise times amplitudes, 0 before the onset; `number` counts (environment, source, end)."""
+    """Write a channel's noise times amplitudes, 0 before onset; `number` runs over (environment, source, frame end)."""
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin
@@ -238,7 +238,10 @@ def _find_gains(frame, env, source, size, levels):
 @compiled
 @no_type_check
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
-    """Add conjugate products of spectra, in `heard` from column `lane`, to columns `to` (start) and `to + 1` (end)."""
+    """Add a source's conjugate products of response and signal spectra, of two channels, to `room.spectra`.
+
+    `heard` has their spectra from column `lane` on; columns `to` and `to + 1` are the frame's start and end.
+    """
     _find_gains(frame, env, source, size, room.levels)
     lanes, half, points = size.envs_per_batch * size.transforms_per_env, size.points // 2 + 1, size.points
     far = size.echoes * half

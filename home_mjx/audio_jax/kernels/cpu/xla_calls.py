@@ -42,7 +42,7 @@ def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
 
 
 def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
-    """Return the spectra of the bus filters, padded to at least `LANES` buses, and the FFT twiddle factors."""
+    """Return bus filter spectra, padded to at least `LANES` buses, and twiddle factors; each real, then imaginary."""
     kernels, size = filter_basis(config.sample_rate).kernel.astype(np.float64), fast_size(sample_times(config).shape[0])
     spectra = np.fft.fft(kernels, size).T / size
     spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])

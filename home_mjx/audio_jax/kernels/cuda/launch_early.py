@@ -101,7 +101,10 @@ def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
 
 
 def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for `filter_tables`, then buses (e channels shapes samples); return (e channels frame)."""
+    """Launch the kernel for `filter_tables`, then buses (e channels shapes samples); return (e channels frame).
+
+    `begin`: first sample of the frame in the filtered buses; `frame`: number of samples.
+    """
     spectra, turns, sums = given
     envs, channels, shapes, count = sums.shape
     size = spectra.shape[1]

@@ -38,7 +38,7 @@ def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioCo
 def late_tables(
     config: AudioConfig,
 ) -> tuple[Float[Array, "own c bands n"], Float[Array, "bands f"], Float[Array, "turns two"]]:
-    """Return `octave_noise`, `octave_table` (zeros without a tail) and the twiddle factors of the transform."""
+    """Return `octave_noise` (own: 1 if shared), `octave_table` (zeros without tail), twiddles (real, imaginary)."""
     size = cuda.transform_size(source_window_width(config))
     assert size is not None
     gains = (

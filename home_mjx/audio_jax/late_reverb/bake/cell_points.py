@@ -20,7 +20,7 @@ NUM_CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
 
 
 def choose_points(rays: HouseRays, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """Choose an unobstructed point of each cell: the candidate that sees most others of its room."""
+    """Choose a point of each cell: of its centre and random ones, that which sees most others of its room."""
     tried = np.stack([sample_points(cells, cell, NUM_CANDIDATES, rng) for cell in range(len(cells.room))])
     tried[:, 0] = cells.center
     flat, room = tried.reshape(-1, 3), np.repeat(cells.room, NUM_CANDIDATES)
@@ -36,7 +36,7 @@ def sample_free_points(
 
     A point is free if it is visible from the centre of its cell or of a nearby cell of its room, or from free points.
     So air behind a screen and above a cupboard is included. Cells without a free point use all; fractions are at
-    least 0.1.
+    least 0.1. Points are repeated if fewer than r = `count` are free.
     """
     points, free = [], []
     tried = np.stack(

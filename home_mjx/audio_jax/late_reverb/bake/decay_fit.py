@@ -160,7 +160,7 @@ def weigh_cells(
     reach: float,
     count: int,
 ) -> tuple[Int[np.ndarray, "p e"], Float[np.ndarray, "p e"]]:
-    """Return the visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
+    """Return indices of visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
 
     A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one. Distances d
     are those of `horizontal_distance`.

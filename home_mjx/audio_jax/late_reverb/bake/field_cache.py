@@ -60,7 +60,7 @@ class LateReverbBake:
         bank: HouseBank,
         capacity: Mapping[str, int] | None = None,
     ) -> LateReverb:
-        """Return the records of all houses as one pytree, padded to a capacity or else to the largest.
+        """Return the records of all houses as one pytree, padded to axis lengths `capacity`; None: to the largest.
 
         Raises:
             CapacityError: A record does not fit.

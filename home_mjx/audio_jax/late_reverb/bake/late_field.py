@@ -75,14 +75,17 @@ class LateField:
 
 
 def pack_field(values: dict[str, np.ndarray]) -> LateField:
-    """Convert arrays to the lowest sufficient precision and return them as a field."""
+    """Convert arrays by name, `HALF_FIELDS` to float16 (clipped), float64 to float32; return them as a field."""
     half = {name: np.clip(values[name], -6e4, 6e4).astype(np.float16) for name in HALF_FIELDS}
     rest = {n: x.astype(np.float32) if x.dtype == np.float64 else x for n, x in values.items() if n not in half}
     return LateField(**rest, **half)
 
 
 def padded_lengths(fields: Sequence[LateField], capacity_factor: float = 1.0) -> dict[str, int]:
-    """Return lengths of the axes of `AXIS_PADDING`, padded, for fields up to `capacity_factor` times the largest."""
+    """Return lengths of the axes of `AXIS_PADDING`, padded, for fields up to `capacity_factor` times the largest.
+
+    The factor raises no length above `MAX_LENGTHS`, which no house exceeds.
+    """
     found = [field.lengths for field in fields]
     lengths: dict[str, int] = {}
     for axis, block in AXIS_PADDING.items():

@@ -32,10 +32,10 @@ def sum_pairs(
     Energy that is earlier than the first possible arrival counts to that bin.
 
     Args:
-        own: Energy from cells to cells before any portal state.
-        emitted: Energy from cells into portal states.
-        after: Energy that cells receive from portal states.
-        arrival: Bin of the first possible arrival.
+        own: Energy from cells (first axis) to cells before any portal state, per bin.
+        emitted: Energy from cells into portal states, per bin.
+        after: Energy that cells receive from portal states, per bin since their emission.
+        arrival: Bin of the first possible arrival from cell (row) to cell.
         room: Room of each cell.
     """
     count, bins = len(room), after.shape[3]

@@ -40,7 +40,7 @@ class PortalStates(NamedTuple):
 
 
 class Transfer(NamedTuple):
-    """Energy from portal state to portal state over time, as a list of the pairs that exchange energy."""
+    """Energy from portal state to portal state over time, per unit in the first; a list of pairs with exchange."""
 
     source: Int[np.ndarray, " p"]  # in ascending order
     target: Int[np.ndarray, " p"]
@@ -96,7 +96,7 @@ def build_second_states(
 def sum_transfer(
     portal_energy: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "*s r r"], count: int
 ) -> Float[np.ndarray, "s bands g k"]:
-    """Sum energy from room to room by portal state; `number` (-1: none) is shared by all sources or per source."""
+    """Sum energy from room to room by state; `number`: states of room pairs, -1 none, shared or per source s."""
     out = np.zeros((*portal_energy.shape[:2], count, portal_energy.shape[-1]), portal_energy.dtype)
     each = np.broadcast_to(number, (len(portal_energy), *number.shape[-2:]))
     for left, entered in np.argwhere((each >= 0).any(axis=0)):

@@ -40,7 +40,7 @@ def solve_renewal(
         target: That state.
         transfer: Energy of each such pair over time.
         received: Energy that cells receive from each state before the next one.
-        states: Indices of the states.
+        states: Indices of the states of the result.
     """
     count, cells, bins = received.shape
     padded = np.pad(received, ((0, 0), (0, -cells % LANES), (0, 0))).reshape(count, -1, LANES, bins)
@@ -79,12 +79,12 @@ def _compiled_solve() -> Any:
 @compiled
 @no_type_check
 def _solve_bins(found, ends, pairs, values):
-    """Add the transfer to `found` in place, which holds the energy before the next state.
+    """Add the transfer to `found` in place, which holds the energy before the next state; return used scratch.
 
     Args:
         found: Energies (blocks, g, k, lanes). A block of cells at a time, recent bins stay in the processor's cache.
         ends: Range of rows of `pairs` for each state.
-        pairs: Next state, first bin from the second on, and one past the last bin of the transfer to it.
+        pairs: Next state, first bin (at least 1) and one past the last bin of nonzero transfer to it.
         values: Transfer in each bin.
     """
     blocks, count, bins, _ = found.shape
@@ -115,7 +115,7 @@ def _solve_bins(found, ends, pairs, values):
 @compiled
 @no_type_check
 def _add_lags(energy, past, share, weight, count, a):
-    """Return a vector plus `count` weighted energies, each one bin earlier."""
+    """Return `a` plus `count` products of `share`, from `weight` on, and `energy`, from `past` one bin back each."""
     b, c, d = broadcast(ZERO), broadcast(ZERO), broadcast(ZERO)
     while count >= UNROLLED:
         a = multiply_add(share[weight], load(energy, past), a)

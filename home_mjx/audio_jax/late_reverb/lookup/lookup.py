@@ -29,6 +29,8 @@ class LateArrivals(Pytree):
 
 
 class _CellWeights(Pytree):
+    """Indices and weights of the cells around a point; a cell may occur repeatedly."""
+
     cell: Int[Array, " e"]
     weight: Float[Array, " e"]
     room: Float[Array, " r"]  # weight of each room
@@ -102,7 +104,7 @@ def _interpolate_decay(
 
 
 def _interpolate_cells(late: LateReverb, house: Int[Array, ""], point: Float[Array, "3"]) -> _CellWeights:
-    """Return cells around a point and weights of sum 1, from the four nearest lattice points of the storey below it."""
+    """Return cells around a point and weights of sum 1, also of rooms: bilinear from 4 lattice points of its storey."""
     floor = late.floor[house]
     level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
     at = (point[:2] - late.origin[house]) / late.step[house] - 0.5

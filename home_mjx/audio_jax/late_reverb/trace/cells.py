@@ -72,7 +72,7 @@ def divide_rooms(house: CompiledHouse, size: float = 1.0) -> Cells:
 
 
 def _number_cells(grid: Int[np.ndarray, "l ny nx"], step: float, size: float) -> Int[np.ndarray, "l ny nx"]:
-    """Return the cell over each place, numbered room by room; -1 if none."""
+    """Number cells room by room; return the index at each place, -1 none. `step`, `size`: edge of places, cells [m]."""
     lookup, first = np.full(grid.shape, -1), 0
     for room in np.unique(grid[grid >= 0]):
         level, row, column = np.nonzero(grid == room)

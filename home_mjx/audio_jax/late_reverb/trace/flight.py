@@ -207,7 +207,7 @@ def _sum_energy(flight, rays):
 @compiled
 @no_type_check
 def _is_active(balance):
-    """Return whether the active energy of an octave exceeds both limits, re aged energy and re that at the start."""
+    """Return whether the active energy of any octave exceeds both limits, re aged energy and re that at the start."""
     for b in range(NUM_OCTAVES):
         least = max(MAX_ACTIVE_SHARE * balance[LANES + b], MIN_ENERGY_SHARE * balance[2 * LANES + b])
         if balance[b] > least:
@@ -218,7 +218,7 @@ def _is_active(balance):
 @compiled
 @no_type_check
 def _bounce(scene, flight, rays, memory, filled):
-    """Trace and record the next segment of all rays; return the number of ended rays that are kept."""
+    """Trace and record the next segment of all rays; return the number of ended rays kept so far (`filled`)."""
     count = flight.rules.rays
     for i in range(count):
         memory.reach[i] = MAX_RAY_LENGTH if sum_lanes(load(rays.energy, LANES * i)) > ZERO else -ONE
@@ -263,7 +263,7 @@ def _add(pointer, row, value):
 def _meet(flight, rays, i, instance, triangle, length, filled):
     """Record the segment of ray `i` up to its hit, reduce its energy or end it; return the number of kept ended rays.
 
-    On a miss, `instance` < 0, all its energy counts as absorbed.
+    On a miss, `instance` < 0, all its energy counts as absorbed. `_resample` changes the direction.
     """
     grid, rules, scratch, sums = flight.grid, flight.rules, flight.scratch, flight.sums
     before, energy = np.int64(rays.room[i]), load(rays.energy, LANES * i)
@@ -412,7 +412,7 @@ def _record(flight, rays, i, length):
 @compiled
 @no_type_check
 def _add_transmission(flight, energy, point, normal, room, row):
-    """Add the energy transmitted by walls, floors and ceilings to the room behind them."""
+    """Add to the sums the energy that architecture would transmit from `room` to a room behind it; trace no ray."""
     across = ONE if abs(normal[2]) < HALF else FLOOR_THICKNESS_RATIO
     for depth in BEHIND_OFFSETS:
         away = depth * across
@@ -492,7 +492,7 @@ def _resample(flight, rays, other):
 @compiled
 @no_type_check
 def _continue(flight, rays, i, other, new, energy, share, chance):
-    """Reflect ray `i` as the ray `new` of `other`."""
+    """Write ray `i`, reflected, as ray `new` of `other`; `energy`: that before reflection, others as in `_reflect`."""
     scratch = flight.scratch
     factor, mirrored = _reflect(flight, rays, i, share, chance, other.direction, 3 * new)
     store(other.energy, LANES * new, energy * factor)
@@ -540,7 +540,7 @@ def _length_inside(grid, rays, i, length, room):
 @compiled
 @no_type_check
 def room_at(grid, x, y, z):
-    """Return the room over whose floor a point is; -1 if none."""
+    """Return the index of the room over whose floor a point is; -1 if none."""
     cell = cell_at(grid, x, y, z)
     return np.int64(grid.room[cell]) if cell >= 0 else np.int64(-1)
 
@@ -548,7 +548,7 @@ def room_at(grid, x, y, z):
 @compiled
 @no_type_check
 def cell_at(grid, x, y, z):
-    """Return the cell over whose floor a point is, on the highest storey below it; -1 if none."""
+    """Return the index of the cell over whose floor a point is, on the highest storey below it; -1 if none."""
     column, row = np.int64(np.floor((x - grid.x) / grid.step)), np.int64(np.floor((y - grid.y) / grid.step))
     if row < 0 or row >= grid.rows or column < 0 or column >= grid.columns:
         return np.int64(-1)

@@ -111,7 +111,7 @@ class HouseRays:
         return np.array([array.ctypes.data for array in self.arrays] + [0] * NUM_RAY_FIELDS, np.int64)
 
     def occluded(self, start: Float[np.ndarray, "n 3"], end: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
-        """Return whether anything is between pairs of points [m]."""
+        """Return for each pair of points [m] whether a surface that blocks sound is between them."""
         start = np.ascontiguousarray(start, np.float32)
         way = np.ascontiguousarray(end - start, np.float32)
         cuts = range(0, len(start), RAYS_PER_TASK)
@@ -186,7 +186,7 @@ def _rigid(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"]) -> Flo
 def _door_motion(
     pivot: Float[np.ndarray, "n 2"], turn: Float[np.ndarray, " n"], slide: Float[np.ndarray, "n 2"]
 ) -> Float[np.ndarray, "n 3 4"]:
-    """Return rotations about vertical lines through `pivot`; displacements along `slide` of sliding doors."""
+    """Return rotations by `turn` [rad] about the vertical through `pivot`; for sliding doors, shifts by `turn` [m]."""
     angle = np.where((slide != 0).any(axis=1), 0.0, turn)
     out = _rigid(np.zeros((len(turn), 3)), yaw_quat(angle))
     out[:, :2, 3] = pivot - np.einsum("dij,dj->di", out[:, :2, :2], pivot) + turn[:, None] * slide
@@ -257,7 +257,10 @@ def read_memory(at, first):
 @compiled
 @no_type_check
 def cast_rays(scene, origin, direction, memory, count, any_hit):
-    """Cast `count` rays up to `memory.reach`, results in `memory`; `origin`, `direction`: addresses, (n, 3)."""
+    """Cast `count` rays up to `memory.reach` and write their nearest hits, or with `any_hit` any, to `memory`.
+
+    `origin`, `direction`: addresses of float32 arrays (n, 3).
+    """
     operands, constants = scene.operands, address_of(memory.constants)
     operands[FIRST_RAY_OPERAND], operands[FIRST_RAY_OPERAND + 1] = origin, direction
     operands[FIRST_RAY_OPERAND + 2], operands[FIRST_RAY_OPERAND + 3] = constants, address_of(memory.reach)

@@ -66,7 +66,7 @@ class RayPool:
 def _draw_rows(
     energy: Float[np.ndarray, "n bands"], count: int, rng: np.random.Generator
 ) -> tuple[Int[np.ndarray, " count"], Float[np.ndarray, "count bands"]]:
-    """Draw rows by energy with systematic sampling; return them and energies whose mean is 1 in each octave."""
+    """Draw row indices by energy, with systematic sampling; return them and energies of mean 1 per octave, or none."""
     whole = energy.sum(axis=0)
     if not len(energy) or not whole.any():
         return np.zeros(0, int), np.zeros((0, energy.shape[1]), np.float32)

@@ -29,7 +29,7 @@ compiled = njit(error_model="numpy")
 
 
 class FlightStart(NamedTuple):
-    """Start of the rays of one source."""
+    """Start of the rays of one source: positions [m], unit directions, energies per octave, room."""
 
     origin: Float[np.ndarray, "n 3"]
     direction: Float[np.ndarray, "n 3"]
@@ -62,7 +62,7 @@ class EndedRays(NamedTuple):
 
 
 class CellGrid(NamedTuple):
-    """Cells of a house, as rays read them."""
+    """Cells of a house, as rays read them; fields are those of `Cells`."""
 
     lookup: Int[np.ndarray, "levels rows columns"]
     low: Float[np.ndarray, " n"]  # [m]
@@ -189,7 +189,7 @@ class FlightTracer:
 
 
 def _rays(count: int) -> tuple[np.ndarray, ...]:
-    """Return memory of `flight.FlightRays`."""
+    """Return uninitialized memory of `flight.FlightRays` for `count` rays."""
     return (
         *(np.empty((count, 3), np.float32), np.empty((count, 3), np.float32), np.empty(count, np.float32)),
         *(np.empty((count, LANES), np.float32), np.empty(count, np.uint8)),
@@ -198,7 +198,7 @@ def _rays(count: int) -> tuple[np.ndarray, ...]:
 
 
 def _scratch(count: int, rooms: int) -> tuple[np.ndarray, ...]:
-    """Return memory of `flight.Scratch`."""
+    """Return memory of `flight.Scratch` for `count` rays in a house of `rooms` rooms."""
     return (
         *(np.empty((count, 3), np.float32), np.zeros(count, np.int32), np.empty(count, np.uint8)),
         *(np.empty(count, np.int32), np.empty(count, np.float32), np.empty(count)),
@@ -238,7 +238,7 @@ def _compiled_flight() -> Any:
 @compiled
 @no_type_check
 def _fly_at(at, rows, sizes, place, rules, seed):
-    """Trace the flight whose arrays are at the addresses `at`; see `FlightTracer._fly` for their order."""
+    """Call `flight.fly` for arrays at addresses `at`, in the order of `FlightTracer._fly`; return its result."""
     surfaces = flight.Surfaces(
         floats(at[1]),
         integers(at[2]),
