@@ -104,6 +104,8 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
 def shorten(value: object) -> str:
     """Return a value's `repr`; only its first 40 characters and its length if it exceeds `MAX_VALUE_LENGTH` characters.
 
+    Integers that Python refuses to format yield a fixed phrase.
+
     Example:
         >>> shorten(10**400)
         '1000000000000000000000000000000000000000… (401 characters)'

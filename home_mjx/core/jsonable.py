@@ -75,7 +75,7 @@ def _shown(text: str) -> str:
 
 
 def _plain(value: Any, where: str) -> Any:
-    """Convert a value to JSON types, with markers for tuples and dataclasses; `where` is its path, for the message."""
+    """Convert to JSON types, with markers for tuples and dataclasses; `ConfigError` at path `where` for other types."""
     if value is None or isinstance(value, bool | int | float | str):
         return value
     if isinstance(value, tuple):
@@ -138,7 +138,7 @@ def parse_assignments(texts: list[str]) -> dict[str, Any]:
 
 
 def _parse_assignment(text: str) -> tuple[str, Any]:
-    """Return name and value of one `NAME=VALUE` argument, see `parse_assignments`."""
+    """Return name and value of one `NAME=VALUE` argument; the value is JSON, or else text. See `parse_assignments`."""
     name, equals, value = text.partition("=")
     if not (name and equals):
         raise ConfigError(f"expected NAME=VALUE, got `{text:.80}`", hint="For example width=32.")

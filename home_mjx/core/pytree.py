@@ -52,7 +52,7 @@ class Pytree:
 
     @classmethod
     def build_unchecked(cls: type[T], **values: Any) -> T:
-        """Build a record from values of all fields, such as `in_axes` of `jax.vmap`; only their names are checked."""
+        """Build a record from values of all fields, such as `in_axes` of `jax.vmap`; only unknown names raise."""
         names = _names(cls, True) + _names(cls, False)
         if unknown := ", ".join(sorted(set(values) - set(names))):
             raise TypeError(f"{cls.__name__} has no field {unknown}; it has {', '.join(names)}")

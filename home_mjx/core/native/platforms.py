@@ -49,7 +49,7 @@ def _used_platforms() -> frozenset[str]:
 def with_fallback_gradient(
     fallback: Callable[..., Array], kernels: Mapping[str, Callable[..., Array]]
 ) -> Callable[..., Array]:
-    """Return a function of positional arrays that is `select_at_lowering`, but has the derivatives of `fallback`."""
+    """Return a function of arrays: the lowering platform's kernel or `fallback`, with derivatives of `fallback`."""
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
