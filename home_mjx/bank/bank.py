@@ -60,7 +60,7 @@ class HouseBank(BankArrays):
         return self.geometry.clip_house_index(house)
 
     def fingerprint(self, house: Int[Array, ""] | int) -> UInt32[Array, ""]:
-        """Return a 32-bit number that states store to identify their house: a hash of its id, grid size and goals.
+        """Return a 32-bit number by which states identify their house: a hash of id, grid origin, cell counts, goals.
 
         Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
         """

@@ -66,7 +66,7 @@ def bank_bytes(bank: BankArrays) -> int:
 
 
 def _owned_bytes(owners: Owners, sizes: Sizes) -> int:
-    """Return the bytes of the rows of `owners`, by kind; a house's own row, `HOUSE_AXIS`, counts with its padding."""
+    """Return the total bytes of the rows of all `owners`; a house's own row, `HOUSE_AXIS`, counts with its padding."""
     total = 0
     for declaration in declarations():
         if declaration.kind == HOUSE_AXIS and HOUSE_AXIS in owners:

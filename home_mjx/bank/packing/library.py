@@ -37,7 +37,7 @@ class Library:
 
     @classmethod
     def from_houses(cls, houses: Sequence[CompiledHouse]) -> "Library":
-        """Collect each model and texture of the houses once; a house's architecture is private to it."""
+        """Collect the houses' models, except architecture, and textures once; agent materials are the first house's."""
         agent = agent_model()
         models = {agent.key: agent}
         for house in houses:

@@ -102,6 +102,7 @@ class Declaration:
 
         Args:
             parts: Pairs of first row and values; padding fills all other rows and the rest of shorter axes.
+                With `REPEAT_ROWS`, values are repeated along the second axis.
             sizes: Axis lengths of the bank.
 
         Raises:

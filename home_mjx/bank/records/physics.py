@@ -54,7 +54,7 @@ def is_door(at: HouseOwner) -> Bool[np.ndarray, " doors"]:
 
 
 def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
-    """Return slide directions by door row: 0 in hinged rows, (1, 0) in padding of sliding rows, equal in all houses."""
+    """Return slide directions in plan by the bank's door row: 0 for hinged leaves, (1, 0) in unused sliding rows."""
     axes = np.zeros((at.sizes["doors"], 2))
     axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
     axes[at.door_row] = at.house.doors.slide
