@@ -34,7 +34,7 @@ def reset(
     arrangement: Int[Array, ""] | int | None = None,
     scale: BodyScale | None = None,
 ) -> PhysicsState:
-    """Return the initial state: agents, movable bodies and doors at rest, hands empty.
+    """Return the initial state: agents, movable bodies and doors at rest, hands empty, doors not driven.
 
     Args:
         template: Model of the bank's capacity.
@@ -106,7 +106,8 @@ def step(
     """Advance the state by one control step, which is `config.timing.substeps` physics steps.
 
     `action` is the forward, left and counter-clockwise command of each agent in its own frame, clipped to [-1, 1]. It
-    is a fraction of maximum speeds, or of the maximum force (`PhysicsConfig.control`).
+    is a fraction of maximum speeds. In force control (`PhysicsConfig.control`), forward and left are fractions of
+    `max_push_force` instead.
 
     Raises:
         ConfigError: The action does not have three numbers per agent, or the program is compiled for a platform that

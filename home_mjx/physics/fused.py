@@ -67,7 +67,7 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
 
 
 def _newton_words(mobiles: int) -> int:
-    """Return the 4-byte words for an island of `mobiles` bodies: triangle of the Hessian, gradient and search."""
+    """Return the number of 4-byte words for an island of `mobiles` bodies: Hessian triangle, gradient and search."""
     size = BODY_DOFS * mobiles
     return size * (size + 1) // 2 + 2 * size
 

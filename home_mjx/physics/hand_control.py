@@ -59,7 +59,8 @@ def apply_hand_commands(
     """Apply each agent's drop or throw, then pick, place and door command; ignore commands that are not possible.
 
     An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
-    hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight.
+    hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight. Agents
+    follow one another by index. Nothing moves yet: only grips, goals and a released body's velocity are set.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -75,8 +76,9 @@ def apply_hand_commands(
 def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
     """Update hands and door goals after a control step.
 
-    Hands release placed and torn-away bodies. A body that is not placed within `MAX_PLACE_STEPS` steps is carried
-    again. Doors that have reached their goal are no longer driven.
+    Hands release bodies within `PLACE_TOLERANCE` of their target, and torn-away ones. A carried body is torn away if it
+    gets farther than `MAX_HOLD_DISTANCE` from its grip, or has not come that near after `MAX_PLACE_STEPS` steps. A body
+    not placed within as many steps is carried again. Doors within `DOOR_TOLERANCE` of their goal are no longer driven.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -103,7 +105,11 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Open a hand commanded to drop or throw; a thrown body has the agent's velocity plus up to `MAX_THROW_SPEED`."""
+    """Open a hand that holds a body and is commanded to drop or throw it.
+
+    The velocity of a thrown body becomes the agent's plus min(`MAX_THROW_SPEED`, `MAX_THROW_IMPULSE` / mass) along the
+    throw's direction, in the world. A dropped body keeps its own.
+    """
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
     mass = bodies.mass[jnp.maximum(held, 0)]
@@ -125,7 +131,7 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
-    """Empty a hand, which holds a body, if `opens`; add `RELEASE_SPEED` downwards, which kinematic physics needs."""
+    """If `opens`, empty a hand that holds a body; add `RELEASE_SPEED` down, by which kinematic physics detects it."""
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
         qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0)),
@@ -135,7 +141,7 @@ def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Arra
 
 
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
-    """Grasp `body` (-1: none), which keeps its orientation, if the hand is empty and the body free, near and light."""
+    """Grasp `body` (-1: none), with its orientation to the agent, if the hand is empty and it is free, near, light."""
     config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
     _, quat = _body(template, state, own)
     near = _distance(template, bodies, state, a, own) <= jnp.float32(config.reach)
@@ -210,7 +216,10 @@ def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState
 
 
 def _track_place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    """Update the grip position of a placing hand as its agent moves: first 0.1 m above the target, then down to it."""
+    """Update the grip position of a placing hand as its agent moves; other hands are unchanged.
+
+    It is 0.1 m above the target, or at the body's height if greater, until within 2 `PLACE_TOLERANCE` horizontally.
+    """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
     target = _place_target(template, bodies, state, a)
@@ -225,7 +234,7 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
     """Open the hand if its body is placed or torn away; carry it again after `MAX_PLACE_STEPS` steps of placing.
 
     A carried body is torn away if it is beyond `MAX_HOLD_DISTANCE` after it was once within it.
-    A picked body that never comes that near is torn away after `MAX_PLACE_STEPS` steps.
+    A picked body that never comes that near is torn away after `MAX_PLACE_STEPS` steps; one being placed never is.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])

@@ -54,7 +54,7 @@ class HeldBody(Pytree):
 def hand_accelerations(
     config: PhysicsSetup, held: HeldBody, grip: Float[Array, "7"]
 ) -> tuple[Float[Array, "3"], Float[Array, "3"], Float[Array, "2"]]:
-    """Compute the accelerations of a held body and the reaction on its holder.
+    """Compute the limited accelerations of a held body towards its grip, and the reaction on its holder.
 
     `grip` is the body's target pose: position [m] from the agent's centre and quaternion, both rotated by the agent's
     yaw.
@@ -124,7 +124,8 @@ def ramp_acceleration(
 def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
     """Return a point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m].
 
-    Offsets are horizontal. The height is that of the ramp's plane, also beyond its edges.
+    Offsets are horizontal. The height is that of the ramp's plane, also beyond its edges. Columns of `ramps`: centre
+    (x, y), uphill unit vector (x, y), half length and width in plan, centre height [m], slope (rise over run).
     """
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y

@@ -31,7 +31,7 @@ class Footprints(Pytree):
     def from_boxes(cls, boxes: OrientedBoxes) -> "Footprints":
         """Convert oriented boxes, exactly if an axis is vertical.
 
-        Other boxes become the smallest upright box around them with the same heading.
+        Other boxes become the smallest upright box around them, with u along their most level axis.
         """
         axes, half = boxes.axes, [boxes.half[..., k] for k in range(3)]
         x, y, steep = axes[0][0], axes[0][1], jnp.abs(axes[0][2])
@@ -70,7 +70,7 @@ def move_and_slide(
     """Move agent `agents.index` from centre `old` by `way` [m]; return its centre and the number of touched obstacles.
 
     Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, horizontally, and
-    stays at `old` in a gap that is too narrow. `way` is at most one radius.
+    stays at `old` in a gap that is too narrow, unless it overlaps more there. `way` is at most one radius.
     """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)
@@ -85,7 +85,7 @@ def move_and_slide(
 
 
 def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
-    """Return the moving agent's depth at `pos` in each box, then in each agent [m]; negative: no overlap, or itself."""
+    """Return the moving agent's horizontal depth at `pos` in each box, then agent [m]; negative: apart, or itself."""
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
@@ -99,9 +99,9 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 
 
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's horizontal signed distance from each box [m], negative inside, and outward unit vector (u, v).
+    """Return a point's horizontal signed distance from each box [m], negative inside, and outward unit u, v.
 
-    The vector is in the box's own axes, away from the nearest side or corner.
+    u and v are a unit vector's components along the box's own axes, away from the nearest side or corner.
     """
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x

@@ -31,7 +31,8 @@ def step_kinematic(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
 
-    Velocities are displacements over the step; only agents have one. Contacts have no impulses. Nothing overflows.
+    Velocities are displacements divided by the step's length; only agents have one. `num_contacts` counts obstacles
+    that an agent touches. Contacts have no impulses. Nothing overflows.
     """
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
@@ -115,7 +116,7 @@ def _static_footprints(physics: Physics, house: Array, obstacles: bool) -> Footp
 
 
 def _place_held_bodies(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Return `qpos` with held bodies at their holders' grips; the other elements are unchanged."""
+    """Return `qpos` with held bodies at their grips, by their holders' poses in it; other elements are unchanged."""
     layout = template.layout
     if not layout.num_bodies:
         return qpos

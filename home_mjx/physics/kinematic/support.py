@@ -22,10 +22,10 @@ def drop_released_bodies(
     qpos: Float[Array, " q"],
     boxes: Footprints,
 ) -> Float[Array, " q"]:
-    """Return `qpos` after released bodies have dropped onto the highest support below them, at most one body per agent.
+    """Return `qpos` with released bodies dropped straight down onto their highest support, at most one per agent.
 
     `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
-    the static boxes, then the movable bodies.
+    the static boxes, then the movable bodies; without one below its centre, a body rests on the ground floor.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
@@ -52,7 +52,8 @@ def support_height(
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
     """Return the height of an agent's highest support: the ground floor, a ramp, or a box that it can step on.
 
-    `ramps` are rows of `bank.physics.ramp`, `floor` is the ground floor's height, `foot` the agent's lowest point [m].
+    `ramps` are rows of `bank.physics.ramp`, `floor` is the ground floor's height, `pos` the agent's centre, `foot` its
+    lowest height [m]. Ramps count within `MAX_RAMP_GAP` of that, boxes up to `MAX_SUPPORT_OVERLAP` above it.
 
     Returns:
         Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter

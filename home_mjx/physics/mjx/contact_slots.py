@@ -80,7 +80,7 @@ def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"
 def fill_slots(
     owner: OrientedBoxes, static: OrientedBoxes, num: int
 ) -> tuple[OrientedBoxes, Int[Array, " num"], Bool[Array, ""]]:
-    """Select the `num` static boxes, of at least as many, nearest to an owner's box and crop them to its surroundings.
+    """Select the `num` (at most all) static boxes nearest to an owner's box, and crop them to its surroundings.
 
     MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls would displace real
     contacts. Boxes beyond `MAX_SLOT_DISTANCE` are parked for the same reason.

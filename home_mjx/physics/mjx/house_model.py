@@ -76,7 +76,7 @@ def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
 
 
 def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: Float[Array, ""]) -> mjx.Model:
-    """Return the template with a house's floor height and bodies, and all fields that MuJoCo's compiler derives.
+    """Return the template with a house's floor height and bodies, and all that MuJoCo's compiler derives from them.
 
     For a free body whose inertial frame is its body frame, `mj_setConst` sets `body_invweight0` = (1/m, mean of 1/I).
     It sets `dof_invweight0` to each of these three times, and `dof_M0` = (m, m, m, I).
@@ -129,7 +129,7 @@ def house_surfaces(
 ) -> Float[Array, "k 5"]:
     """Return contact parameters of a house's bodies, see `base.surfaces`, with friction times `scale.friction`.
 
-    Unused bodies have the template's default parameters.
+    Unused bodies have the template's default parameters. Columns: friction, stiffness, damping, impedance, its width.
     """
     usual = jnp.asarray(default_surface(config), jnp.float32)
     own = body_surfaces(config, physics)[house]

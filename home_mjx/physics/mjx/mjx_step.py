@@ -80,7 +80,7 @@ def step_mjx(
 
 
 def padded_static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> OrientedBoxes:
-    """Return a house's static boxes in the bank's order, padded with parked ones to the number of slots of one owner.
+    """Return a house's static boxes in the bank's order; parked ones are added if they are fewer than an owner's slots.
 
     Parked ones also replace boxes in or flat on the floor. The floor plane already supports bodies there, and contact
     with a rug must count as contact with the floor.

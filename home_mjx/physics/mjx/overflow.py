@@ -43,7 +43,7 @@ def numeric_limit(model: Any, name: str) -> int:
 
 
 def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
-    """Return whether MJX may drop contact points: all points of a `condim` with `most` or more of them touch."""
+    """Return whether MJX may have dropped contact points: a `condim` has at least `most`, and all of them penetrate."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]
@@ -69,7 +69,7 @@ class GeomPairs:
 
     @classmethod
     def from_model(cls, model: Any) -> "GeomPairs":
-        """Group a `mujoco.MjModel`'s box-box and box-capsule pairs; keep a kind if it exceeds `max_geom_pairs`."""
+        """Group a `mujoco.MjModel`'s box-box and box-capsule pairs; keep kinds of more than `max_geom_pairs`."""
         most, kinds = numeric_limit(model, "max_geom_pairs"), defaultdict(list)
         for a, b in zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True):
             kind = frozenset((int(model.geom_type[a]), int(model.geom_type[b])))

@@ -22,8 +22,9 @@ class ContactImpulses(Pytree):
 
 
 def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> ContactImpulses:
-    """Collect contact impulses of one physics step from MJX's data; 0 and `NOTHING` for bodies without contact.
+    """Return each dynamic body's contacts in one physics step of MJX; 0 and `NOTHING` for bodies without contact.
 
+    They are the sum of normal impulses [N s]; and the impulse, position [m] and partner of the strongest contact.
     `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
@@ -61,7 +62,7 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
 
 
 def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
-    """Combine the physics steps, along the leading axis: sum the impulses and keep the strongest contact."""
+    """Combine the physics steps, along the leading axis: sum each body's impulses and keep its strongest contact."""
     best = jnp.argmax(pushes.strongest, axis=0)
     mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
     return ContactImpulses(

@@ -128,7 +128,7 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
 
 
 def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> None:
-    """Add all contact pairs: owners with their slots, bodies, doors, agents; feet and corner spheres with the floor."""
+    """Add contact pairs: agents and bodies with their slots, doors and one another; feet and corners with the floor."""
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
         others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]

@@ -100,7 +100,7 @@ def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
 
 
 def _with_model_poses(physics: Physics, layout: Layout, houses: Sequence[MujocoHouse]) -> Physics:
-    """Return the physics arrays with movable bodies at the initial poses of the houses' MuJoCo models."""
+    """Return the physics arrays with movable bodies at their poses in `qpos0` of the houses' MuJoCo models."""
     poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
     for row, house in zip(poses, houses, strict=True):
         qpos = np.zeros(layout.door_qpos.stop, np.float32)

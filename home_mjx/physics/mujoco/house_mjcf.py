@@ -57,7 +57,7 @@ def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
 
     Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank; unused
     rows are omitted. Shapes, masses and contact parameters are those of the template (`template_mjcf`), but every
-    static box can touch every body.
+    static box can touch every body. Agents and movable bodies are at the origin, since the state sets their poses.
     """
     root = ET.Element("mujoco", model="house")
     _add_options(root, config)
@@ -89,7 +89,7 @@ def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
 
 
 def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) -> None:
-    """Add movable body `k` with a free joint: its box, and corner spheres that touch the floor in its place."""
+    """Add movable body `k` with a free joint at the origin: its box; corner spheres touch the floor in its place."""
     body = ET.SubElement(world, "body", name=f"body{k}")
     ET.SubElement(body, "freejoint")
     inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))

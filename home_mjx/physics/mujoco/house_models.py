@@ -50,7 +50,7 @@ class MujocoHouses:
         register_host_call(self.step_target, self._step)
 
     def _find(self, given: Arrays, results: Arrays) -> None:
-        """Host function of `find_target`; build models that are not cached, evict the least recently used."""
+        """Write the numbers of houses (`find_target`); build models not cached, evict the least recently used ones."""
         *tables, house = given
         chosen, inverse = np.unique(np.clip(house, 0, len(tables[0]) - 1), return_inverse=True)
         with self._lock:

@@ -115,7 +115,7 @@ def check_platform() -> None:
     """Raise an error, while tracing, if C MuJoCo cannot run the program.
 
     Raises:
-        ConfigError: The program is compiled for a GPU or TPU; C MuJoCo runs on the host.
+        ConfigError: JAX's default device is a GPU or TPU; C MuJoCo runs on the host.
         BackendError: This is a forked child of a process that has already stepped.
     """
     check_not_forked("step physics")

@@ -142,7 +142,8 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
     """Clip the facing side of box 2 by box 1's face on axis `up`; write contact points, return their number.
 
-    `normal` becomes `sign` times the outward normal of that face, which is the one towards box 2.
+    `normal` becomes `sign` times the outward normal of that face, which is the one towards box 2. Results are in the
+    world, as in `box_box`.
     """
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0
@@ -177,7 +178,10 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 @compiled
 @no_type_check
 def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
-    """Write the contact of the edges `code` = 3 i + j (world): point, distance, normal; False if they do not cross."""
+    """Write the contact of the edges `code` = 3 i + j (world): point, distance, normal; False if they do not cross.
+
+    They cross if the nearest points of their lines are on both. Other arguments: see `box_box` and `_least_overlap`.
+    """
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame
     for j in range(3):

@@ -186,7 +186,7 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
 @compiled
 @no_type_check
 def _length_beside_face(center, axis, half, end, face):
-    """Return the signed length [half axes] from end -1 or 1 on which the axis is in front of `face`; NaN if inside."""
+    """Return the signed length [half axes], from end -1 or 1, over the face normal to box axis `face`; NaN if -1."""
     if face < 0:
         return np.nan
     direction, reach = -end, 2.0
@@ -205,7 +205,8 @@ def _length_beside_face(center, axis, half, end, face):
 def _length_from_corner(axis, length, half, t, turn):
     """Return the signed length [half axes] beside a corner's edge or face; NaN if the axis points away or at it.
 
-    Bits of `turn` are box axes along which the capsule's axis goes inwards.
+    `t` (-1 to 1) is the corner's position along the axis, see `_sphere_positions`. Bits of `turn` are box axes along
+    which the capsule's axis goes inwards.
     """
     if turn in (0, 7):
         return np.nan
@@ -225,8 +226,9 @@ def _length_from_corner(axis, length, half, t, turn):
 def _length_from_edge(axis, half, t, edge, at, forward, turn):
     """Return the signed length [half axes] from an edge across the adjacent face most parallel to the capsule.
 
-    `at` is the position on the edge (-1 to 1). Bits of `forward` and `turn` are box axes along which the capsule's axis
-    increases or goes inwards. NaN unless `turn` has one bit.
+    `edge` is the index of the box axis along it, `at` the position on it and `t` that on the axis (-1 to 1). Bits of
+    `forward` and `turn` are box axes along which the capsule's axis increases or goes inwards. NaN unless `turn` has
+    one bit.
     """
     if turn not in (1, 2, 4):
         return np.nan

@@ -65,7 +65,8 @@ def edge_value(row, friction, normal, first, second):
 def contact_velocity(work, n, values):
     """Return contact `n`'s velocity, or acceleration, of the second body relative to the first: normal, two tangents.
 
-    `values` is `work.vel` or `work.acc`: six per dynamic body, unlike MuJoCo's `qvel`.
+    `values` is `work.vel` or `work.acc`: six per dynamic body, unlike MuJoCo's `qvel`. Sides that are not
+    dynamic bodies are at rest. At a joint limit, the normal part is the door's rate away from the limit.
     """
     x = y = z = 0.0
     a, b = work.first[n], work.second[n]

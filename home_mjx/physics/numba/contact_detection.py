@@ -23,7 +23,10 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def find_contacts(work, numbers, floor):
-    """Write an environment's contacts, with its floor at `floor` [m], to `work`; set `wakes` of touched sleepers."""
+    """Write an environment's contacts, with its floor at `floor` [m], to `work`; set `wakes` of touched sleepers.
+
+    Every contact has at least one awake body. Doors touch agents, bodies and their joint limits only.
+    """
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
         if work.used[m]:
@@ -78,7 +81,7 @@ def invalidate_near_boxes(work):
 @compiled
 @no_type_check
 def _update_near_boxes(work, m):
-    """List static boxes near body `m` again if it moved by `NEAR_DISTANCE`; set `STATIC_OVERFLOW` if too many."""
+    """List static boxes within `NEAR_DISTANCE` of body `m`, if it moved that far; set `STATIC_OVERFLOW` if too many."""
     if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
         return
     count = 0
@@ -149,7 +152,7 @@ def are_boxes_apart(work, m, pos, rot, half, reach):
 @compiled
 @no_type_check
 def _add_agent_floor_contact(work, m, floor):
-    """Add the contact of an agent's lower hemisphere with the floor at height `floor` [m]."""
+    """Add the contact, if any, of an agent's lower hemisphere with the floor at height `floor` [m]."""
     bottom = work.pos[3 * m + 2] - work.agent[AGENT_COLUMNS * m + 1] - work.agent[AGENT_COLUMNS * m]
     if bottom < floor:
         points, normals = work.points, work.normals
@@ -162,7 +165,7 @@ def _add_agent_floor_contact(work, m, floor):
 @compiled
 @no_type_check
 def _add_body_floor_contacts(work, numbers, m, floor):
-    """Add the floor contacts of the small spheres at the corners of body `m`'s box."""
+    """Add the contacts, if any, of the small spheres at the corners of body `m`'s box with the floor at `floor` [m]."""
     if work.pos[3 * m + 2] - work.radius[m] > floor:
         return
     r = numbers.corner_radius
@@ -196,7 +199,7 @@ def do_spheres_overlap(work, a, b, reach):
 @compiled
 @no_type_check
 def _add_static_contacts(work, m, c):
-    """Add contacts of a body and a static box."""
+    """Add contacts of agent or body `m` and the static box of index `c`."""
     pos, rot, half = (
         offset_pointer(work.static_pos, 3 * c),
         offset_pointer(work.static_rot, 9 * c),

@@ -15,7 +15,7 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def update_poses(work, also_sleepers):
-    """Update `rot` of bodies, and `pos` and `rot` of doors, from `quat`; sleeping ones only if `also_sleepers`."""
+    """Update `rot` of bodies, `pos` and `rot` of doors from `quat`, sleepers if `also_sleepers`; agents: identity."""
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
@@ -58,7 +58,7 @@ def write_rotation(quat, rot):
 @compiled
 @no_type_check
 def integrate(work, numbers):
-    """Integrate agents, and bodies and doors that are awake, by semi-implicit Euler."""
+    """Integrate agents (yaw without contact), and bodies and doors that are awake, by semi-implicit Euler."""
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
         _move_agent(work, numbers, a)

@@ -27,7 +27,8 @@ compiled = njit(error_model="numpy")
 def mark_sleeping(work, numbers, held, goal):
     """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may fall asleep, and clear `wakes`.
 
-    Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) stay awake and are not calm.
+    Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) are awake and not calm. If
+    `numbers.sleep` is 0, so is everything.
     """
     for m in range(work.num_dynamic):
         work.used[m], work.wakes[m] = work.there[m], 0
@@ -104,7 +105,7 @@ def _is_near(work, m, other, reach):
 @compiled
 @no_type_check
 def mark_moving(work, numbers):
-    """Set `calm` to 0 for awake bodies that exceed `rest_speed`, `rest_spin` or `rest_pull`, after a physics step."""
+    """Set `calm` to 0 for awake bodies above `rest_speed`, `rest_spin` or `rest_pull`, and doors above `rest_spin`."""
     for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] and work.calm[m]:
             speed, acceleration = offset_pointer(work.vel, 6 * m), offset_pointer(work.acc, 6 * m)

@@ -37,7 +37,7 @@ def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
 @compiled
 @no_type_check
 def _drive_agent(work, numbers, a, action):
-    """Compute an agent's acceleration by its motors and gravity; see `control.motor_forces`."""
+    """Write agent `a`'s acceleration by its motors and gravity to `smooth`; see `control.motor_forces`."""
     agent = offset_pointer(work.agent, AGENT_COLUMNS * a)
     mass, push = agent[2], agent[7]
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])
@@ -58,7 +58,7 @@ def _drive_agent(work, numbers, a, action):
 @compiled
 @no_type_check
 def _hold_on_ramp(work, numbers, a, ramp, num_ramps):
-    """Add the acceleration that keeps an agent from sliding down a ramp; see `base.servo`."""
+    """Add the acceleration that keeps agent `a` from sliding down a ramp to `smooth`; see `base.servo`."""
     radius = work.agent[AGENT_COLUMNS * a]
     bottom, highest, pull_x, pull_y = work.pos[3 * a + 2] - work.radius[a], -NOT_DRIVEN, 0.0, 0.0
     for r in range(num_ramps):
@@ -83,7 +83,7 @@ def _hold_on_ramp(work, numbers, a, ramp, num_ramps):
 @compiled
 @no_type_check
 def _accelerate_free_body(work, numbers, m):
-    """Compute the acceleration of a free body: gravity, and the gyroscopic torque in its own frame."""
+    """Write body `m`'s acceleration by gravity, and by gyroscopic torque in its own frame, to `smooth`."""
     work.smooth[6 * m] = work.smooth[6 * m + 1] = 0.0
     work.smooth[6 * m + 2] = -numbers.gravity
     for k in range(3):
@@ -97,7 +97,7 @@ def _accelerate_free_body(work, numbers, m):
 @compiled
 @no_type_check
 def _pull_held_body(work, numbers, a, m, grip):
-    """Compute the acceleration of a held body towards its grip and the reaction on its holder; see `base.servo`."""
+    """Write held body `m`'s acceleration towards its grip to `smooth`, add agent `a`'s reaction; see `base.servo`."""
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])
     spin = work.vel[6 * a + 5]
     armx, army = c * grip[0] - s * grip[1], s * grip[0] + c * grip[1]
@@ -147,7 +147,7 @@ def _rotation_error(work, a, m, grip):
 @compiled
 @no_type_check
 def _rotate_held_body(work, numbers, m, miss, spin):
-    """Compute the angular acceleration of a held body from `_rotation_error` and its holder's yaw rate [rad/s]."""
+    """Write held body `m`'s angular acceleration by `_rotation_error` and its holder's yaw rate [rad/s] to `smooth`."""
     pull = _approach_rate(numbers, sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]), numbers.hand_spin)
     smooth = offset_pointer(work.smooth, 6 * m)
     square = 0.0
@@ -163,7 +163,7 @@ def _rotate_held_body(work, numbers, m, miss, spin):
 @compiled
 @no_type_check
 def _drive_door(work, numbers, m, goal):
-    """Compute the acceleration of a door by its drag and its drive; see `base.servo`."""
+    """Write door `m`'s acceleration by drag, and by its drive unless `NOT_DRIVEN`, to `smooth`; see `base.servo`."""
     rate = work.vel[6 * m]
     work.smooth[6 * m] = -numbers.door_drag * rate
     if abs(goal) < NOT_DRIVEN:

@@ -90,7 +90,10 @@ def _collect_members(work, root):
 @compiled
 @no_type_check
 def _newton(work, members, rows, size, iterations):
-    """Iterate Newton's method on an island's `acc` until a full step leaves the active rows unchanged or none helps."""
+    """Iterate Newton's method on an island's `acc` until a full step leaves the active rows unchanged or none helps.
+
+    `members`, `rows` and `size` are its numbers of bodies, contacts and DoFs; `iterations` is the maximum.
+    """
     full = False
     for _ in range(iterations):
         work.counts[NEWTON_STEPS] += 1

@@ -82,7 +82,7 @@ def _load_door(work, m, door):
 @compiled
 @no_type_check
 def load_agents(work, table):
-    """Copy the agents' sizes and masses to `work`; see `control.agent_table`."""
+    """Copy `control.agent_table` to `work`, and set the agents' half extents, radii, masses and inertias from it."""
     for i in range(AGENT_COLUMNS * work.num_agents):
         work.agent[i] = table[i]
     for a in range(work.num_agents):
@@ -113,7 +113,7 @@ def step_env(work, numbers, ground, state, control, result, report):
         state: qpos, qvel and the last accelerations, flat as in the template.
         control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
         result: State after the step, like `state`.
-        report: Contacts of each agent except with the floor (a), the maximum over physics steps; overflow flags of
+        report: Contacts of each agent but with floors and ramps (a), maximum over physics steps; overflow flags of
             static boxes and contact points (2); each body's total impulse [N s] and the position of its strongest
             contact [m] (m, 4); the partner in that contact (m), a code of `base.state`.
     """
@@ -180,7 +180,7 @@ def _load(work, qpos, qvel, qacc):
 @compiled
 @no_type_check
 def _store(work, before, result):
-    """Write the state of `work` to `result`; sleeping bodies keep their pose of `before`, with zero velocity."""
+    """Write the state of `work` to `result`; sleeping or unused bodies and doors keep the pose `before`, at rest."""
     qpos, qvel, qacc = result
     for a in range(work.num_agents):
         for k in range(3):
@@ -225,7 +225,7 @@ def _clear_report(work, touched, push, other):
 @compiled
 @no_type_check
 def _count_agent_contacts(work, touched):
-    """Raise each agent's `touched` to its contacts in this physics step, except with floors and ramps under it."""
+    """Raise each agent's `touched` to its number of contacts in this step, except with floors and ramps under it."""
     for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
