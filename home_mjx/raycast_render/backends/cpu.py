@@ -26,7 +26,8 @@ def cast_cpu(
 ) -> RawHit:
     """Cast rays (e r ...) by the Numba kernel; return hits (e r), or (e r steps) if `query.num_hits` is not 0.
 
-    A miss has t `MISS`, instance and triangle -1. `registry.KERNEL` must be usable on the CPU; there is no fallback.
+    A miss has t `MISS`, instance and triangle -1. After an any-hit query only the sign of `instance` counts.
+    `registry.KERNEL` must be usable on the CPU; there is no fallback.
     """
     if query.num_hits:
         return cast_multi_hit_by_loop(cast_cpu, geometry, house, moving, rays, query)

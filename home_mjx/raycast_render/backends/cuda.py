@@ -26,7 +26,8 @@ def cast_cuda(
 ) -> RawHit:
     """Cast rays (e r ...) by the CUDA kernels; return hits (e r), or (e r steps) if `query.num_hits` is not 0.
 
-    A miss has t `MISS`, instance and triangle -1. `registry.KERNEL` must be usable on the GPU; there is no fallback.
+    A miss has t `MISS`, instance and triangle -1. After an any-hit query only the sign of `instance` counts.
+    `registry.KERNEL` must be usable on the GPU; there is no fallback.
     """
     shape = (*rays.shape, query.num_hits) if query.num_hits else rays.shape
     floats, ints = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)

@@ -117,7 +117,7 @@ def _start(world: _Operands) -> _State:
 
 
 def _descend(world: _Operands, state: _State) -> _State:
-    """Descend until no ray is at a node: each moves to the nearer child that it hits, or pops its stack."""
+    """Descend until no ray is at a node: each moves to the nearer child that it hits, pushing the other, or pops."""
 
     def step(state: _State) -> _State:
         """Move the rays that are at a node to a child or up their stack."""
@@ -131,7 +131,7 @@ def _descend(world: _Operands, state: _State) -> _State:
 
 
 def _visit_leaves(world: _Operands, state: _State) -> _State:
-    """Test up to four triangles per ray at a leaf; then let rays leave finished instances and enter new ones."""
+    """Test up to four triangles per ray at a leaf, leave finished instances, enter new ones; any-hits end their ray."""
     first, count = ~state.code >> 4, ~state.code & 15
     at_triangles = (state.instance >= 0) & (state.code != EMPTY_LEAF)
     best = _test_triangles(world, state, jnp.where(at_triangles, first, 0), jnp.where(at_triangles, count, 0))
@@ -182,8 +182,8 @@ def _leave(world: _Operands, state: _State) -> _State:
 def _enter(world: _Operands, state: _State) -> _State:
     """Transform rays at a leaf of the top-level BVH into the frame of its first instance.
 
-    Codes count a house's instances, then the moving ones. Rays that exclude the instance's object pop their stack
-    instead.
+    Codes count a house's instances, then the moving ones. Other instances of the leaf are pushed. Rays that
+    exclude the instance's object pop their stack instead.
     """
     geometry, moving, house = world.geometry, world.moving, world.house[world.env]
     index, count = ~state.code >> 4, ~state.code & 15
@@ -247,7 +247,7 @@ def _slab(
 
 
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
-    """Return the best hits updated with `count` triangles from `first` on, at most `TRIANGLES_PER_TEST` of them."""
+    """Return the best hits updated with `count` triangles from `first`, four at most, unless masked or cut out."""
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)

@@ -239,7 +239,7 @@ def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
 def _plane_coordinates(
     column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens, half: Float[Array, ""]
 ) -> tuple[Float[Array, "h w"], Float[Array, "h w"]]:
-    """Convert pixel coordinates to ones to the right and up from the centre of an image of half height `half`.
+    """Map pixel coordinates to ones right and up from the image's centre, in the unit of its half height `half`.
 
     The origin of pixel coordinates is the image's top left corner.
     """
@@ -248,7 +248,7 @@ def _plane_coordinates(
 
 
 def _sphere_directions(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
-    """Return unit directions of a panorama or lidar in the camera's frame (x right, y up, -z ahead)."""
+    """Return unit directions of a panorama or lidar (x right, y up, -z ahead) at pixel coordinates from top left."""
     left = (0.5 - column / lens.width) * (2 * np.pi)
     if lens.model == "panorama":
         up = (0.5 - row / lens.height) * np.pi

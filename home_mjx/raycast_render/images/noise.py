@@ -20,8 +20,9 @@ def kinect_depth(
 ) -> Float[Array, "h w 1"]:
     """Apply the noise of a structured-light depth sensor: shifted edges, noisy and quantised disparities.
 
-    Readings are shifted by a Gaussian of half a pixel. Disparities of 1/351.3 per metre are then shifted by a Gaussian
-    of a sixth of a step and rounded. Errors therefore grow with the square of the distance.
+    Each pixel reads the depth at a Gaussian offset of half a pixel, rounded to whole pixels. `near` and `far` apply to
+    that. Its disparity, 351.3 m over the depth, gets Gaussian noise of a sixth of a step and is rounded to whole steps.
+    Errors therefore grow with the square of the distance.
 
     Source: J. T. Barron and J. Malik, "Intrinsic scene properties from a single RGB-D image", CVPR 2013,
     as used by A. Handa et al., "A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM", ICRA 2014.
@@ -62,7 +63,7 @@ def sensor_rgb(
 ) -> UInt8[Array, "h w 3"]:
     """Apply the noise of an image sensor: shot noise that grows with the light, and read noise.
 
-    In linear light, 0 to 1, the variance is `shot` times the signal, plus `read`; results are clipped.
+    In linear light, 0 to 1, the variance is `shot` times the signal, plus `read`. Results are clipped sRGB.
 
     Source: A. Foi, M. Trimeche, V. Katkovnik and K. Egiazarian, "Practical Poissonian-Gaussian noise modeling and
     fitting for single-image raw-data", IEEE Transactions on Image Processing 17(10), 2008.

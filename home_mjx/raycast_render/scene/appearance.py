@@ -56,7 +56,7 @@ def scale_exposure(look: AppearanceOverrides | None, light: Vec) -> Vec:
 
 
 def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
-    """Scale colours of material rows by random factors in 1 ± `look.tint` and clip to [0, 1]; unchanged if None."""
+    """Scale colours of material rows by random factors in 1 ± `look.tint`, clipped to [0, 1]; unchanged without it."""
     if look is None or look.tint is None:
         return color
     tint = look.tint
@@ -67,7 +67,7 @@ def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array,
 def swap_textures(
     look: AppearanceOverrides | None, layer: Int[Array, "*rays"], row: Int[Array, "*rays"], layers: Array
 ) -> Array:
-    """Return texture layers of material rows with the episode's random swaps; -1, no texture, stays -1.
+    """Return texture layers of material rows, with probability `look.swap` random ones; -1, no texture, stays -1.
 
     `layer` are the house's layers; `layers`, those of all rows, bound the random ones. Without `look.swap`: unchanged.
     """

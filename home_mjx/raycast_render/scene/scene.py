@@ -63,7 +63,7 @@ def make_scene(
 
 
 def make_open_scene(bank: HouseBank, house: Int[Array, ""] | int) -> Scene:
-    """Return the scene of a house (index, clipped) with its initial body poses, no agents, and all doors wide open."""
+    """Return the scene of a house (index, clipped) with bodies at authored poses, no agents, and doors fully open."""
     house, physics = jnp.int32(house), bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     bodies = physics.body_pos[house], physics.body_quat[house]
@@ -92,7 +92,7 @@ def _pose_matrices(pos: Float[Array, "n 3"], quat: Float[Array, "n 4"]) -> Float
 
 
 def _doors(bank: HouseBank, house: Int[Array, ""], angle: Float[Array, " h"]) -> DynamicInstances:
-    """Return the instances of door leaves at joint coordinates, relative to as authored: [rad] about +z, or [m]."""
+    """Return the instances of door leaves at joint coordinates from the authored pose: [rad] about +z; sliding: [m]."""
     physics = bank.physics
     instance = jnp.where(physics.door_valid[house], physics.door_instance[house], -1)
     slide = physics.door_slide[house]

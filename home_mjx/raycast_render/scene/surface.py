@@ -64,7 +64,7 @@ def area_vectors(scene: Scene, direction: Vec, hit: Hit) -> Vec:
 def area_to_world(scene: Scene, local: Vec, hit: Hit) -> Vec:
     """Transform cross products of two model vectors, such as edges, from the frame of the hit model to the world.
 
-    They transform by the transpose of the inverse times the determinant, as normals do except for their length.
+    They transform by the transpose of the inverse times |determinant|, as normals do except for their length.
     """
     inverse = index_by_instance(scene.geometry.instance_inverse[scene.house], scene.moving, scene.moving.inverse)
     rows = [Vec.unpack(inverse[:, i, :3]) for i in range(3)]

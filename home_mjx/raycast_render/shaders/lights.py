@@ -32,7 +32,7 @@ LightSample = Float[Array, "*rays 2"] | None
 
 
 class PlacedLights(Pytree):
-    """Lights in world coordinates: all of one environment, or one per point."""
+    """Lights in world coordinates, intensity in [W/sr]: all of one environment, or one per point."""
 
     pos: Vec  # [m]
     axis_u: Vec  # [m], half extents
@@ -61,7 +61,7 @@ class ShadingPoint(Pytree):
 
 
 class IncidentLight(Pytree):
-    """Incident light at points."""
+    """Incident light at points, summed over lights: irradiance, and radiance reflected towards the viewer."""
 
     diffuse: Vec  # irradiance [W/m^2]
     specular: Vec  # specular radiance for a specular reflectance of 1 [W/m^2/sr]
@@ -70,7 +70,7 @@ class IncidentLight(Pytree):
 def place_lights(scene: Scene, sky: float) -> PlacedLights:
     """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps.
 
-    `sky` is the radiance of the sky, which windows emit [W/m^2/sr].
+    `sky` is the radiance of the sky, which windows emit [W/m^2/sr]. Intensities include the factors of `scale_lamps`.
     """
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
@@ -107,10 +107,10 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
 def lamp_light(
     scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, count: int
 ) -> IncidentLight:
-    """Compute irradiance and specular radiance at points from their `count` lights of highest irradiance.
+    """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`.
 
-    Shadow rays are cast. `spread` has emitting positions in [-1, 1] along both axes of linear and rectangular
-    lights; None: their centres.
+    Shadow rays ignore the lamp that carries the light, and none start on it. `spread` has emitting positions in [-1, 1]
+    along both axes of linear and rectangular lights; None: their centres.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
@@ -142,7 +142,9 @@ def lamp_light(
 
 
 def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[Array, "k *rays"]:
-    """Select the lights with the highest estimated irradiance at each point, brightest first.
+    """Select the lights with the highest estimated irradiance at each point, without occlusion, brightest first.
+
+    Those of other rooms are weighted by `OTHER_ROOM_WEIGHT`; a lamp has high priority on its own surfaces.
 
     Returns:
         `count` keys, or one per light if fewer: the light's index in the lowest `INDEX_BITS` bits, its irradiance in
@@ -173,7 +175,7 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
 def sun_light(
     scene: Scene, point: ShadingPoint, spread: LightSample, irradiance: float, azimuth: float, elevation: float
 ) -> IncidentLight:
-    """Compute the light of the sun where it is not occluded; its disc has a diameter of one degree.
+    """Compute irradiance and specular radiance by the sun, 0 if occluded; its disc has a diameter of one degree.
 
     Args:
         scene: Scene of one environment, whose overrides may replace the sun's direction.
@@ -261,8 +263,8 @@ def _unoccluded_irradiance(
     """Compute irradiance per intensity [1/m^2] without occlusion, and the unit direction to the light at `offset` [m].
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
-    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces (`own`), such as its shade, transmit its
-    light.
+    algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces (`own`), such as its shade, get 0.7 of
+    its intensity from any side.
     """
     square = jnp.maximum(offset.dot(offset), jnp.where(own, MIN_LIGHT_DISTANCE**2, 1e-4))
     toward = offset.unit()

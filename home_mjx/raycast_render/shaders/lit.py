@@ -160,7 +160,7 @@ class LitShader(Shader):
 def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
     """Map light of any strength, times `exposure`, to linear display light in [0, 1].
 
-    Luminances up to `WHITE_LUMINANCE` fit; colours keep their hue until a channel saturates.
+    The luminance `WHITE_LUMINANCE`, after exposure, becomes 1; colours keep their hue until a channel saturates.
 
     Source: E. Reinhard et al., "Photographic tone reproduction for digital images", SIGGRAPH 2002, equation 4.
     """
@@ -172,7 +172,7 @@ def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
 def auto_exposure(light: Vec) -> Float[Array, ""]:
     """Return the factor that maps an image's geometric mean luminance to `MEAN_LUMINANCE_TARGET`.
 
-    Source: equation 1 of the source of `tone_map`.
+    Luminances are at least `MIN_METERED_LUMINANCE`. Source: equation 1 of the source of `tone_map`.
     """
     luminance = jnp.maximum(light.dot(Vec(*lights.LUMINANCE)), MIN_METERED_LUMINANCE)
     return MEAN_LUMINANCE_TARGET / jnp.exp(jnp.log(luminance).mean())
@@ -188,7 +188,7 @@ def sky_radiance(direction: Vec, options: LitShader) -> Vec:
 
 
 def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
-    """Return the triangle's area normal and the interpolated unit normal, which is the former where none is stored."""
+    """Return the triangle's area normal and unit smooth normal, which has the same direction where none is stored."""
     hit = sight.hit
     area = area_vectors(scene, sight.direction, hit)
     a, b, c = (take_vec(scene.bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
@@ -199,7 +199,7 @@ def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
 
 
 def _shading_point(scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"]) -> lights.ShadingPoint:
-    """Gather position, normals, view direction and material values at the ends of paths."""
+    """Gather position, normals, view direction, shininess of material `row`, instance and room at the ends of paths."""
     return lights.ShadingPoint(
         pos=sight.end,
         normal=corner.area.unit(),
@@ -231,7 +231,10 @@ def _diffuse_reflectance(
 
 
 def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSample, options: LitShader) -> Vec:
-    """Return the irradiance [W/m^2] by interreflection: uniform within a room, reduced by ambient occlusion."""
+    """Return the irradiance [W/m^2] by interreflection: uniform within a room.
+
+    With `ao_radius`, it is times `MEAN_REFLECTANCE` where one random ray per point is blocked within that distance.
+    """
     table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
     lamps, daylight = (take_vec(table.reshape(-1, 2, 3), place, source) for source in range(2))

@@ -51,6 +51,7 @@ def trace_specular(
     """Trace camera rays through at most `max_specular_depth` specular events.
 
     Behind the first pane or mirror all translucent glass is ignored, so that any number of panes costs one ray.
+    From there on only mirrors are events.
 
     Args:
         scene: Scene of one environment.
@@ -70,7 +71,7 @@ def _extend_path(
     growth: Float[Array, ""],
     exclude: Int[Array, ""] | int,
 ) -> PathState:
-    """Cast rays at translucent glass or a mirror one segment farther, and multiply their throughput.
+    """Cast rays at translucent glass or a mirror one segment on; multiply throughput by its transmittance or colour.
 
     Other rays are unchanged. The new segment passes all translucent glass, also behind a mirror.
     """

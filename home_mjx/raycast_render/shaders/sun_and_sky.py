@@ -27,7 +27,7 @@ def sun_position(hour: float, latitude: float = DEFAULT_LATITUDE, declination: f
 
 
 def sun_share(elevation: float) -> float:
-    """Return the irradiance of the sun at an elevation [degrees] over that at 35; 0 at or below the horizon.
+    """Return the normal irradiance of the sun at an elevation [degrees] over that at 35; 0 at or below the horizon.
 
     Source: F. Kasten and A. T. Young, "Revised optical air mass tables", Applied Optics, 1989; A. B. Meinel and M. P.
     Meinel, "Applied Solar Energy", 1976: a transmittance of 0.7 ** (air mass ** 0.678).

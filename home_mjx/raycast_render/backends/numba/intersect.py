@@ -37,7 +37,7 @@ class PacketRays(NamedTuple):
 
 
 class ModelInstance(NamedTuple):
-    """One placed model."""
+    """One placed model: its instance index, model index and first material row."""
 
     number: np.int32
     model: np.int32
@@ -45,7 +45,7 @@ class ModelInstance(NamedTuple):
 
 
 class BestHits(NamedTuple):
-    """Best hits up to now."""
+    """Best hits up to now: t, ids (-1: none), weights of corners 1, 2, and whether the front was hit."""
 
     t: Lane
     instance: Lane
@@ -156,7 +156,7 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Return the best hits, updated with triangle number `triangle` in lanes of `reaches`; any-hits get t = -inf."""
+    """Return `best` with triangle `triangle` in lanes of `reaches`, unless masked or cut out; any-hits get t = -inf."""
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)

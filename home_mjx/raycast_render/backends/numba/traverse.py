@@ -132,7 +132,7 @@ def _world(at, sizes):
 @compiled
 @no_type_check
 def _cast(world, env, ray, exclude, best, codes, enters):
-    """Return `best` updated with static instances, by the house's top-level BVH, then with moving ones, one by one."""
+    """Return `best` updated with static instances, by the top-level BVH, then moving ones; ignore object `exclude`."""
     house, num_instances, left = (
         clip_row(world.house[env], world.sizes.houses),
         world.sizes.instances,
