@@ -123,7 +123,10 @@ def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
 
 
 def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> Rays:
-    """Build rays of the broadcast shape of origins and directions; `width` is their last axis if they form an image."""
+    """Build rays with all fields broadcast to the leading shape that origins and directions have in common.
+
+    `width` is the last axis of that shape; 0 if it has fewer than two axes.
+    """
     shape = jnp.broadcast_shapes(origin.shape, direction.shape)[:-1]
 
     def fill(value: Any, dtype: Any) -> Array:

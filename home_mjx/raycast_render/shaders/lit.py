@@ -188,7 +188,10 @@ def sky_radiance(direction: Vec, options: LitShader) -> Vec:
 
 
 def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
-    """Return the triangle's area normal and unit smooth normal, which has the same direction where none is stored."""
+    """Return area normals, as long as twice the area [m^2], and unit smooth normals of hits, in the world.
+
+    Both face the rays. Without a stored smooth normal, the area normal is used, scaled to length 1.
+    """
     hit = sight.hit
     area = area_vectors(scene, sight.direction, hit)
     a, b, c = (take_vec(scene.bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
