@@ -53,7 +53,10 @@ def knock(length: int, sample_rate: int) -> Samples:
 
 
 def bell(length: int, sample_rate: int) -> Samples:
-    """Synthesize a bell of 600 Hz with its partials, struck every 2 s."""
+    """Synthesize a bell of 600 Hz with its partials, struck every 2 s, as a seamless loop.
+
+    Strikes ring on over later ones and over the loop's end. The level is not normalised.
+    """
     time = _time(length, sample_rate)
     partials = np.array([0.5, 1.0, 1.2, 1.5, 2.0, 2.67])[:, None]
     strike = np.sin(2 * np.pi * 600 * partials * time) * np.exp(-2 * partials * time) / partials

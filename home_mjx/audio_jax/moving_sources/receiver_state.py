@@ -101,7 +101,10 @@ def pad_paths(paths: Paths, count: int) -> Paths:
 
 
 def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether energy at the end of the response, or of its tail, is within 30 dB of its loudest bin or path."""
+    """Return whether energy at the response's end is within 30 dB of its loudest bin or path.
+
+    With a tail, only the end of the tail counts.
+    """
     share = jnp.asarray(white_noise_band_shares(config))
     energy = heard.energy[:, : config.num_channels]
     bins = jnp.sum(energy @ share, axis=1)

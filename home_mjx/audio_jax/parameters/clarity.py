@@ -31,7 +31,8 @@ def early_energy(
 def definition(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
     """Compute the share of energy until `limit` [s] after the direct sound, 0 to 1 (ISO 3382-1:2009, A.11).
 
-    The total includes `missing_energy`; the result is NaN in silence.
+    `limit` is rounded to whole samples or bins; energy before the direct sound counts as early. The total
+    includes `missing_energy`; the result is NaN in silence.
     """
     early = early_energy(energy, dt, -energy.shape[-1] * dt, limit)
     return early / (jnp.sum(energy, axis=-1) + missing_energy(energy))

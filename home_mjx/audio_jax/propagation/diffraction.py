@@ -185,7 +185,11 @@ def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array
 
 
 def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, count: int) -> EdgePaths:
-    """Select up to `count` strings by detour, missing ones (inf) last; none is over the source's or listener's body."""
+    """Select the `count` strings of least detour, missing ones (inf) last; fewer if the scene has few boxes.
+
+    A string goes over one edge, or two parallel ones, of a box near the path. Boxes of the source's and the
+    listener's bodies have no edges.
+    """
     found = find_edge_paths(nearest_barriers(scene, source, listener, BOXES_PER_EDGE * count), source.pos, listener.pos)
     _, nearest = jax.lax.top_k(-found.finite_edge_detour, min(count, found.finite_edge_detour.size))
     return jax.tree.map(lambda x: x[nearest], found)

@@ -48,8 +48,9 @@ def early_paths(
 
     Returns:
         The paths of all producers in order, by default 1 + E + R: E is `config.early.num_edges`, and R is
-        `config.early.num_reflections`, or the house's number of mirror planes if that is smaller. Gains include the
-        source's directivity; `departure` is None. Gains are 0 if the listener's quaternion is not of unit length.
+        `config.early.num_reflections`, or the house's number of mirror planes if that is smaller. Directions of
+        incidence are in the world, see `Paths`. Gains include the source's directivity; `departure` is None. Gains
+        are 0 if the listener's quaternion is not of unit length.
 
     Raises:
         ConfigError: A concrete quaternion is not of unit length; or the source has a directivity and a producer does

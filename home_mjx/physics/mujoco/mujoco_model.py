@@ -92,7 +92,10 @@ class MujocoModel:
         return call_host(self._target, (ctrl.astype(jnp.float32), state.astype(jnp.float32)), results)
 
     def _run(self, given: Sequence[np.ndarray], results: Sequence[np.ndarray]) -> None:
-        """Step all environments by C MuJoCo's threaded rollout in float64; the host function of `step`."""
+        """Step all environments by C MuJoCo's threaded rollout in float64; the host function of `step`.
+
+        `given` is controls (e, u), then states (e, s). `results` receive the states and the last sensor data.
+        """
         ctrl, state = (x.astype(np.float64) for x in given)
         with self._lock:
             states, sensors = self._pool.rollout(

@@ -90,7 +90,11 @@ def _houses(template: Template, physics: Physics) -> MujocoHouses:
 
 @functools.cache
 def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
-    """Return the batched host calls `find` (house index to number) and `move` (one physics step of environments)."""
+    """Return the batched host calls `find` and `move`; see `MujocoHouses` for operands and results.
+
+    `find` takes all houses' rows and house indices to model numbers, and builds missing models. `move` does one
+    physics step of environments with these numbers.
+    """
 
     def find(*operands: Array) -> tuple[Array, ...]:
         """Map house indices (last operand) to numbers of models."""

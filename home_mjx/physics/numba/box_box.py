@@ -272,7 +272,10 @@ def _clip(corner, edges, size, points):
 @compiled
 @no_type_check
 def _crossings(start, edge, size, points, number):
-    """Add points with z <= 0 where the edge `start` + t `edge` meets the rectangle's border; return the new number."""
+    """Add points with z <= 0 where the edge `start` + t `edge` (t 0 to 1) meets the rectangle's border.
+
+    Rows of `points` are (x, y, z / 2, z), see `_add`. Return the new number of points.
+    """
     for q in range(2):
         if abs(edge[q]) <= MIN_CROSS_LENGTH:
             continue

@@ -213,7 +213,7 @@ def _add_static_contacts(work, m, c):
 @compiled
 @no_type_check
 def _add_body_contacts(work, a, b):
-    """Add contacts of two dynamic bodies, of which `a` has the lower index."""
+    """Add contacts of two awake bodies, `a` < `b`: agents are capsules, bodies and door leaves one box each."""
     if not do_spheres_overlap(work, a, b, 0.0):
         return
     pos = offset_pointer(work.pos, 3 * b)

@@ -74,7 +74,7 @@ def integrate(work, numbers):
 @compiled
 @no_type_check
 def _move_agent(work, numbers, a):
-    """Integrate agent `a` in place: position, then yaw."""
+    """Integrate agent `a` in place by semi-implicit Euler: velocity by `acc`, then position; likewise yaw."""
     for k in range(3):
         work.vel[6 * a + k] += numbers.sim_dt * work.acc[6 * a + k]
         work.pos[3 * a + k] += numbers.sim_dt * work.vel[6 * a + k]

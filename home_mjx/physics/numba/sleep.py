@@ -65,7 +65,10 @@ def _wake(work, m):
 @compiled
 @no_type_check
 def wake_touched_bodies(work):
-    """Wake the sleeping bodies that `wakes` flags, and clear their flags."""
+    """Wake each body that `wakes` flags, but not the rest of its island, and clear its flag.
+
+    Its acceleration becomes tiny instead of 0, so that its state does not read as asleep.
+    """
     for m in range(work.num_agents, work.num_dynamic):
         if work.wakes[m]:
             _wake(work, m)
@@ -105,7 +108,11 @@ def _is_near(work, m, other, reach):
 @compiled
 @no_type_check
 def mark_moving(work, numbers):
-    """Set `calm` to 0 for awake bodies above `rest_speed`, `rest_spin` or `rest_pull`, and doors above `rest_spin`."""
+    """Set the flag `calm` to 0 for awake bodies and doors that move.
+
+    Limits are `rest_speed` [m/s], `rest_spin` [rad/s] and, of the linear acceleration, `rest_pull` [m/s²].
+    Doors: only `rest_spin`, of sliding ones in [m/s].
+    """
     for m in range(work.num_agents, work.num_dynamic):
         if work.used[m] and work.calm[m]:
             speed, acceleration = offset_pointer(work.vel, 6 * m), offset_pointer(work.acc, 6 * m)

@@ -255,9 +255,10 @@ def _line_search(work, members, rows):
 @compiled
 @no_type_check
 def _inertial_derivatives(work, members):
-    """Return slope at 0 and curvature of the inertial cost of `members` bodies along `search`, and the cost's scale.
+    """Return slope at 0 and curvature of the inertial cost along `search`, and the cost's scale.
 
-    The scale, the sum of m (acc² + smooth²), makes the convergence test relative.
+    `members` is the number of bodies in `work.members`. The scale, the sum of m (acc² + smooth²), makes the
+    convergence test relative.
     """
     start, curve, scale = 0.0, 0.0, 0.0
     for i in range(members):

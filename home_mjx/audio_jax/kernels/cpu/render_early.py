@@ -113,7 +113,11 @@ def _mix_channel(frame, env, channel, size, points, room, sums):
 @compiled
 @no_type_check
 def _find_audible(share, far, size, which):
-    """Write to `which` the number of paths with a nonzero gain in `share` (stride `far`), then their indices."""
+    """Write to `which` the number of paths that one channel hears, then their indices.
+
+    A path is heard if any of its 2 `size.shapes` gains is nonzero. `share` points to the channel's gains of
+    path 0; those of the next path are `far` values on.
+    """
     which[0] = 0
     for way in range(size.sources * size.rows):
         for i in range(way * far, way * far + 2 * size.shapes):

@@ -68,7 +68,11 @@ def _sum_target(own, emitted, after, arrival, room, ends, rooms):
 @compiled
 @no_type_check
 def _sum_to_cell(own, emitted, after, arrival, room, ends, rooms):
-    """Return the spans (n, spans, b) of all cells to one cell, and the decays (rooms, b, k) from rooms."""
+    """Return the spans (n, spans, b) of all cells to one cell, and the decays (rooms, b, k) from rooms.
+
+    Both count time from `arrival` (n), the bin of the first possible arrival. `own` is energy before any
+    portal state, `emitted` that into states, `after` that received from them; see `sum_pairs`.
+    """
     bands, states, bins = after.shape
     count, late, most = len(own), emitted.shape[3], np.max(arrival)
     spans, decay = np.zeros((count, len(ends), bands)), np.zeros((rooms, bands, bins))

@@ -98,7 +98,10 @@ def trace_stages(
 
 
 def _source_rays(points: Float[np.ndarray, "r 3"], room: int, rng: np.random.Generator) -> FlightStart:
-    """Return rays in all directions from the points of a cell: a spiral of equal areas, randomly turned."""
+    """Return rays in all directions, one per point of a cell: a spiral of equal areas, randomly turned about z.
+
+    Each has energy 1 per octave; the tracer normalises their sum. They end by age at `CELL_MIXING_LENGTH`.
+    """
     count = len(points)
     z = 1 - 2 * (np.arange(count) + rng.random()) / count
     turn = np.pi * (1 + 5**0.5) * np.arange(count) + 2 * np.pi * rng.random()
