@@ -31,6 +31,8 @@ class ReflectionRectangle:
 def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
     """Build the reflection planes of a house: walls, floors and ceilings with edges above `MIN_RECTANGLE_EDGE`.
 
+    A wall has its inner side and, if rooms are behind it, its outer side. Sides that overlap in a plane reflect once.
+
     Args:
         shell: Its architecture, whose slots are the first rows of the house's material table.
         rooms: Its rooms.

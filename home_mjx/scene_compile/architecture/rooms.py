@@ -31,7 +31,7 @@ def house_rooms(house: House) -> list[tuple[int, RoomNode]]:
 def ground_offset(house: House) -> Float[np.ndarray, "3"]:
     """Return the offset (z = 0) of Z-up file coordinates that moves the centre of the ground-floor rooms to x = y = 0.
 
-    The ground floor is the first level that has a mesh of a room.
+    The ground floor is the first level that has a mesh of a room; its centre is that of the meshes' bounding box.
 
     Raises:
         DatasetError: The house has no room with a mesh.
@@ -50,7 +50,7 @@ def ground_offset(house: House) -> Float[np.ndarray, "3"]:
 
 
 def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
-    """Return outlines, floor and ceiling heights of all rooms in Z-up file coordinates moved by `offset` [m].
+    """Return types, levels, outlines and heights of all rooms in file order, in Z-up coordinates moved by `offset` [m].
 
     Rooms without meshes have an empty outline and heights 0.
     """

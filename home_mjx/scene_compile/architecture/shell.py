@@ -55,7 +55,10 @@ class BuildingShell:
 
 
 def build_shell(frame: HouseFrame) -> BuildingShell:
-    """Build the walls, floors, ceilings and grounds of a house in the world frame, as one model with a part each."""
+    """Build walls, floors, ceilings and grounds of a house in the world frame, as a model with a part each.
+
+    The model's floors and ceilings lack the areas that smaller rooms own; those of `parts` are complete.
+    """
     house, rooms = frame.house, frame.rooms
     parts = tuple(_parts(house, frame.offset))
     partition = find_partitions(parts)
@@ -216,7 +219,7 @@ def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
 
 
 def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
-    """Return the slot, of `slots` per face, with the largest visible area on a part's side towards unit `toward`."""
+    """Return the slot, of `slots` per face, with the largest area towards unit `toward`, `VISIBLE_DEPTH` deep."""
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)
     surface = height > height.max() - VISIBLE_DEPTH

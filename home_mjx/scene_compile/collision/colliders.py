@@ -64,6 +64,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
     """Return the boxes of one fixed object, and one box for each of its open leaves without a known hinge.
 
     Leaves with a known hinge are not included unless shut. A window has one box; passable or high objects have none.
+    Boxes outside the height limits are dropped, except those of open leaves.
 
     Args:
         item: The object.

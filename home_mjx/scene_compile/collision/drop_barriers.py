@@ -76,7 +76,7 @@ def build_drop_barriers(
 
 
 def _edges(plan: FloorPlan) -> Iterator[FloorEdge]:
-    """Yield straight runs of cell sides with a floor on one side and a drop above `MAX_SAFE_DROP` on the other."""
+    """Yield straight runs of cell sides with a floor and, beyond, no floor or one over `MAX_SAFE_DROP` lower."""
     padded = np.pad(plan.height, 1, constant_values=-np.inf)
     lines = plan.u, plan.v
     for axis in (0, 1):  # across u, then across v

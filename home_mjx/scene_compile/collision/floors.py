@@ -67,7 +67,7 @@ def _smaller_cover(
 def plan_floors(
     rooms: RoomTable, level: int, doorways: Sequence[Float[np.ndarray, "4 2"]], stairs: Sequence[Staircase], grid: int
 ) -> FloorPlan:
-    """Return the floor plan of a level: rooms, doorways between rooms, and the top treads of stairs.
+    """Return the floor plan of a level: rooms, doorways and top treads of stairs, with holes at the wells of stairs.
 
     Args:
         rooms: Outlines and floors.

@@ -49,7 +49,7 @@ class LevelBoxes:
 
 
 def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, options: ColliderOptions) -> LevelBoxes:
-    """Return the boxes that agents or objects on a floor can touch.
+    """Return the boxes that agents or objects on a floor can touch: of walls, objects, unhinged and hinged leaves.
 
     Args:
         walls: Boxes of the architecture.

@@ -34,8 +34,8 @@ def select_movables(
         options: Limits.
 
     Returns:
-        The selected objects, lightest first; ids of candidates that are not free to move; number of free candidates
-        beyond `max_bodies`.
+        The selected objects, lightest first; ids of supported candidates that are not free to move; number of
+        free candidates beyond `max_bodies`.
     """
     loads = find_loads(objects, options.max_support_gap)
     everything = concat_boxes([fixed, *static.values()])
@@ -54,7 +54,7 @@ def select_movables(
 
 
 def _candidate(item: PlacedObject, rooms: RoomTable, options: MovableOptions) -> MovableCandidate:
-    """Return an object with its box and mass, and the floor of its room if it is on it."""
+    """Return an object with its box, mass, and the height of its room's floor, which is None if it is not on it."""
     floor = float(rooms.floor[item.room])
     on_floor = bool(abs(item.box.bottom[0] - floor) <= options.max_support_gap)
     return MovableCandidate(item, item.box, object_mass(item), floor if on_floor else None)

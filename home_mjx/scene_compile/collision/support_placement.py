@@ -20,7 +20,8 @@ MIN_VERTICAL_OVERLAP = 2e-4  # [m], boxes with a smaller vertical overlap only t
 def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
     """Return the ids of the objects on or in each object, by its id, from bounding boxes; no entry without such loads.
 
-    `reach` is the maximum gap between an object and the top of the object that supports it [m].
+    The centre of a load is over the object in the plan. `reach` is the maximum gap between a load and the top of the
+    object that supports it [m].
     """
     boxes = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     loads: dict[int, list[int]] = {}
@@ -138,7 +139,10 @@ def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "
 
 
 def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
-    """Return the part of the box that is `gap` [m] away from every obstacle; None if the limits do not allow it."""
+    """Return the part of the box that is `gap` [m] away from every obstacle; None if the limits do not allow it.
+
+    Its top is lowered or its sides are moved inwards; its underside stays.
+    """
     low, high = -box.half[0].copy(), box.half[0].copy()
     near = _near(box, obstacles)
     # A part of the box is at least as far away as the whole.

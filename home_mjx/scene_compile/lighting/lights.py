@@ -71,7 +71,7 @@ def build_lights(
     rooms: RoomTable,
     options: LightOptions,
 ) -> LightTable:
-    """Build the light table of a house: lamps, daylight, and panels in rooms without a lamp, see `LightOptions`."""
+    """Build the light table of a house: lamps, daylight, panels in rooms without a lamp, and ambient light by room."""
     found = [s for o in objects for s in (*find_lamp_sources(o), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
     found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
@@ -198,7 +198,7 @@ def _inward(
 
 
 def _room_source(rooms: RoomTable, room: int, options: LightOptions) -> LightSource:
-    """Return a panel light under the ceiling that shines down, for a room without a lamp."""
+    """Return a panel light below the ceiling at a room's innermost point that shines down, its power by floor area."""
     polygon = rooms.polygon[room]
     x, y = find_innermost_point(polygon)
     power = options.room_power * polygon_area(polygon)

@@ -75,7 +75,7 @@ def ray_mask(item: SurfaceMaterial) -> RayKind:
 
 
 def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
-    """Return a material table with one row per surface."""
+    """Return a table with one row per surface: albedo, opacity, texture, kind, ray mask and acoustic properties."""
     sound = [acoustic_properties(s.family, s.category, s.name) for s in surfaces]
     absorption, scattering, transmission = np.array(sound).reshape(-1, 3, NUM_BANDS).transpose(1, 0, 2)
     return MaterialTable(

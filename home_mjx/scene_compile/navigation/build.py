@@ -34,6 +34,8 @@ def build_navigation(
 ) -> HouseNavigation:
     """Compute regions, portals, starts, goals and distance fields on the free space of a house.
 
+    Starts and goals are in the home region and never on ramps. Fields are extrapolated to reachable cells around it.
+
     Args:
         house_id: Seeds the sampling of starts and goals.
         rooms: Floor heights.
@@ -43,7 +45,7 @@ def build_navigation(
         stairs: Stairs between the levels that agents use.
         leaves: Boxes on each level of all leaf positions. Starts and goals avoid them, but paths lead through.
         open_leaves: Boxes on each level of leaves of open doors. Starts and goals avoid cells that these cut off from
-            most of the house: an agent that pushes the leaf away might shut the door for good.
+            most of the house. An agent that pushes the leaf away might shut the door for good.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
@@ -171,7 +173,7 @@ def _place(
 def _spread_goals(
     free: Bool[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"], count: int, rng: np.random.Generator
 ) -> Int[np.ndarray, "g 3"]:
-    """Sample goal cells (level, row, column) of rooms in turn, each of 32 candidates the farthest from earlier ones."""
+    """Sample goal cells (level, row, column), rooms in turn: each the farthest of 32 candidates from earlier goals."""
     order = rng.permutation(np.unique(room[free]))
     goals = np.empty((count, 3), np.int64)
     for g in range(count):

@@ -91,7 +91,7 @@ def find_free_space(
     downstairs: Sequence[Staircase] = (),
     fixed: BoxSet | None = None,
 ) -> FreeSpace:
-    """Compute the rooms of a level and their standable cells.
+    """Compute the grid of a level: rooms, heights, ramps, and cells that are standable with and without the margin.
 
     Args:
         rooms: Outlines and floors.

@@ -29,7 +29,7 @@ def find_portals(
     doorways: Sequence[Sequence[Doorway]],
     stairs: Sequence[tuple[Staircase, float]] = (),
 ) -> Portals:
-    """Find the portals of all levels.
+    """Find the portals of all levels: openings, doors (width 0 if agents cannot pass), and stairs.
 
     Args:
         rooms: Outlines and floors.

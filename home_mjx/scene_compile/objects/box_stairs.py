@@ -20,9 +20,10 @@ MAX_TOP_ABOVE_FLOOR = 0.3  # [m], maximum height of the last step above the uppe
 def find_box_stairs(
     objects: Sequence[PlacedObject], level: int, floor: Float[np.ndarray, " l"]
 ) -> list[list[PlacedObject]]:
-    """Return groups of boxes on a level that may be stairs to the next one, each sorted by height.
+    """Return groups of adjoining boxes on a level that may be stairs to the next one, each sorted by height.
 
-    These are candidates only; the detection of treads decides whether they are stairs.
+    A group has at least `MIN_STEPS` boxes and begins at most one step above the floor. These are candidates only; the
+    detection of treads decides whether they are stairs.
 
     Args:
         objects: Objects of the house.

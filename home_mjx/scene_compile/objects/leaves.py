@@ -24,7 +24,7 @@ MIN_SLIDE_OPENING = 0.5  # [m], the same for a sliding leaf
 def make_doors(
     leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
 ) -> Doors:
-    """Build the table of a house's leaves.
+    """Build the table of a house's leaves: closed and open poses, ranges by `find_motion_range`, boxes and masses.
 
     Args:
         leaves: Leaves that turn or slide.
@@ -112,7 +112,7 @@ def _clip_to_movables(leaf: PlacedLeaf, end: float, movable: BoxSet) -> float:
 
 
 def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Return a mask of the boxes within `CLEARANCE` of the circle, or sliding range, that a leaf covers in any pose."""
+    """Return a mask of boxes at a leaf's heights, within `CLEARANCE` of the circle around its pivot that it reaches."""
     ends = [leaf.box_at(leaf.closed), leaf.box_at(leaf.wide_open)] if leaf.slides else [leaf.box]
     corners = np.concatenate([footprint(box, 0) for box in ends])
     reach = np.linalg.norm(corners - leaf.pivot, axis=1).max() + CLEARANCE

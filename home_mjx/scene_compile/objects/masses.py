@@ -85,7 +85,7 @@ def slot_areas(item: PlacedObject) -> Float[np.ndarray, " s"]:
 
 
 def object_contact(item: PlacedObject, mass: float) -> ContactProperties:
-    """Return the friction and restitution by category, mass [kg], and the kind of material with the largest area."""
+    """Return friction and restitution; they depend on category, mass [kg] and the material of the largest area."""
     kinds = [surface.kind for surface in item.surfaces]
     names, row = np.unique(kinds, return_inverse=True)
     area = np.bincount(row, slot_areas(item))

@@ -112,7 +112,10 @@ class PlacedObject:
 
 
 def place_objects(frame: HouseFrame, metadata: Metadata) -> list[PlacedObject]:
-    """Place every object and box of a house in the world, in file order; instances follow `ARCHITECTURE`."""
+    """Place every object and box of a house in the world, in file order.
+
+    Ids count the nodes of all levels, also rooms. Instances count the parts of objects and follow `ARCHITECTURE`.
+    """
     house, rooms, offset = frame.house, frame.rooms, frame.offset
     models = {key: library_model(key, mesh) for key, mesh in house.models.items()}
     cube = unit_cube()

@@ -92,7 +92,7 @@ class StraightFlights:
         return self.runs[0].point_at(self.runs[0].first - beside), self.runs[-1].point_at(self.runs[-1].last + beside)
 
     def slopes(self, low: float, high: float) -> SlopesTopWell:
-        """Return slopes and level landings from floor to floor, the rest of the top tread, and the well.
+        """Return slopes and level landings from floor to floor, the rest of the top tread (maybe none), and the well.
 
         Flights extend from edge to edge of the landings. The well has the outlines of all slopes. `low` and `high` are
         the heights of both floors [m].
@@ -112,7 +112,7 @@ class StraightFlights:
 
     @property
     def is_joined(self) -> bool:
-        """True if flights begin and end at their landings."""
+        """True if flights meet their landings in the plan, within `MAX_LANDING_GAP`; heights are not compared."""
         gaps = [run.last - _extent(box, run.yaw)[0][0] for run, (_, box) in zip(self.runs, self.landings, strict=False)]
         gaps += [
             run.first - _extent(b, run.yaw)[1][0] for run, (_, b) in zip(self.runs[1:], self.landings, strict=True)
@@ -163,7 +163,8 @@ class CurvedFlight:
     def slopes(self, low: float, high: float) -> SlopesTopWell:
         """Return slopes from floor to floor, the rest of the top tread, and the well, as `StraightFlights.slopes`.
 
-        There are enough slopes for agents to step from one to the next.
+        There are enough slopes for agents to step from one to the next. The well is one polygon: the sector from the
+        centre to the outer radius.
         """
         before, landing = MAX_START_OFFSET / self.radius, MAX_END_OFFSET / self.radius
         start = float(np.clip((low - self.offset) / self.rise, self.first - before, self.first + before))
@@ -215,7 +216,7 @@ def tread_triangles(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, 
 def find_stair_path(
     triangles: Float[np.ndarray, "t 3 3"], upward: Float[np.ndarray, "n 3 3"]
 ) -> StraightFlights | CurvedFlight | None:
-    """Return the path up stairs; None if it is not supported, or too steep.
+    """Return the path up stairs, straight flights or else a curve; None if it is neither, too steep or without treads.
 
     Args:
         triangles: All triangles of the stairs; straight flights are along x or y [m].

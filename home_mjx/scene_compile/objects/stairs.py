@@ -133,6 +133,8 @@ def find_stairs(
 ) -> list[Staircase]:
     """Find the stairs between adjacent levels: models of that category, and flights of Box nodes.
 
+    Those without a path over treads, or whose ends are not near floors in rooms of both levels, are omitted.
+
     Args:
         objects: Objects of the house.
         rooms: Outlines and floors.

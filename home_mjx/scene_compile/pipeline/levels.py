@@ -169,7 +169,7 @@ def build_levels(
 def find_level_sites(rooms: RoomTable, objects: Sequence[PlacedObject], climb: bool) -> list[LevelSite]:
     """Return the levels that have rooms, lowest first, with objects in reach of agents; `climb`: agents use stairs.
 
-    The ground floor includes the objects of other levels.
+    The lowest level also has the objects of other levels. Stairs that agents climb are not among the objects.
     """
     numbers = np.unique(rooms.level).tolist()
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])
@@ -201,7 +201,10 @@ def _obstacles(
     colliders: ColliderOptions,
     navigation: NavigationOptions,
 ) -> Obstacles:
-    """Return the obstacles of a level, with barriers where it has gaps to the outdoors."""
+    """Return the obstacles of a level, with barriers where it has gaps to the outdoors.
+
+    Leaves without a known hinge are included only where they do not cut off a part of the level.
+    """
     sides = concat_boxes(
         [build_guards([*site.upstairs, *site.downstairs]), site.raised_floors(colliders.min_top_height)]
     )

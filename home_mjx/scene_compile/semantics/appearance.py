@@ -73,7 +73,7 @@ class Appearance:
 
 
 def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> Appearance:
-    """Compute the names of a surface's dominant colours as rendered, and of its materials."""
+    """Compute the names of a surface's dominant colours and of its materials; without area, triangles count equally."""
     if skin.area.sum() <= 0:
         # A mesh of lines and points has zero area, so all triangles get equal weights.
         skin = replace(skin, area=np.ones_like(skin.area))
@@ -85,7 +85,11 @@ def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> App
 
 
 def surface_colors(skin: TexturedTriangles) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Return CIELAB colours over a surface and their weights: area times opacity, so that clear glass barely counts."""
+    """Return CIELAB colours of a surface's material slots, and weights; rows do not match triangles.
+
+    A plain slot has one colour, a textured one `NUM_SAMPLES`.
+    Weights are area times opacity, so that clear glass barely counts.
+    """
     slot_area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     colors, weights = [np.zeros((0, 3))], [np.zeros(0)]
     for i in np.flatnonzero(slot_area > 0):
@@ -177,9 +181,10 @@ def _names(
 
 
 def surface_materials(skin: TexturedTriangles, options: SemanticOptions) -> tuple[tuple[str, ...], bool]:
-    """Return kinds of material, largest area first, and a flag that is True if textures determine them.
+    """Return kinds of material, largest area first, and a flag that is True if any texture has a known kind.
 
-    By the rule `largest`, one kind: that of a texture, else the category's default. By `share`, only textures count.
+    By the rule `largest`, one kind: that of the largest such texture, else the category's default.
+    By `share`, those of such textures with at least `options.share` of the area, maybe none.
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     shown = area_shares([s.texture for s in skin.surfaces], area)

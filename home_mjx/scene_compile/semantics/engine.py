@@ -134,7 +134,7 @@ class _Look:
 
 
 def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _AppearanceCache) -> PartSemantics:
-    """Return the semantics of part `index`, by the slot that is largest on the side that faces its room."""
+    """Return the semantics of part `index`; appearance and area are those of the largest slot on its room's side."""
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.inner_slot[index]))
     triangles = model.triangle[seen].astype(np.float64)

@@ -57,8 +57,9 @@ def static_relations(
 ) -> tuple[Relation, ...]:
     """Return the relations that are independent of the observer.
 
-    `on` and `in` follow from the supports. `next to` is symmetric. It relates objects of one room with footprints at
-    most `MAX_NEIGHBOUR_GAP` apart and overlapping heights, unless one is on or in the other.
+    An object is `in` its container or else `on` the object below; floors and walls give no relations. `next to` is
+    listed in both directions. It relates objects of one room with footprints at most `MAX_NEIGHBOUR_GAP` apart and
+    overlapping heights, unless one is on or in the other.
 
     Args:
         ids: Object ids.
@@ -82,7 +83,7 @@ def static_relations(
 
 
 def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> list[int]:
-    """Return the indices above `index` of objects that are next to it, in the same room."""
+    """Return the indices above `index` of objects in its room, `MAX_NEIGHBOUR_GAP` apart or less, at common heights."""
     reach = np.hypot(boxes.half[:, 0], boxes.half[:, 1])
     apart = np.hypot(*(boxes.center[:, :2] - boxes.center[index, :2]).T)
     near = (
@@ -106,7 +107,8 @@ def observer_relations(
 
     Two distances between their centres are compared: across the line of sight (mean range times difference of bearings)
     and along it (difference of ranges). The larger one decides: left of or right of, else in front of (nearer) or
-    behind. Pairs on opposite sides of the observer, or at its position, are omitted.
+    behind. Pairs on opposite sides of the observer (`MAX_VIEW_ANGLE`) are omitted. So are pairs whose larger distance,
+    or the distance of one to the observer, is below `MIN_SEPARATION`.
 
     Args:
         ids: Object ids.
@@ -137,7 +139,10 @@ def _pairs(places: Int[np.ndarray, "o 2"]) -> list[tuple[int, int]]:
 
 
 def _order(a: int, b: int, leftward: float, nearer: float) -> list[Relation]:
-    """Return both relations, with `a` `leftward` of `b` and `nearer` by distances [m]; empty below `MIN_SEPARATION`."""
+    """Return both relations of objects `a` and `b` by the larger distance; empty if it is below `MIN_SEPARATION`.
+
+    `leftward` [m] is positive if `a` is left of `b`, `nearer` [m] if `a` is in front of `b`.
+    """
     across = abs(leftward) >= abs(nearer)
     way, predicate = (leftward, "left of") if across else (nearer, "in front of")
     if abs(way) < MIN_SEPARATION:

@@ -25,7 +25,7 @@ class SizeTable:
     coarse: dict[str, Float[np.ndarray, " _"]]
 
     def log_volume_size(self, volume: float, info: ModelInfo) -> str:
-        """Return one of `SIZES` by the logarithm of volume, since volumes differ by factors; "" with too few peers.
+        """Return one of `SIZES` by log volume relative to peers; "" with too few peers or coarse category `unknown`.
 
         Peers are the models of the fine category or, if those are too few, of the coarse one.
 

@@ -63,7 +63,7 @@ def _support(
 ) -> Support:
     """Return the support of object `index`; `outline` has plan points along the room outlines of its level.
 
-    Rules in order: wall opening, hung on a wall, another object, floor, ceiling, wall.
+    Rules in order: wall opening, hung on a wall, another object, floor, ceiling, wall; kind "" if none holds.
     """
     item = objects[index]
     if item.info.coarse in WALL_OPENINGS:
@@ -89,7 +89,7 @@ def _support(
 def _heights(item: PlacedObject, rooms: RoomTable) -> tuple[float, float]:
     """Return the floor and ceiling of an object's room [m].
 
-    Outdoors, they are the lowest floor of its level, 0 if it has no rooms, and infinity.
+    Outdoors, the floor is the lowest one of its level, or 0 if the level has no rooms, and the ceiling is infinity.
     """
     if item.room >= 0:
         return float(rooms.floor[item.room]), float(rooms.ceiling[item.room])
@@ -108,7 +108,7 @@ def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Find the object that carries most lowest points of `index`; return its index, -1 below `MIN_SUPPORT_SHARE`."""
+    """Return the index of the object under most of the lowest points of `index`; -1 below `MIN_SUPPORT_SHARE`."""
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + MAX_CONTACT_GAP) & (limits[:, 1, 2] > low[2] - MAX_CONTACT_GAP)
@@ -160,7 +160,7 @@ def _barycentric(
 
 
 def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the index of the smallest container whose box contains most of an object's box; -1 if none."""
+    """Return the index of the smallest of `CONTAINERS` around at least `MIN_INSIDE_SHARE` of a box; -1 if none."""
     middle, volume = boxes.center[index], boxes.half.prod(axis=1)
     around = (limits[:, 0] <= middle).all(axis=1) & (limits[:, 1] >= middle).all(axis=1) & (volume > volume[index])
     holding = [

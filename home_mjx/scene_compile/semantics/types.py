@@ -137,7 +137,11 @@ class HouseSemantics:
         return static_relations(self._ids, self._boxes, self._places, [item.support for item in self.objects])
 
     def relations_from(self, viewpoint: ObserverPose) -> tuple[Relation, ...]:
-        """Return left of, right of, in front of and behind relations from a position; its heading is not used."""
+        """Return observer-dependent relations of each pair of objects in a room; the heading is not used.
+
+        Each pair is left and right of, or in front of and behind each other, by the larger separation.
+        Pairs that are too close, or on opposite sides of the observer, have none.
+        """
         return observer_relations(self._ids, self._boxes, self._places, viewpoint)
 
     @property
