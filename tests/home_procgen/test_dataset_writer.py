@@ -323,7 +323,7 @@ def test_broken_marker(tmp_path, broken):
 
 def test_two_processes_may_mark_the_same_new_folder(tmp_path):
     (tmp_path / f".{GENERATED_MARKER}.1").write_text("")  # the other one is between writing its marker and renaming it
-    dataset_writer._claim_root(tmp_path, FLAT)
+    dataset_writer.claim_root(tmp_path, FLAT)
     assert json.loads((tmp_path / GENERATED_MARKER).read_text())["generator"] == "home_mjx"
 
 
@@ -377,20 +377,20 @@ def test_a_broken_marker_in_the_cache_says_what_to_remove(tmp_path, monkeypatch)
     (tmp_path / "generated-v4").mkdir()
     (tmp_path / "generated-v4" / GENERATED_MARKER).write_text('{"gener')
     with pytest.raises(DatasetError, match=r"broken generated.json.*Remove that folder: it is made again"):
-        dataset_writer._claim_root(tmp_path / "generated-v4", FLAT)
+        dataset_writer.claim_root(tmp_path / "generated-v4", FLAT)
 
 
 def test_a_folder_of_the_cache_without_its_marker_may_be_removed(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
     (tmp_path / "generated-v4" / "house").mkdir(parents=True)
     with pytest.raises(DatasetError, match=r"generated-v4.*Remove that folder: it is made again"):
-        dataset_writer._claim_root(tmp_path / "generated-v4", FLAT)
+        dataset_writer.claim_root(tmp_path / "generated-v4", FLAT)
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which nobody can make another")
 def test_a_folder_that_cannot_be_made_is_told_of():
     with pytest.raises(DatasetError, match=r"cannot be used.*Choose another folder"):
-        dataset_writer._claim_root(Path("/proc/nowhere/houses"), FLAT)
+        dataset_writer.claim_root(Path("/proc/nowhere/houses"), FLAT)
 
 
 @pytest.mark.skipif(not Path("/proc/self/environ").exists(), reason="looks for orphans in /proc")

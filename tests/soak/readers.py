@@ -243,10 +243,10 @@ def whole_house(folder: Path) -> tuple[list[bytes], Read]:
 
 
 def marker(path: Path) -> object:
-    from home_procgen.dataset_writer import _claim_root
+    from home_procgen.dataset_writer import claim_root
     from home_procgen.presets import HOME_VARIANT
 
-    return _claim_root(path.parent, HOME_VARIANT)
+    return claim_root(path.parent, HOME_VARIANT)
 
 
 # Training

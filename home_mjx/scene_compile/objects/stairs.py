@@ -23,7 +23,7 @@ from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR, RoomTable
 STAIRS_CATEGORY = "stairs"
 MAX_FLOOR_DISTANCE = 0.6  # [m], maximum vertical distance between an end of stairs and the floor that it leads to
 MIN_HEADROOM = 2.1  # [m], minimum height of a slope above the foot of its stairs for agents to walk under it
-MIN_HEAD_GAP = 0.01  # [m], minimum gap between the last tread and the floor beyond that is filled
+MIN_HEAD_GAP = 1e-4  # [m], minimum gap between the last tread and the floor beyond that is filled
 ROOM_PROBE_DISTANCE = 0.2  # [m], distance beyond either end of stairs of the test points for rooms
 
 Polygon = Float[np.ndarray, "_ 2"]

@@ -38,7 +38,7 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
 
     own = jax.jit(jax.vmap(both, (None, 0)))
     ended = 0
-    for _ in range(40):
+    for _ in range(80):
         told, anew = own(env.params, states)
         np.testing.assert_array_equal(states.obs["expert"], told)
         np.testing.assert_array_equal(told, anew)
