@@ -21,6 +21,7 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import EnvConfig, HouseholdEnv, expert_action, load_tasks, save_tasks
 from home_mjx.tasks.language import detokenize
 from home_mjx.tasks.rules import SUCCESS, Feature
+from home_mjx.tasks.rules.cell_graph import MAX_TURN_DISTANCE
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.enums import NUM_CONDITIONS, Attribute, TargetKind
 from home_mjx.tasks.rules.house_view import house_views
