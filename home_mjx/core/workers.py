@@ -1,11 +1,15 @@
-"""Worker processes that terminate with their parent process."""
+"""Worker processes that terminate with their parent process, and threads."""
 
 import multiprocessing
 import os
 import threading
-from collections.abc import Iterator
-from concurrent.futures import ProcessPoolExecutor
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
+from typing import TypeVar
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 def usable_cores() -> int:
@@ -16,6 +20,19 @@ def usable_cores() -> int:
         True
     """
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def map_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """Return the results of a function on items, in their order, computed by as many threads as there are cores.
+
+    That pays off where the function releases the interpreter's lock, as NumPy, Pillow and compiled code do.
+
+    Example:
+        >>> map_threads(abs, [-1, 2])
+        [1, 2]
+    """
+    with ThreadPoolExecutor(usable_cores()) as pool:
+        return list(pool.map(function, items))
 
 
 @contextmanager

@@ -249,7 +249,7 @@ class HouseStream:
         )
 
     def _exchange(self, item: _Retiring) -> None:
-        """Write the prepared house into a retired slot and retire the next one; do nothing if no house is left."""
+        """Write the prepared house into a retired slot and retire the next; without one, make the slot active again."""
         self._retiring.remove(item)
         prepared = item.house.result()
         if prepared is None:  # no usable house is left, so the slot keeps its house, and resets draw it again

@@ -6,7 +6,6 @@ banks have equal shapes and share one compiled step. `bank.records` declares the
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,7 +26,7 @@ from home_mjx.bank.records.bank_arrays import BankSpec, declarations
 from home_mjx.bank.records.declaration import HOUSE_AXIS, ROW_KINDS, SHARED, Arrays, Declaration, Key, Sizes
 from home_mjx.bank.records.geometry import LEAF_BITS
 from home_mjx.bank.records.owners import Counts
-from home_mjx.core.workers import usable_cores
+from home_mjx.core.workers import map_threads
 from home_mjx.errors import CapacityError, ConfigError
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -200,8 +199,7 @@ def _declared(shared: bool) -> list[Declaration]:
 def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Sizes) -> Arrays:
     """Return every declared array, filled with the rows of its owners and elsewhere with padding, on all cores."""
     declared = list(declarations)
-    with ThreadPoolExecutor(usable_cores()) as pool:  # NumPy releases the interpreter's lock where arrays are large
-        packed = list(pool.map(lambda d: d.pack(_placed(d, parts), sizes), declared))
+    packed = map_threads(lambda d: d.pack(_placed(d, parts), sizes), declared)
     return {d.key: array for d, array in zip(declared, packed, strict=True)}
 
 

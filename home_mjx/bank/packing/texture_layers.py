@@ -1,7 +1,6 @@
 """Loading of image files into one array of texture layers."""
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ from jaxtyping import Float, UInt8, UInt32
 from home_mjx.bank.packing.capacity import size_class
 from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.core.images import MIN_OPAQUE_ALPHA, read_texture
-from home_mjx.core.workers import usable_cores
+from home_mjx.core.workers import map_threads
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import TextureArray
 
@@ -47,8 +46,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     def fill(number: int) -> None:
         layers[number] = mip_levels(read_texture(Path(paths[number]), size, "lanczos"))
 
-    with ThreadPoolExecutor(usable_cores()) as pool:  # Pillow and NumPy release the interpreter's lock
-        list(pool.map(fill, range(len(paths))))
+    map_threads(fill, range(len(paths)))
     return layers
 
 

@@ -11,7 +11,6 @@ from handmade import shoebox
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.bake import stages
-from home_mjx.audio_jax.late_reverb.trace import tracer as tracing
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
 from home_mjx.audio_jax.late_reverb.trace.ray_pool import RayPool
@@ -97,7 +96,7 @@ def test_the_number_of_threads_changes_nothing(monkeypatch):
     tracer, starts = tracer_of(house.house), [source(house.source + 0.1 * i, 50 + i, 40.0) for i in range(6)]
     found = []
     for cores in (1, 4):
-        monkeypatch.setattr(tracing, "usable_cores", lambda cores=cores: cores)
+        monkeypatch.setattr("home_mjx.core.workers.usable_cores", lambda cores=cores: cores)
         found.append(tracer.trace(starts, 64, 7, from_source=True, keeps_ended=True))
     for a, b in zip(*map(jax.tree.leaves, found), strict=True):
         np.testing.assert_array_equal(a, b)

@@ -1,7 +1,5 @@
 """Sum of the energies that cells receive before and after portal states."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 from jaxtyping import Float
 
@@ -12,7 +10,7 @@ from home_mjx.audio_jax.late_reverb.bake.portal_transfer import total_flux
 from home_mjx.audio_jax.late_reverb.bake.renewal import solve_renewal
 from home_mjx.audio_jax.late_reverb.bake.stages import BakedRays
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import NUM_BINS
-from home_mjx.core.workers import usable_cores
+from home_mjx.core.workers import map_threads
 from home_mjx.schema.compiled import BANDS
 
 DIRECTIONAL_BINS = 128  # [bins], after which sound is treated as isotropic
@@ -60,8 +58,7 @@ def _propagate_portals(
         transfer = energy[:, octave] if is_energy else energy[..., :bins].mean(axis=1)
         return solve_renewal(source, target, transfer, received, rays.first)
 
-    with ThreadPoolExecutor(usable_cores()) as pool:
-        found = list(pool.map(run, range(len(BANDS) + 3)))
+    found = map_threads(run, range(len(BANDS) + 3))
     return np.maximum(np.stack(found[: len(BANDS)]), 0), np.stack(found[len(BANDS) :])
 
 

@@ -2,7 +2,6 @@
 # ruff: noqa: ANN001, ANN201, ANN202  (Numba infers the types)
 
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple, no_type_check
@@ -16,7 +15,7 @@ from home_mjx.core.native import ffi, memory, simd
 from home_mjx.core.native.memory import address_of, pointer_to
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES
-from home_mjx.core.workers import usable_cores
+from home_mjx.core.workers import map_threads
 from home_mjx.geometry.meshes import invert
 from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.raycast_render.backends.numba import cutouts, intersect, packet, traverse
@@ -115,9 +114,8 @@ class HouseRays:
         start = np.ascontiguousarray(start, np.float32)
         way = np.ascontiguousarray(end - start, np.float32)
         cuts = range(0, len(start), RAYS_PER_TASK)
-        with ThreadPoolExecutor(usable_cores()) as pool:
-            parts = [(start[i : i + RAYS_PER_TASK], way[i : i + RAYS_PER_TASK]) for i in cuts]
-            found = list(pool.map(lambda part: self._occluded(*part), parts))
+        parts = [(start[i : i + RAYS_PER_TASK], way[i : i + RAYS_PER_TASK]) for i in cuts]
+        found = map_threads(lambda part: self._occluded(*part), parts)
         return np.concatenate([*found, np.zeros(0, bool)])
 
     def _occluded(self, start: Float[np.ndarray, "n 3"], way: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:

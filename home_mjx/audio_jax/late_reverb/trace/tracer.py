@@ -2,7 +2,6 @@
 # ruff: noqa: ANN001, ANN202  (Numba infers the types of the private functions)
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple, no_type_check
@@ -19,7 +18,7 @@ from home_mjx.core.native import ffi
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES, load
-from home_mjx.core.workers import usable_cores
+from home_mjx.core.workers import map_threads
 from home_mjx.schema import compiled as compiled_house
 
 MAX_BOUNCES_PER_METRE = 1.0  # maximum reflections per metre of age: flights end by age, as rays rarely reflected last
@@ -151,8 +150,7 @@ class FlightTracer:
             return ended
 
         longest = sorted(range(len(starts)), key=lambda s: -len(starts[s].origin) * min(starts[s].age, 1e3))
-        with ThreadPoolExecutor(usable_cores()) as pool:
-            found = dict(zip(longest, pool.map(run, longest), strict=True))
+        found = dict(zip(longest, map_threads(run, longest), strict=True))
         return sums, [found[source] for source in range(len(starts))] if keeps_ended else []
 
     def _fly(self, one: FlightStart, rules: flight.FlightRules, sums: SourceSums, seed: np.uint64) -> EndedRays:
