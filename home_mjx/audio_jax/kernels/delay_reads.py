@@ -50,12 +50,15 @@ def mix_paths(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
 
 
 def part_sizes(reads: DelayReads) -> tuple[int, ...]:
-    """Return the number of half samples of each part: the two filtered signals, then the source; so three numbers."""
+    """Return the half samples, twice the samples, of each part of a source: two filtered signals, then the source."""
     return (*[2 * reads.filtered.shape[-1]] * NUM_FILTERED, 2 * reads.source.shape[-1])
 
 
 def pack_paths(ways: PathDelays) -> Float[Array, "*n p w"]:
-    """Pack each path into a row: lengths at both ends, curvature, ear delays (start, middle, end); w = 3 + 3 d."""
+    """Pack each path into a row, units as in `PathDelays`: lengths at both ends, curvature, ear delays; w = 3 + 3 d.
+
+    Delays of all d ears at the start precede those at the middle, which precede those at the end.
+    """
     lengths = (x[..., None] for x in (ways.start_length, ways.end_length, ways.curvature))
     return jnp.concatenate([*lengths, ways.ear_delays.reshape(*ways.start_length.shape, -1)], axis=-1)
 
@@ -65,7 +68,8 @@ def path_delays(
 ) -> tuple[Int[Array, " k"], Float[Array, "d k"]]:
     """Compute the delay of a path [samples]: whole ones to the head centre, and the rest plus the delay of each ear.
 
-    `time` counts frames: 0 to 1 within the frame, also before and after.
+    The squared length at time t is ((1 - t) start + t end)² - t (1 - t) curvature. Ear delays are parabolas through
+    their three values. `time` counts frames: 0 to 1 within the frame, also before and after.
     """
     curve = time * (1 - time)
     line = way.start_length + time * (way.end_length - way.start_length)  # in this form static paths are exact
@@ -100,7 +104,7 @@ def frame_begin(config: AudioConfig) -> int:
 
 
 def fade_weights(config: AudioConfig) -> Float[Array, " k"]:
-    """Return the weight of the frame's end in each sample of a bus: 0 before the frame, rising linearly to 1."""
+    """Return the weight of the frame's end in each sample of a bus: 0 before the frame, in it rising to 1, then 1."""
     return jnp.clip(sample_times(config), 0.0, 1.0)
 
 

@@ -43,12 +43,12 @@ def num_filter_samples(config: AudioConfig) -> int:
 def filter_direct_by_xla(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Filter a source with causal octave filters; return `num_output_samples` from sample `begin` on.
+    """Filter a source with minimum-phase octave filters per frame end; return `num_output_samples` from `begin` on.
 
     Args:
         source: Emitted signal; zero outside its samples.
         begin: Index in `source` of the first output sample, from -`delay_margin` to the signal's length.
-        gain: Pressure gains of octaves, one row per end of the frame.
+        gain: Pressure gains of octaves, at least 0, one row per end of the frame; a row of zeros yields silence.
         config: Options for the lengths.
     """
     ringing, length, before = num_filter_samples(config), num_output_samples(config), delay_margin(config)

@@ -4,7 +4,9 @@ RADICES = (8, 5, 4, 3, 2)  # of FFT passes; the first that divides a size is use
 
 
 def radices(size: int) -> tuple[int, ...]:
-    """Return the radices of a transform's passes in the order of `RADICES`; empty if the size has other factors.
+    """Return the radices of a transform's passes, each of `RADICES` in turn as often as it divides the remaining size.
+
+    The result is empty if the size is 1 or has other prime factors than 2, 3 and 5.
 
     Example:
         >>> radices(2560), radices(14)
@@ -19,7 +21,7 @@ def radices(size: int) -> tuple[int, ...]:
 
 
 def num_passes(size: int) -> int:
-    """Count the passes of a transform; 0 if its size has factors other than the radices.
+    """Count the passes of a transform, see `radices`; 0 if its size has prime factors other than 2, 3 and 5.
 
     Example:
         >>> num_passes(2560), num_passes(2304), num_passes(14)

@@ -33,10 +33,12 @@ class LateResponse(Pytree):
 def tail_gains(energy: Float[Array, "k e bands"], config: AudioConfig) -> Float[Array, "m bands"]:
     """Compute the gains with which a response's second half is repeated, once per its length.
 
-    Octaves continue to decay as over that half: by a least-squares fit to the log energy summed over channels.
+    Octaves continue to decay at the rate d [1/bin] of that half's energy: the negated least-squares slope of the log
+    energy summed over channels, within `MIN_DECAY_RATE` .. `MAX_DECAY_RATE`. Repetition i = 1, 2, ... has the gain
+    exp(-d n i / 2), n being the bins of that half.
 
     Args:
-        energy: Late energies, see `late_energy`.
+        energy: Late energies, see `late_energy`; cross energies of ambisonics are not used.
         config: Options for the lengths.
 
     Returns:
@@ -65,11 +67,12 @@ def late_spectra(
 ) -> Complex[Array, "2 e f"]:
     """Compute the spectra of a source through late responses and their tails; spectra of several sources can be added.
 
-    The first spectrum belongs to the frame's start, the second is the change until its end.
+    The first spectrum belongs to the frame's start, the second is the change until its end. Their `irfft` are circular
+    convolutions that have the frame from sample `late_frame_begin` on.
 
     Args:
         source: Emitted signal at 1 m, as in `render_frame`.
-        late: Responses at the frame's start and end, per channel.
+        late: Responses at the frame's start and end, per channel, of `config.response_length` samples.
         tail: Gains from `tail_gains` at both ends.
         config: Options.
     """
@@ -85,12 +88,15 @@ def late_spectra(
 
 
 def render_late_by_xla(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Render a frame of the late sound of several sources, crossfaded between the responses at both ends.
+    """Render the late sound of several sources, summed, crossfaded linearly between the responses at both frame ends.
 
     Args:
         sources: Emitted signals at 1 m, as in `render_frames`.
         late: Late sound with leading axes of sources and of the frame's ends.
         config: Options.
+
+    Returns:
+        Pressure per channel, `config.frame` samples.
     """
     table = jnp.asarray(noise_bin_table(config))
     subscripts = "nikem,ekms->nieks" if table.ndim == 4 else "nikem,kms->nieks"  # noises per channel, or shared ones
@@ -122,7 +128,11 @@ def source_window_width(config: AudioConfig) -> int:
 
 
 def _windows(source: Float[Array, " n"], config: AudioConfig) -> list[Complex[Array, " f"]]:
-    """Return spectra of source windows: for a response's first part, its second half, then each tail repetition."""
+    """Return spectra of source windows: for a response's first part, its second half, then each tail repetition.
+
+    Windows are zero outside the source. That of the second half begins earlier by the first part's length, and
+    each later one by a `tail_period` more.
+    """
     first, half, spread = config.response_length - config.tail_period, config.tail_period, config.num_tail_ringing
     width, before = source_window_width(config), first - half
     padded = jnp.pad(source, (before, spread))
@@ -139,7 +149,10 @@ def _size(config: AudioConfig) -> int:
 
 @functools.cache
 def octave_table(config: AudioConfig, size: int) -> Float[np.ndarray, "bands f"]:
-    """Return octave gains at the `rfft` frequencies of `size` samples, as filters that ring for `num_tail_ringing`."""
+    """Return gains of zero-phase octave filters at the `rfft` frequencies of `size` samples; `config` must have a tail.
+
+    The filters are those of `octave_gains`, faded out (cosine squared) over `num_tail_ringing` samples on each side.
+    """
     spread = config.num_tail_ringing
     kernel = np.fft.irfft(octave_gains(np.fft.rfftfreq(8 * size, 1 / config.sample_rate)), 8 * size)
     place = np.minimum(np.arange(size), size - np.arange(size))

@@ -25,6 +25,8 @@ inlined = njit(error_model="numpy", forceinline=True)
 def fast_size(count: int) -> int:
     """Return the size, a product of 2, 3 and 5, of the cheapest `transform` of at least `count` values.
 
+    The cost is size (passes + 1); of equally cheap sizes, the smallest is returned.
+
     Example:
         >>> fast_size(2143), fast_size(6143)
         (2560, 6144)
@@ -90,12 +92,14 @@ def _turned(value, turns, k):
 @inlined
 @no_type_check
 def _add(a, b):
+    """Return a + b of complex pairs (real, imaginary)."""
     return a[0] + b[0], a[1] + b[1]
 
 
 @inlined
 @no_type_check
 def _sub(a, b):
+    """Return a - b of complex pairs (real, imaginary)."""
     return a[0] - b[0], a[1] - b[1]
 
 

@@ -146,7 +146,7 @@ def _read(even, uneven, k, rest):
 @inlined
 @no_type_check
 def _weight(i, rest):
-    """Evaluate the weight of half sample `i` at fractions `rest`, see `interpolation_polynomials`."""
+    """Evaluate the interpolation weight of half sample `i` at `LANES` fractions `rest`, by `READ_POLYNOMIALS`."""
     a, b, c, d, e, f = READ_POLYNOMIALS[i]
     value = multiply_add(rest, broadcast(f), broadcast(e))
     value = multiply_add(rest, value, broadcast(d))

@@ -143,6 +143,7 @@ def _padding(size):
 @compiled
 @no_type_check
 def _zero(values, count):
+    """Set the first `count` values to 0."""
     for i in range(count):
         values[i] = ZERO
 

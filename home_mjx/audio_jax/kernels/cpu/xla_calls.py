@@ -42,7 +42,10 @@ def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
 
 
 def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
-    """Return bus filter spectra, padded to at least `LANES` buses, and twiddle factors; each real, then imaginary."""
+    """Return bus filter spectra divided by their size, and twiddle factors; each real, then imaginary.
+
+    There are at least `LANES` buses; added ones are 0.
+    """
     kernels, size = filter_basis(config.sample_rate).kernel.astype(np.float64), fast_size(sample_times(config).shape[0])
     spectra = np.fft.fft(kernels, size).T / size
     spectra = np.pad(spectra, [(0, 0), (0, max(LANES - spectra.shape[1], 0))])

@@ -34,7 +34,10 @@ def filter_direct(
 
 
 def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
-    """Return `causal_octave_log_spectra` and `ptx.twiddle_factors` of the transform; `supports_direct` must be True."""
+    """Return `causal_octave_log_spectra`, as (real, imaginary), and `ptx.twiddle_factors`, both of the transform size.
+
+    `supports_direct` must be True.
+    """
     size = _size(config)
     assert size is not None
     return cuda.as_pairs(causal_octave_log_spectra(size, config.sample_rate)), cuda.twiddle_factors(size)
@@ -42,7 +45,7 @@ def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Floa
 
 @functools.cache
 def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched `launch_direct`."""
+    """Return the `batch_kernel` of `launch_direct` for these options, cached."""
     return batch_kernel(functools.partial(launch_direct, config), NUM_TABLES, 1)
 
 
@@ -61,7 +64,7 @@ def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
 
 
 def _size(config: AudioConfig) -> int | None:
-    """Return the transform size; None if none is large enough."""
+    """Return the transform size, see `ptx.transform_size`; None if none is large enough."""
     return cuda.transform_size(num_filter_samples(config) + num_output_samples(config))
 
 

@@ -49,12 +49,16 @@ def read_operands(reads: DelayReads) -> tuple[Array, ...]:
 
 @functools.cache
 def _mix_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched `launch_mix`."""
+    """Return the `batch_kernel` of `launch_mix` for these arguments, cached."""
     return batch_kernel(functools.partial(launch_mix, config, shapes, ears), 0, 1)
 
 
 def launch_mix(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the mixing kernel for `read_operands` of environments (e ...); return buses (e channels shapes count)."""
+    """Launch the mixing kernel for `read_operands` of environments (e ...); return buses ((e channels shapes count),).
+
+    `shapes`: buses per channel without padding; `ears`: number of ears with delays of their own; `count`: samples of a
+    bus, at `sample_times`.
+    """
     source, filtered, _, way, share = given
     channels, count = share.shape[3], sample_times(config).shape[0]
     sizes = (*source.shape[1:], filtered.shape[3], way.shape[2], ears, channels, shapes, count)
@@ -88,7 +92,7 @@ def _filter_buses(
 def filter_tables(
     kernels: Float[np.ndarray, "s t"], count: int
 ) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
-    """Return spectra of filters over the transform size, `transform_size(count)`, and its twiddle factors, as pairs."""
+    """Return spectra of filters divided by their size, `transform_size(count)`, and `twiddle_factors`, all as pairs."""
     size = cuda.transform_size(count)
     assert size is not None
     return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.twiddle_factors(size)
@@ -96,12 +100,14 @@ def filter_tables(
 
 @functools.cache
 def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched `launch_filter`."""
+    """Return the `batch_kernel` of `launch_filter` for these arguments, cached."""
     return batch_kernel(functools.partial(launch_filter, begin, frame), 2, 1)
 
 
 def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for `filter_tables`, then buses (e channels shapes samples); return (e channels frame).
+    """Launch the kernel for `filter_tables`, then buses (e channels shapes samples); return ((e channels frame),).
+
+    Filtered buses of a channel are added.
 
     `begin`: first sample of the frame in the filtered buses; `frame`: number of samples.
     """

@@ -50,12 +50,12 @@ def late_tables(
 
 @functools.cache
 def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched `launch_late_frames`."""
+    """Return the `batch_kernel` of `launch_late_frames` for these options, cached."""
     return batch_kernel(functools.partial(launch_late_frames, config), NUM_TABLES, 1)
 
 
 def launch_late_frames(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernels for `late_tables`, then the operands of `late_frame` (e ...); return (e channels frame)."""
+    """Launch the kernels for `late_tables`, then the operands of `late_frame` (e ...); return ((e channels frame),)."""
     table, octaves, turns, sources, power, mix, common, begun, onset, tail = given
     responses = launch_noise(config, table, power, mix, common, begun)
     (envs, count, length), channels, size = sources.shape, config.num_channels, 2 * (octaves.shape[1] - 1)
@@ -77,7 +77,10 @@ def launch_noise(
     common: Float[Array, "*n k x bands"],
     start: Int[Array, "*n"],
 ) -> Float[Array, "*n e l"]:
-    """Generate noise responses from `octave_noise` and fields of `NoiseGains`, in the noise's own bins, not rolled."""
+    """Generate noise responses from `octave_noise` and fields of `NoiseGains`; bin 0 is that of the noise.
+
+    So a response begins at bin `start` and continues periodically. Samples before its onset are not zeroed.
+    """
     (*ends, bins, channels, bands), (own, noises, *_) = power.shape, table.shape
     sizes = (math.prod(ends), bins, channels, config.bin_samples, common.shape[-2], own)
     result = jax.ShapeDtypeStruct((*ends, channels, config.response_length), jnp.float32)

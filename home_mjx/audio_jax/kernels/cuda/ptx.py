@@ -37,6 +37,8 @@ def ptx_of(sources: tuple[Path, ...], size: int) -> str:
 def transform_size(count: int) -> int | None:
     """Return the size of the cheapest transform of at least `count` values in one block; None if there is none.
 
+    Sizes are multiples of 256 up to 6144 with prime factors 2, 3 and 5; the cost is size (passes + 1).
+
     Example:
         >>> transform_size(2143), transform_size(7000)
         (2560, None)
@@ -47,7 +49,11 @@ def transform_size(count: int) -> int | None:
 
 
 def twiddle_factors(size: int) -> Array:
-    """Return the twiddle factors of all passes but the first, concatenated, as pairs; see `transform` in fft.cuh."""
+    """Return the twiddle factors of all passes but the first, concatenated, as pairs; see `transform` in fft.cuh.
+
+    Those of a pass are exp(-2 pi i r j / (n radix)), for each row r = 1, 2, ... those of j = 0 .. n - 1. n and the
+    number of rows are from `_pass_sizes`.
+    """
     each = [np.outer(1 + np.arange(rows), np.arange(done)) / (done * radix) for done, rows, radix in _pass_sizes(size)]
     return as_pairs(np.exp(-2j * np.pi * np.concatenate([x.ravel() for x in each])))
 

@@ -63,7 +63,7 @@ def _propagate_portals(
 
 
 def _trim_silence(sent: Float[np.ndarray, "bands c g k"]) -> Float[np.ndarray, "bands c g t"]:
-    """Trim trailing bins without energy."""
+    """Trim trailing bins without energy in any octave, cell and state, but the first bin; return float32."""
     last = np.flatnonzero(sent.any(axis=(0, 1, 2))).max(initial=0)
     return np.ascontiguousarray(sent[..., : last + 1], np.float32)
 

@@ -20,7 +20,7 @@ NUM_CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
 
 
 def choose_points(rays: HouseRays, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """Choose a point of each cell: of its centre and random ones, that which sees most others of its room."""
+    """Choose a point of each cell: of its centre and random ones, that which sees most of these points of its room."""
     tried = np.stack([sample_points(cells, cell, NUM_CANDIDATES, rng) for cell in range(len(cells.room))])
     tried[:, 0] = cells.center
     flat, room = tried.reshape(-1, 3), np.repeat(cells.room, NUM_CANDIDATES)
@@ -96,7 +96,10 @@ def compute_visibility(
 
 
 def shortest_paths(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
-    """Compute shortest paths between cells over mutually visible cells [m]; the straight line if there is no path."""
+    """Compute shortest paths between cells [m], from centre to centre of cells of which one sees the other.
+
+    Cells without such a path have the length of the straight line.
+    """
     straight = np.linalg.norm(center[:, None] - center[None], axis=2)
     found = dijkstra(np.where(seen | seen.T, straight, 0), directed=False)
     return np.where(np.isfinite(found), found, straight)

@@ -77,7 +77,7 @@ class Accumulator:
 
 
 def smooth_octaves(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"]) -> Float[np.ndarray, "n n s b"]:
-    """Smooth the pattern over the cells of each pair of rooms across neighbouring octaves.
+    """Smooth the pattern over the cells of each pair of rooms: average it over each octave and its neighbours.
 
     The ratio of a cell's energy to its room's mean depends on its position and changes slowly with frequency. Each
     octave has its own rays, so averaging reduces noise. Means over pairs of rooms are unchanged.

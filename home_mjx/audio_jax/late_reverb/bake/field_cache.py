@@ -50,7 +50,7 @@ class LateReverbBake:
         return bake_house(house, self.options, bank, index)
 
     def capacity(self, records: Sequence[LateField], capacity_factor: float) -> dict[str, int]:
-        """Return the number of cells, rooms, lattice points and portals up to which later houses fit."""
+        """Return lengths of axes (cells, rooms, lattice, portals) up to which later houses fit, by `padded_lengths`."""
         return padded_lengths(records, capacity_factor)
 
     def stack(

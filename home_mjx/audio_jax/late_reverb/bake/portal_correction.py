@@ -28,7 +28,8 @@ def portal_ratio(
 
     The ratio is the mean over octaves. Its noise is estimated from the variance over batches of rays and from the share
     of batches without a ray. Noisy ratios are shrunk towards 1, and more so in the room of the portal state, where the
-    model hardly errs.
+    model hardly errs. Ratios of the intervals of `INTERVAL_EDGES` are clipped to `MAX_CORRECTION` and its reciprocal,
+    and interpolated linearly between their middles; they are constant before the first and after the last.
 
     Args:
         predicted: Predicted energy per octave, portal state, cell and bin.

@@ -96,7 +96,10 @@ def build_second_states(
 def sum_transfer(
     portal_energy: Float[np.ndarray, "s bands r r k"], number: Int[np.ndarray, "*s r r"], count: int
 ) -> Float[np.ndarray, "s bands g k"]:
-    """Sum energy from room to room by state; `number`: states of room pairs, -1 none, shared or per source s."""
+    """Sum energy from room to room by state; `number`: states of room pairs, -1 omitted, shared or per source s.
+
+    `count` is the number of states g.
+    """
     out = np.zeros((*portal_energy.shape[:2], count, portal_energy.shape[-1]), portal_energy.dtype)
     each = np.broadcast_to(number, (len(portal_energy), *number.shape[-2:]))
     for left, entered in np.argwhere((each >= 0).any(axis=0)):
@@ -129,7 +132,10 @@ def list_transfers(
 
 
 def total_flux(emitted: Float[np.ndarray, "bands g"], transfer: Transfer) -> Float[np.ndarray, "bands g"]:
-    """Compute the total energy through each portal state, emitted and from other states."""
+    """Compute the total energy through each portal state: emitted, and from other states in any number of passes.
+
+    Passes end when less than `MIN_GOING_SHARE` of the energy is left in them, at most after `MAX_PASSES`.
+    """
     share = transfer.energy.sum(axis=2, dtype=float).T
     total, going, count = emitted.copy(), emitted, emitted.shape[1]
     for _ in range(MAX_PASSES):

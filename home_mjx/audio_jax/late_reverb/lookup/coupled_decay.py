@@ -31,6 +31,8 @@ def decay_in_rooms(
 ) -> Float[Array, "s k bands"]:
     """Compute the energy density at a listener after n = 0, 1 ... `bins` - 1 bins from dw / dn = -M w.
 
+    It is the sum of the rooms' densities w, weighted by `listener`; w is `start` at n = 0.
+
     Args:
         rates: M [1/bin] of each door state s and octave.
         start: Initial energy density w of each room.
@@ -51,12 +53,12 @@ def decay_in_rooms(
 def decay_in_rooms_by_xla(
     rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
 ) -> Float[Array, "s k bands"]:
-    """Compute `decay_in_rooms`, the energy density at a listener over bins, with XLA operations."""
+    """Compute `decay_in_rooms`, the energy density at a listener after 0 .. `bins` - 1 bins, with XLA operations."""
     return _propagate(_matrix_exponential(rates), start, listener, bins)
 
 
 def _matrix_exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
-    """Compute exp(-matrix) of square matrices by scaling and squaring of a series of `SERIES_TERMS` terms."""
+    """Compute exp(-matrix) of square matrices: a Taylor series of -matrix / 8, squared `HALVINGS` times."""
     small = -matrix / 2**HALVINGS
     one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
     power = total = jnp.broadcast_to(one, small.shape)
@@ -101,7 +103,9 @@ def ptx_of(rooms: int) -> str:
 
 
 def threads_per_matrix(rooms: int) -> int:
-    """Return the threads per matrix of `rooms` rows, a power of two; above `WARP` if the matrix is too large.
+    """Return the minimum power of two of threads that can hold a matrix of `rooms` rows in registers, in whole columns.
+
+    Each thread holds at most `MAX_REGISTER_ELEMENTS`. If `WARP` threads cannot, the result is twice `WARP`.
 
     Example:
         >>> threads_per_matrix(8), threads_per_matrix(20), threads_per_matrix(51)
@@ -120,7 +124,7 @@ def _available(rooms: int) -> bool:
 
 
 def _sizes(rooms: int) -> list[int]:
-    """Return the sizes of matrices of a kernel for up to `rooms` rooms."""
+    """Return the sizes of matrices of a kernel for up to `rooms` rooms: those of `SIZES` below it, then `rooms`."""
     return [size for size in SIZES if size < rooms] + [rooms]
 
 
@@ -136,18 +140,21 @@ def _decay_by_cuda(
     count: Int[Array, ""],
     bins: int,
 ) -> Float[Array, "s k bands"]:
-    """Compute `decay_in_rooms` by the CUDA kernel; `_available` must be True."""
+    """Compute energy densities at a listener in k = `bins` bins by the CUDA kernel; `_available` must be True.
+
+    Arguments are those of `decay_in_rooms`; rooms after the first `count` must exchange nothing.
+    """
     return _op(bins)(rates[None], start[None], listener[None], count[None])[0][0]
 
 
 @functools.cache
 def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched `launch_decay`."""
+    """Return the `batch_kernel` of `launch_decay` for a number of bins, cached."""
     return batch_kernel(functools.partial(launch_decay, bins), 0, 1)
 
 
 def launch_decay(bins: int, *given: Array) -> tuple[Array, ...]:
-    """Launch the kernel for matrices (e s bands r r), starts (e r), listeners (e r) and numbers of rooms (e).
+    """Launch the kernel of `decay_in_rooms` for rates (e s bands r r), starts (e r), listeners (e r), room counts (e).
 
     Returns:
         One array (e s bins bands).

@@ -42,8 +42,11 @@ def solve_energy_balance(
         scene: Environment with its current door leaves.
         source: Weight of the source in each room.
         listener: Weight of the listener in each room.
-        bins: Number of time bins.
+        bins: Number of time bins, from emission on.
         metres: Distance that sound travels in one bin [m].
+
+    Returns:
+        Ratio of energies, from 0 to `MAX_DOOR_GAIN`, and transmitted energies, at least 0.
     """
     house = scene.house
     volume, loss = late.volume[house], late.loss[house].astype(jnp.float32)
@@ -90,7 +93,10 @@ def _open_share(angle: Float[Array, "*doors"]) -> Float[Array, "*doors"]:
 def _exchange_shares(
     late: LateReverb, scene: Scene, opening: Float[Array, " doors"]
 ) -> tuple[Float[Array, "r r 1"], Float[Array, "r r bands"]]:
-    """Return each room pair's exchange at these openings re all open, 0 to 1, without and with sound through leaves."""
+    """Return each room pair's exchange at these openings re all open, 0 to 1, without and with sound through leaves.
+
+    The opening of a portal is the mean of its leaves' openings; 1 without leaves.
+    """
     house, rooms = scene.house, late.volume.shape[1]
     leaf = late.portal_leaf[house]
     each = opening[jnp.clip(leaf, 0, max(opening.size - 1, 0))] if opening.size else jnp.ones(leaf.shape, jnp.float32)

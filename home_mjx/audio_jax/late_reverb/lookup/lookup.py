@@ -91,7 +91,10 @@ def lookup_late_sound(
 def _interpolate_decay(
     late: LateReverb, house: Int[Array, ""], start: _CellWeights, end: _CellWeights, bins: int
 ) -> Float[Array, "k bands"]:
-    """Return energies per bin after the first arrival, of sum 1 per span, interpolated between both places' rooms."""
+    """Return energies per bin after the first arrival, of sum 1 per span, interpolated between both places' rooms.
+
+    Of each place, the `MAX_INTERPOLATED_ROOMS` rooms with the largest weights count.
+    """
     count = min(MAX_INTERPOLATED_ROOMS, late.volume.shape[1])
     (from_weight, from_room), (to_weight, to_room) = (jax.lax.top_k(place.room, count) for place in (start, end))
     share = from_weight[:, None] * to_weight[None]
@@ -104,7 +107,11 @@ def _interpolate_decay(
 
 
 def _interpolate_cells(late: LateReverb, house: Int[Array, ""], point: Float[Array, "3"]) -> _CellWeights:
-    """Return cells around a point and weights of sum 1, also of rooms: bilinear from 4 lattice points of its storey."""
+    """Return cells around a point and weights of sum 1, also of rooms: bilinear from 4 lattice points of its storey.
+
+    That is the highest storey whose floor is not above the point, else the lowest. Outside, lattice points at the edge
+    count.
+    """
     floor = late.floor[house]
     level = jnp.maximum(jnp.sum(floor <= point[2], dtype=jnp.int32) - 1, 0)
     at = (point[:2] - late.origin[house]) / late.step[house] - 0.5

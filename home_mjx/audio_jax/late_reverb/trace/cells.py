@@ -72,7 +72,11 @@ def divide_rooms(house: CompiledHouse, size: float = 1.0) -> Cells:
 
 
 def _number_cells(grid: Int[np.ndarray, "l ny nx"], step: float, size: float) -> Int[np.ndarray, "l ny nx"]:
-    """Number cells room by room; return the index at each place, -1 none. `step`, `size`: edge of places, cells [m]."""
+    """Number cells room by room; return the index at each place, -1 none. `step`, `size`: edge of places, cells [m].
+
+    A room's bounding box is divided into round(extent / `size`) equal rows and columns, at least one; all its storeys
+    share them. Parts without a place have no number.
+    """
     lookup, first = np.full(grid.shape, -1), 0
     for room in np.unique(grid[grid >= 0]):
         level, row, column = np.nonzero(grid == room)

@@ -156,7 +156,9 @@ def fly(scene, flight, rays, other, memory, seed):
     """Trace rays until they end, add to the sums, and return how many entries of `ended` were written.
 
     A ray ends at the first reflection in another room, or by age. Only sound that a source emits directly into another
-    room continues there. The portal state is reached at the point where the segment enters that room.
+    room continues there. The portal state is reached at the point where the segment enters that room. Tracing stops
+    after `rules.bounces` reflections, or once hardly any energy is active, see `_is_active`. The energy left counts as
+    aged.
 
     Args:
         scene: See `house_rays.CastScene`.
@@ -243,7 +245,10 @@ def uniform(random):
 @compiled
 @no_type_check
 def attenuate(air, length):
-    """Return exp(-air length): the eighth power of a polynomial, within 1e-4 up to 4 dB and 1 % up to 17 dB."""
+    """Return exp(-air length): the eighth power of a polynomial, within 1e-4 up to 4 dB and 1 % up to 17 dB.
+
+    Exponents are clipped to 8, that is 35 dB.
+    """
     x = minimum(air * length, broadcast(np.float32(8))) * np.float32(0.125)
     y = ONE - x * (ONE - x * (HALF - x * (np.float32(1 / 6) - x * np.float32(1 / 24))))
     y = y * y
@@ -263,7 +268,8 @@ def _add(pointer, row, value):
 def _meet(flight, rays, i, instance, triangle, length, filled):
     """Record the segment of ray `i` up to its hit, reduce its energy or end it; return the number of kept ended rays.
 
-    On a miss, `instance` < 0, all its energy counts as absorbed. `_resample` changes the direction.
+    On a miss, `instance` < 0, all its energy counts as absorbed. The room changes only to one that shares a portal with
+    the current one, or that was in front of the last surface too. `_resample` changes the direction.
     """
     grid, rules, scratch, sums = flight.grid, flight.rules, flight.scratch, flight.sums
     before, energy = np.int64(rays.room[i]), load(rays.energy, LANES * i)
@@ -336,7 +342,10 @@ def _end(flight, rays, i, energy, when, inside, before, room, goes, filled):
 @compiled
 @no_type_check
 def _add_portal(flight, room, entered, when, energy):
-    """Add energy that passes from `room` to `entered` (equal: aged) at time `when` [bins] to the portal sums."""
+    """Add energy that passes from `room` to `entered` (equal: aged) at time `when` [bins] to the portal sums.
+
+    The last bin also takes later energy.
+    """
     index = min(np.int64(when), flight.rules.bins - 1)
     _add(flight.sums.portal, (room * flight.grid.rooms + entered) * flight.rules.bins + index, energy)
 
@@ -381,7 +390,11 @@ def _find_normal(surfaces, direction, at, instance, triangle):
 @compiled
 @no_type_check
 def _record(flight, rays, i, length):
-    """Add the energy and intensity of a ray's segment to cells, at `SAMPLES_PER_BIN` regular times per bin."""
+    """Add energy and intensity of a ray's segment to cells, at the points of `SAMPLES_PER_BIN` regular times per bin.
+
+    Each time counts 1 / `SAMPLES_PER_BIN` of the energy, attenuated by air. Points outside all cells, such as those
+    near the floor, and times after the last bin are omitted.
+    """
     grid, bins, unit = flight.grid, flight.rules.bins, flight.rules.bin_length / np.float32(SAMPLES_PER_BIN)
     travelled, late = rays.travelled[i], flight.scratch.late[i]
     index = np.int64(np.ceil(travelled / unit - late))
@@ -434,7 +447,7 @@ def _reflect(flight, rays, i, share, chance, out, at):
         rays: Rays at their surfaces.
         i: Index of the ray.
         share: Weights of the octaves in the probability of scattering.
-        chance: Random number that chooses.
+        chance: Random number in [0, 1); the direction is scattered if it is below that probability.
         out: Direction that is written.
         at: Index of its first component.
     """
@@ -505,7 +518,10 @@ def _continue(flight, rays, i, other, new, energy, share, chance):
 @compiled
 @no_type_check
 def _weigh_rooms(flight, rays):
-    """Write to `held`, per room and octave, the factor on a ray's energy that yields its weight in resampling."""
+    """Write to `held`, per room and octave, the factor on a ray's energy that yields its weight in resampling.
+
+    For rooms with energies E it is E^-`EVENNESS` / sum of E^(1 - `EVENNESS`); 0 without energy.
+    """
     held, rooms = flight.scratch.held, flight.grid.rooms
     for room in range(rooms):
         store(held, LANES * room, broadcast(ZERO))
@@ -523,7 +539,7 @@ def _weigh_rooms(flight, rays):
 @compiled
 @no_type_check
 def _length_inside(grid, rays, i, length, room):
-    """Return the length of a segment inside the room where it ends [m], by bisection."""
+    """Return the length of a segment inside the room where it ends [m], within 1 / 32 of `length`, by bisection."""
     low, high, k = ZERO, length, 3 * i
     for _ in range(ENTRY_BISECTIONS):
         middle = (low + high) * HALF

@@ -119,7 +119,7 @@ class HouseRays:
         return np.concatenate([*found, np.zeros(0, bool)])
 
     def _occluded(self, start: Float[np.ndarray, "n 3"], way: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
-        """Return whether anything is between `start` and `start + way`, in one task."""
+        """Return whether a surface that blocks sound is between `start` and `start + way`, in one task."""
         arrays = self.operands(), start, way, *ray_memory(len(start))
         arrays[REACH][:] = 1.0
         _test_occlusion(addresses(arrays), self.sizes, len(start))
@@ -257,7 +257,8 @@ def read_memory(at, first):
 def cast_rays(scene, origin, direction, memory, count, any_hit):
     """Cast `count` rays up to `memory.reach` and write their nearest hits, or with `any_hit` any, to `memory`.
 
-    `origin`, `direction`: addresses of float32 arrays (n, 3).
+    Rays of negative reach are not cast; `memory.instance` is -1 on a miss. `origin`, `direction`: addresses of float32
+    arrays (n, 3).
     """
     operands, constants = scene.operands, address_of(memory.constants)
     operands[FIRST_RAY_OPERAND], operands[FIRST_RAY_OPERAND + 1] = origin, direction

@@ -20,7 +20,7 @@ class RayPool:
         self.source = np.repeat(np.arange(len(ended)), [len(one.energy) for one in ended])
 
     def extend(self, other: "RayPool") -> None:
-        """Add the rays of another pool; all rays then have source 0."""
+        """Append the rays of another pool, in place; all rays then have source 0."""
         self.rays = EndedRays(*(np.concatenate(x) for x in zip(self.rays, other.rays, strict=True)))
         self.source = np.zeros(len(self.rays.energy), int)
 
@@ -66,7 +66,10 @@ class RayPool:
 def _draw_rows(
     energy: Float[np.ndarray, "n bands"], count: int, rng: np.random.Generator
 ) -> tuple[Int[np.ndarray, " count"], Float[np.ndarray, "count bands"]]:
-    """Draw row indices by energy, with systematic sampling; return them and energies of mean 1 per octave, or none."""
+    """Draw `count` row indices by energy, with systematic sampling; return them and energies of mean 1 per octave.
+
+    A row's weight is the mean of its shares of the octaves' energies. Without energy the result has no rows.
+    """
     whole = energy.sum(axis=0)
     if not len(energy) or not whole.any():
         return np.zeros(0, int), np.zeros((0, energy.shape[1]), np.float32)

@@ -113,7 +113,7 @@ class FlightTracer:
         end_in_rooms: bool = True,
         keeps_ended: bool = False,
     ) -> tuple[SourceSums, list[EndedRays]]:
-        """Trace the flights of some sources; return their sums, and the rays that ended.
+        """Trace the flights of some sources; return their sums, and per source the rays that ended, if `keeps_ended`.
 
         Every source is traced by one thread, in the order of its rays: the result has the same bits with any number of
         threads.
@@ -124,7 +124,7 @@ class FlightTracer:
             seed: Seed of all flights.
             from_source: Rays start at sources, not at reflections.
             end_in_rooms: Rays end in other rooms; else they continue there.
-            keeps_ended: Return the rays that left their room or aged; else none.
+            keeps_ended: Return the rays that left their room or aged; else the list is empty.
         """
         sums = _empty_sums(len(starts), len(self.volume), len(self.grid.joined), bins)
         seeds = np.random.SeedSequence(seed).generate_state(max(len(starts), 1), np.uint64)
@@ -213,7 +213,7 @@ def _empty_sums(sources: int, cells: int, rooms: int, bins: int) -> SourceSums:
 @verify_cache_once
 @no_type_check
 def _fly_source(at, rows, sizes, place, rules, seed):
-    """Call the compiled `_fly_at`; verifies Numba's disk cache once."""
+    """Call the compiled `_fly_at`, return the number of kept ended rays; verifies Numba's disk cache once."""
     return _compiled_flight()(at, rows, sizes, place, rules, seed)
 
 
@@ -236,7 +236,7 @@ def _compiled_flight() -> Any:
 @compiled
 @no_type_check
 def _fly_at(at, rows, sizes, place, rules, seed):
-    """Call `flight.fly` for arrays at addresses `at`, in the order of `FlightTracer._fly`; return its result."""
+    """Call `flight.fly` for arrays at addresses `at`, in the order of `FlightTracer._fly`, and return its result."""
     surfaces = flight.Surfaces(
         floats(at[1]),
         integers(at[2]),
