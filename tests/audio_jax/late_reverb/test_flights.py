@@ -11,6 +11,7 @@ from handmade import shoebox
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.bake import stages
+from home_mjx.audio_jax.late_reverb.trace import flight
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
 from home_mjx.audio_jax.late_reverb.trace.ray_pool import RayPool
@@ -75,6 +76,16 @@ def test_every_octave_is_as_if_it_flew_alone():
         together, alone = ([decay[i, a:b, octave].sum() for a, b in pairwise((2, 20, 60, 160))] for i in (0, row))
         np.testing.assert_allclose(together, alone, rtol=(0.02, 0.05, 0.12)[len(together) - 1])
     assert not decay[1, :, 1:7].any()
+
+
+@pytest.mark.parametrize("copies", [1, 2, 3, 64])
+def test_choices_of_copies_stay_below_one(copies):
+    """At 1, a ray is mirrored by a surface that scatters everything, and its energy is 0 / 0."""
+    least, largest = np.float32(0), np.nextafter(np.float32(1), np.float32(0))
+    found = [float(flight.stratify(copy, copies, number)) for copy in range(copies) for number in (least, largest)]
+    assert found[::2] == pytest.approx(np.arange(copies) / copies)
+    assert max(found) < 1
+    assert found == sorted(found)
 
 
 def test_sound_is_as_late_behind_states_as_without_them():

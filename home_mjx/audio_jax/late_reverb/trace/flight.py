@@ -37,6 +37,7 @@ FIRST_DIRECTION = NUM_OCTAVES  # lane of the first component of the intensity in
 PLACE = 7  # numbers of an ended ray: origin, direction, distance since the start of the bin of the portal state [m]
 TINY, ZERO, HALF, ONE, TWO = (np.float32(x) for x in (1e-30, 0, 0.5, 1, 2))
 TURN = np.float32(2 * np.pi)
+BELOW_ONE = np.nextafter(ONE, ZERO)
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
 floats, doubles, integers = map(pointer_to, (types.float32, types.float64, types.int32))
@@ -240,6 +241,14 @@ def uniform(random):
     z = (z ^ (z >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
     z = (z ^ (z >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
     return np.float32((z ^ (z >> np.uint64(31))) >> np.uint64(40)) * np.float32(2**-24)
+
+
+@compiled
+@no_type_check
+def stratify(part, parts, number):
+    """Move a number in [0, 1) to interval `part` of `parts` equal intervals of [0, 1)."""
+    # Sums near `parts` round up to it. A number of 1 would mirror rays at surfaces that scatter all, with energy 0 / 0.
+    return min((np.float32(part) + number) / np.float32(parts), BELOW_ONE)
 
 
 @compiled
@@ -496,7 +505,7 @@ def _resample(flight, rays, other):
         share = energy * load(held, LANES * np.int64(rays.room[i]))
         energy = energy * np.float32(spacing / weight[i] if weight[i] > 0 else 0.0)
         for copy in range(copies):
-            chance = (np.float32(copy) + uniform(flight.scratch.random)) / np.float32(copies)
+            chance = stratify(copy, copies, uniform(flight.scratch.random))
             _continue(flight, rays, i, other, new, energy, share, chance)
             new += 1
         place += copies * spacing
