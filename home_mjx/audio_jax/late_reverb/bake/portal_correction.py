@@ -38,22 +38,22 @@ def portal_ratio(
         entered: Room that paths of each portal state are in.
     """
     member = np.eye(room.max() + 1)[room]
-    said, told = _sum_rooms(predicted, member), np.stack([_sum_rooms(x, member) for x in measured])
-    known = (said > MIN_ENERGY) & (told.sum(axis=(0, 3, 4), keepdims=True)[0] > 0)
-    ratio = np.where(known, told / np.maximum(said, MIN_ENERGY), 1.0).mean(axis=1)
-    missed = (told.sum(axis=1) <= 0).mean(axis=0) * known.any(axis=0)
+    modelled, traced = _sum_rooms(predicted, member), np.stack([_sum_rooms(x, member) for x in measured])
+    known = (modelled > MIN_ENERGY) & (traced.sum(axis=(0, 3, 4), keepdims=True)[0] > 0)
+    ratio = np.where(known, traced / np.maximum(modelled, MIN_ENERGY), 1.0).mean(axis=1)
+    missed = (traced.sum(axis=1) <= 0).mean(axis=0) * known.any(axis=0)
     noise = np.maximum(ratio.var(axis=0, ddof=1) / len(ratio), missed**2)
-    own = entered[:, None, None] == np.arange(said.shape[2])[None, :, None]
+    own = entered[:, None, None] == np.arange(modelled.shape[2])[None, :, None]
     prior = np.where(own, OWN_ROOM_STD, PRIOR_STD) ** 2
     factor = 1 + prior / (prior + noise) * (ratio.mean(axis=0) - 1)
     middle = np.convolve(INTERVAL_EDGES, [0.5, 0.5], "valid") - 0.5
     factor = np.clip(factor, 1 / MAX_CORRECTION, MAX_CORRECTION)
-    return np.stack([[np.interp(np.arange(predicted.shape[3]), middle, one) for one in gate] for gate in factor])[
+    return np.stack([[np.interp(np.arange(predicted.shape[3]), middle, one) for one in state] for state in factor])[
         :, room
     ]
 
 
-def _sum_rooms(heard: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
+def _sum_rooms(energy: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:
     """Sum energies over the cells of each room, and over the bins between `INTERVAL_EDGES`; later bins are omitted."""
-    parts = np.add.reduceat(heard[..., :RECORDED_BINS], INTERVAL_EDGES[:-1], axis=3)
+    parts = np.add.reduceat(energy[..., :RECORDED_BINS], INTERVAL_EDGES[:-1], axis=3)
     return np.einsum("bgne,nr->bgre", parts, member)

@@ -132,10 +132,10 @@ class Scratch(NamedTuple):
     row: Pointer  # (n,) int32, its material
     unmirrored: Pointer  # (n,) uint8, 1: the mirrored ray is not recorded, because early paths render it
     seen: Pointer  # (n,) int32, room in front of it
-    late: Pointer  # (n,) float32, time of the first record of each ray [samples]
+    record_phase: Pointer  # (n,) float32, time of the first record of each ray [intervals between records]
     weight: Pointer  # (n,) float64
     balance: Pointer  # (3, lanes) float32, energies that are active, have aged, and were first
-    held: Pointer  # (r, lanes) float32
+    room_factor: Pointer  # (r, lanes) float32, see `_weigh_rooms`
     random: Pointer  # (1,) uint64
 
 
@@ -172,7 +172,7 @@ def fly(scene, flight, rays, other, memory, seed):
     rules, scratch = flight.rules, flight.scratch
     scratch.random[0] = seed
     for i in range(rules.rays):
-        scratch.late[i] = uniform(scratch.random)
+        scratch.record_phase[i] = uniform(scratch.random)
     active = _sum_energy(flight, rays)
     store(scratch.balance, 0, active)
     store(scratch.balance, LANES, broadcast(ZERO))
@@ -405,9 +405,9 @@ def _record(flight, rays, i, length):
     near the floor, and times after the last bin are omitted.
     """
     grid, bins, unit = flight.grid, flight.rules.bins, flight.rules.bin_length / np.float32(SAMPLES_PER_BIN)
-    travelled, late = rays.travelled[i], flight.scratch.late[i]
-    index = np.int64(np.ceil(travelled / unit - late))
-    along = (np.float32(index) + late) * unit - travelled
+    travelled, phase = rays.travelled[i], flight.scratch.record_phase[i]
+    index = np.int64(np.ceil(travelled / unit - phase))
+    along = (np.float32(index) + phase) * unit - travelled
     if along >= length:
         return
     x, y, z = rays.origin[3 * i], rays.origin[3 * i + 1], rays.origin[3 * i + 2]
@@ -485,11 +485,11 @@ def _resample(flight, rays, other):
     of an octave gets a share of the rays in proportion to E^(1 - `EVENNESS`). Systematic sampling keeps the expected
     energy of every ray (Kitagawa 1996). The choices of a ray's copies between scattering and not are stratified.
     """
-    count, weight, held = flight.rules.rays, flight.scratch.weight, flight.scratch.held
+    count, weight, factor = flight.rules.rays, flight.scratch.weight, flight.scratch.room_factor
     _weigh_rooms(flight, rays)
     whole = 0.0
     for i in range(count):
-        weight[i] = sum_lanes(load(rays.energy, LANES * i) * load(held, LANES * np.int64(rays.room[i])))
+        weight[i] = sum_lanes(load(rays.energy, LANES * i) * load(factor, LANES * np.int64(rays.room[i])))
         whole += weight[i]
     spacing = whole / count
     place = spacing * uniform(flight.scratch.random)
@@ -502,7 +502,7 @@ def _resample(flight, rays, other):
         while new + copies < count and (place + copies * spacing < reached or i == count - 1):
             copies += 1
         energy = load(rays.energy, LANES * i)
-        share = energy * load(held, LANES * np.int64(rays.room[i]))
+        share = energy * load(factor, LANES * np.int64(rays.room[i]))
         energy = energy * np.float32(spacing / weight[i] if weight[i] > 0 else 0.0)
         for copy in range(copies):
             chance = stratify(copy, copies, uniform(flight.scratch.random))
@@ -527,22 +527,22 @@ def _continue(flight, rays, i, other, new, energy, share, chance):
 @compiled
 @no_type_check
 def _weigh_rooms(flight, rays):
-    """Write to `held`, per room and octave, the factor on a ray's energy that yields its weight in resampling.
+    """Write to `room_factor`, per room and octave, the factor on a ray's energy that yields its weight in resampling.
 
     For rooms with energies E it is E^-`EVENNESS` / sum of E^(1 - `EVENNESS`); 0 without energy.
     """
-    held, rooms = flight.scratch.held, flight.grid.rooms
+    factor, rooms = flight.scratch.room_factor, flight.grid.rooms
     for room in range(rooms):
-        store(held, LANES * room, broadcast(ZERO))
+        store(factor, LANES * room, broadcast(ZERO))
     for i in range(flight.rules.rays):
-        _add(held, np.int64(rays.room[i]), load(rays.energy, LANES * i))
+        _add(factor, np.int64(rays.room[i]), load(rays.energy, LANES * i))
     for b in range(NUM_OCTAVES):
         whole = 0.0
         for room in range(rooms):
-            whole += held[LANES * room + b] ** (1 - EVENNESS)
+            whole += factor[LANES * room + b] ** (1 - EVENNESS)
         for room in range(rooms):
-            here = held[LANES * room + b]
-            held[LANES * room + b] = here**-EVENNESS / whole if here > ZERO else 0.0
+            here = factor[LANES * room + b]
+            factor[LANES * room + b] = here**-EVENNESS / whole if here > ZERO else 0.0
 
 
 @compiled

@@ -51,9 +51,9 @@ class RayPool:
             A flight from each state, of no rays if no ray reached it.
         """
         left, entered = self.rays.rooms.T
-        gate = number[self.source, left, entered] if number.ndim == 3 else number[left, entered]
-        order = np.argsort(gate, kind="stable")
-        ends = np.searchsorted(gate[order], first + np.arange(len(rooms) + 1))
+        state = number[self.source, left, entered] if number.ndim == 3 else number[left, entered]
+        order = np.argsort(state, kind="stable")
+        ends = np.searchsorted(state[order], first + np.arange(len(rooms) + 1))
         flights = []
         for index, room in enumerate(rooms[:, 1]):
             rows = order[ends[index] : ends[index + 1]]
