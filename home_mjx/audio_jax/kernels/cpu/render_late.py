@@ -101,7 +101,8 @@ def render_late_chunk(frame, first, end):
 def _prepare(frame, env, source, left, place, size, room):
     """Prepare the transforms of a source in row `place` of a batch; write the addresses of their signals to `streams`.
 
-    They are the responses of channels `left`, `left` + 1, and the windows of the source that convolve with their parts.
+    They are the responses of channels `left`, `left` + 1 (zeros if there is none), and the windows of the source that
+    convolve with their parts.
     """
     number = env * size.sources + source
     most = size.first + size.half
@@ -151,7 +152,10 @@ def _zero(values, count):
 @compiled
 @no_type_check
 def _make_response(frame, number, channel, response, size):
-    """Write a channel's noise times amplitudes, 0 before onset; `number` runs over (environment, source, frame end)."""
+    """Write a channel's noise times amplitudes, 0 before onset; `number` runs over (environment, source, frame end).
+
+    Bin b of the response has the periodic noise's bin `BEGUN` + b.
+    """
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0
     length = size.bins * size.bin

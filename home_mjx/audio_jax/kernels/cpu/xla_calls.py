@@ -34,7 +34,10 @@ def compile_chunks() -> tuple[Any, Any]:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render early sound, as `dispatch.render_early_frame`, by the CPU kernel; it must be usable, without fallback."""
+    """Render a frame of early sound, summed over sources, by the CPU kernel; there is no fallback if it is not usable.
+
+    The leading axis of `reads` is sources. The result is pressure per channel.
+    """
     share = jnp.moveaxis(reads.gain, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
     given = reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
@@ -80,7 +83,10 @@ def supports_late(late: LateResponse, config: AudioConfig) -> bool:
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Render late sound, as `dispatch.render_late_frame`, by the CPU kernel; `supports_late` must be True."""
+    """Render a frame of late sound, summed over sources, by the CPU kernel; `supports_late` must be True.
+
+    Arguments and result are those of `late_tail.render_late_by_xla`: it crossfades between both frame ends.
+    """
     share = late.shares
     given = sources, share.amplitude(), share.mix, share.start_bin, late.onset, late.tail
     return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]

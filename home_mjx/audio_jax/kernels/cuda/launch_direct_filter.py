@@ -28,7 +28,10 @@ def supports_direct(config: AudioConfig) -> bool:
 def filter_direct(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Filter, as `direct_filter.filter_direct_by_xla`, by the CUDA kernel; `supports_direct` must be True."""
+    """Filter a source with the octave gains of both frame ends by the CUDA kernel; `supports_direct` must be True.
+
+    Arguments and result are those of `direct_filter.filter_direct_by_xla`: m samples from sample `begin` on.
+    """
     given = source, begin, *octave_levels(gain)
     return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
 

@@ -30,13 +30,16 @@ def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render early sound, as `dispatch.render_early_frame`, by two CUDA kernels; `supports_early` must be True."""
+    """Render a frame of early sound, summed over sources, by two CUDA kernels; `supports_early` must be True.
+
+    The leading axis of `reads` is sources. The result is pressure per channel.
+    """
     kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
     return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
 
 
 def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
-    """Mix the reads of one environment into the buses of its channels by the CUDA kernel."""
+    """Mix the reads of all sources into the buses s of channels e by the CUDA kernel, at `sample_times`."""
     shapes, ears = reads.gain.shape[3], reads.paths.ear_delays.shape[-1]
     return _mix_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
 

@@ -29,7 +29,10 @@ def supports_late(config: AudioConfig) -> bool:
 
 
 def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioConfig) -> Float[Array, "e s"]:
-    """Render late sound, as `late_tail.render_late_by_xla`, by two CUDA kernels; `supports_late` must be True."""
+    """Render a frame of late sound, summed over sources, by two CUDA kernels; `supports_late` must be True.
+
+    Arguments and result are those of `late_tail.render_late_by_xla`: it crossfades between both frame ends.
+    """
     share = late.shares
     given = sources, share.power, share.mix, share.shared_power, share.start_bin, late.onset, late.tail
     return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]

@@ -173,7 +173,7 @@ class FlightTracer:
         return EndedRays(ended[0][:filled].copy(), ended[1][:filled, :NUM_OCTAVES].copy(), ended[2][:filled].copy())
 
     def _normalise(self, sums: SourceSums, energy: Float[np.ndarray, "n bands"]) -> None:
-        """Scale the sums of a source to an energy of 1, and those of cells to energy densities re the free field."""
+        """Scale a source's sums in place to energy 1, and those of cells to energy densities re the free field."""
         unit = np.zeros(LANES, np.float32)
         whole = energy.sum(axis=0, dtype=float)
         unit[:NUM_OCTAVES] = np.where(whole > 0, 1 / np.maximum(whole, 1e-30), 0)
