@@ -33,6 +33,7 @@ def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
 
     Raises:
         ConfigError: There is no house.
+        CapacityError: The houses have too many triangles for one bank.
 
     Example:
         >>> found = bank_usage([compiled])  # doctest: +SKIP

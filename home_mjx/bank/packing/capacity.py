@@ -82,7 +82,10 @@ def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
-    """Return `capacity`, the lengths of `AXES`, and the fixed and derived lengths; not those of rows and houses."""
+    """Return `capacity`, the lengths of `AXES`, with `FIXED_LENGTHS`, `doors` and `rooms_and_none` (rooms + 1) added.
+
+    Doors are hinged leaves and slides. Numbers of rows and houses are not included.
+    """
     doors = capacity["hinged_leaves"] + capacity["slides"]
     return {**FIXED_LENGTHS, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 

@@ -77,9 +77,9 @@ def pack_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE)
 
 
 def plan_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE) -> tuple[Library, dict[str, int]]:
-    """Return the library that the houses share, and the length of every axis of their bank.
+    """Return the library that the houses share, and the length of every axis of their bank, by name.
 
-    All lengths except the number of houses are rounded up to size classes.
+    Lengths that the houses need are rounded up to size classes; the number of houses is not.
 
     Raises:
         ConfigError: There is no house.

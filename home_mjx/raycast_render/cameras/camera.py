@@ -220,7 +220,8 @@ def _local_directions(
 ) -> Float[Array, "*image 3"]:
     """Return camera-frame directions (x right, y up, -z ahead) through pixel coordinates, which start at the top left.
 
-    Those of pinholes and cubes have depth 1, others length 1.
+    Panoramas and lidars get unit vectors; pinholes and the faces of cubes, depth 1 along their axes. Orthographic
+    lenses are not supported.
     """
     if lens.model in ("panorama", "lidar"):
         return _sphere_directions(column, row, lens)
@@ -248,7 +249,10 @@ def _plane_coordinates(
 
 
 def _sphere_directions(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
-    """Return unit directions of a panorama or lidar (x right, y up, -z ahead) at pixel coordinates from top left."""
+    """Return unit directions of a panorama or lidar (x right, y up, -z ahead) at pixel coordinates from top left.
+
+    Centres of a lidar's first and last row have its highest and lowest elevation; a single row, the mean.
+    """
     left = (0.5 - column / lens.width) * (2 * np.pi)
     if lens.model == "panorama":
         up = (0.5 - row / lens.height) * np.pi

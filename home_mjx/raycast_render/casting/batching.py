@@ -56,7 +56,10 @@ def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
 
 
 def _leading_axes(operands: list[tuple[int, ...]], results: list[tuple[int, ...]]) -> tuple[list[Axes], list[Axes]]:
-    """Return leading axes by shapes: none for geometry, else `ENV`; also `RAY` for results and fields per ray."""
+    """Return the mapped leading axes of operands and of results, by their shapes, for `partition_kernel`.
+
+    Geometry has none, all others `ENV`; results and fields with one value per ray also `RAY`.
+    """
     num_rays = results[0][1]
     rays = [(ENV, RAY) if shape[1] == num_rays else (ENV,) for shape in operands[-NUM_RAY_FIELDS:]]
     shared = [()] * (len(operands) - NUM_ENV_ARRAYS - NUM_RAY_FIELDS)

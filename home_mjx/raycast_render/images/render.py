@@ -97,36 +97,37 @@ class _LazyImages:
         return getattr(self, f"_{kind}")()
 
     def _rgb(self) -> Array:
-        """Return sRGB by the shader."""
+        """Return the shader's colours (H, W, 3) as sRGB bytes."""
         return self._view.rgb()
 
     def _albedo(self) -> Array:
-        """Return linear reflectance."""
+        """Return diffuse reflectance (H, W, 3) in linear RGB; the sky's colour on a miss."""
         return albedo(self._scene, self._rays.hit).pack()
 
     def _normal(self) -> Array:
-        """Return world normals that face the camera."""
+        """Return unit world normals (H, W, 3) that face the camera; zero on a miss."""
         return surface.face_normals(self._scene, self._rays.direction, self._rays.hit)
 
     def _depth(self) -> Array:
-        """Return t of the camera's rays, clipped."""
+        """Return t of the camera's rays (H, W, 1), clipped by `_clip`."""
         return self._clip(self._rays.hit.t)
 
     def _distance(self) -> Array:
-        """Return distances along the rays [m], clipped."""
+        """Return distances along the rays (H, W, 1) [m], clipped by `_clip`."""
         return self._clip(self._rays.hit.t * jnp.linalg.norm(self._rays.direction, axis=-1))
 
     def _clip(self, distance: Float[Array, "*image"]) -> Array:
-        """Clip to `depth_max`, if set, and add a channel axis."""
+        """Clip to at most `depth_max`, unless None, and add a channel axis; a miss without clipping is inf."""
         return (distance if self._depth_max is None else jnp.minimum(distance, self._depth_max))[..., None]
 
     def _instance(self) -> Array:
-        """Return object ids."""
+        """Return object ids; -1 for the architecture and on a miss."""
         return surface.object_ids(self._scene, self._rays.hit)
 
     def _material(self) -> Array:
-        """Return material rows."""
+        """Return rows of the bank's material table; -1 on a miss."""
         return surface.material_rows(self._scene, self._rays.hit)
 
     def _valid(self) -> Array:
+        """Return the flag `View.valid`."""
         return self._view.valid

@@ -37,7 +37,7 @@ class View:
 
     @cached_property
     def center_rays(self) -> CameraRays:
-        """Rays through the centre of every pixel."""
+        """Rays through the centre of every pixel with their first hits, cast once; all miss unless `valid`."""
         return self.cast(0)
 
     def cast(self, sample: Int[Array, ""] | int) -> CameraRays:

@@ -56,7 +56,10 @@ def scale_exposure(look: AppearanceOverrides | None, light: Vec) -> Vec:
 
 
 def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array, "*rays"]) -> Vec:
-    """Scale colours of material rows by random factors in 1 ± `look.tint`, clipped to [0, 1]; unchanged without it."""
+    """Scale colours by a random factor in 1 ± `look.tint` per channel and material row, clipped to [0, 1].
+
+    All rays of a row get the same factors. Without `look.tint`: unchanged.
+    """
     if look is None or look.tint is None:
         return color
     tint = look.tint
@@ -67,9 +70,9 @@ def tint_materials(look: AppearanceOverrides | None, color: Vec, row: Int[Array,
 def swap_textures(
     look: AppearanceOverrides | None, layer: Int[Array, "*rays"], row: Int[Array, "*rays"], layers: Array
 ) -> Array:
-    """Return texture layers of material rows, with probability `look.swap` random ones; -1, no texture, stays -1.
+    """Return texture layers, with probability `look.swap` per material row random ones from 0 .. max(`layers`).
 
-    `layer` are the house's layers; `layers`, those of all rows, bound the random ones. Without `look.swap`: unchanged.
+    All rays of a row get the same layer. A `layer` of -1, no texture, stays -1. Without `look.swap`: unchanged.
     """
     if look is None or look.swap is None:
         return layer

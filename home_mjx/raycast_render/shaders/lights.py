@@ -110,7 +110,7 @@ def lamp_light(
     """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`.
 
     Shadow rays ignore the lamp that carries the light, and none start on it. `spread` has emitting positions in [-1, 1]
-    along both axes of linear and rectangular lights; None: their centres.
+    along both axes of linear and rectangular lights; None: their centres. Results are arbitrary on a miss.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
@@ -175,7 +175,7 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
 def sun_light(
     scene: Scene, point: ShadingPoint, spread: LightSample, irradiance: float, azimuth: float, elevation: float
 ) -> IncidentLight:
-    """Compute irradiance and specular radiance by the sun, 0 if occluded; its disc has a diameter of one degree.
+    """Compute irradiance and specular radiance by the sun, 0 if occluded or on a miss; its disc is one degree wide.
 
     Args:
         scene: Scene of one environment, whose overrides may replace the sun's direction.
@@ -264,7 +264,7 @@ def _unoccluded_irradiance(
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
     algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces (`own`), such as its shade, get 0.7 of
-    its intensity from any side.
+    its intensity from any side, from at least `MIN_LIGHT_DISTANCE`; others from at least 1 cm.
     """
     square = jnp.maximum(offset.dot(offset), jnp.where(own, MIN_LIGHT_DISTANCE**2, 1e-4))
     toward = offset.unit()
