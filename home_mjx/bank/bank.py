@@ -78,7 +78,7 @@ class HouseBank(BankArrays):
         Args:
             house: Index of the house in the bank.
             object_id: Object ids; agent a has the id `spec.num_instances` + a. All ids from there on count as agents.
-            column: One of `compiled.Semantic`; `semantics.vocabularies()` maps its values to names.
+            column: One of `schema.semantic.Semantic`; `schema.vocabulary.vocabularies()` has the names of its values.
 
         Returns:
             Values; -1 if the id is unknown (the architecture is -1) or the object has no value in this column.

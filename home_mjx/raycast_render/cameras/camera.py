@@ -61,7 +61,7 @@ class Lens:
     Attributes:
         width: Columns.
         height: Rows.
-        model: One of `schema.choices.CAMERA_MODELS`.
+        model: One of `schema.categories.CAMERA_MODELS`.
         samples: Rays per pixel of colour images, distributed over the pixel; other images use its centre.
         elevation: Lowest and highest beam of a lidar [degrees].
 

@@ -118,7 +118,7 @@ class Env(Generic[C]):
         return self.core.observe(self.params, state)
 
     def with_tasks(self, episodes: Any) -> "Env[C]":
-        """Return the same environment with `Episodes` or a `TaskBank` for its resets; None: resets sample episodes.
+        """Return a copy of the environment whose resets use `Episodes` or a `TaskBank`; None: they sample episodes.
 
         Raises:
             ConfigError: An episode cannot be started or solved here, see `check_tasks`; names the row and the column.
@@ -126,7 +126,7 @@ class Env(Generic[C]):
         return Env(self.core, self.params.replace(tasks=episodes), self.spec)
 
     def with_variation(self, variation: Any) -> "Env[C]":
-        """Return the same environment with another `Variation`, or its ranges by name; None: nothing varies.
+        """Return a copy of the environment with another `Variation`, or its ranges by name; None: nothing varies.
 
         Raises:
             ConfigError: A range is invalid, or has no effect in this environment.

@@ -29,6 +29,8 @@ def has_hands(snapshot: Snapshot) -> bool:
 def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
     """Return each object's distance from the nearest initial position of a selected movable instance [m]; 0 if none.
 
+    It is also 0 without `has_hands`.
+
     Args:
         snapshot: The environment.
         selected: Mask of instances.
@@ -44,7 +46,10 @@ def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float
 
 
 def pick_distance(snapshot: Snapshot, middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
-    """Return the distance in plan from which agents pick up objects centred at `middle` [m]: larger for lower ones."""
+    """Return the distance in plan from which agents pick up objects centred at `middle` [m]: larger for lower ones.
+
+    It is from `MIN_PICK_DISTANCE` to `MAX_PICK_DISTANCE`.
+    """
     below = eye_position(snapshot.config, snapshot.pose)[:, 2] - middle[:, 2]
     return jnp.clip(
         below / jnp.tan(jnp.float32(MAX_HAND_ANGLE)) + jnp.float32(OBSTACLE_CLEARANCE),

@@ -51,8 +51,8 @@ def descend_field(
         snapshot: The environment.
         agent: Index of the agent.
         field: Function that returns remaining distances of cells [m]; inf where no path leads.
-        min_distance: Remaining distance below which the path ends, too [m].
-        tolerance: Distance to the end that counts as reached [m].
+        min_distance: Plan distance to the last of these cells below which the path ends, too [m].
+        tolerance: As for `step_aside` [m]; only for discrete moves.
     """
     bank, house, moves = snapshot.bank, snapshot.house, snapshot.config.discrete
     pos, touches = snapshot.feet[agent], snapshot.in_contact[agent]

@@ -87,7 +87,11 @@ def window_distances(
 def _step_lengths(
     free: Bool[Array, "w w"], passable: Bool[Array, "w w"], length: Float[Array, "w w"], height: Float[Array, "w w"]
 ) -> Float[Array, "9 w w"]:
-    """Return the length of a step out of each cell to each of the 3 × 3 around it [m]; inf if blocked."""
+    """Return the length of a step out of each cell to each of the 3 × 3 around it [m], in the order of `OFFSETS`.
+
+    It is the cell's `length` times 1, times √2 for a diagonal and 0 to itself. It is inf if the target is not `free`,
+    or the two cells beside a diagonal are not both `passable`, or one of these is not `_is_step_away`.
+    """
     rises = _is_step_away(height)
     sides, corners = _neighbours(free, False) & rises, _neighbours(passable, False) & rises
     steps = []
@@ -103,7 +107,7 @@ def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
 
 
 def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array, " n"]) -> Int[Array, "2"]:
-    """Return row and column, from the window's corner, of the walkable cell nearest to its centre.
+    """Return row and column, from the window's corner, of the walkable cell nearest to its centre; (0, 0) without one.
 
     An agent may be outside walkable cells: close to furniture, or at an object that it has pushed aside. Cells in the
     mask `elsewhere` (another room or height) count as `OTHER_ROOM_COST` farther, and those far from the end as a little

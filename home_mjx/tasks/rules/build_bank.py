@@ -334,9 +334,10 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
 
 
 def _keep_close_ends(column: dict, d: int, ends: EndCells) -> EndCells:
-    """Keep the end cells of descriptor `d` close enough for its DISTANCE conditions; all of them, if none is.
+    """Keep the end cells of descriptor `d` close enough for all its DISTANCE conditions; all cells, if none is.
 
-    Otherwise a path could end at the nearest of several objects that is visible but not approachable closely enough.
+    Close enough is `GOAL_TOLERANCE` less than the conditions' least maximum [m]. Otherwise a path could end at the
+    nearest of several objects that is visible but not approachable closely enough.
     """
     cells, away = ends
     asked = (column["feature"] == Feature.DISTANCE) & (column["first"] == d)

@@ -15,7 +15,8 @@ from home_mjx.tasks.rules.speech import SpeechColumns
 from home_mjx.tasks.sounds.sound_events import SoundEvents
 
 WEIGHT_UNITS = 2**30  # integer units in the sum of all weights
-MIN_WEIGHT, MAX_WEIGHT = 1e-30, 1e30  # smaller weights count as 0, larger ones are clipped, so that sums stay finite
+# At least one weight must be as large as the minimum; larger ones than the maximum are clipped, so sums stay finite.
+MIN_WEIGHT, MAX_WEIGHT = 1e-30, 1e30
 
 
 class RowStart(Pytree):

@@ -27,6 +27,8 @@ NUM_START_SAMPLES = 64  # samples of a start per episode
 def pick_goal(snapshot: Snapshot, key: Array, min_distance: float, same_storey: bool = False) -> Int[Array, ""]:
     """Sample the index of a goal of the house uniformly, among those with a path; a condition no goal meets is dropped.
 
+    Without any path, it is one of all goals.
+
     Args:
         snapshot: The environment.
         key: Random key.
