@@ -55,7 +55,7 @@ class BankArrays(Pytree):
 
     geometry: Geometry
     materials: Materials
-    semantics: Int[Array, "semantic columns"] = array("columns: compiled.Semantic", source="semantics", fill=-1)
+    semantics: Int[Array, "semantic columns"] = array("columns: schema.semantic.Semantic", source="semantics", fill=-1)
     physics: Physics
     acoustics: Acoustics
     navigation: NavigationArrays
