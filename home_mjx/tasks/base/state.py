@@ -51,11 +51,13 @@ class Episodes(Pytree):
 def check_rows(index: Any, count: int, kind: str = "episodes") -> None:
     """Raise `ConfigError` unless `index` has integers only, `OutOfRangeError` unless all are from 0 to `count` - 1.
 
+    Booleans are not integers: `True` would add an axis, and a mask of another length fail in JAX.
+
     `kind` names the rows in the message.
     """
     array = np.asarray(index)
-    if array.dtype.kind not in "biu":
-        hint = "Write tasks.pick(jnp.array([0, 2])), or tasks.where(mask) for those for which a comparison holds."
+    if array.dtype.kind not in "iu":
+        hint = "Write pick(jnp.array([0, 2])), or pick(jnp.flatnonzero(mask)) for those for which a comparison holds."
         raise ConfigError(f"expected numbers of rows, got {index!r:.60}", hint=hint)
     if array.size and not 0 <= array.min() <= array.max() < count:
         there = f"{kind} 0 to {count - 1}" if count else f"no {kind}"

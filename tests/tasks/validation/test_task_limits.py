@@ -247,7 +247,7 @@ def test_rows_out_of_range_are_refused(env, index):
         assert isinstance(raised.value, IndexError)
 
 
-@pytest.mark.parametrize("index", [jnp.array([0.5]), jnp.ones(2, complex)])
+@pytest.mark.parametrize("index", [jnp.array([0.5]), jnp.ones(2, complex), True, jnp.ones(4, bool)])
 def test_what_is_no_number_of_a_row_is_refused(env, index):
     with pytest.raises(ConfigError, match="expected numbers of rows"):
         check_rows(index, 4)
