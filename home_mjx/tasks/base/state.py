@@ -39,13 +39,23 @@ class Episodes(Pytree):
             OutOfRangeError: An index is out of range, as negative ones are; it is an `IndexError`, too.
             ConfigError: An index is not an integer.
         """
-        if not isinstance(index, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
-            check_rows(index, len(self))
+        index = resolve_rows(index, len(self))
         return jax.tree.map(lambda rows: rows[index], self)
 
     def __len__(self) -> int:
         """Return the number of rows."""
         return self.house.shape[0]
+
+
+def resolve_rows(index: Int[Array, "..."] | int, count: int) -> Int[Array, "..."] | int:
+    """Return numbers of rows: clipped to 0 .. `count` - 1 inside `jit`, else unchanged if `check_rows` passes.
+
+    JAX's own indexing would count negative numbers from the end.
+    """
+    if isinstance(index, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
+        return jnp.clip(index, 0, count - 1)
+    check_rows(index, count)
+    return index
 
 
 def check_rows(index: Any, count: int, kind: str = "episodes") -> None:

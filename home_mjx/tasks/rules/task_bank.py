@@ -9,7 +9,7 @@ from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.core.pytree import Pytree, array, static
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.state import Episodes
+from home_mjx.tasks.base.state import Episodes, resolve_rows
 from home_mjx.tasks.rules.program import TaskProgram
 from home_mjx.tasks.rules.speech import SpeechColumns
 from home_mjx.tasks.sounds.sound_events import SoundEvents
@@ -59,6 +59,7 @@ class TaskBank(Pytree):
 
     def pick(self, index: Int[Array, "..."]) -> "TaskBank":
         """Return a bank with some rows, such as those of a split, and all fields; raises as `Episodes.pick` does."""
+        index = resolve_rows(index, len(self))
         rows = self.rows.pick(index)
         return self.replace(rows=rows, weights=None if self.weights is None else self.weights[index])
 

@@ -56,6 +56,16 @@ def test_weights_change_without_another_program():
     assert program.traces == 1
 
 
+@pytest.mark.parametrize(("index", "row"), [(-1, 0), (-9, 0), (2, 2), (4, 3), (9, 3)])
+def test_a_row_out_of_range_is_the_nearest_inside_jit(index, row):
+    """JAX itself would count negative ones from the end."""
+    tasks = bank_of(4).with_weights([1, 2, 3, 4])
+    tasks = tasks.replace(rows=tasks.rows.replace(house=jnp.arange(4)))
+    one = jax.jit(tasks.pick)(index)
+    assert (int(one.rows.house), float(one.weights)) == (row, row + 1)
+    assert int(jax.jit(tasks.rows.pick)(index).house) == row
+
+
 def test_weights_go_with_their_rows():
     tasks = bank_of(4).with_weights([1, 0, 2, 3]).where(np.array([False, True, True, True]))
     assert tasks.weights.tolist() == [0, 2, 3]
