@@ -138,6 +138,8 @@ def check_task_options(config: EnvConfig, task: Task) -> None:
 def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -> None:
     """Raise if houses were compiled for another body, or lack the requested arrangements or bakes.
 
+    Log a warning for bakes with random arrangements, which they ignore.
+
     Raises:
         ConfigError: Radius or height of the body differs; or there are no arrangements, or a bake is missing that a
             sensor or a shader needs.

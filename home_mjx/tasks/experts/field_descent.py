@@ -83,7 +83,10 @@ def circle_distance(
 
 
 def is_free(snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether sampled points of the straight way to a floor point [m] are home cells; leaves do not matter."""
+    """Return whether sampled points of the straight way to a floor point [m] are home cells; leaves do not matter.
+
+    Points within `bank.spec.cell` of the agent's feet are not checked.
+    """
     free, _, _ = _check_segments(snapshot, agent, place[None])
     return free[0]
 

@@ -229,7 +229,8 @@ class HouseView:
     def _cells_at_hand(self, key: tuple[int, float], there: Callable[[Array], Array]) -> EndCells:
         """Return end cells within `MAX_HAND_REACH` of an instance: those of every `CELL_STRIDE`-th that pass `there`.
 
-        `there` maps eye positions (n, 3) to a mask. `key`, under which they are cached, begins with the instance.
+        At most `NUM_CELLS` cells are tested. `there` maps eye positions (n, 3) to a mask. `key`, under which they are
+        cached, begins with the instance.
         """
         if key not in self._at_hand:
             box = self._boxes[key[0]]
@@ -290,5 +291,5 @@ def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
 
 @jax.jit
 def _instance_boxes(pose: Array, model: Array, model_box: Array) -> Float[Array, "h i 2 3"]:
-    """Compute the world bounds of the instances of all houses [m]."""
+    """Compute the world bounds of the instances of all houses [m]; those of padding mean nothing."""
     return jax.vmap(jax.vmap(transform_bounds))(pose, model_box[jnp.maximum(model, 0)])

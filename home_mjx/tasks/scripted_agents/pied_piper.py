@@ -161,7 +161,7 @@ class PiedPiper(NavigationTask):
         return jnp.arange(len(everybody)) != FOLLOWER, jnp.where(rests, nothing, actions)
 
     def update(self, snapshot: Snapshot, state: PiedPiperState) -> PiedPiperState:
-        """Update the stage; scripted agents that have arrived or are blocked turn round."""
+        """Update the row's state and `near_steps`; scripted agents that have arrived or are blocked turn round."""
         new = super().update(snapshot, state)
         assert isinstance(new, PiedPiperState)
         blocked = jnp.where(snapshot.in_contact, state.contact_steps + 1, 0)
