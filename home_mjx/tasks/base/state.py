@@ -39,8 +39,8 @@ class Episodes(Pytree):
             OutOfRangeError: An index is out of range, as negative ones are; it is an `IndexError`, too.
             ConfigError: An index is not an integer.
         """
-        index = resolve_rows(index, len(self))
-        return jax.tree.map(lambda rows: rows[index], self)
+        numbers = resolve_rows(index, len(self))
+        return jax.tree.map(lambda rows: rows[numbers], self)
 
     def __len__(self) -> int:
         """Return the number of rows."""
