@@ -82,13 +82,13 @@ def whistle(length: int, sample_rate: int) -> Samples:
 
 
 def hum(length: int, sample_rate: int) -> Samples:
-    """Synthesize a fridge: constant harmonics of 50 Hz, from 100 to 600 Hz."""
+    """Synthesize a fridge: harmonics n = 2, 3, 4, 6, 8 and 12 of 50 Hz, constant, with amplitudes 1 / n."""
     time = _time(length, sample_rate)
     return np.sum([np.sin(2 * np.pi * 50 * n * time + n) / n for n in (2, 3, 4, 6, 8, 12)], axis=0)
 
 
 def ticking(length: int, sample_rate: int) -> Samples:
-    """Synthesize a clock: short strokes of 2.5 kHz, twice a second."""
+    """Synthesize a clock: strokes of 2.5 kHz that decay by exp(-150 t), twice a second."""
     time = _time(length, sample_rate)
     return _repeat(np.sin(2 * np.pi * 2500 * time) * np.exp(-150 * time), 0.5, sample_rate)
 
@@ -96,8 +96,9 @@ def ticking(length: int, sample_rate: int) -> Samples:
 def water(length: int, sample_rate: int) -> Samples:
     """Synthesize a running tap: 400 bubbles a second with radii r of 0.5 to 5 mm, ringing at (3 m/s) / r (Minnaert).
 
-    Decay rates are 0.13 / r + 0.0072 / r^1.5 [1/s]: van den Doel, Physically based models for liquid sounds, ACM
-    Transactions on Applied Perception 2, 534, 2005.
+    Times and amplitudes are random, radii log-uniform; amplitudes are also proportional to radii. Decay rates are
+    0.13 / r + 0.0072 / r^1.5 [1/s]: van den Doel, Physically based models for liquid sounds, ACM Transactions on
+    Applied Perception 2, 534, 2005.
     """
     rng, time = np.random.default_rng(4), _time(round(0.1 * sample_rate), sample_rate)
     stream = np.zeros(length)

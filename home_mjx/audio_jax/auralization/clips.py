@@ -69,7 +69,7 @@ def _radio(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Synthesize periodic pink noise above 50 Hz from its spectrum."""
+    """Synthesize periodic pink noise above 50 Hz: amplitudes f^-0.5 with random phases."""
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
     amplitude = np.where(frequency < 50, 0, np.maximum(frequency, 1) ** -0.5)
     phase = np.random.default_rng(1).uniform(0, 2 * np.pi, amplitude.size)
@@ -77,7 +77,10 @@ def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _speech(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Synthesize a glottal buzz through the formants of one vowel per syllable, fading in and out."""
+    """Synthesize a glottal buzz of 110 Hz through the formants of one random vowel per syllable, fading in and out.
+
+    There are four syllables a second.
+    """
     syllables = round(CLIP_SECONDS * SPEECH_SYLLABLE_RATE)
     vowels = np.random.default_rng(2).integers(len(FORMANTS), size=syllables)
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
@@ -92,6 +95,7 @@ def _speech(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _tone(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
+    """Synthesize a sine of 1 kHz."""
     return np.sin(2 * np.pi * 1000 * np.arange(length) / sample_rate)
 
 

@@ -38,8 +38,8 @@ def energy_envelope(
 ) -> EnergyEnvelope:
     """Compute the energy envelope of `impulse_response` from the same paths and rays, without synthesis.
 
-    With the same `key` the rays are the same. Energies of paths are added incoherently. Interaural leads are those of a
-    rigid sphere (Woodworth), or of the listener's measured head.
+    With the same `key` the rays are the same. Energies of paths are added incoherently; paths beyond the last bin are
+    dropped. Interaural leads are those of a rigid sphere (Woodworth), or of the listener's measured head.
 
     Example:
         >>> envelope = energy_envelope(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
@@ -64,7 +64,8 @@ def _late(
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Return late energies per bin, and n world directions of incidence with their energies over all bins.
 
-    n is 0 with `NoLate`, 2 with `Baked` (the mean direction and its opposite), else the number of rays.
+    n is 0 with `NoLate`, 2 with `Baked` (the mean direction and its opposite), else the number of rays. Energies of
+    directions include the head's gains only with `Baked`, as means over channels.
     """
     if isinstance(config.late, NoLate):
         nowhere, nothing = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, len(BANDS)), jnp.float32)
@@ -82,6 +83,8 @@ def _late(
 
 def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w bands"]) -> Float[Array, "e bands"]:
     """Compute the mean power in each channel and octave during a frame, from energies and the emitted power.
+
+    It is the sum over bins of their energy times the power emitted as many bins earlier, averaged over the frame.
 
     Args:
         envelope: Energy per time bin, see `EnergyEnvelope`.

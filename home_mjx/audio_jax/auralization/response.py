@@ -39,7 +39,7 @@ def impulse_response(
     Keep `key`, typed or raw, while a listener moves, so that successive responses are coherent.
 
     Returns:
-        Pressure re the source's free field at 1 m, `config.response_length` samples per channel.
+        Pressure re the source's free field at 1 m, `config.response_length` samples per channel from emission on.
 
     Example:
         >>> source, listener = SoundSource(radio), Listener(ears, quat, body=agent)  # doctest: +SKIP
@@ -136,13 +136,16 @@ def combine_early_late(
 
 
 def mask_before_direct(late: Float[Array, "e l"], paths: Paths, config: AudioConfig) -> Float[Array, "e l"]:
-    """Return the late response with zeros before `direct_onset`; the first path is the direct one."""
+    """Return a copy of the late response with zeros before `direct_onset`; the first path is the direct one."""
     heard = jnp.arange(config.response_length, dtype=jnp.int32) >= direct_onset(paths, config)
     return jnp.where(heard[None], late, 0.0)
 
 
 def direct_onset(paths: Paths, config: AudioConfig) -> Int[Array, ""]:
-    """Compute the sample after emission at which direct sound may reach the receiver; negative within its radius."""
+    """Compute the sample after emission at which direct sound may first reach the receiver, rounded towards 0.
+
+    It is the distance of the first path less the receiver's radius; negative within it.
+    """
     onset = (paths.distance[0] - config.receiver_radius) * jnp.float32(config.sample_rate / config.speed_of_sound)
     return onset.astype(jnp.int32)
 

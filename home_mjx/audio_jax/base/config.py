@@ -85,7 +85,7 @@ class AudioConfig:
             self._check_baked()
 
     def _check_baked(self) -> None:
-        """Raise `ConfigError` unless options that affect baked energies equal the bake's and reflections are on."""
+        """Raise `ConfigError` without reflections, or unless `bin_seconds`, `air`, `reflection_order` are defaults."""
         default, early = AudioConfig(), EarlyPaths().reflection_order
         for name, value, baked in (
             ("bin_seconds", self.bin_seconds, default.bin_seconds),
@@ -130,7 +130,7 @@ class AudioConfig:
 
     @property
     def receiver_radius(self) -> float:
-        """Maximum distance of ears or microphones from the head centre [m]; that of two ears for other receivers."""
+        """Maximum distance of ears or microphones from the head centre [m]; 0.0875 for `Omni` and `Ambisonics`."""
         return self.receiver.radius
 
     @property
@@ -172,7 +172,7 @@ class AudioConfig:
 
     @property
     def num_tail_repeats(self) -> int:
-        """Number of repetitions of the last `tail_period` samples in the tail, rounded up; 0 without `motion`."""
+        """Repetitions of `tail_period` that cover `motion.tail_seconds`, rounded up; 0 without `motion` or period."""
         if self.motion is None or not self.tail_period:
             return 0
         return math.ceil(self.motion.tail_seconds * self.sample_rate / self.tail_period - 1e-9)
@@ -189,7 +189,7 @@ class AudioConfig:
 
     @property
     def num_lookahead(self) -> int:
-        """Samples of a source's future that band-limited delays read; 0 without `motion`."""
+        """Samples of a source's future that delays read: two `HALF_WIDTH` and the maximum lead; 0 without `motion`."""
         if self.motion is None:
             return 0
         return 2 * HALF_WIDTH + math.ceil(self.max_lead_seconds * self.sample_rate)

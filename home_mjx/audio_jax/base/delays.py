@@ -28,7 +28,9 @@ def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 
 def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
-    """Upsample by two with `windowed_sinc` (m = 2 n): even samples are the input, odd ones halfway between; 0 outside.
+    """Upsample by two with `windowed_sinc` (m = 2 n): even samples are the input, odd ones follow half a sample later.
+
+    The input counts as 0 outside its samples.
 
     Example:
         >>> [round(float(x), 3) for x in upsample_twice(jnp.array([1.0, 0.0]))[:2]]
@@ -45,6 +47,8 @@ def upsample_twice(signal: Float[Array, " n"]) -> Float[Array, " m"]:
 
 def interpolation_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
     """Compute the weights of half samples `FIRST_READ`, `FIRST_READ` + 1, ... that interpolate at position `rest`.
+
+    Half samples are those of a signal upsampled by two. Weights are values of `interpolation_polynomials`.
 
     Args:
         rest: Position from half sample 0 (0) to half sample 1 (1).
@@ -80,7 +84,7 @@ def delay_kernel(delay: Float[Array, "*n"]) -> Float[Array, "*n k"]:
 
 @functools.cache
 def _pulses() -> Float[np.ndarray, "three read k"]:
-    """Return the taps of each half sample read in `delay_kernel`, for reads moved by 0, 1 or 2 half samples."""
+    """Return `windowed_sinc` taps, as of `delay_kernel`, of each half sample read 0, 1 or 2 half samples earlier."""
     sample = np.arange(KERNEL_WIDTH) - HALF_WIDTH - 3
     at = 2 * sample[None, None] - np.arange(3)[:, None, None] + (FIRST_READ + np.arange(NUM_READ))[None, :, None]
     return windowed_sinc(at / 2).astype(np.float32)
@@ -88,7 +92,10 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 
 @functools.cache
 def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
-    """Fit polynomials in `rest`, lowest power first, to `interpolation_weights`, up to 0.45 of the sample rate."""
+    """Fit the polynomials of `interpolation_weights`, lowest power first, to tones up to 0.45 of the sample rate.
+
+    They minimise the squared error of a complex tone, interpolated from half samples, over `rest` from 0 to 1.
+    """
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
     power = rest[:, None] ** np.arange(POLYNOMIAL_DEGREE + 1)

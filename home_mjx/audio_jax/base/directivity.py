@@ -54,7 +54,7 @@ def tabulated_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
 def first_order_directivity(
     weight: float | Sequence[float] = 0.5, exponent: float | Sequence[float] = 1.0
 ) -> Directivity:
-    """Make the first-order directivity |1 - w + w cos θ|ⁿ.
+    """Make the first-order directivity |1 - w + w cos θ|ⁿ, a pressure gain tabulated per degree.
 
     Its mean energy over the sphere is (1 - s |1 - 2w|²ⁿ⁺¹) / (2w (2n + 1)), s being the sign of 1 - 2w.
 
@@ -75,11 +75,11 @@ def first_order_directivity(
 
 
 def talker_directivity() -> Directivity:
-    """Make the directivity of a human talker: the level in dB falls by `TALKER_FRONT_TO_BACK` (1 - cos θ) / 2.
+    """Make the directivity of a human talker: the level is `TALKER_FRONT_TO_BACK` (1 - cos θ) / 2 dB below the axis.
 
     The front-to-back ratios are rounded figures of the order that Chu and Warnock report (Detailed directivity of sound
     fields around human talkers, NRC Canada IRC-RR-104, 2002). The 8 kHz ratio follows Monson, Hunter and Story (JASA
-    132, 2012). Neither source tabulates these values. With k = level · ln(10) / 10 the mean energy over the sphere is
+    132, 2012). Neither source tabulates these values. With k = ratio · ln(10) / 10 the mean energy over the sphere is
     (1 - exp(-k)) / k.
 
     Example:
@@ -92,7 +92,10 @@ def talker_directivity() -> Directivity:
 
 
 def directivity_gains(pattern: Directivity, cosine: Float[Array, " n"]) -> Float[Array, "n bands"]:
-    """Return pressure gains per octave at cosines (clipped) of angles to the axis; energy is linear between angles."""
+    """Return pressure gains per octave at cosines, clipped to -1 .. 1, of angles to the axis.
+
+    Their squares are interpolated linearly over the angle.
+    """
     last = pattern.gain.shape[0] - 1
     place = jnp.arccos(jnp.clip(cosine, -1.0, 1.0)) * jnp.float32(last / math.pi)
     low = jnp.clip(place.astype(jnp.int32), 0, last - 1)

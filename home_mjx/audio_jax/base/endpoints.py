@@ -97,7 +97,7 @@ def emission_gains(source: SoundSource, direction: Float[Array, "n 3"]) -> Float
 
 
 def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether a point [m, world] is above the floor of a room and outside all walls.
+    """Return whether a point [m, world] is above the floor of a room and outside all boxes of architecture.
 
     A source elsewhere is valid, but rays from a listener indoors do not reach it.
 

@@ -73,13 +73,14 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
 
     Levels in dB are interpolated between octaves. The minimum phase follows from folding the cepstrum, as in Oppenheim
     and Schafer, Discrete-Time Signal Processing, 13.5. Real parts of the result are the weights of `filter_basis`.
+    `NUM_CORRECTIONS` iterations correct levels until these weighted sums have the gains at the octave centres.
 
     Args:
         gain: At least 0; values below `MIN_RELATIVE_GAIN` re the path's loudest octave are raised to it.
         sample_rate: [Hz].
 
     Returns:
-        Spectra at the knots; 0 for silent paths.
+        Spectra at the knots; 0 for silent paths, whose gains are at most `MIN_GAIN`.
 
     Example:
         >>> octave_filters_at_knots(jnp.full((1, 7), 0.5), 16000).real.round(3)[0, :3].tolist()
@@ -110,14 +111,20 @@ def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> C
 
 
 def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Compute causal responses from real parts of `rfft` spectra of `FINE_SIZE`, at `OVERSAMPLING` times the rate."""
+    """Compute causal responses from real parts of `rfft` spectra of `FINE_SIZE`, at `OVERSAMPLING` times the rate.
+
+    They fade out over `BASIS_SECONDS`, at which they end.
+    """
     kept = OVERSAMPLING * num_basis_taps(sample_rate)
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.irfft(real, FINE_SIZE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
 
 
 def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Downsample results of `_causal_kernels` to the rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
+    """Downsample results of `_causal_kernels` to `sample_rate`, after a low-pass by `windowed_sinc`.
+
+    Results begin `HALF_WIDTH` samples before time 0 and end as many after `num_basis_taps`.
+    """
     place = np.minimum(np.arange(FINE_SIZE), FINE_SIZE - np.arange(FINE_SIZE)) / OVERSAMPLING
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, HALF_WIDTH)))
     whole = np.fft.irfft(np.fft.rfft(kernel, FINE_SIZE) * low_pass, FINE_SIZE)

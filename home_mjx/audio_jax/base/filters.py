@@ -17,9 +17,9 @@ FINE_SIZE = 1 << 15  # samples of the transform for cepstra
 def octave_gains(frequency: Float[np.ndarray, " f"]) -> Float[np.ndarray, "bands f"]:
     """Compute gains of the octave bands 125 .. 8000 Hz, at frequencies [Hz]; they sum to one at each.
 
-    The first band extends down to 0 Hz, the last one upwards without limit. Bands meet at fc sqrt(2) in sin² ramps, as
-    in Antoni, Orthogonal-like fractional-octave-band filters, JASA 127 (2010). The gains apply to amplitudes of
-    deterministic paths; the squares of their square roots sum to one, as noise requires.
+    The first band extends down to 0 Hz, the last one upwards without limit. Bands meet at fc sqrt(2) in sin² ramps over
+    a quarter octave, as in Antoni, Orthogonal-like fractional-octave-band filters, JASA 127 (2010). The gains apply to
+    amplitudes of deterministic paths; the squares of their square roots sum to one, as noise requires.
 
     Example:
         >>> octave_gains(np.array([500.0, 500.0 * 2**0.5]))[2].round(6).tolist()

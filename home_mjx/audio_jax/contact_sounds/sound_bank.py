@@ -157,7 +157,10 @@ def _filter_noise(noise: Float[np.ndarray, " n"], corner: float, sample_rate: in
 
 
 def _step(floor: FloorModel, variant: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate a step: a heel, then a softer toe with more friction; `variant` seeds its noise and detuning."""
+    """Generate a step: a heel, then a softer toe with more friction; `variant` seeds its noise and detuning.
+
+    Each is two decaying modes plus high-passed friction noise. The level is set by `_set_level`.
+    """
     rng = np.random.default_rng([17, variant])
     time = _time(TRANSIENT_SECONDS, sample_rate)
     ringing, decay = (x * rng.uniform(0.9, 1.1) for x in (floor.lowest_mode, floor.decay))
@@ -173,7 +176,7 @@ def _step(floor: FloorModel, variant: int, sample_rate: int) -> Float[np.ndarray
 
 
 def _modes(stuff: ImpactMaterial, seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Generate the sum of the damped modes that an impact excites, initially of amplitude 1, below 0.45 of the rate."""
+    """Generate the sum of the damped modes of a free bar, sin(2π f t) exp(-π f tan φ t), below 0.45 of the rate."""
     time = _time(seconds, sample_rate)
     frequency = stuff.lowest_mode * BAR_MODE_RATIOS
     frequency = frequency[frequency < 0.45 * sample_rate][:, None]

@@ -74,7 +74,10 @@ def empty_contact_sounds(config: ContactSoundConfig, audio: AudioConfig, num_age
 
 
 def num_stored_frames(audio: AudioConfig) -> int:
-    """Return the frame-end gains per sustained slot: this frame's, those in the response's memory, and one more."""
+    """Return the number of frame-end gains stored per sustained slot: this frame's, those in the memory, one more.
+
+    The memory is `audio.memory_length` - 1 samples, in frames, rounded up.
+    """
     return 2 + math.ceil((audio.memory_length - 1) / audio.frame)
 
 
@@ -117,6 +120,8 @@ def update_sustained(
     gain: Float[Array, " n"],
 ) -> tuple[SustainedSounds, Bool[Array, ""]]:
     """Update sustained sounds: an emitter keeps its slot until its gains are 0; the loudest new ones take free slots.
+
+    Its gains are the current one and all stored ones but the oldest.
 
     Slots of silent emitters keep their position, body and row. Gains of earlier frames move back by one column.
 
@@ -170,7 +175,8 @@ def has_sound(noises: ContactSounds) -> Bool[Array, " e"]:
 def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w"]:
     """Return the pressure at 1 m of each slot, transient ones first, in the w samples of `emitted_signal`.
 
-    `noises` are the sounds after the step of this frame, `time` is its start [samples since the episode's start].
+    `noises` are the sounds after the step of this frame, `time` is its start [samples since the episode's start]. Loops
+    of sustained sounds begin at the episode's start; their gains are linear between frame ends.
     """
     span = jnp.arange(1 - audio.memory_length, audio.frame + audio.num_lookahead, dtype=jnp.int32)
     blows, loops = jnp.asarray(transient_bank(audio.sample_rate)), jnp.asarray(sustained_bank(audio.sample_rate))

@@ -75,10 +75,11 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
     """Compute diffraction paths over the exposed edges of boxes, also of boxes that do not block the straight path.
 
     A path crosses a face between two opposite sides of the box and touches one or both of its edges. Alternatively it
-    runs from one side to a listener above the face.
+    runs from one side to a listener above the face. Positions are in the world.
 
     Returns:
-        24 rows per box; `finite_edge_detour` is inf where there is no path or its edge is not exposed.
+        24 rows per box, box by box; `finite_edge_detour` is inf where there is no path or an edge is not exposed. Other
+        fields are undefined there.
     """
     frame = _edge_frame(boxes, source, listener)
     course = _edge_contacts(frame)
@@ -122,7 +123,11 @@ def _is_blocked(frame: _EdgeFrame) -> Bool[Array, " n"]:
 
 
 def _edge_contacts(frame: _EdgeFrame) -> _EdgeContacts:
-    """Find at which of the two edges of each crossed face the shortest path turns, and whether there is such a path."""
+    """Find at which of the two edges of each crossed face the shortest path turns, and whether there is such a path.
+
+    There is one if the source is before the face (u < -half) and the listener beyond it, or above it with v > 0. In the
+    second case the source is beside the box. A path turns twice if both ends are below the face.
+    """
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, high = frame.half[..., 0], frame.half[..., 1]
     across = lu > half
@@ -162,7 +167,10 @@ def _edge_geometry(
 
 
 def _edge_frame(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Float[Array, "3"]) -> _EdgeFrame:
-    """Return source and listener in `_EdgeFrame` coordinates of the 24 face crossings of each box, 0 mid-face."""
+    """Return source and listener in `_EdgeFrame` coordinates of the 24 face crossings of each box.
+
+    The origin is the centre of the face. A crossing is one of 6 faces with one of 4 directions, from -u to u.
+    """
     u, d, v, s = _FACE_CROSSINGS.T
     order = np.stack([u, v, 3 - u - v], axis=1)
     sign = jnp.asarray(np.stack([d, s, np.ones_like(d)], axis=1), jnp.float32)

@@ -38,7 +38,7 @@ class ImageSources(Pytree):
 
 @functools.cache
 def mirror_sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
-    """Enumerate the sequences of `order` mirror indices whose neighbours differ, one per row, in ascending order.
+    """Enumerate the sequences of `order` mirror indices whose neighbours differ, one per row, in lexicographic order.
 
     Example:
         >>> len(mirror_sequences(6, 1)), len(mirror_sequences(6, 2)), len(mirror_sequences(6, 3))
@@ -81,7 +81,8 @@ def _of_order(
 ) -> ImageSources:
     """Validate one path per sequence of mirror indices (from the source on) in `rows`; invalid ones have length inf.
 
-    Reflections are padded to `highest`, see `ImageSources`.
+    Valid paths meet each mirror inside its rectangle, from the reflecting side. Reflections are padded to `highest`,
+    see `ImageSources`.
     """
     count, order = rows.shape
     met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]
@@ -114,8 +115,8 @@ def select_nearest_mirrors(
 ) -> Mirrors:
     """Select up to `count` mirrors with the shortest paths from source to listener, shortest first.
 
-    The reflection point is the specular point on the plane, clamped to the rectangle. Mirrors that have both source and
-    listener behind them come last, with `valid` False.
+    The reflection point is the specular point on the plane, clamped to the rectangle; heights behind the plane count as
+    0. Invalid mirrors, and those that have both source and listener behind them, come last, with `valid` False.
     """
     before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
     share = before[1] / jnp.maximum(before[0] + before[1], MIN_PLANE_DISTANCE)
@@ -142,7 +143,7 @@ def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
     """Return whether points in the planes of mirrors are inside their rectangles, with `CORNER_TOLERANCE`."""
 
     def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:
-        """Return whether points are within an extent."""
+        """Return whether points are within the extent from -`half` to `half`."""
         size = length3(half)
         return jnp.abs(sum3((point - mirror.center) * half)) <= size * (size + CORNER_TOLERANCE)
 

@@ -34,6 +34,8 @@ def nearest_boxes(
 ) -> Int[Array, " k"]:
     """Return indices of the boxes over which the path from source to listener is shortest, shortest first.
 
+    Lengths are those of `_path_lengths`.
+
     Args:
         fixed: Boxes of all houses: centre [m], axes (unit vectors, one after the other), half sizes [m].
         fixed_owner: Object of each box; -1: architecture, `WITHOUT_EDGES`: the box has no exposed edge.
@@ -67,6 +69,7 @@ def _by_xla(
     bodies: Int[Array, "2"],
     count: int,
 ) -> Int[Array, " k"]:
+    """Compute `nearest_boxes` with XLA operations; `ends`: source, then listener."""
     owner = jnp.concatenate([fixed_owner[house], moving_owner])
     excluded = (owner <= WITHOUT_EDGES) | ((owner >= 0) & jnp.any(owner[:, None] == bodies[None], axis=1))
     length = _path_lengths(jnp.concatenate([fixed[house], moving], axis=1), ends[:3], ends[3:])
@@ -76,9 +79,10 @@ def _by_xla(
 def _path_lengths(
     boxes: Float[Array, "15 n"], source: Float[Array, "3"], listener: Float[Array, "3"]
 ) -> Float[Array, " n"]:
-    """Compute the length [m] of a short path from source over each box to listener; boxes as in `nearest_boxes`.
+    """Compute the length [m] of a path from source via a point of each box to listener; boxes as in `nearest_boxes`.
 
-    The straight line's nearest point and the box's nearest point are projected onto each other `NUM_PROJECTIONS` times.
+    Starting at the box's centre, the point is projected onto the segment from source to listener, and from there back
+    onto the box, `NUM_PROJECTIONS` times. It approaches the point nearest to the segment.
     """
     way = listener - source
     center, axis, half = boxes[:3].T, jnp.moveaxis(boxes[3:12].reshape(3, 3, -1), -1, 0), boxes[12:].T
@@ -97,6 +101,7 @@ def _path_lengths(
 
 
 def _ptx() -> str:
+    """Compile the CUDA kernel; return its PTX code."""
     return compile_sources(SOURCE)
 
 
@@ -108,11 +113,13 @@ def _bytes(num_boxes: int) -> int:
 def _by_cuda(
     fixed: Float[Array, "h 15 n"], fixed_owner: Int[Array, "h n"], *given: Array, count: int
 ) -> Int[Array, " k"]:
+    """Compute `nearest_boxes` by the CUDA kernel; arguments as those of `_by_xla`."""
     return _op(count)(fixed, fixed_owner, *(x[None] for x in given))[0][0]
 
 
 @functools.cache
 def _op(count: int) -> Callable[..., tuple[Array, ...]]:
+    """Return `launch_nearest` for `count` boxes, which `vmap` batches over all operands but the first two; cached."""
     return batch_kernel(functools.partial(launch_nearest, count), 2, 1)
 
 
@@ -122,7 +129,7 @@ def launch_nearest(count: int, *given: Array) -> tuple[Array, ...]:
     Source and listener are one operand (e 6).
 
     Returns:
-        One array (e count).
+        One array (e count) of indices, see `nearest_boxes`.
     """
     sizes = given[1].shape[1], given[4].shape[1], count
     result = jax.ShapeDtypeStruct((given[2].shape[0], count), jnp.int32)

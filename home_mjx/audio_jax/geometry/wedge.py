@@ -58,7 +58,7 @@ def diffracted_pressure(bend: WedgeGeometry, wavenumber: Float[Array, " f"]) -> 
         wavenumber: 2 pi f / c [1/m].
 
     Returns:
-        Amplitude; its phase is that of exp(-i k r).
+        Complex ratios, in the convention that a wave is exp(-i k r).
 
     Source: Kouyoumjian and Pathak, A uniform geometrical theory of diffraction, Proc. IEEE 62 (1974).
 
@@ -101,7 +101,7 @@ def _term(
 def second_edge_factor(
     turn: Float[Array, " e"], reach: Float[Array, " e"], wavenumber: Float[Array, " f"]
 ) -> Float[Array, "e f"]:
-    """Compute the pressure factor of a second edge, parallel to the first, for paths that turn at both.
+    """Compute the pressure factor, 0 to 1, of a second edge, parallel to the first, for paths that turn at both.
 
     Args:
         turn: Turn at the second edge, the smaller of the two [rad]; the factor is 1 at 0.

@@ -63,14 +63,20 @@ def _reads(
 
 
 def _bus_gains(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[Array, "q e s two"]:
-    """Return bus gains at the frame's start and their change in it; rows 0 and 1 are the first path, one fading out."""
+    """Return bus gains at the frame's start and their change in it, of q = p + 1 rows.
+
+    The first path has two rows: one fades out from `old` to 0, one in from 0 to `new`. The others change continuously.
+    """
     nothing = jnp.zeros_like(old[:1])
     first, last = (jnp.concatenate(x) for x in ((old[:1], nothing, old[1:]), (nothing, new[:1], new[1:])))
     return jnp.stack([first, last - first], axis=-1)
 
 
 def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelays:
-    """Return path lengths at both ends and curvature, with `ears`: delays at start, middle and end [samples]."""
+    """Return path lengths [m] at both ends and curvature, with `ears`: delays at start, middle and end [samples].
+
+    Curvature is the squared motion of the image source across the line of sight [m²], at least 0.
+    """
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)
@@ -78,7 +84,10 @@ def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelay
 
 
 def _to_head(pairs: PathPairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
-    """Return directions of incidence in the head frame and path lengths [m] at the frame's start, middle and end."""
+    """Return directions of incidence in the head frame and path lengths [m] at the frame's start, middle and end.
+
+    In the middle, positions of image sources and orientations (normalised quaternions) are means of both ends.
+    """
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2
     between = jnp.linalg.norm(mid, axis=1)

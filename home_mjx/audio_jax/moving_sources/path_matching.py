@@ -24,11 +24,12 @@ def match_paths(
 ) -> PathPairs:
     """Match paths by name, or by index if they have none.
 
-    Paths without a partner, or silent at one end, fade in or out in place. So do those whose image source moves by more
-    than `longest_step` [m]. Quaternions are those of the head, wxyz.
+    Paths without a partner, or silent at one end, fade in or out in place. So do those whose image source moves by
+    `longest_step` [m] or more relative to the listener. Quaternions are those of the head, wxyz.
 
     Returns:
-        The paths of `new`, then the `MAX_FADING_PATHS` strongest unmatched ones of `old`, which fade out.
+        The paths of `new`, then the `MAX_FADING_PATHS` strongest unmatched ones of `old`, which fade out. Further ones
+        are left out, so they stop at once.
     """
     match = _is_same_path(old, new, longest_step)
     index = jnp.argmax(match, axis=1).astype(jnp.int32)
@@ -46,7 +47,10 @@ def match_paths(
 
 
 def _is_same_path(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "new old"]:
-    """Return which pairs share a name, sound at both ends, and have image sources below `longest_step` [m] apart."""
+    """Return which pairs share a name, sound at both ends, and have image sources below `longest_step` [m] apart.
+
+    Positions of image sources are re the listener at each end, with axes of the world.
+    """
     same = _names(new)[:, None] == _names(old)[None]
     away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
     near = jnp.linalg.norm(away[0][:, None] - away[1][None], axis=-1) < longest_step

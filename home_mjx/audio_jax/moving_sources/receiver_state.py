@@ -83,7 +83,11 @@ def silent_state(config: AudioConfig) -> ReceiverState:
 
 
 def pad_paths(paths: Paths, count: int) -> Paths:
-    """Keep the first path and the strongest others in their order, or append silent paths (name -1), to `count`."""
+    """Keep the first path and the strongest others in their order, or append silent paths (name -1), to `count`.
+
+    The strength is the sum of squared gains. Appended paths have length 1 m and direction 0. Without names, paths are
+    named by index.
+    """
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
     paths = paths.replace(name=name)
@@ -101,9 +105,9 @@ def pad_paths(paths: Paths, count: int) -> Paths:
 
 
 def is_truncated(heard: ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether energy at the response's end is within 30 dB of its loudest bin or path.
+    """Return whether energy at the response's end is within 30 dB of its loudest bin or path, for white noise.
 
-    With a tail, only the end of the tail counts.
+    Energies are summed over channels. With a tail, only the end of the tail counts. The result is False in silence.
     """
     share = jnp.asarray(white_noise_band_shares(config))
     energy = heard.energy[:, : config.num_channels]

@@ -39,7 +39,10 @@ def definition(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[A
 
 
 def clarity(energy: Float[Array, "*c n"], dt: float, limit: float) -> Float[Array, "*c"]:
-    """Compute the energy until `limit` [s] after the direct sound re that after it [dB] (ISO 3382-1:2009, A.10)."""
+    """Compute the energy until `limit` [s] after the direct sound re that after it [dB] (ISO 3382-1:2009, A.10).
+
+    Both are those of `definition`. The result is inf if no energy comes after the limit, and NaN in silence.
+    """
     early = definition(energy, dt, limit)
     return 10 * jnp.log10(early / (1 - early))
 
@@ -62,6 +65,8 @@ def d50(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
     """Compute Ts, the energy-weighted mean time after the direct sound [s] (ISO 3382-1:2009, A.13); NaN in silence.
 
+    Energy before the direct sound counts with negative times. Energy beyond the end is not extrapolated.
+
     Example:
         >>> round(float(centre_time(10 ** (-6 * jnp.arange(2000) * 1e-3), 1e-3)), 4)  # T / (6 ln 10)
         0.0719
@@ -71,7 +76,10 @@ def centre_time(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
 
 
 def drr(energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
-    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms before and after its maximum re the rest."""
+    """Compute the direct-to-reverberant ratio [dB]: energy within 2.5 ms before and after its maximum re the rest.
+
+    2.5 ms are rounded to whole samples or bins. The result is inf if there is no rest, and NaN in silence.
+    """
     near = jnp.abs(samples_since_onset(energy, jnp.argmax(energy, axis=-1).astype(jnp.int32))) <= round(
         DIRECT_HALF_WIDTH / dt
     )

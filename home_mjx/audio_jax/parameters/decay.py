@@ -28,7 +28,8 @@ def missing_energy(energy: Float[Array, "*c n"]) -> Float[Array, "*c"]:
     """Estimate a response's energy beyond its end, by extrapolation of the decay over its second half.
 
     ISO 3382-1:2009, 5.3.3, adds such a constant to the integrated response. With the energies A and B of the third and
-    the fourth quarter it is B² / (A − B), the sum of a geometric series. It is at most nine times B.
+    the fourth quarter it is B² / (A − B), the sum of a geometric series. It is at most nine times B, also if B >= A; it
+    is 0 for fewer than four samples.
 
     Example:
         >>> decay = 0.9 ** jnp.arange(40)
@@ -60,9 +61,9 @@ def decay_curve(energy: Float[Array, "*c n"]) -> Float[Array, "*c n"]:
 
 
 def decay_time(energy: Float[Array, "*c n"], dt: float, start: float, stop: float) -> Float[Array, "*c"]:
-    """Compute the time of a 60 dB decay [s] from a least-squares line through the decay curve between two levels.
+    """Compute the time of a 60 dB decay [s] from a least-squares line through `decay_curve` between two levels.
 
-    See ISO 3382-1:2009, 5.3.3 and A.2.2.
+    Points before the direct sound do not count. See ISO 3382-1:2009, 5.3.3 and A.2.2.
 
     Args:
         energy: Squared response, or energy per bin.

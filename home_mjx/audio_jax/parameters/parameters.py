@@ -16,7 +16,7 @@ def octave_responses(response: Float[Array, "*c n"], sample_rate: int) -> Float[
     """Filter a pressure response into octave bands from 125 to 8000 Hz, in each of which a unit pulse has energy 1.
 
     Filters have zero phase; their energy gains are those of `octave_gains`, scaled to that energy. Results begin
-    `FILTER_LEAD` seconds before the response.
+    `FILTER_LEAD` seconds before the response and end with it.
     """
     length, lead = response.shape[-1], round(FILTER_LEAD * sample_rate)
     size = 2 * length + 2 * lead

@@ -107,7 +107,10 @@ def _lateral_gain(direction: Float[Array, "n 3"], quat: Float[Array, "4"]) -> Fl
 def _fine_histogram(
     paths: Paths, gain: Float[Array, " p"], late: Float[Array, "k bands"], config: AudioConfig
 ) -> Float[Array, "m bands"]:
-    """Return energies in bins of about 1 ms: of paths times the energy gain `gain`, plus late ones, spread evenly."""
+    """Return energies in bins of about 1 ms: of paths times the energy gain `gain`, plus late ones, spread evenly.
+
+    Paths beyond the last bin are dropped.
+    """
     parts = _steps_per_bin(config)
     energy = jnp.repeat(late / parts, parts, axis=0)
     at = (paths.distance / jnp.float32(config.bin_seconds / parts * config.speed_of_sound)).astype(jnp.int32)

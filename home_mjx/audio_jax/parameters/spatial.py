@@ -14,7 +14,8 @@ def iacc(
 ) -> Float[Array, "*c"]:
     """Compute the interaural cross-correlation coefficient, 0 to 1 (ISO 3382-1:2009, annex B).
 
-    It is the largest absolute value of the normalised correlation of both ears, at delays up to 1 ms; NaN in silence.
+    It is the largest absolute value of the normalised correlation of both ears, at delays up to 1 ms. It is NaN if an
+    ear has no energy in the evaluated part.
 
     Args:
         response: Pressure at the left and right ear; leading axes may be octave bands, see `octave_responses`.
@@ -42,7 +43,7 @@ def lateral_fraction(lateral: Float[Array, "*c n"], energy: Float[Array, "*c n"]
     """Compute the early lateral energy fraction LF, 0 to 1 (ISO 3382-1:2009, A.14).
 
     LF is the ratio of the energies of two microphones, with times after the direct sound: a figure-of-eight along the
-    axis of the ears from 5 to 80 ms, and an omnidirectional one from 0 to 80 ms.
+    axis of the ears from 5 to 80 ms, and an omnidirectional one from 0 to 80 ms. It is NaN in silence.
 
     Args:
         lateral: Energy weighted by the squared cosine between its direction and the axis of the ears.

@@ -45,7 +45,10 @@ class _DirectField(NamedTuple):
 
 
 def barrier_boxes(scene: Scene) -> BarrierBoxes:
-    """Return all boxes: static ones, then movable objects, doors, agents; unused slots have no exposed edges."""
+    """Return the boxes of the house (static), then of movable objects, doors and agents, in the world.
+
+    Unused slots have no exposed edges.
+    """
     static = jax.tree.map(lambda x: x[scene.house], _static_boxes(scene))
     return jax.tree.map(lambda *parts: jnp.concatenate(parts), static, _moving_boxes(scene))
 
@@ -64,7 +67,10 @@ def _static_boxes(scene: Scene) -> BarrierBoxes:
 
 
 def _moving_boxes(scene: Scene) -> BarrierBoxes:
-    """Return boxes of movable objects, doors and agents, all edges exposed; unused slots have no exposed edges."""
+    """Return bounding boxes of movable objects, doors and agents, in the world; unused slots have no exposed edges.
+
+    All edges of the others are exposed.
+    """
     moving = scene.moving
     box = scene.geometry.model_box[moving.model]
     columns = jnp.swapaxes(moving.pose[:, :, :3], 1, 2)
@@ -137,7 +143,8 @@ def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, conf
     Transmission through objects counts only if no edge leads around them.
 
     Returns:
-        1 + `config.early.num_edges` paths, silent ones included; the first is the direct one.
+        1 + `config.early.num_edges` paths, silent ones included; the first is the direct one. There are fewer if the
+        scene has less than one box per 24 edges.
     """
     straight = trace_straight_line(scene, source, listener, config)
     found = _select_edge_paths(scene, source, listener, config.early.num_edges)
@@ -153,6 +160,8 @@ def assemble_paths(
     config: AudioConfig,
 ) -> Paths:
     """Return the direct path, then one path per string (taut string over edges), see `diffracted_paths`.
+
+    Gains include absorption by air. All paths are silent if the straight line is over the limit of crossings.
 
     Args:
         straight: Surfaces on the straight line.
@@ -196,9 +205,10 @@ def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, co
 
 
 def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], config: AudioConfig) -> _DirectField:
-    """Sum the fields of the strings (of the mask `heard`), coherently to the degree that their arrivals coincide.
+    """Sum the fields of the strings in the mask `heard`, once with the straight path and once without it.
 
-    The sum is computed with the straight path and without it (re the leading string), continuous across shadow edges.
+    Amplitudes add with weights exp(-(phase / π)²), and the rest of each string's energy adds incoherently. Phases are
+    re the straight path, or without it re the leading string: the shortest with a share above `MIN_LEADING_SHARE`.
     """
     frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(OCTAVE_SAMPLES)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
@@ -208,7 +218,10 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
     power = jnp.abs(amplitude) ** 2
 
     def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
-        """Return the energy of the coherent sum with `start`, at most `most`, and the incoherent rest per string."""
+        """Return the energy of the coherent sum with `start`, at most `most`, and the incoherent rest per string.
+
+        `late` is the length of each string re the reference of phases [m].
+        """
         phase = wavenumber[None] * jnp.where(heard, late, 0.0)[:, None]
         together = jnp.exp(-((phase / jnp.pi) ** 2))
         whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
@@ -227,7 +240,10 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
 
 
 def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[Array, "k f"]) -> Float[Array, " f"]:
-    """Return the amplitude share, 0 to 1, that passes obstacles beyond the ends of edges; 0 behind partitions."""
+    """Return the amplitude that passes beyond the ends of edges re the free field, 0 to 1; 0 behind partitions.
+
+    It is 1 minus the largest sum of `share` over the pieces of one edge, counting edges with the listener in shadow.
+    """
     apart = jnp.max(jnp.abs(found.apex[:, None] - found.apex[None]), axis=-1)
     one_edge = ((apart < MAX_APEX_DISTANCE) & (found.wedge.shadow_angle > 0)[None]).astype(jnp.float32)
     covered = jnp.max(jnp.einsum("ef,fb->eb", one_edge, share, precision="highest"), axis=0)
@@ -237,7 +253,10 @@ def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[
 def _amplitudes(
     straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
-    """Compute each string's field re the free straight path, and its share of an infinite edge's; 0 unless `heard`."""
+    """Compute each string's complex pressure re the free straight path, and its share of an infinite edge's wavefront.
+
+    Both are 0 unless `heard`. The share is the normal distribution, in Fresnel zones, between both ends of the edge.
+    """
     # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
     seen = straight.is_clear & found.blocked
     turn = jnp.where(seen, jnp.minimum(found.wedge.shadow_angle, -GRAZING_ANGLE), found.wedge.shadow_angle)

@@ -47,8 +47,8 @@ def early_paths(
     The first of `producers` yields the direct path; None or empty: those that the options select.
 
     Returns:
-        The paths of all producers in order, by default 1 + E + R: E is `config.early.num_edges`, and R is
-        `config.early.num_reflections`, or the house's number of mirror planes if that is smaller. Directions of
+        The paths of all producers in order, by default 1 + E + R, silent ones included: E is `config.early.num_edges`,
+        and R is `config.early.num_reflections`, or less if the house has fewer edges or reflections. Directions of
         incidence are in the world, see `Paths`. Gains include the source's directivity; `departure` is None. Gains
         are 0 if the listener's quaternion is not of unit length.
 

@@ -78,14 +78,20 @@ def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: i
 
 @functools.cache
 def _smoothing_matrix(count: int) -> Float[np.ndarray, "k j"]:
-    """Return the share of bin j moved to bin k, sum 1 over k: triangles of half width `RELATIVE_SMOOTHING` j."""
+    """Return the share of bin j moved to bin k, sum 1 over k: triangles around j.
+
+    Their half width is `RELATIVE_SMOOTHING` j bins, at least 1, which moves nothing.
+    """
     index = np.arange(count)
     share = np.maximum(1 - np.abs(index[:, None] - index[None]) / np.maximum(RELATIVE_SMOOTHING * index, 1), 0)
     return (share / share.sum(axis=0)).astype(np.float32)
 
 
 def _fit_range(trace: Trace, metres: float, config: AudioConfig) -> tuple[Int[Array, ""], Int[Array, ""]]:
-    """Return the decay fit's first and last (exclusive) bin: last is when a tenth of rays ended, first 30 % of it."""
+    """Return the decay fit's first and last (exclusive) bin; first is 30 % of last.
+
+    Last is when a tenth of all rays reached their last bounce, 2 to `config.num_bins`; rays without energy never do.
+    """
     alive = jnp.max(trace.remaining[-1], axis=1) > 0
     ends = jnp.sort(jnp.where(alive, trace.travelled[-1], jnp.inf))[alive.size // 10]
     last = jnp.clip(ends / metres, 2, config.num_bins).astype(jnp.int32)

@@ -43,7 +43,10 @@ def house_mirrors(scene: Scene) -> Mirrors:
 
 
 def object_mirrors(scene: Scene, source: SoundSource, listener: Listener) -> Mirrors:
-    """Return six faces per box of `barrier_boxes`; valid: those of objects except the bodies of source and listener."""
+    """Return six faces per box of `barrier_boxes`, which reflect outside; valid are those of objects.
+
+    Faces of architecture and of the bodies of source and listener are not valid.
+    """
     boxes = barrier_boxes(scene)
     own = (boxes.object_id == jnp.int32(source.body)) | (boxes.object_id == jnp.int32(listener.body))
     order = np.array([[(a + i) % 3 for i in range(3)] for a in range(3) for _ in (0, 1)])
@@ -59,10 +62,12 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
     """Compute image sources up to `config.early.reflection_order` in walls and faces of furniture, the shortest first.
 
     Sequences are made of the mirrors nearest to source and listener (`MAX_MIRRORS`). A path is audible if each leg
-    hits a surface in the plane of its mirror and the last leg reaches the source. The material is that of the surface.
+    hits a surface in the plane of its mirror and the last leg reaches the source. Its energy is the product of
+    (1 - absorption) (1 - scattering) over these surfaces and of absorption by air. Duplicates are silent.
 
     Returns:
-        `config.early.num_reflections` paths, or one per sequence if there are fewer; silent ones have gain 0.
+        `config.early.num_reflections` paths, or one per sequence if there are fewer. Silent ones have gain 0, and
+        length 1 m if geometry excludes them.
     """
     if config.early.num_reflections == 0:
         return empty_paths()
@@ -107,7 +112,10 @@ def path_names(found: ImageSources) -> Int[Array, " p"]:
 def _reflected_energy(
     scene: Scene, source: SoundSource, listener: Listener, found: ImageSources
 ) -> Float[Array, "p bands"]:
-    """Compute the share of energy reflected specularly on each path; 0 if a leg is occluded or misses its mirror."""
+    """Compute the share of energy reflected on each path: the product of (1 - absorption) (1 - scattering) at its hits.
+
+    It is 0 if a leg is occluded or misses its mirror, and 1 for paths of length inf.
+    """
     count, order = found.point.shape[:2]
     ends = jnp.broadcast_to(listener.pos, (count, 1, 3)), jnp.broadcast_to(source.pos, (count, 1, 3))
     corner = jnp.concatenate([ends[0], found.point, ends[1]], axis=1)
@@ -144,7 +152,10 @@ def _reflected_energy(
 def _is_occluded(
     scene: Scene, source: SoundSource, found: ImageSources, corner: Float[Array, "p k 3"], used: Bool[Array, "p legs"]
 ) -> Bool[Array, " p"]:
-    """Return whether the leg from the source to the last reflection, counted from the listener, is occluded."""
+    """Return whether the leg from the source to the last reflection, counted from the listener, is occluded.
+
+    It is False for paths that `used` excludes.
+    """
     last = jnp.take_along_axis(corner, found.order[:, None, None], axis=1)[:, 0]
     way = last - source.pos[None]
     length = jnp.linalg.norm(way, axis=1)
@@ -154,7 +165,10 @@ def _is_occluded(
 
 
 def find_duplicates(length: Float[Array, " p"], direction: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return which paths have the length and direction of an earlier one, as with coplanar faces of two boxes."""
+    """Return which paths have the length [m] and unit direction of an earlier one, each within 0.001.
+
+    Coplanar faces of two boxes yield such paths.
+    """
     near = jnp.abs(length[:, None] - length[None]) < DUPLICATE_TOLERANCE
     near &= jnp.max(jnp.abs(direction[:, None] - direction[None]), axis=-1) < DUPLICATE_TOLERANCE
     return is_duplicate(near)

@@ -61,7 +61,7 @@ def air_attenuation(config: AudioConfig) -> Float[np.ndarray, " bands"]:
 class StraightLine(NamedTuple):
     """Surfaces on the straight line from the listener to the source."""
 
-    distance: Float[Array, ""]  # [m]
+    distance: Float[Array, ""]  # [m], at least `MIN_PATH_LENGTH`
     direction: Float[Array, "3"]  # unit vector from the listener, world
     # energy transmission of all partitions on the line, each counted once
     partition_transmission: Float[Array, " bands"]
@@ -115,7 +115,8 @@ def _transmit(transmission: Float[Array, "n bands"], counts: Bool[Array, " n"]) 
 def direct_path(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute the direct path, attenuated once by the transmission of each partition and object that it crosses.
 
-    It is one path; its gain is 0 from `config.early.max_crossings` surface hits on.
+    It is one path, of at least 5 cm. Its gain includes air and 1 / distance; it is 0 from `config.early.max_crossings`
+    surface hits on.
     """
     straight = trace_straight_line(scene, source, listener, config)
     energy = straight.partition_transmission * straight.object_transmission
@@ -128,11 +129,12 @@ def direct_path(scene: Scene, source: SoundSource, listener: Listener, config: A
 def first_order_reflections(scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig) -> Paths:
     """Compute first-order image sources in the house's mirror planes, the shortest first.
 
-    A reflection is audible if a ray from the listener hits a surface in the plane and the source sees that point. The
-    material is that of the surface, for example of a window.
+    A reflection is audible if a ray from the listener hits a surface in the plane and the source sees that point. Its
+    energy is (1 - absorption) (1 - scattering) of that surface, for example of a window, times absorption by air.
 
     Returns:
-        `config.early.num_reflections` paths, or one per mirror plane if that is less; silent ones have gain 0.
+        `config.early.num_reflections` paths, or one per mirror plane if that is less. Silent ones have gain 0, and
+        length 1 m if geometry excludes them.
     """
     if config.early.num_reflections == 0:
         return empty_paths()
@@ -170,7 +172,10 @@ def first_order_reflections(scene: Scene, source: SoundSource, listener: Listene
 def _nearest_mirrors(
     scene: Scene, source: Float[Array, "3"], listener: Float[Array, "3"], count: int
 ) -> tuple[Float[Array, "r 3"], Float[Array, " r"], Int[Array, " r"]]:
-    """Select up to `count` shortest reflections: points, path lengths [m] (inf if invalid), plane indices; sorted."""
+    """Select up to `count` shortest reflections: points, path lengths [m], plane indices; sorted by length.
+
+    The length is inf unless source and listener are before the plane and the point is in its rectangle.
+    """
     planes = scene.bank.acoustics
     center, normal = planes.plane_center[scene.house], planes.plane_normal[scene.house]
     before_source = sum3((source[None] - center) * normal)

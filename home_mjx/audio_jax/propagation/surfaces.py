@@ -37,7 +37,10 @@ def sound_materials(scene: Scene) -> SoundMaterials:
 
 
 def surface_at(scene: Scene, direction: Float[Array, "n 3"], hit: Hit) -> AcousticSurface:
-    """Look up the acoustic properties at ray hits (n,) from `cast`; values of misses are undefined."""
+    """Look up normals, energy coefficients per octave, object ids and barriers at ray hits (n,) from `cast`.
+
+    Coefficients are those of `sound_materials`; values of misses are undefined.
+    """
     materials = sound_materials(scene)
     row = jnp.maximum(material_rows(scene, hit), 0)
     object_id = object_ids(scene, hit)

@@ -143,7 +143,10 @@ class _TraceContext(NamedTuple):
     def _rain(
         self, point: Float[Array, "n 3"], normal: Float[Array, "n 3"], energy: Float[Array, "n bands"]
     ) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Compute the distance from each hit to the source [m], and the energy scattered to it, 0 if occluded."""
+        """Compute the distance d from each hit to the source [m], and the energy 4 cos / d² times air and directivity.
+
+        The energy is 0 if the source is occluded or behind the surface; d is at least `detector_radius` in it.
+        """
         offset = self.source.pos[None] - point
         distance = jnp.linalg.norm(offset, axis=1)
         toward = offset / jnp.maximum(distance, RAY_OFFSET)[:, None]
@@ -163,7 +166,10 @@ class _TraceContext(NamedTuple):
         return distance, self._leaving(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
-        """Compute path lengths [m] and energies of specular rays through a sphere around the source; else energy 0."""
+        """Compute path lengths [m] and energies of specular rays through a sphere around the source; else energy 0.
+
+        A segment of `length` [m] that passes within the radius r of the source counts the specular energy times 4 / r².
+        """
         offset = self.source.pos[None] - ray.origin
         nearest = jnp.sum(offset * ray.direction, axis=1)
         miss = jnp.linalg.norm(offset - nearest[:, None] * ray.direction, axis=1)
@@ -185,9 +191,10 @@ def _reflect(
     choice: Float[Array, " n"],
     scattered: Float[Array, "n 3"],
 ) -> tuple[Float[Array, "n 3"], Float[Array, "n bands"], Bool[Array, " n"]]:
-    """Sample reflected directions; return them, specular weights per octave (0 if scattered), and which are scattered.
+    """Sample reflected directions; return them, specular weights per octave, and which are scattered (Lambert).
 
-    All octaves of a ray share one direction, drawn by their mean scattering.
+    All octaves of a ray share one direction, scattered if `choice` (0 to 1) is below their mean coefficient. The weight
+    is (1 - s) / (1 - mean) with the octave's coefficient s, and 0 if scattered.
     """
     mean = jnp.sum(carried * met.scattering, axis=1)
     mirror = direction - 2 * jnp.sum(direction * met.normal, axis=1, keepdims=True) * met.normal

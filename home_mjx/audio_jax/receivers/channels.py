@@ -34,7 +34,10 @@ MIN_MICROPHONE_DISTANCE = 0.02  # [m], minimum distance from microphones
 def channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n e bands"]:
-    """Compute the energy gain of each channel per octave; `direction` points to the incidence, in the world."""
+    """Compute the energy gain of each channel per octave for sound from far away.
+
+    `direction` has unit vectors towards the directions of incidence, in the world. Gains of microphones are 1.
+    """
     found = distinct_channel_gains(direction, head_quat, config, head)
     return jnp.broadcast_to(found, (found.shape[0], config.num_channels, found.shape[2]))
 
@@ -60,7 +63,10 @@ def distinct_channel_gains(
 def late_channel_gains(
     direction: Float[Array, "n 3"], head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "n d bands"]:
-    """Compute gains of late histograms: `distinct_channel_gains`; ambisonics (d = 7) also have W Y, W Z, W X."""
+    """Compute gains of late histograms: `distinct_channel_gains`; ambisonics (d = 7) also have W Y, W Z and W X.
+
+    These products have signs, for cross energies.
+    """
     energy = distinct_channel_gains(direction, head_quat, config, head)
     if not isinstance(config.receiver, Ambisonics):
         return energy
@@ -72,6 +78,8 @@ def channel_delays(
     toward: Float[Array, "*p 3"], distance: Float[Array, "*p"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "*p d"]:
     """Compute arrival delays of channels re the head centre [samples], negative if earlier; d = 1 if all are equal.
+
+    Those of `Omni` and `Ambisonics` are 0, those of measured heads independent of the distance.
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame.
@@ -95,6 +103,8 @@ def channel_filters(
     toward: Float[Array, "p 3"], distance: Float[Array, " p"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Complex[Array, "p e s"]:
     """Compute delay-free filters of channels: values of causal filters at the knots of `filter_basis`.
+
+    For receivers other than `Binaural` they are real gains, equal at all knots.
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame.

@@ -21,7 +21,10 @@ NUM_KNOTS = 3  # of amplitude in a bin: its start, middle and end
 
 
 def num_noises(config: AudioConfig) -> int:
-    """Return the number of noises: 4 for ambisonics, 1 if orientation has no effect, otherwise `NUM_NOISES`."""
+    """Return the number of noises: 4 for ambisonics, 1 if orientation has no effect, otherwise `NUM_NOISES`.
+
+    It has none on `Omni` and on microphones on the vertical axis of the head.
+    """
     if isinstance(config.receiver, Ambisonics):
         return 4
     return 1 if _turning_radius(config) == 0 else NUM_NOISES
@@ -33,7 +36,7 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
     With the levels of `noise_levels`, two ears of a rigid sphere have the coherence of a diffuse field. The same holds
     for one ear before and after turns of 90 and 180 degrees. An array turns as a whole, by the azimuth of its right
     axis; each microphone has separate noises, see `octave_noise`. In ambisonics, one noise is W, and three are along
-    the world axes. `head_quat` is wxyz.
+    the world axes. A vertical axis has azimuth 0. With one noise all gains are 1. `head_quat` is wxyz.
     """
     if num_noises(config) == 1:
         return jnp.ones((config.num_channels, 1), jnp.float32)
@@ -56,7 +59,10 @@ def noise_mix(head_quat: Float[Array, "4"], config: AudioConfig) -> Float[Array,
 
 
 def _turning_radius(config: AudioConfig) -> float:
-    """Return the RMS distance of the receiver's elements from its vertical axis [m]; 0 for `Omni` and `Ambisonics`."""
+    """Return the RMS distance of microphones from the receiver's vertical axis [m], or the head radius of `Binaural`.
+
+    It is 0 for `Omni` and `Ambisonics`.
+    """
     if isinstance(config.receiver, Omni | Ambisonics):
         return 0.0
     if isinstance(config.receiver, Binaural):
@@ -75,7 +81,11 @@ def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: f
 
 
 def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
-    """Compute amplitudes of the noises at frequencies [Hz]: 1 each, or for `NUM_NOISES` so that mixes have power 1."""
+    """Compute amplitudes of the noises at frequencies [Hz]; they are 1 unless there are `NUM_NOISES`.
+
+    Otherwise each mix of `noise_mix` has power 1, and mixes of azimuths 90 and 180 degrees apart have the coherence of
+    a diffuse field, as far as amplitudes of at least 0 allow.
+    """
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
     if isinstance(config.receiver, MicrophoneArray):
@@ -133,10 +143,10 @@ def _coherence_root(
 
 @functools.cache
 def noise_bin_table(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
-    """Split `octave_noise` into histogram bins, weighted with hats: m runs over `NUM_KNOTS`, noises and octaves.
+    """Split `octave_noise` into bins (k) of samples (s), weighted with `knot_weights`.
 
-    Their sum, weighted with amplitudes at the start, middle and end of a bin, is noise with a piecewise linear
-    amplitude. A response is therefore one matrix product.
+    Rows m are knots, noises and octaves, flattened in this order. Their sum, weighted with amplitudes at the start,
+    middle and end of a bin, is noise with a piecewise linear amplitude. A response is therefore one matrix product.
     """
     knots, whole = knot_weights(config), octave_noise(config)
     own = whole.shape[:-3]
@@ -160,7 +170,10 @@ class NoiseDraw(Pytree):
 
 
 def draw_noise(key: Array, config: AudioConfig) -> NoiseDraw:
-    """Sample an offset and signs into the shared noise, so that environments have different noises."""
+    """Sample a bin of the shared noise and signs of noises and octaves, both uniformly.
+
+    Environments with different keys thus have different noises.
+    """
     place, signs = jax.random.split(key)
     sign = jax.random.rademacher(signs, (num_noises(config), len(BANDS)), jnp.float32)
     return NoiseDraw(jax.random.randint(place, (), 0, config.num_bins, jnp.int32), sign)

@@ -93,7 +93,10 @@ def make_measured_head(
 
 
 def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: AudioConfig) -> None:
-    """Raise `ConfigError` if data are invalid; see `make_measured_head`."""
+    """Raise `ConfigError` if a response is silent or not finite, or a direction is not a unit vector.
+
+    Do so as well if half of `rate` [Hz] is below 0.45 of the simulation's sample rate.
+    """
     if not np.isfinite(response).all():
         raise ConfigError("responses of a head must be finite")
     if not np.any(response, axis=-1).all():
@@ -123,7 +126,7 @@ def _split(
     config: AudioConfig,
     phase: str,
 ) -> tuple[Float[np.ndarray, "m 2"], Complex[np.ndarray, "m 2 f"], Float[np.ndarray, "m 2 bands"]]:
-    """Separate head-related impulse responses into onset delays and filters.
+    """Separate head-related impulse responses into delays, re their minimum-phase parts, and filters.
 
     Args:
         response: Responses of m directions and two ears.
@@ -157,7 +160,10 @@ def _fit_basis(wanted: Complex[np.ndarray, "v h 2 f"], sample_rate: int) -> Comp
 
 
 def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m s"]:
-    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum; s is at least 8 n."""
+    """Compute minimum-phase responses with the same magnitude spectra, by folding the cepstrum.
+
+    Magnitudes are at least `MIN_RELATIVE_AMPLITUDE` re their maximum. The length s is a power of two, at least 8 n.
+    """
     size = 2 ** math.ceil(math.log2(8 * response.shape[-1]))
     amplitude = np.abs(np.fft.rfft(response, size))
     level = np.log(np.maximum(amplitude, MIN_RELATIVE_AMPLITUDE * amplitude.max(axis=-1, keepdims=True)))
@@ -166,7 +172,10 @@ def minimum_phase(response: Float[np.ndarray, "*m n"]) -> Float[np.ndarray, "*m 
 
 
 def estimate_delays(response: Float[np.ndarray, "*m n"], least: Float[np.ndarray, "*m s"]) -> Float[np.ndarray, "*m"]:
-    """Estimate fractional delays of responses re `least` [samples], possibly negative, by their cross-correlation."""
+    """Estimate delays of responses re `least` [samples], possibly negative, at the maxima of their cross-correlations.
+
+    These are oversampled by `DELAY_OVERSAMPLING` and interpolated by a parabola at the maximum.
+    """
     size = least.shape[-1]
     cross = np.fft.rfft(response, size) * np.conj(np.fft.rfft(least))
     alike = np.fft.irfft(cross, DELAY_OVERSAMPLING * size)

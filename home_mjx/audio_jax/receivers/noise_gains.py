@@ -23,7 +23,10 @@ class NoiseGains(Pytree):
         return knot_amplitudes(self.power)
 
     def bin_weights(self) -> Float[Array, "*n k e m"]:
-        """Compute weights of rows m of `noise_bin_table`; bins are rolled by `start_bin` to the noise's own order."""
+        """Compute weights of rows m of `noise_bin_table`: amplitudes times `mix`, plus the shared noise.
+
+        Bins are rolled by `start_bin` to the noise's own order.
+        """
         each = self.amplitude()[..., None, :] * self.mix[..., None, :, None, :, :]
         if self.shared_power.shape[-2]:
             shared = jnp.sign(self.shared_power)[..., None, :] * knot_amplitudes(jnp.abs(self.shared_power))

@@ -25,11 +25,11 @@ MAX_ECHO_DELAY, NUM_DELAY_STEPS = 36.0, 144  # tabulated delays: maximum [sample
 
 
 def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
-    """Compute the delay of each pinna echo after the direct sound [s].
+    """Compute the delay of each pinna echo after the direct sound [s]: A cos(θ / 2) sin(D (90° - φ)) + B.
 
-    θ is the angle from the median plane, φ that around the interaural axis: 0 ahead, 90° above, 180° behind. The
-    published model ends at 90°; here it continues to 180°, and returns from there to its value below. Delays are at
-    least 0.
+    The constants A, B and D of each echo are those of Brown and Duda (1998). θ is the angle from the median plane, φ
+    that around the interaural axis: 0 ahead, 90° above, 180° behind. The published model ends at 90°; here it continues
+    to 180°, and returns from there linearly to its value below (-90°). Delays are at least 0.
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame: +x right, +y up, looking along -z.
@@ -55,7 +55,7 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
 def add_echoes(
     ears: Complex[Array, "p 2 s"], late: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
 ) -> Complex[Array, "p 2 s"]:
-    """Add pinna echoes to ear filters; echo delays are the same at both ears.
+    """Add pinna echoes, `ECHO_STRENGTHS` re the direct sound, to ear filters; echo delays are the same at both ears.
 
     Args:
         ears: Values of causal filters of the left and right ear at the knots of `filter_basis`.
@@ -103,7 +103,10 @@ def pinna_energy(toward: Float[Array, "n 3"], sample_rate: int) -> Float[Array, 
 
 @functools.cache
 def _octave_frequencies(sample_rate: int) -> Float[np.ndarray, "bands parts"]:
-    """Return `FREQUENCIES_PER_OCTAVE` equally spaced frequencies of each octave [Hz], below half the sample rate."""
+    """Return `FREQUENCIES_PER_OCTAVE` equally spaced frequencies of each octave [Hz], below half the sample rate.
+
+    Octaves end there, and those above it have frequencies from 0.4 of the rate on.
+    """
     low = np.minimum(np.array(BANDS) / math.sqrt(2), 0.4 * sample_rate)
     high = np.minimum(np.array(BANDS) * math.sqrt(2), 0.5 * sample_rate)
     place = (np.arange(FREQUENCIES_PER_OCTAVE) + 0.5) / FREQUENCIES_PER_OCTAVE

@@ -137,7 +137,10 @@ class EarFilters(NamedTuple):
 
 @functools.cache
 def ear_filters(sample_rate: int, radius: float, speed: float) -> EarFilters:
-    """Fit sums of `filter_basis` to a sphere (`radius` in m, `speed` in m/s) up to 0.45 of the sample rate."""
+    """Fit sums of `filter_basis` to a sphere (`radius` in m, `speed` in m/s), from 60 Hz to 0.45 of the sample rate.
+
+    The pressure is that of `near_sphere_spectrum` without the delay of `sphere_delay`.
+    """
     table, (frequency, response) = filter_basis(sample_rate), basis_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     weights = []
@@ -152,7 +155,10 @@ def ear_filters(sample_rate: int, radius: float, speed: float) -> EarFilters:
 
 @functools.cache
 def ear_phase_delays(sample_rate: int, radius: float, speed: float) -> Float[np.ndarray, " a"]:
-    """Compute the mean phase delay [s] of a sphere's response beyond Woodworth's, at `NUM_ANGLES` angles 0 to pi."""
+    """Compute the phase delay [s] of a sphere in a plane wave beyond `sphere_delay`, at `NUM_ANGLES` angles 0 to pi.
+
+    It is the least-squares slope through 0 of the phase over frequency, from 60 Hz to 0.45 of the sample rate.
+    """
     frequency, _ = basis_responses(sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     ahead = sphere_delay(angle, radius, speed)[:, None]
@@ -162,7 +168,10 @@ def ear_phase_delays(sample_rate: int, radius: float, speed: float) -> Float[np.
 
 
 def basis_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[np.ndarray, "f s"]]:
-    """Return frequencies [Hz], and there the spectrum of each filter of `filter_basis` re the sum of all."""
+    """Return frequencies [Hz], and there the spectrum of each filter of `filter_basis` divided by the sum of all.
+
+    They are from 60 Hz, with constant ratios up to 1 kHz, to 0.45 of the sample rate, in steps of 100 Hz.
+    """
     kernel = filter_basis(sample_rate).kernel
     frequency = np.concatenate([np.geomspace(60, 1000, 30), np.arange(1100.0, 0.45 * sample_rate, 100)])
     time = (np.arange(kernel.shape[1]) - HALF_WIDTH) / sample_rate
@@ -173,7 +182,10 @@ def basis_responses(sample_rate: int) -> tuple[Float[np.ndarray, " f"], Complex[
 def fit_basis_weights(
     response: Complex[np.ndarray, "f s"], wanted: Complex[np.ndarray, "a f"]
 ) -> Float[np.ndarray, "a s"]:
-    """Fit real weights, one row per response in `wanted`, of basis responses by least squares of relative errors."""
+    """Fit real weights, one row per response in `wanted`, of basis responses by least squares of relative errors.
+
+    Errors are re the amplitude of `wanted`, at least 0.1.
+    """
     share = 1 / np.maximum(np.abs(wanted), 0.1) ** 2
     count = response.shape[1]
     products = np.real(response.conj()[:, :, None] * response[:, None]).reshape(len(response), -1)
