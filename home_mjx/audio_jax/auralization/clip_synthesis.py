@@ -9,7 +9,10 @@ Samples = Float[np.ndarray, "_"]
 
 
 def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
-    """Sum copies of `shape`, as long as the loop, shifted circularly by 0, 1, ... `seconds`; whole periods only."""
+    """Sum copies of `shape`, as long as the loop, rotated by 0, 1, 2, ... periods of `seconds`.
+
+    A copy whose period ends after the loop is left out.
+    """
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)
 
@@ -30,7 +33,7 @@ def _noise(length: int, seed: int) -> Samples:
 
 
 def ring(length: int, sample_rate: int) -> Samples:
-    """Synthesize a telephone: 440 and 480 Hz together, every 2 s twice for 0.4 s, 0.2 s apart."""
+    """Synthesize a telephone: 440 and 480 Hz together, in two bursts of 0.4 s with 0.2 s between, every 2 s."""
     time = _time(length, sample_rate)
     tone = np.sin(2 * np.pi * 440 * time) + np.sin(2 * np.pi * 480 * time)
     return _repeat(tone * (_pulse(time, 0, 0.4) + _pulse(time, 0.6, 1.0)), 2, sample_rate)
@@ -44,7 +47,7 @@ def chirp(length: int, sample_rate: int) -> Samples:
 
 
 def knock(length: int, sample_rate: int) -> Samples:
-    """Synthesize knuckles on wood: three thuds of 180 and 420 Hz every 2 s."""
+    """Synthesize knuckles on wood: three thuds of 180 and 420 Hz, 0.3 s apart, every 2 s; they decay by exp(-40 t)."""
     time = _time(length, sample_rate)
     thud = (np.sin(2 * np.pi * 180 * time) + 0.6 * np.sin(2 * np.pi * 420 * time)) * np.exp(-40 * time)
     thud = thud * np.minimum(time / 0.002, 1)
@@ -64,7 +67,7 @@ def bell(length: int, sample_rate: int) -> Samples:
 
 
 def alarm(length: int, sample_rate: int) -> Samples:
-    """Synthesize an alarm: 800 and 1000 Hz in turn, 0.25 s each, both with a third harmonic."""
+    """Synthesize an alarm: 800 and 1000 Hz in turn, 0.25 s each, both with the third harmonic at 1/3 amplitude."""
     time = _time(length, sample_rate)
     low, high = (sum(np.sin(2 * np.pi * pitch * n * time) / n for n in (1, 3)) for pitch in (800, 1000))
     return _repeat(low * _pulse(time, 0, 0.25) + high * _pulse(time, 0.25, 0.5), 0.5, sample_rate)
@@ -111,7 +114,7 @@ def water(length: int, sample_rate: int) -> Samples:
 
 
 def static(length: int, sample_rate: int) -> Samples:
-    """Synthesize a television without a programme: white noise, high-passed at 300 Hz by a small loudspeaker."""
+    """Synthesize a television without a programme: white noise times f² / (f² + 300²), as from a small loudspeaker."""
     frequency = np.fft.rfftfreq(length, 1 / sample_rate)
     gain = (frequency / 300) ** 2 / (1 + (frequency / 300) ** 2)
     return np.fft.irfft(np.fft.rfft(_noise(length, 5)) * gain, length)

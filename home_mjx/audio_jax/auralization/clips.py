@@ -56,7 +56,10 @@ def _clip(name: str, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _radio(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Synthesize the plucked notes `NOTES` with harmonics; the last one rings on into the first. Not scaled yet."""
+    """Synthesize the plucked notes `NOTES`, equally spaced over the loop; each rings on, the last ones into the first.
+
+    They have up to 12 harmonics below 0.45 of the sample rate, the nth of amplitude exp(-(1.5 + n) t) / n.
+    """
     song = np.zeros(length)
     time = np.arange(length) / sample_rate
     for index, note in enumerate(NOTES):

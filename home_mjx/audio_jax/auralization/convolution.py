@@ -22,8 +22,8 @@ def convolve_clip_frame(
     """Convolve one frame of an endlessly looped clip with the responses at the frame's start and end.
 
     Overlap-save convolution with a single FFT reads the past from the clip, so there is no state to keep or reset.
-    Within the frame the output is cross-faded linearly from the old response to the new one. With equal responses the
-    frames are those of one long convolution.
+    Within the frame the output is cross-faded linearly from the old response to the new one, which the last sample has
+    alone. With equal responses the frames are those of one long convolution.
 
     Args:
         clip: Pressure at 1 m from the source, any length.

@@ -56,7 +56,10 @@ def read_clip(path: str | Path, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
 
 def _decode(path: Path) -> tuple[int, Float[np.ndarray, "..."]]:
-    """Decode a file with ffmpeg; return its rate [Hz] and samples (n,) or (n, channels); errors as in `read_clip`."""
+    """Decode a file with ffmpeg; errors as in `read_clip`.
+
+    Return its rate [Hz] and float32 samples re full scale, (n,) or (n, channels).
+    """
     import imageio_ffmpeg  # 68 MB of codecs, which synthetic clips do not need
 
     if not path.is_file():

@@ -130,7 +130,10 @@ def combine_early_late(
     config: AudioConfig,
     head: MeasuredHead | None = None,
 ) -> Float[Array, "c l"]:
-    """Return the impulse response: paths plus noise (drawn by `key`) with the late energies, 0 before direct sound."""
+    """Return the impulse response: `early_response` plus noise (drawn by `key`) with the late energies.
+
+    The noise is 0 before `direct_onset`.
+    """
     late = late_response(energy, key, config, head_quat)
     return early_response(paths, head_quat, config, head) + mask_before_direct(late, paths, config)
 
@@ -154,6 +157,8 @@ def early_response(
     paths: Paths, head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "e l"]:
     """Synthesize paths as pulses with fractional delays, causal octave filters and the filters of each channel.
+
+    Paths that arrive after the response's end are left out.
 
     Args:
         paths: Early paths; the direct one first, which has octave filters of its own.

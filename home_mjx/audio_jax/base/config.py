@@ -179,7 +179,7 @@ class AudioConfig:
 
     @property
     def memory_length(self) -> int:
-        """Samples of a source's past, including the current one, that contribute to the current output sample."""
+        """Samples of a source's past, with the current one, that affect an output sample: response, tail, ringing."""
         return self.response_length + self.num_tail_repeats * self.tail_period + self.num_tail_ringing
 
     @property

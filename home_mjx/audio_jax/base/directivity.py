@@ -115,7 +115,10 @@ def mean_energy(pattern: Directivity) -> Float[Array, " bands"]:
 
 
 def _solid_angles(count: int) -> Float[np.ndarray, " a"]:
-    """Return weights (sum 1) of `count` equally spaced angles 0..pi for sphere means; exact for linear energy."""
+    """Return weights, of sum 1, of `count` equally spaced angles 0 .. pi for means over the sphere.
+
+    They are exact for energy that is linear between the angles.
+    """
     step = math.pi / (count - 1)
     share = np.sin(np.arange(count) * step) * (1 - math.cos(step)) / step
     share[0] = share[-1] = (1 - math.sin(step) / step) / 2

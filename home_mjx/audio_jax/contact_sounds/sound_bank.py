@@ -150,7 +150,10 @@ def _set_level(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -
 
 
 def _filter_noise(noise: Float[np.ndarray, " n"], corner: float, sample_rate: int, low: float = 0.0) -> np.ndarray:
-    """Filter noise: it falls by 12 dB per octave above `corner` [Hz], and by 6 below `low` [Hz]; 0: no high-pass."""
+    """Filter noise circularly with zero phase: 12 dB per octave above `corner` [Hz], 6 below `low` [Hz] unless 0.
+
+    The amplitude gain at f is f / hypot(f, low) / (1 + (f / corner)²).
+    """
     frequency = np.fft.rfftfreq(noise.size, 1 / sample_rate)
     rise = frequency / np.hypot(frequency, low) if low else 1.0
     return np.fft.irfft(np.fft.rfft(noise) * rise / (1 + (frequency / corner) ** 2), noise.size)

@@ -26,7 +26,10 @@ KERNEL = Kernel(cpu.TARGET, "moving sound uses slower XLA operations", cpu=cpu.c
 def filter_direct(
     source: Float[Array, " n"], begin: Int[Array, ""], gain: Float[Array, "ends bands"], config: AudioConfig
 ) -> Float[Array, "ends m"]:
-    """Filter `source` from sample `begin` on with octave gains of both frame ends, see `filter_direct_by_xla`."""
+    """Filter `source` causally with the octave gains of each frame end; return m samples from `begin` on.
+
+    Arguments and result are those of `filter_direct_by_xla`.
+    """
     fast: dict[str, Callable[..., Array]] = {}
     if KERNEL.is_usable("cuda") and cuda_first.supports_direct(config):
         fast["cuda"] = functools.partial(cuda_first.filter_direct, config=config)
@@ -34,7 +37,10 @@ def filter_direct(
 
 
 def render_early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render one frame of the early sound, summed over sources, the leading axis of `reads`: pressure per channel."""
+    """Render the early sound of a frame, summed over sources, the leading axis of `reads`.
+
+    Return the pressure per channel, m = `config.frame` samples.
+    """
     fast: dict[str, Callable[..., Array]] = {}
     if KERNEL.is_usable("cpu"):
         fast["cpu"] = functools.partial(cpu.early_frame, config=config)

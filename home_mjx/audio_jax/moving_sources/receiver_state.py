@@ -59,7 +59,7 @@ def render_receiver_state(
 def pack_receiver_state(
     paths: Paths, energy: Float[Array, "k e bands"], head_quat: Float[Array, "4"], key: Array, config: AudioConfig
 ) -> ReceiverState:
-    """Return a state of paths, made `config.num_paths` by `pad_paths`, and late energies; `key` draws the noise."""
+    """Return a state of late energies and of `config.num_paths` paths, see `pad_paths`; `key` draws the noise."""
     return ReceiverState(pad_paths(paths, config.num_paths), head_quat, energy, draw_noise(key, config))
 
 
@@ -70,7 +70,10 @@ def late_state(heard: ReceiverState, config: AudioConfig) -> LateResponse:
 
 
 def silent_state(config: AudioConfig) -> ReceiverState:
-    """Return a `ReceiverState` with the shapes of `config`, zero gains and energies, and path names of -1."""
+    """Return a `ReceiverState` with the shapes of `config`, zero gains and energies, and path names of -1.
+
+    Paths are 1 m long, and the head has the identity orientation.
+    """
     count, bands = config.num_paths, len(BANDS)
     distance, name = jnp.ones(count, jnp.float32), jnp.full(count, -1, jnp.int32)
     ahead = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0], jnp.float32), (count, 3))

@@ -42,8 +42,8 @@ def iacc(
 def lateral_fraction(lateral: Float[Array, "*c n"], energy: Float[Array, "*c n"], dt: float) -> Float[Array, "*c"]:
     """Compute the early lateral energy fraction LF, 0 to 1 (ISO 3382-1:2009, A.14).
 
-    LF is the ratio of the energies of two microphones, with times after the direct sound: a figure-of-eight along the
-    axis of the ears from 5 to 80 ms, and an omnidirectional one from 0 to 80 ms. It is NaN in silence.
+    LF is the energy of a figure-of-eight along the axis of the ears from 5 to 80 ms, re that of an omnidirectional
+    microphone from 0 to 80 ms. Times count from the direct sound in `energy`. It is NaN in silence.
 
     Args:
         lateral: Energy weighted by the squared cosine between its direction and the axis of the ears.

@@ -22,7 +22,10 @@ from home_mjx.raycast_render.scene.types import Scene
 
 
 def select_producers(config: AudioConfig) -> tuple[PathProducer, ...]:
-    """Return the producers of early paths; the first one yields the direct path.
+    """Return the producers of early paths: of the direct path, then of reflections.
+
+    The first also diffracts if `config.early.num_edges` is above 0. The second uses the house's mirror planes at
+    `reflection_order` 1, and faces of furniture as well at higher orders.
 
     Example:
         >>> from home_mjx.audio_jax.base.options import EarlyPaths

@@ -83,8 +83,8 @@ def free_coherence(frequency: Float[np.ndarray, " f"], distance: float, speed: f
 def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Float[np.ndarray, "c f"]:
     """Compute amplitudes of the noises at frequencies [Hz]; they are 1 unless there are `NUM_NOISES`.
 
-    Otherwise each mix of `noise_mix` has power 1, and mixes of azimuths 90 and 180 degrees apart have the coherence of
-    a diffuse field, as far as amplitudes of at least 0 allow.
+    Otherwise each mix of `noise_mix` has power 1. Mixes of azimuths 90 and 180 degrees apart have the coherence of a
+    diffuse field, unless that requires negative powers, which become 0.
     """
     if num_noises(config) != NUM_NOISES:
         return np.ones((num_noises(config), frequency.size))
@@ -156,7 +156,7 @@ def noise_bin_table(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
 
 
 def knot_weights(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
-    """Compute the linear interpolation weight of the knots (start, middle, end) at each sample of a bin."""
+    """Compute the linear interpolation weight of the knots (start, middle, end) at each sample's centre in a bin."""
     place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
     middle = 1 - np.abs(2 * place - 1)
     return np.stack([np.clip(1 - 2 * place, 0, 1), middle, np.clip(2 * place - 1, 0, 1)])

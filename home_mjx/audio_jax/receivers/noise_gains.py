@@ -42,7 +42,8 @@ def noise_gains(
 ) -> NoiseGains:
     """Compute the noise gains of channels for late energies, cross energies of ambisonics included, see `late_energy`.
 
-    `draw` has the signs and the offset of the noise, `head_quat` is the orientation of the head, wxyz.
+    A cross energy C of W with Y, Z or X moves the energy C² / W of that channel, at most all, to the noise of W. `draw`
+    has the signs and the offset of the noise, `head_quat` is the orientation of the head, wxyz.
     """
     mix = noise_mix(head_quat, config)[:, :, None] * draw.sign[None]  # (channel, noise, octave)
     power = energy / config.bin_samples
@@ -55,7 +56,8 @@ def noise_gains(
 def knot_amplitudes(power: Float[Array, "*n k e bands"]) -> Float[Array, "*n k e knots bands"]:
     """Compute amplitudes at the start, middle and end of bins from the mean power of each bin, at least 0.
 
-    Linear interpolation of amplitudes has less energy than that of powers; a factor per bin compensates for this.
+    Powers at the start and end are means with the neighbouring bin, or the bin's own at the response's ends. Linear
+    interpolation of amplitudes has less energy than that of powers; a factor per bin compensates for this.
     """
     before = jnp.concatenate([power[..., :1, :, :], power[..., :-1, :, :]], axis=-3)
     after = jnp.concatenate([power[..., 1:, :, :], power[..., -1:, :, :]], axis=-3)

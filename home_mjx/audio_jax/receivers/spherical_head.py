@@ -117,7 +117,10 @@ def diffuse_coherence(
 
 @functools.cache
 def ear_table(taps: int, sample_rate: int, radius: float, speed: float) -> EarTable:
-    """Compute the ear table of a sphere (`radius` in m, `speed` in m/s) at the `rfft` frequencies of `taps` samples."""
+    """Compute the ear table of a sphere (`radius` in m, `speed` in m/s) at the `rfft` frequencies of `taps` samples.
+
+    Sound is a plane wave; the `NUM_ANGLES` angles are equally spaced from 0 to pi.
+    """
     frequency = np.fft.rfftfreq(taps, 1 / sample_rate)
     angle = np.linspace(0, np.pi, NUM_ANGLES)
     delay = sphere_delay(angle, radius, speed)
