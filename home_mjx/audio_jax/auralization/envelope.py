@@ -47,7 +47,7 @@ def energy_envelope(
     """
     rays, _ = jax.random.split(key)  # as in `impulse_response`
     paths = early_paths(scene, source, listener, config)
-    late, directions, weights = _late(scene, source, listener, rays, config)
+    late, directions, weights = _late_energies(scene, source, listener, rays, config)
     power = paths.gain**2
     bins = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
     member = (bins[None] == jnp.arange(config.num_bins, dtype=jnp.int32)[:, None]).astype(jnp.float32)
@@ -59,7 +59,7 @@ def energy_envelope(
     return EnergyEnvelope(energy=early + late, left_ear_lead=lead / jnp.maximum(jnp.sum(weight, axis=0), 1e-30))
 
 
-def _late(
+def _late_energies(
     scene: Scene, source: SoundSource, listener: Listener, key: Array, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "n 3"], Float[Array, "n bands"]]:
     """Return late energies per bin, and n world directions of incidence with their energies over all bins.

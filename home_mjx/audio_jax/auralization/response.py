@@ -177,7 +177,7 @@ def early_response(
     late = jnp.broadcast_to(late, (late.shape[0], config.num_channels))
     more = jnp.floor(late)
     weight = path_basis_weights(paths.gain, toward, paths.distance, config, head)
-    kernels = _kernels(weight, late - more, config)
+    kernels = _path_kernels(weight, late - more, config)
     begin = jnp.clip((whole[:, None] + more).astype(jnp.int32) + (reach - NUM_KERNEL_PRE_SAMPLES), 0, length + reach)
     kernels = jnp.where((whole < length)[:, None, None], kernels, 0.0)
     own = octave_spectra(paths.gain[:1], _direct_transform_size(config), config.sample_rate)
@@ -216,7 +216,9 @@ def path_basis_weights(
     return jnp.real(octaves[:, None] * channel_filters(toward, distance, config, head))
 
 
-def _kernels(weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig) -> Float[Array, "p e t"]:
+def _path_kernels(
+    weight: Float[Array, "p e s"], delay: Float[Array, "p e"], config: AudioConfig
+) -> Float[Array, "p e t"]:
     """Compute pulses of `path_basis_weights`, delayed by 0 .. 1 samples; time 0 is at tap `NUM_KERNEL_PRE_SAMPLES`."""
     size = _transform_size(config)
     spectra = np.fft.rfft(filter_basis(config.sample_rate).kernel, size)

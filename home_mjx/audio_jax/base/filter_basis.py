@@ -89,22 +89,22 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
     table = filter_basis(sample_rate)
     loudest = jnp.max(gain, axis=-1, keepdims=True)
     wanted = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
-    level, told = wanted, table.centers.shape[1]
+    level, num_centers = wanted, table.centers.shape[1]
     for _ in range(NUM_CORRECTIONS):
-        here = jnp.abs(_product(jnp.real(_filter(level, table)), table.centers))
-        more = wanted[..., :told] - jnp.log(jnp.maximum(here, MIN_GAIN))
-        level = level.at[..., :told].add(jnp.clip(more, -1.0, 1.0))
-    return jnp.where(loudest > MIN_GAIN, _filter(level, table), 0)
+        here = jnp.abs(_matmul_complex(jnp.real(_minimum_phase_spectra(level, table)), table.centers))
+        more = wanted[..., :num_centers] - jnp.log(jnp.maximum(here, MIN_GAIN))
+        level = level.at[..., :num_centers].add(jnp.clip(more, -1.0, 1.0))
+    return jnp.where(loudest > MIN_GAIN, _minimum_phase_spectra(level, table), 0)
 
 
-def _filter(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:
+def _minimum_phase_spectra(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:
     """Return minimum-phase spectra at the knots from natural log gains per octave."""
-    both = _product(level, table.octaves)
+    both = _matmul_complex(level, table.octaves)
     amplitude, phase = jnp.exp(jnp.real(both)), jnp.imag(both)
     return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
 
 
-def _product(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> Complex[Array, "*p m"]:
+def _matmul_complex(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"]) -> Complex[Array, "*p m"]:
     """Multiply a real by a complex matrix, over the last axis of `left`, in float32."""
     parts = [jnp.asarray(x, jnp.float32) for x in (np.real(right), np.imag(right))]
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))

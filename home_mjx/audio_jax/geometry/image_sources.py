@@ -70,35 +70,39 @@ def find_image_sources(
     """
     count = mirrors.valid.shape[0]
     parts = [
-        _of_order(mirrors, mirror_sequences(count, order), source, listener, max_order)
+        _validate_sequences(mirrors, mirror_sequences(count, order), source, listener, max_order)
         for order in range(1, max_order + 1)
     ]
     return jax.tree.map(lambda *x: jnp.concatenate(x), *parts)
 
 
-def _of_order(
-    mirrors: Mirrors, rows: Int[np.ndarray, "i k"], source: Float[Array, "3"], listener: Float[Array, "3"], highest: int
+def _validate_sequences(
+    mirrors: Mirrors,
+    rows: Int[np.ndarray, "i k"],
+    source: Float[Array, "3"],
+    listener: Float[Array, "3"],
+    max_order: int,
 ) -> ImageSources:
     """Validate one path per sequence of mirror indices (from the source on) in `rows`; invalid ones have length inf.
 
-    Valid paths meet each mirror inside its rectangle, from the reflecting side. Reflections are padded to `highest`,
+    Valid paths meet each mirror inside its rectangle, from the reflecting side. Reflections are padded to `max_order`,
     see `ImageSources`.
     """
     count, order = rows.shape
     met = [jax.tree.map(lambda x, k=k: x[rows[:, k]], mirrors) for k in range(order)]
     image, valid = [jnp.broadcast_to(source, (count, 3))], jnp.ones(count, bool)
     for mirror in met:
-        before = _height(mirror, image[-1])
+        before = _signed_distance(mirror, image[-1])
         image.append(image[-1] - 2 * before[:, None] * mirror.normal)
         valid = valid & mirror.valid & (before > MIN_PLANE_DISTANCE)
     at, points = jnp.broadcast_to(listener, (count, 3)), []
     for mirror, behind in zip(met[::-1], image[:0:-1], strict=True):
-        before, after = _height(mirror, at), _height(mirror, behind)
+        before, after = _signed_distance(mirror, at), _signed_distance(mirror, behind)
         share = before / jnp.maximum(before - after, MIN_PLANE_DISTANCE)
         at = at + share[:, None] * (behind - at)
-        valid = valid & (before > -CORNER_TOLERANCE) & (after < -MIN_PLANE_DISTANCE) & _within(mirror, at)
+        valid = valid & (before > -CORNER_TOLERANCE) & (after < -MIN_PLANE_DISTANCE) & _is_inside(mirror, at)
         points.append(at)
-    rest = jnp.broadcast_to(source, (count, highest - order, 3))
+    rest = jnp.broadcast_to(source, (count, max_order - order, 3))
     normals = jnp.stack([mirror.normal for mirror in met[::-1]], axis=1)
     length = length3(image[-1] - listener[None])
     return ImageSources(
@@ -106,7 +110,7 @@ def _of_order(
         jnp.concatenate([jnp.stack(points, axis=1), rest], axis=1),
         jnp.concatenate([normals, jnp.zeros_like(rest)], axis=1),
         jnp.full(count, order, jnp.int32),
-        jnp.pad(jnp.asarray(rows[:, ::-1]), [(0, 0), (0, highest - order)], constant_values=-1),
+        jnp.pad(jnp.asarray(rows[:, ::-1]), [(0, 0), (0, max_order - order)], constant_values=-1),
     )
 
 
@@ -118,7 +122,10 @@ def select_nearest_mirrors(
     The reflection point is the specular point on the plane, clamped to the rectangle; heights behind the plane count as
     0. Invalid mirrors, and those that have both source and listener behind them, come last, with `valid` False.
     """
-    before = jnp.maximum(_height(mirrors, source[None]), 0), jnp.maximum(_height(mirrors, listener[None]), 0)
+    before = (
+        jnp.maximum(_signed_distance(mirrors, source[None]), 0),
+        jnp.maximum(_signed_distance(mirrors, listener[None]), 0),
+    )
     share = before[1] / jnp.maximum(before[0] + before[1], MIN_PLANE_DISTANCE)
     point = listener[None] + share[:, None] * (source - listener)[None] - mirrors.center
     size = [sum3(half * half) for half in (mirrors.u, mirrors.v)]
@@ -134,12 +141,12 @@ def select_nearest_mirrors(
     return found.replace(valid=found.valid & jnp.isfinite(shortest))
 
 
-def _height(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
+def _signed_distance(mirror: Mirrors, point: Float[Array, "#i 3"]) -> Float[Array, " i"]:
     """Return signed distances of points from the mirrors' planes [m], positive on the reflecting side."""
     return sum3((point - mirror.center) * mirror.normal)
 
 
-def _within(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
+def _is_inside(mirror: Mirrors, point: Float[Array, "i 3"]) -> Bool[Array, " i"]:
     """Return whether points in the planes of mirrors are inside their rectangles, with `CORNER_TOLERANCE`."""
 
     def along(half: Float[Array, "i 3"]) -> Bool[Array, " i"]:

@@ -36,11 +36,11 @@ def render_early_paths(
         Pressure per channel, `config.frame` samples.
     """
     return render_early_frame(
-        jax.vmap(lambda source, pair: _reads(source, past, pair, config, head))(sources, pairs), config
+        jax.vmap(lambda source, pair: _source_reads(source, past, pair, config, head))(sources, pairs), config
     )
 
 
-def _reads(
+def _source_reads(
     source: Float[Array, " n"], past: int, pairs: PathPairs, config: AudioConfig, head: MeasuredHead | None
 ) -> DelayReads:
     """Return a source's reads: two rows of the direct path, filtered for each frame end, then the other paths.
@@ -72,15 +72,15 @@ def _bus_gains(old: Float[Array, "p e s"], new: Float[Array, "p e s"]) -> Float[
     return jnp.stack([first, last - first], axis=-1)
 
 
-def _path_delays(pairs: PathPairs, ears: Float[Array, "three p d"]) -> PathDelays:
-    """Return path lengths [m] at both ends and curvature, with `ears`: delays at start, middle and end [samples].
+def _path_delays(pairs: PathPairs, delays: Float[Array, "three p d"]) -> PathDelays:
+    """Return path lengths [m] at both ends and curvature, with `delays`: delays at start, middle and end [samples].
 
     Curvature is the squared motion of the image source across the line of sight [m²], at least 0.
     """
     old, new = pairs.old.distance, pairs.new.distance
     step = pairs.new.direction * new[:, None] - pairs.old.direction * old[:, None]
     bend = jnp.maximum(jnp.sum(step**2, axis=1) - (new - old) ** 2, 0.0)
-    return PathDelays(old, new, bend, jnp.swapaxes(ears, 0, 1))
+    return PathDelays(old, new, bend, jnp.swapaxes(delays, 0, 1))
 
 
 def _to_head(pairs: PathPairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:

@@ -51,14 +51,14 @@ def _is_same_path(old: Paths, new: Paths, longest_step: float) -> Bool[Array, "n
 
     Positions of image sources are re the listener at each end, with axes of the world.
     """
-    same = _names(new)[:, None] == _names(old)[None]
+    same = _path_names(new)[:, None] == _path_names(old)[None]
     away = [paths.direction * paths.distance[:, None] for paths in (new, old)]
     near = jnp.linalg.norm(away[0][:, None] - away[1][None], axis=-1) < longest_step
     sounds = (jnp.max(new.gain, axis=1) > 0)[:, None] & (jnp.max(old.gain, axis=1) > 0)[None]
     return same & near & sounds
 
 
-def _names(paths: Paths) -> Int[Array, " p"]:
+def _path_names(paths: Paths) -> Int[Array, " p"]:
     """Return names of paths, by default their indices."""
     return jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name
 

@@ -43,7 +43,7 @@ def survey_floor(
     metres = config.bin_seconds * config.speed_of_sound
     level = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)
 
-    def hear(place: Float[Array, "3"]) -> tuple[Float[Array, " bands"], Float[Array, " bands"]]:
+    def measure(place: Float[Array, "3"]) -> tuple[Float[Array, " bands"], Float[Array, " bands"]]:
         """Return strength and T30 at one position."""
         listener = Listener(place, level)
         paths = early_paths(scene, source, listener, config)
@@ -53,5 +53,5 @@ def survey_floor(
         loudest = jnp.maximum(jnp.max(energy), 1e-30)
         return strength, t30(energy.T / loudest, config.bin_seconds)
 
-    strength, times = jax.lax.map(hear, positions, batch_size=RECEIVERS_PER_BATCH)
+    strength, times = jax.lax.map(measure, positions, batch_size=RECEIVERS_PER_BATCH)
     return FloorSurvey(strength=strength, t30=times)

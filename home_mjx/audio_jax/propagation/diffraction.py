@@ -102,11 +102,11 @@ def nearest_barriers(scene: Scene, source: SoundSource, listener: Listener, coun
     static, moving = _static_boxes(scene), _moving_boxes(scene)
     bodies = jnp.stack([jnp.asarray(body, jnp.int32) for body in (source.body, listener.body)])
     chosen = nearest_boxes(
-        _box_fields(static),
-        _owners(static),
+        _box_rows(static),
+        _box_owners(static),
         scene.house,
-        _box_fields(moving),
-        _owners(moving),
+        _box_rows(moving),
+        _box_owners(moving),
         source.pos,
         listener.pos,
         bodies,
@@ -124,13 +124,13 @@ def nearest_barriers(scene: Scene, source: SoundSource, listener: Listener, coun
     return boxes.replace(exposed=boxes.exposed & ~own[:, None])
 
 
-def _box_fields(boxes: BarrierBoxes) -> Float[Array, "*h 15 n"]:
+def _box_rows(boxes: BarrierBoxes) -> Float[Array, "*h 15 n"]:
     """Return centres, axes and half sizes of boxes as rows, see `nearest_boxes`."""
     axes = boxes.axis.reshape(*boxes.center.shape[:-1], 9)
     return jnp.swapaxes(jnp.concatenate([boxes.center, axes, boxes.half], axis=-1), -1, -2)
 
 
-def _owners(boxes: BarrierBoxes) -> Int[Array, "*h n"]:
+def _box_owners(boxes: BarrierBoxes) -> Int[Array, "*h n"]:
     """Return the object of each box; `WITHOUT_EDGES` if it has no exposed edge."""
     return jnp.where(jnp.any(boxes.exposed, axis=-1), boxes.object_id, WITHOUT_EDGES)
 
@@ -148,8 +148,8 @@ def diffracted_paths(scene: Scene, source: SoundSource, listener: Listener, conf
     """
     straight = trace_straight_line(scene, source, listener, config)
     found = _select_edge_paths(scene, source, listener, config.early.num_edges)
-    heard = _is_visible(scene, source, listener, found)
-    return assemble_paths(straight, found, heard, listener.pos, config)
+    is_visible = _is_visible(scene, source, listener, found)
+    return assemble_paths(straight, found, is_visible, listener.pos, config)
 
 
 def assemble_paths(
@@ -170,7 +170,7 @@ def assemble_paths(
         ears: Position of the listener [m], world.
         config: Options.
     """
-    field = _field(straight, edge_paths, is_visible & ~_find_duplicates(edge_paths, is_visible), config)
+    field = _direct_field(straight, edge_paths, is_visible & ~_find_duplicates(edge_paths, is_visible), config)
     free = straight.is_clear | (~field.around & straight.is_partition_free)
     passed = jnp.where(straight.is_clear, _average_octaves(field.straight), straight.object_transmission)
     hidden = straight.partition_transmission * jnp.where(
@@ -182,12 +182,12 @@ def assemble_paths(
     length = jnp.concatenate([straight.distance[None], length])
     gain = jnp.sqrt(energy * jnp.exp(-air_attenuation(config)[None] * length[:, None])) / straight.distance
     ahead, mouth = straight.direction[None], ears + straight.distance * straight.direction
-    comes = jnp.concatenate([ahead, _toward(edge_paths.listener_side_point, ears)])
-    leaves = jnp.concatenate([-ahead, _toward(edge_paths.source_side_point, mouth)])
+    comes = jnp.concatenate([ahead, _unit_vectors(edge_paths.listener_side_point, ears)])
+    leaves = jnp.concatenate([-ahead, _unit_vectors(edge_paths.source_side_point, mouth)])
     return Paths(length, jnp.where(straight.is_over_limit, 0.0, gain), comes, departure=leaves)
 
 
-def _toward(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
+def _unit_vectors(point: Float[Array, "k 3"], start: Float[Array, "3"]) -> Float[Array, "k 3"]:
     """Return unit vectors from `start` to each point; shorter ones within `MIN_PATH_LENGTH`."""
     away = point - start[None]
     return away / jnp.maximum(jnp.linalg.norm(away, axis=1), MIN_PATH_LENGTH)[:, None]
@@ -204,25 +204,27 @@ def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, co
     return jax.tree.map(lambda x: x[nearest], found)
 
 
-def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], config: AudioConfig) -> _DirectField:
-    """Sum the fields of the strings in the mask `heard`, once with the straight path and once without it.
+def _direct_field(
+    straight: StraightLine, found: EdgePaths, is_visible: Bool[Array, " k"], config: AudioConfig
+) -> _DirectField:
+    """Sum the fields of the strings in the mask `is_visible`, once with the straight path and once without it.
 
     Amplitudes add with weights exp(-(phase / π)²), and the rest of each string's energy adds incoherently. Phases are
     re the straight path, or without it re the leading string: the shortest with a share above `MIN_LEADING_SHARE`.
     """
     frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(OCTAVE_SAMPLES)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)
-    amplitude, share = _amplitudes(straight, found, heard, wavenumber)
-    detour = jnp.where(heard, found.infinite_edge_detour, jnp.inf)
+    amplitude, share = _amplitudes(straight, found, is_visible, wavenumber)
+    detour = jnp.where(is_visible, found.infinite_edge_detour, jnp.inf)
     first = jnp.argmin(jnp.where(jnp.max(share, axis=1) > MIN_LEADING_SHARE, detour, jnp.inf))
     power = jnp.abs(amplitude) ** 2
 
-    def added(start: Float[Array, " f"], late: Float[Array, " k"], most: float) -> tuple[Array, Array]:
+    def added(start: Float[Array, " f"], extra_length: Float[Array, " k"], most: float) -> tuple[Array, Array]:
         """Return the energy of the coherent sum with `start`, at most `most`, and the incoherent rest per string.
 
-        `late` is the length of each string re the reference of phases [m].
+        `extra_length` is the length of each string re the reference of phases [m].
         """
-        phase = wavenumber[None] * jnp.where(heard, late, 0.0)[:, None]
+        phase = wavenumber[None] * jnp.where(is_visible, extra_length, 0.0)[:, None]
         together = jnp.exp(-((phase / jnp.pi) ** 2))
         whole = jnp.sum(amplitude * together.astype(jnp.complex64), axis=0) + start.astype(jnp.complex64)
         return jnp.minimum(jnp.abs(whole) ** 2, most), power * (1 - together**2)
@@ -234,8 +236,8 @@ def _field(straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], c
         1.0,
     )
     behind = (found.blocked & (found.wedge.shadow_angle > 0)) | (jnp.abs(found.wedge.shadow_angle) < GRAZING_ANGLE)
-    shadow = heard & behind & (jnp.max(share, axis=1) > 0.5)
-    there = (jnp.arange(heard.size, dtype=jnp.int32) == first)[:, None]
+    shadow = is_visible & behind & (jnp.max(share, axis=1) > 0.5)
+    there = (jnp.arange(is_visible.size, dtype=jnp.int32) == first)[:, None]
     return _DirectField(near + jnp.sum(rest, axis=0), alone + jnp.where(there, joined[None], 0.0), jnp.any(shadow))
 
 
@@ -251,11 +253,12 @@ def _amplitude_past_ends(straight: StraightLine, found: EdgePaths, share: Float[
 
 
 def _amplitudes(
-    straight: StraightLine, found: EdgePaths, heard: Bool[Array, " k"], wavenumber: Float[Array, " f"]
+    straight: StraightLine, found: EdgePaths, is_visible: Bool[Array, " k"], wavenumber: Float[Array, " f"]
 ) -> tuple[Complex[Array, "k f"], Float[Array, "k f"]]:
     """Compute each string's complex pressure re the free straight path, and its share of an infinite edge's wavefront.
 
-    Both are 0 unless `heard`. The share is the normal distribution, in Fresnel zones, between both ends of the edge.
+    Both are 0 unless `is_visible`. The share is the normal distribution between both ends of the edge, in Fresnel zones
+    from the apex of an infinite one.
     """
     # A point that rays see is not in shadow, even if the box around a mesh blocks the line.
     seen = straight.is_clear & found.blocked
@@ -265,19 +268,22 @@ def _amplitudes(
     harmonic = bend.source_distance * bend.listener_distance / (bend.source_distance + bend.listener_distance)
     zone = jnp.sqrt((jnp.pi / 2 * harmonic / bend.sin_incidence**3)[:, None] / wavenumber[None])
     low, high = (jax.scipy.stats.norm.cdf(found.edge_extent[:, i, None] / zone) for i in range(2))
-    share = jnp.where(heard[:, None], high - low, 0.0)
+    share = jnp.where(is_visible[:, None], high - low, 0.0)
     spread = (straight.distance / (straight.distance + found.infinite_edge_detour))[:, None]
     size = share * second_edge_factor(found.second_turn, found.second_edge_reach, wavenumber) * spread
     angle = -found.infinite_edge_detour[:, None] * wavenumber[None]
     turned = jax.lax.complex(size * jnp.cos(angle), size * jnp.sin(angle))
-    return jnp.where(heard[:, None], diffracted_pressure(bend, wavenumber) * turned, 0), share
+    return jnp.where(is_visible[:, None], diffracted_pressure(bend, wavenumber) * turned, 0), share
 
 
-def _find_duplicates(found: EdgePaths, heard: Bool[Array, " k"]) -> Bool[Array, " k"]:
-    """Return which strings touch the same edge, within 2 cm, as an earlier one in `heard`, as for two faces at it."""
+def _find_duplicates(found: EdgePaths, is_visible: Bool[Array, " k"]) -> Bool[Array, " k"]:
+    """Return which strings touch the same edge, within 2 cm, as an earlier one that is visible.
+
+    Two faces at an edge yield such strings.
+    """
     place = jnp.concatenate([found.apex, found.listener_side_point, found.edge_extent], axis=1)
     same = jnp.max(jnp.abs(place[:, None] - place[None]), axis=-1) < MAX_EDGE_SEPARATION
-    return is_duplicate(same & heard[None])
+    return is_duplicate(same & is_visible[None])
 
 
 def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:

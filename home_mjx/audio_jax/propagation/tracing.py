@@ -163,7 +163,7 @@ class _TraceContext(NamedTuple):
         share = 4 * cosine / jnp.maximum(distance, self.config.traced.detector_radius) ** 2
         share = jnp.where(asks & ~hidden, share, 0.0)
         energy = energy * share[:, None] * jnp.exp(-distance[:, None] * air_attenuation(self.config)[None])
-        return distance, self._leaving(energy, -toward)
+        return distance, self._weight_directivity(energy, -toward)
 
     def _sphere(self, ray: _Ray, length: Float[Array, " n"]) -> tuple[Float[Array, " n"], Float[Array, "n bands"]]:
         """Compute path lengths [m] and energies of specular rays through a sphere around the source; else energy 0.
@@ -177,9 +177,13 @@ class _TraceContext(NamedTuple):
         inside = (nearest > 0) & (nearest < length) & (miss < radius)
         decay = jnp.exp(-nearest[:, None] * air_attenuation(self.config)[None])
         energy = 4 / radius**2 * ray.energy * ray.specular * decay
-        return ray.travelled + nearest, self._leaving(jnp.where(inside[:, None], energy, 0.0), -ray.direction)
+        return ray.travelled + nearest, self._weight_directivity(
+            jnp.where(inside[:, None], energy, 0.0), -ray.direction
+        )
 
-    def _leaving(self, energy: Float[Array, "n bands"], direction: Float[Array, "n 3"]) -> Float[Array, "n bands"]:
+    def _weight_directivity(
+        self, energy: Float[Array, "n bands"], direction: Float[Array, "n 3"]
+    ) -> Float[Array, "n bands"]:
         """Weight energies with the source's directivity towards `direction`, a unit vector away from the source."""
         return energy * emission_gains(self.source, direction) ** 2
 

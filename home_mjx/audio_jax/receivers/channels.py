@@ -123,8 +123,8 @@ def channel_filters(
         values = interpolate_ear_filters(table, angle, nearness)
         if not config.receiver.pinna:
             return values
-        late = ear_phase_delays(config.sample_rate, radius, config.speed_of_sound)
-        return add_echoes(values, interpolate_angles(late, angle), toward, config.sample_rate)
+        delay = ear_phase_delays(config.sample_rate, radius, config.speed_of_sound)
+        return add_echoes(values, interpolate_angles(delay, angle), toward, config.sample_rate)
     if isinstance(config.receiver, MicrophoneArray):
         gain = distance[:, None] / jnp.maximum(
             distance[:, None] + _excess_lengths(toward, distance, config.receiver), MIN_MICROPHONE_DISTANCE

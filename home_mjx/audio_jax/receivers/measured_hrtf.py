@@ -65,12 +65,12 @@ def make_measured_head(
     """
     check_known("phase", [phase], PHASES)
     check_known("level", [level], LEVELS)
-    _check(direction, response, rate, config)
+    _check_responses(direction, response, rate, config)
     share = grid_weights(direction)
     wanted, _ = basis_responses(config.sample_rate)
     fine = np.minimum(np.fft.rfftfreq(ENERGY_TRANSFORM_SIZE, 1 / config.sample_rate), rate / 2)
     parts = [
-        _split(response[i : i + DIRECTIONS_PER_CHUNK], rate, wanted, fine, config, phase)
+        _split_delays(response[i : i + DIRECTIONS_PER_CHUNK], rate, wanted, fine, config, phase)
         for i in range(0, len(response), DIRECTIONS_PER_CHUNK)
     ]
     late, filters, energy = (np.concatenate(x) for x in zip(*parts, strict=True))
@@ -92,7 +92,7 @@ def make_measured_head(
     return MeasuredHead(delay, real, imag, energy, sample_rate=config.sample_rate)
 
 
-def _check(direction: np.ndarray, response: np.ndarray, rate: float, config: AudioConfig) -> None:
+def _check_responses(direction: np.ndarray, response: np.ndarray, rate: float, config: AudioConfig) -> None:
     """Raise `ConfigError` if a response is silent or not finite, or a direction is not a unit vector.
 
     Do so as well if half of `rate` [Hz] is below 0.45 of the simulation's sample rate.
@@ -118,7 +118,7 @@ def _sphere_level(config: AudioConfig) -> float:
     )
 
 
-def _split(
+def _split_delays(
     response: Float[np.ndarray, "m 2 n"],
     rate: float,
     wanted: Float[np.ndarray, " f"],

@@ -53,18 +53,18 @@ def pinna_delays(toward: Float[Array, "*p 3"]) -> Float[Array, "*p echoes"]:
 
 
 def add_echoes(
-    ears: Complex[Array, "p 2 s"], late: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
+    ears: Complex[Array, "p 2 s"], delay: Float[Array, "p 2"], toward: Float[Array, "p 3"], sample_rate: int
 ) -> Complex[Array, "p 2 s"]:
     """Add pinna echoes, `ECHO_STRENGTHS` re the direct sound, to ear filters; echo delays are the same at both ears.
 
     Args:
         ears: Values of causal filters of the left and right ear at the knots of `filter_basis`.
-        late: Mean delay of these filters [s]. It is removed from them and tabulated together with each echo's delay,
+        delay: Mean delay of these filters [s]. It is removed from them and tabulated together with each echo's delay,
             because the few knots do not resolve products of delays.
         toward: Unit vectors towards the directions of incidence, in the head frame.
         sample_rate: [Hz].
     """
-    whole = jnp.maximum(pinna_delays(toward)[:, None] + late[..., None], 0.0)
+    whole = jnp.maximum(pinna_delays(toward)[:, None] + delay[..., None], 0.0)
     place = whole * jnp.float32(PINNA_MODEL_RATE * NUM_DELAY_STEPS / MAX_ECHO_DELAY)
     low = jnp.clip(place.astype(jnp.int32), 0, NUM_DELAY_STEPS - 1)
     rest = jnp.clip(place - low.astype(jnp.float32), 0.0, 1.0)[..., None]
@@ -73,7 +73,7 @@ def add_echoes(
         jnp.sum(strength * (rows[low] * (1 - rest) + rows[low + 1] * rest), axis=2)
         for rows in (jnp.asarray(part) for part in _delay_filters(sample_rate))
     )
-    angle = late[..., None] * jnp.asarray(2 * math.pi * filter_basis(sample_rate).frequency, jnp.float32)[None, None]
+    angle = delay[..., None] * jnp.asarray(2 * math.pi * filter_basis(sample_rate).frequency, jnp.float32)[None, None]
     return ears + ears * jax.lax.complex(jnp.cos(angle), jnp.sin(angle)) * jax.lax.complex(real, imag)
 
 
