@@ -56,7 +56,7 @@ def first_order_directivity(
 ) -> Directivity:
     """Make the first-order directivity |1 - w + w cos θ|ⁿ, a pressure gain tabulated per degree.
 
-    Its mean energy over the sphere is (1 - s |1 - 2w|²ⁿ⁺¹) / (2w (2n + 1)), s being the sign of 1 - 2w.
+    Its mean energy over the sphere is (1 - s |1 - 2w|²ⁿ⁺¹) / (2w (2n + 1)), s being the sign of 1 - 2w; 1 if w = 0.
 
     Args:
         weight: w, from 0 (omnidirectional) over 0.5 (cardioid) to 1 (figure of eight); one or one per octave.

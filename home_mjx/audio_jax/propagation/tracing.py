@@ -50,8 +50,8 @@ def trace(scene: Scene, source: SoundSource, listener: Listener, key: Array, con
     source contributes 4 e (1 - absorption) s cos / d², with ray energy e and scattering coefficient s. This is
     Schröder's diffuse rain, normalized to the free-field level at 1 m. The specular rest (1 - s) is estimated by the
     detector of `config.late`. Specular reflections in architecture up to `config.early.reflection_order` are excluded
-    because early paths render them. Contributions are weighted by the source's directivity. With `octave_rays` a ray
-    carries one octave and scatters by that octave's coefficient.
+    if early paths render them (`num_reflections` above 0). Contributions are weighted by the source's directivity. With
+    `octave_rays` a ray carries one octave and scatters by that octave's coefficient.
 
     Raises:
         ConfigError: `config.late` is not `Traced`.

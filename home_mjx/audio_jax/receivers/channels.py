@@ -108,7 +108,8 @@ def channel_filters(
 
     Args:
         toward: Unit vectors towards the directions of incidence, in the head frame.
-        distance: Path lengths [m], for near-field effects; filters are without the factor 1 / distance.
+        distance: Path lengths [m], for near-field effects of the sphere (from radius / 0.7 on) and of microphones;
+            filters are without the factor 1 / distance.
         config: Options.
         head: Measured HRTFs; None: a rigid sphere.
     """
@@ -174,6 +175,7 @@ def _ear_delays(
     """Compute delays at both ears re the head centre [samples], by angle to each ear's axis [rad] and distance [m].
 
     The path to the ear is straight, or tangential and then along the sphere: Woodworth's model at finite distance.
+    Distances below radius / 0.7 count as that.
     """
     radius = config.binaural.head_radius
     near = jnp.minimum(radius / distance, NEARNESS_KNOTS[-1])  # limit of the ear filter table

@@ -19,7 +19,7 @@ class NoiseGains(Pytree):
     start_bin: Int[Array, "*n"]  # bin of the periodic noise at the response's start
 
     def amplitude(self) -> Float[Array, "*n k e knots bands"]:
-        """Compute the amplitude of each channel's noise mix at the start, middle and end of bins."""
+        """Compute the amplitude of each channel's noise mix at the start, middle and end of bins: `knot_amplitudes`."""
         return knot_amplitudes(self.power)
 
     def bin_weights(self) -> Float[Array, "*n k e m"]:
