@@ -40,7 +40,6 @@ class EdgePaths(Pytree):
     edge_extent: Float[Array, "e 2"]  # [m], along the edge from the apex of an infinite edge to both ends of the edge
     second_turn: Float[Array, " e"]  # [rad], at the second edge
     second_edge_reach: Float[Array, " e"]  # [m], argument `reach` of `second_edge_factor`
-    object_id: Int[Array, " e"]  # of the box; -1 architecture
 
 
 class _EdgeFrame(NamedTuple):
@@ -104,9 +103,9 @@ def find_edge_paths(boxes: BarrierBoxes, source: Float[Array, "3"], listener: Fl
         local = jnp.stack([u + MIN_EDGE_DISTANCE * jnp.sign(u), jnp.full_like(u, MIN_EDGE_DISTANCE), z], axis=-1)
         return frame.middle + sum3(jnp.swapaxes(frame.axes * local[..., None], -1, -2))
 
-    met, owner = (jnp.broadcast_to(x[:, None], reach.shape) for x in (_is_blocked(frame), boxes.object_id))
+    met = jnp.broadcast_to(_is_blocked(frame)[:, None], reach.shape)
     places = place(course.first, z_first), place(course.last, z_last), place(course.first, crossing)
-    found = bend, jnp.hypot(whole, lz - sz) - straight, reach, met, *places, beyond, turn, depth, owner
+    found = bend, jnp.hypot(whole, lz - sz) - straight, reach, met, *places, beyond, turn, depth
     return EdgePaths(*jax.tree.map(lambda x: x.reshape(-1, *x.shape[2:]), found))
 
 
