@@ -79,7 +79,11 @@ def distance_field(
 def _grid_moves(
     free: Bool[Array, "ny nx"], passable: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None, cell: float
 ) -> _GridMoves:
-    """Return the moves between neighbouring free cells, see `_GridMoves`; `height` None: no height limits them."""
+    """Return the moves between neighbouring free cells, see `_GridMoves`.
+
+    A diagonal one needs both cells beside it `passable`. Heights [m] limit moves, and detours of diagonal ones over
+    either corner, by `is_walkable_rise` at the cell size `cell` [m]; None: no limit.
+    """
 
     def joined(rows: int, columns: int) -> Array:
         return free & _shift_grid(free, rows, columns, False) & walkable(rows, columns)
@@ -153,7 +157,7 @@ def _along(
 def goal_fields(
     bank: HouseBank, house: Int[Array, ""], level: Int[Array, ""], goals: Float[Array, "g 3"]
 ) -> Float[Array, "g ny nx"]:
-    """Compute the distances of all cells of one level of a house to goal points, at run time.
+    """Compute the geodesic distances from all cells of one level of a house to each of several goal points.
 
     Args:
         bank: The houses.

@@ -138,7 +138,7 @@ def geodesic_distance(
 
 
 def is_near_home_region(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether the cell at `feet` or one of the 8 around it is in the home region, with paths to all goals."""
+    """Return whether the cell at `feet` or one of the 8 around it is in the home region, where all goals are."""
     house = bank.clip_house_index(house)
     level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
     return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME_RANK)
@@ -157,7 +157,8 @@ def continue_levels(
     """Return cells near `place` with the level replaced by the one to which floors and ramps lead from there.
 
     It is the level of the home cell nearest in height to `place`, if the way there is not steeper than `MAX_SLOPE`;
-    else the level of `place`, as in houses of one level.
+    else the level of `place`, as in houses of one level. The cell on the level of `place` counts as `MAX_SHARED_GAP`
+    nearer.
 
     Args:
         bank: The houses.
@@ -189,7 +190,10 @@ def _rank(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Int
 
 
 def _passable_rank(bank: HouseBank) -> int:
-    """Return the maximum rank of the cells at both corners of a diagonal step between home cells."""
+    """Return the maximum rank of the cells at both corners of a diagonal step between home cells.
+
+    It is `NARROW_RANK` if `has_clear_diagonals` for the bank's cell and agent radius, else `HOME_RANK`.
+    """
     return NARROW_RANK if has_clear_diagonals(bank.spec.cell, bank.spec.agent_radius) else HOME_RANK
 
 
@@ -245,7 +249,10 @@ def cell_position(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, ""]) 
 
 
 def grid_position(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"]) -> Float[Array, "3"]:
-    """Return the centre of the cell at (level, row, column), as from `cell_at_feet`, on its floor or ramp [m]."""
+    """Return the centre of the cell at `place` = (level, row, column), within the grid, on its floor or ramp [m].
+
+    The height of an unreachable cell is that of the nearest reachable one.
+    """
     house = bank.clip_house_index(house)
     level, row, column = place
     plan = (jnp.stack([column, row]).astype(jnp.float32) + 0.5) * jnp.float32(bank.spec.cell)

@@ -131,8 +131,8 @@ def step_checked(
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
     """Return the state with each agent's velocity and yaw rate set to the action's target; vertical velocity is kept.
 
-    `action` is that of `step` but is not clipped. In free space, a step with the same action then moves the agents by
-    exactly that velocity.
+    `action` is that of `step` but is not clipped. In free space, a step with the same action then moves an agent that
+    does not turn at exactly that velocity.
     """
     fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
     forward, left, turn = (action * fastest).T

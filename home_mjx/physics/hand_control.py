@@ -162,7 +162,8 @@ def _distance(
 ) -> Float[Array, ""]:
     """Return the distance from an agent's vertical axis, over its height, to the nearest point of a body's box [m].
 
-    It is exact to 1 cm, since the axis is sampled at 17 heights; 0 if the axis crosses the box.
+    The axis is sampled at 17 evenly spaced heights, so the result is an upper bound. For agents up to 2 m tall, it is
+    less than 1 cm too large at distances of at least 0.2 m, and less than 6.5 cm at smaller ones.
     """
     at, _ = _agent(template, state, a)
     pos, quat = _body(template, state, body)

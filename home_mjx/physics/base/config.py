@@ -112,7 +112,10 @@ class PhysicsConfig:
                 raise ConfigError(f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=hint)
 
     def _check_numbers(self) -> None:
-        """Raise `ConfigError` unless numbers are positive, `WHOLE_NUMBERS` integers, `OPTIONAL_NUMBERS` or None."""
+        """Raise `ConfigError` unless all numbers are positive.
+
+        `WHOLE_NUMBERS` must be integers, and `OPTIONAL_NUMBERS` may be None.
+        """
         for name, value in vars(self).items():
             if name in NON_NUMERIC_OPTIONS or (value is None and name in OPTIONAL_NUMBERS):
                 continue

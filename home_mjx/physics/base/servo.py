@@ -105,9 +105,10 @@ def ramp_acceleration(
 ) -> Float[Array, "2"]:
     """Compute the acceleration (world x, y) that keeps an agent from sliding down a ramp [m/s^2]; 0 off ramps.
 
-    Contacts of agents are frictionless. On a ramp, `g tan(slope)` uphill balances the ramp's normal force. Of
-    overlapping ramps, as on turning stairs, the highest applies. Landings have no slope and are ignored. `ramps` are
-    rows of `bank.physics.ramp`, `agent` is a row of `control.agent_table`, `pos` the centre of its capsule [m].
+    Contacts of agents are frictionless. On a ramp, `g * slope` uphill balances the ramp's normal force. The agent is on
+    a ramp if its lowest point is over it and within `MAX_RAMP_GAP` of its plane. The highest of overlapping ramps, as
+    on turning stairs, applies. Landings have slope 0 and are ignored. `ramps` are rows of `bank.physics.ramp`, `agent`
+    is a row of `control.agent_table`, `pos` the centre of its capsule [m].
     """
     _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
     along, across, surface = ramp_coordinates(ramps, pos)

@@ -85,7 +85,11 @@ def move_and_slide(
 
 
 def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
-    """Return the moving agent's horizontal depth at `pos` in each box, then agent [m]; negative: apart, or itself."""
+    """Return the moving agent's horizontal penetration at `pos` of each box, then of each agent [m].
+
+    Negative values mean apart: -1 for boxes and agents above or below it, and for itself. A box that begins above or
+    ends below the capsule's axis meets the smaller disc of its hemisphere at that height.
+    """
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
     above = jnp.clip(above, 0.0, radius)
@@ -101,7 +105,8 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
     """Return a point's horizontal signed distance from each box [m], negative inside, and outward unit u, v.
 
-    u and v are a unit vector's components along the box's own axes, away from the nearest side or corner.
+    u and v are a unit vector's components along the box's own axes, away from the nearest side or corner. Both are 0 if
+    the point is inside, exactly half-way between the nearest sides.
     """
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x

@@ -31,8 +31,8 @@ def step_kinematic(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
 
-    Velocities are displacements divided by the step's length; only agents have one. `num_contacts` counts obstacles
-    that an agent touches. Contacts have no impulses. Nothing overflows.
+    Velocities are displacements divided by the step's length; only agents have one. `num_contacts` is the maximum over
+    substeps of the obstacles that an agent touches at once. Contacts have no impulses. Nothing overflows.
     """
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)

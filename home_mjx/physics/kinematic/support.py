@@ -25,7 +25,8 @@ def drop_released_bodies(
     """Return `qpos` with released bodies dropped straight down onto their highest support, at most one per agent.
 
     `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
-    the static boxes, then the movable bodies; without one below its centre, a body rests on the ground floor.
+    the static boxes, then the movable bodies. One supports a body if the body's centre is over it, and its top at most
+    `MAX_SUPPORT_OVERLAP` above the body's bottom. A body without a support rests on the ground floor.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
@@ -50,7 +51,7 @@ def support_height(
     pos: Float[Array, "3"],
     foot: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Return the height of an agent's highest support: the ground floor, a ramp, or a box that it can step on.
+    """Return the height of the highest support under an agent's centre: ground floor, ramp, or box to step on.
 
     `ramps` are rows of `bank.physics.ramp`, `floor` is the ground floor's height, `pos` the agent's centre, `foot` its
     lowest height [m]. Ramps count within `MAX_RAMP_GAP` of that, boxes up to `MAX_SUPPORT_OVERLAP` above it.

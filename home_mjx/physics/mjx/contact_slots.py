@@ -80,7 +80,7 @@ def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"
 def fill_slots(
     owner: OrientedBoxes, static: OrientedBoxes, num: int
 ) -> tuple[OrientedBoxes, Int[Array, " num"], Bool[Array, ""]]:
-    """Select the `num` (at most all) static boxes nearest to an owner's box, and crop them to its surroundings.
+    """Select the `num` (at most all) static boxes nearest to an owner's box by `separation`, cropped around it.
 
     MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls would displace real
     contacts. Boxes beyond `MAX_SLOT_DISTANCE` are parked for the same reason.
@@ -111,7 +111,10 @@ def parked_boxes(num: int) -> OrientedBoxes:
 
 
 def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> OrientedBoxes:
-    """Return the part of each box in a cube around `center`, aligned with the box, of half extent `radius` [m]."""
+    """Return the part of each box in a cube around `center`, aligned with the box, of half extent `radius` [m].
+
+    Its own half extents are at least 1 mm.
+    """
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]
     middle, half = [], []

@@ -178,9 +178,10 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 @compiled
 @no_type_check
 def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
-    """Write the contact of the edges `code` = 3 i + j (world): point, distance, normal; False if they do not cross.
+    """Write the contact of edges along axes i and j, `code` = 3 i + j, in the world; return whether they cross.
 
-    They cross if the nearest points of their lines are on both. Other arguments: see `box_box` and `_least_overlap`.
+    Of the four edges along each axis, it is that which faces the other box. They cross if the nearest points of their
+    lines are on both. Results and other arguments: see `box_box` and `_least_overlap`.
     """
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame

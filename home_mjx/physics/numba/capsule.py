@@ -246,7 +246,11 @@ def _length_from_edge(axis, half, t, edge, at, forward, turn):
 @compiled
 @no_type_check
 def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, normals):
-    """Write the contacts of two upright capsules; return their number, at most two; arguments as in `capsule_box`."""
+    """Write the contacts of two upright capsules; return their number, at most two; arguments as in `capsule_box`.
+
+    They are at the ends of the height range that both axes share. Axes that share none have one contact, of their
+    nearest ends, twice. Normals are from the first to the second capsule, x if the axes meet.
+    """
     dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
     low = max(pos1[2] - length1, pos2[2] - length2)
     high = min(pos1[2] + length1, pos2[2] + length2)

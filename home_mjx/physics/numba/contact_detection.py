@@ -81,7 +81,10 @@ def invalidate_near_boxes(work):
 @compiled
 @no_type_check
 def _update_near_boxes(work, m):
-    """List static boxes within `NEAR_DISTANCE` of body `m`, if it moved that far; set `STATIC_OVERFLOW` if too many."""
+    """List static boxes within `NEAR_DISTANCE` of body `m`, by `are_boxes_apart`, if it moved that far or has no list.
+
+    Of more than `MAX_NEAR_BOXES`, it lists the first and sets `STATIC_OVERFLOW`.
+    """
     if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
         return
     count = 0

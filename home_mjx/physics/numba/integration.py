@@ -15,7 +15,10 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def update_poses(work, also_sleepers):
-    """Update `rot` of bodies, `pos` and `rot` of doors from `quat`, sleepers if `also_sleepers`; agents: identity."""
+    """Update `rot` of bodies, and `pos` and `rot` of doors, from `quat`; set `rot` of agents to the identity.
+
+    Sleeping bodies and doors are updated only if `also_sleepers`, unused ones never.
+    """
     for a in range(work.num_agents):
         for k in range(3):
             for j in range(3):
