@@ -118,8 +118,7 @@ def _release(
     rows = start + jnp.arange(3, dtype=jnp.int32)
     thrown = state.qvel[4 * a : 4 * a + 3] + aim * speed
     qvel = state.qvel.at[rows].set(jnp.where(throws, thrown, state.qvel[rows]))
-    opens = (held >= 0) & (throws | commands.drop[a])
-    return _open_hand(template, state.replace(qvel=qvel), a, opens)
+    return _open_hand(template, state.replace(qvel=qvel), a, throws | commands.drop[a])
 
 
 def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
@@ -132,6 +131,7 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
 
 def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
     """If `opens`, empty a hand that holds a body; add `RELEASE_SPEED` down, by which kinematic physics detects it."""
+    opens = opens & (state.held[a] >= 0)
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     return state.replace(
         qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0)),

@@ -143,6 +143,16 @@ def test_what_is_dropped_falls(scene):
         assert_allclose(scene.body(state, CUP)[2], height, atol=0.01)
 
 
+def test_a_drop_moves_no_other_body(scene):
+    """An empty hand does not release body 0, which was the index used in place of -1."""
+    args = scene.template, scene.bank, jnp.int32(0)
+    state = scene.run(scene.start, 12, pick=BOOK)
+    state = scene.run(state, 12, np.array([[-0.6, 0, 0], [0, 0, 0]], np.float32))
+    assert state.held.tolist() == [BOOK, -1]
+    state = physics.step(*args, apply_hand_commands(*args, state, told(drop=True)), jnp.asarray(STILL))
+    np.testing.assert_array_equal(update_hands(*args, state).qvel, state.qvel)
+
+
 def test_what_is_thrown_flies(fused):
     held = fused.run(fused.start, 12, pick=CUP)
     thrown = fused.run(held, 1, throw=np.array([0.6, 0.0, 0.8]))
