@@ -15,7 +15,7 @@ struct Contact {
   real pos[3];
   int first, second, active;
 };
-static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "launch.py allocates too little memory per contact");
+static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "fused.py allocates too little memory per contact");
 
 // One environment: pointers into shared memory and scratch.
 struct Env {
@@ -23,8 +23,8 @@ struct Env {
   // Element 0 of quat is an agent's yaw or a door's coordinate. All dynamic bodies have six velocities; a door's rate is
   // the last, and HEAVY masses keep the others at zero.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
-  int *there, *calm, *wakes, *list, *pairs;  // list: awake dynamic bodies; pairs: dynamic bodies near each other
-  int *used, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
+  int *exists, *calm, *wakes, *list, *pairs;  // list: awake dynamic bodies; pairs: dynamic bodies near each other
+  int *awake, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
   real *near, *near_from, *small, *large;  // small and large: memory for Newton's method, small is shared memory
   const float *agent, *door, *surface;  // tables of the agents, the house's doors and its bodies
   real rougher;                         // friction factor of bodies

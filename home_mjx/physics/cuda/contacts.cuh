@@ -109,7 +109,7 @@ __device__ void keep_near(const Env& e, const House& house) {
   bool any = false;
   int* looks = e.members;  // flags of dynamic bodies whose list is updated
   for (int m = LANE; m < e.free; m += WARP_SIZE) {
-    looks[m] = e.used[m] && (e.num_near[m] < 0 || moved(e, m) >= NEAR_DISTANCE);
+    looks[m] = e.awake[m] && (e.num_near[m] < 0 || moved(e, m) >= NEAR_DISTANCE);
     if (!looks[m]) continue;
     any = true, e.num_near[m] = 0;
     for (int k = 0; k < 12; ++k) e.near_from[12 * m + k] = k < 3 ? e.pos[3 * m + k] : e.rot[9 * m + k - 3];
@@ -178,7 +178,7 @@ __device__ int list_awake(const Env& e) {
   int count = 0;
   for (int base = 0; base < e.mobiles; base += WARP_SIZE) {
     const int m = base + LANE;
-    const bool awake = m < e.mobiles && e.used[m];
+    const bool awake = m < e.mobiles && e.awake[m];
     const unsigned mask = warp_ballot(awake);
     if (awake) e.list[count + count_bits(mask & ((1u << LANE) - 1))] = m;
     count += count_bits(mask);
@@ -204,13 +204,13 @@ __device__ int list_pairs(const Env& e, int awake) {
   int count = 0;
   for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
     const int pair = base + LANE, m = e.list[pair < awake * e.mobiles ? pair / e.mobiles : 0], other = pair % e.mobiles;
-    bool near = pair < awake * e.mobiles && e.there[other] && other != m && (m < e.free || other < e.free);
-    near = near && (!e.used[other] || other < m);
+    bool near = pair < awake * e.mobiles && e.exists[other] && other != m && (m < e.free || other < e.free);
+    near = near && (!e.awake[other] || other < m);
     near = near && spheres_meet(e, m, other, 0);
     const unsigned mask = warp_ballot(near);
     const int place = count + count_bits(mask & ((1u << LANE) - 1));
     if (near && place < PAIRS_PER_BODY * e.mobiles)
-      e.pairs[place] = e.used[other] ? other + m * e.mobiles : m + other * e.mobiles;
+      e.pairs[place] = e.awake[other] ? other + m * e.mobiles : m + other * e.mobiles;
     count += count_bits(mask);
   }
   sync_warp();
@@ -224,7 +224,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
   keep_near(e, house);
   const int awake = list_awake(e), pairs = list_pairs(e, awake);
   int statics = 0;
-  for (int m = 0; m < e.free; ++m) statics += e.used[m] ? e.num_near[m] : 0;
+  for (int m = 0; m < e.free; ++m) statics += e.awake[m] ? e.num_near[m] : 0;
   const int total = awake + statics + pairs;
   int count = 0;
   for (int base = 0; base < total; base += WARP_SIZE) {
@@ -239,7 +239,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
       Box box;
       if ((pair -= awake) < statics) {
         int m = 0;
-        while (!e.used[m] || pair >= e.num_near[m]) pair -= e.used[m] ? e.num_near[m] : 0, ++m;
+        while (!e.awake[m] || pair >= e.num_near[m]) pair -= e.awake[m] ? e.num_near[m] : 0, ++m;
         const int number = int(e.near[MAX_NEAR_BOXES * m + pair]);
         first = m, second = STATIC - number, box = static_box(house, number);
       } else {
@@ -254,7 +254,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
       } else {
         with_box(e, first, box, points);
       }
-      if (second >= 0 && !e.used[second]) {
+      if (second >= 0 && !e.awake[second]) {
         if (points.count) e.wakes[second] = 1;
         second = SLEEPING_BODY - second;
       }

@@ -8,24 +8,24 @@ INLINE void find_sleepers(const Env& e, const Control& control) {
     for (int a = 0; a < e.agents; ++a) calm = calm && control.held[a] != m - e.agents;
     if (m >= e.free) calm = calm && absolute(control.goal[m - e.free]) >= NOT_DRIVEN;
     for (int k = 0; k < 6; ++k) still = still && e.vel[6 * m + k] == 0 && e.acc[6 * m + k] == 0;
-    e.wakes[m] = 0, e.calm[m] = calm, e.used[m] = e.there[m] && !(calm && still);
+    e.wakes[m] = 0, e.calm[m] = calm, e.awake[m] = e.exists[m] && !(calm && still);
   }
   sync_warp();
 }
 
 INLINE void wake(const Env& e, int m) {
-  e.used[m] = 1, e.calm[m] = 0, e.wakes[m] = 0, e.acc[6 * m + (m < e.free ? 2 : 5)] = -MIN_AWAKE_ACCELERATION;
+  e.awake[m] = 1, e.calm[m] = 0, e.wakes[m] = 0, e.acc[6 * m + (m < e.free ? 2 : 5)] = -MIN_AWAKE_ACCELERATION;
 }
 
 // Wakes dynamic bodies that agents or fast bodies may touch in the next physics step.
 __device__ void wake_near(const Env& e) {
   bool any = false;
-  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) any |= e.there[m] && !e.used[m];
+  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) any |= e.exists[m] && !e.awake[m];
   if (!warp_ballot(any)) return;
   const int awake = list_awake(e);
   for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
     const int pair = base + LANE, m = e.list[pair < awake * e.mobiles ? pair / e.mobiles : 0], other = pair % e.mobiles;
-    if (pair >= awake * e.mobiles || (m >= e.agents && e.calm[m]) || !e.there[other] || e.used[other]) continue;
+    if (pair >= awake * e.mobiles || (m >= e.agents && e.calm[m]) || !e.exists[other] || e.awake[other]) continue;
     if (m >= e.free && other >= e.free) continue;
     const real *vel = e.vel + 6 * m, fast = m < e.free ? length_of(vel) + length_of(vel + 3) * e.radius[m]
                                                        : 2 * absolute(vel[5]) * e.radius[m];
@@ -52,10 +52,10 @@ INLINE void wake_touched(const Env& e) {
 // Sets islands whose bodies are all calm to sleep, after a control step.
 INLINE void fall_asleep(const Env& e) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
-    if (e.used[m] && !e.calm[m]) e.wakes[e.island[m]] = 1;
+    if (e.awake[m] && !e.calm[m]) e.wakes[e.island[m]] = 1;
   sync_warp();
   for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE)
-    if (e.used[m] && !e.wakes[e.island[m]])
+    if (e.awake[m] && !e.wakes[e.island[m]])
       for (int k = 0; k < 6; ++k) e.vel[6 * m + k] = e.acc[6 * m + k] = 0;
   sync_warp();
 }

@@ -27,7 +27,7 @@ __device__ void find_islands(const Env& e, int count) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = e.end[m];
   sync_warp();
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
-    for (int k = 0; k < e.mobiles; ++k) e.members[m] += e.used[k] && e.island[k] == m;
+    for (int k = 0; k < e.mobiles; ++k) e.members[m] += e.awake[k] && e.island[k] == m;
   for (int pass = 0; pass < 2; ++pass) {  // first counts, then positions
     for (int base = 0; base < count; base += WARP_SIZE) {
       const int n = base + LANE, root = n < count ? e.island[e.contacts[n].first] : -1;
@@ -185,7 +185,7 @@ struct Joined {
     if (Contact& c = e.contacts[s.contacts[n]]; true)
 #define MEMBERS_OF(m, s)                                     \
   for (int m = s.root + LANE; m < e.mobiles; m += WARP_SIZE) \
-    if (e.used[m] && e.island[m] == s.root)
+    if (e.awake[m] && e.island[m] == s.root)
 
 INLINE int packed(int row, int column) { return row * (row + 1) / 2 + column; }  // of a lower triangle
 __device__ constexpr int newton_words(int size) { return size * (size + 1) / 2 + 2 * size; }
@@ -336,7 +336,7 @@ __device__ __noinline__ void solve_joined(const Env& e, const Joined& s) {
 __device__ void solve(const Env& e, int count) {
   find_islands(e, count);
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
-    if (!e.used[m] || e.island[m] != m || e.members[m] > 1) continue;
+    if (!e.awake[m] || e.island[m] != m || e.members[m] > 1) continue;
     if (e.rows[m] == 0)
       for (int k = 0; k < 6; ++k) e.acc[6 * m + k] = e.smooth[6 * m + k];
     else
@@ -344,10 +344,10 @@ __device__ void solve(const Env& e, int count) {
   }
   sync_warp();
   for (int root = 0; root < e.mobiles; ++root) {
-    if (!e.used[root] || e.island[root] != root || e.members[root] == 1) continue;
+    if (!e.awake[root] || e.island[root] != root || e.members[root] == 1) continue;
     if (LANE == 0)
       for (int m = root, at = 0; m < e.mobiles; ++m)
-        if (e.used[m] && e.island[m] == root) e.offset[m] = at, at += 6;
+        if (e.awake[m] && e.island[m] == root) e.offset[m] = at, at += 6;
     sync_warp();
     const int size = 6 * e.members[root], count = e.rows[root];
     real* memory = e.members[root] <= SMALL_ISLAND ? e.small : e.large;

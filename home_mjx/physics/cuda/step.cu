@@ -13,7 +13,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   for (int k = 0; k < 9; ++k) e.rot[9 * m + k] = k % 4 == 0;
   if (m < e.agents) {
     const float* agent = e.agent + AGENT_COLUMNS * m;
-    e.there[m] = 1, e.radius[m] = agent[0] + agent[1], e.inverse[m] = 1 / real(agent[2]);
+    e.exists[m] = 1, e.radius[m] = agent[0] + agent[1], e.inverse[m] = 1 / real(agent[2]);
     for (int k = 0; k < 3; ++k) {
       pos[k] = qpos[4 * m + k], vel[k] = qvel[4 * m + k], acc[k] = qacc[4 * m + k];
       vel[3 + k] = k == 2 ? qvel[4 * m + 3] : 0, acc[3 + k] = 0;
@@ -25,7 +25,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   real square = 0, length = 0;
   if (m < e.free) {
     const int q = 4 * e.agents + 7 * b, v = 4 * e.agents + 6 * b;
-    e.there[m] = body_valid[b] != 0, e.inverse[m] = 1 / (body_mass[b] * heavier);
+    e.exists[m] = body_valid[b] != 0, e.inverse[m] = 1 / (body_mass[b] * heavier);
     for (int k = 0; k < 4; ++k) length += real(qpos[q + 3 + k]) * qpos[q + 3 + k];
     for (int k = 0; k < 4; ++k) quat[k] = qpos[q + 3 + k] / sqrt(length);
     for (int k = 0; k < 6; ++k) vel[k] = qvel[v + k], acc[k] = qacc[v + k];
@@ -36,7 +36,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
   } else {
     const float* door = e.door + DOOR_COLUMNS * h;
     const int q = 4 * e.agents + 7 * bodies + h, v = 4 * e.agents + 6 * bodies + h;
-    e.there[m] = door[6] >= 0, e.inverse[m] = door[10], quat[0] = qpos[q];
+    e.exists[m] = door[6] >= 0, e.inverse[m] = door[10], quat[0] = qpos[q];
     for (int k = 0; k < 3; ++k) half[k] = door[6 + k];
     for (int k = 0; k < 6; ++k) vel[k] = acc[k] = 0, mass[k] = HEAVY;
     vel[5] = qvel[v], acc[5] = qacc[v], mass[5] = door[9];
@@ -46,7 +46,7 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
 }
 
 INLINE void store(const Env& e, int m, const float* qpos, float* new_qpos, float* new_qvel, float* new_qacc) {
-  const int b = m - e.agents, h = m - e.free, bodies = e.free - e.agents, used = e.used[m];
+  const int b = m - e.agents, h = m - e.free, bodies = e.free - e.agents, awake = e.awake[m];
   const real *pos = e.pos + 3 * m, *quat = e.quat + 4 * m, *vel = e.vel + 6 * m, *acc = e.acc + 6 * m;
   if (m < e.agents) {
     for (int k = 0; k < 4; ++k) {
@@ -55,11 +55,11 @@ INLINE void store(const Env& e, int m, const float* qpos, float* new_qpos, float
     }
   } else if (m < e.free) {
     const int q = 4 * e.agents + 7 * b, v = 4 * e.agents + 6 * b;
-    for (int k = 0; k < 7; ++k) new_qpos[q + k] = !used ? qpos[q + k] : k < 3 ? pos[k] : quat[k - 3];
-    for (int k = 0; k < 6; ++k) new_qvel[v + k] = used ? vel[k] : 0, new_qacc[v + k] = used ? acc[k] : 0;
+    for (int k = 0; k < 7; ++k) new_qpos[q + k] = !awake ? qpos[q + k] : k < 3 ? pos[k] : quat[k - 3];
+    for (int k = 0; k < 6; ++k) new_qvel[v + k] = awake ? vel[k] : 0, new_qacc[v + k] = awake ? acc[k] : 0;
   } else {
     const int q = 4 * e.agents + 7 * bodies + h, v = 4 * e.agents + 6 * bodies + h;
-    new_qpos[q] = used ? quat[0] : qpos[q], new_qvel[v] = used ? vel[5] : 0, new_qacc[v] = used ? acc[5] : 0;
+    new_qpos[q] = awake ? quat[0] : qpos[q], new_qvel[v] = awake ? vel[5] : 0, new_qacc[v] = awake ? acc[5] : 0;
   }
 }
 
@@ -118,9 +118,9 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   e.acc = at, at += 6 * M, e.smooth = at, at += 6 * M, e.half = at, at += 3 * M, e.mass = at, at += 6 * M;
   e.inverse = at, at += M, e.radius = at, at += M, e.impulse = at, at += 2 * M, e.small = at, at += newton_words(S);
   int* whole = reinterpret_cast<int*>(at);
-  e.used = whole, e.num_near = whole + M, e.island = whole + 2 * M, e.members = whole + 3 * M;
+  e.awake = whole, e.num_near = whole + M, e.island = whole + 2 * M, e.members = whole + 3 * M;
   e.rows = whole + 4 * M, e.end = whole + 5 * M, e.offset = whole + 6 * M, e.counts = whole + 7 * M;
-  e.there = e.counts + 2, e.calm = e.there + M, e.wakes = e.calm + M, e.list = e.wakes + M, e.order = e.list + M;
+  e.exists = e.counts + 2, e.calm = e.exists + M, e.wakes = e.calm + M, e.list = e.wakes + M, e.order = e.list + M;
   real* own = reinterpret_cast<real*>(scratch + size_t(env) * sizes[7]);
   e.near = own, own += MAX_NEAR_BOXES * M, e.near_from = own, own += 12 * M, e.large = own, own += newton_words(D);
   e.pairs = reinterpret_cast<int*>(own), own += PAIRS_PER_BODY * M;
@@ -152,14 +152,14 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   find_sleepers(e, control);
   for (int substep = 0; substep < int(e.numbers.substeps); ++substep) {
     for (int m = LANE; m < M; m += WARP_SIZE)
-      if (e.used[m] || (substep == 0 && e.there[m])) {
+      if (e.awake[m] || (substep == 0 && e.exists[m])) {
         if (m >= e.free) place_leaf(e, m);
         else if (m >= e.agents) rotation(e.quat + 4 * m, e.rot + 9 * m);
       }
     sync_warp();
     wake_near(e);
     for (int m = LANE; m < M; m += WARP_SIZE)
-      if (e.used[m]) smooth(e, m, control, ramps, num_ramps);
+      if (e.awake[m]) smooth(e, m, control, ramps, num_ramps);
     sync_warp();
     for (int a = LANE; a < e.agents; a += WARP_SIZE) hold(e, a, control);
     sync_warp();
@@ -168,7 +168,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     note_pushes(e, count, push, other);
     count_touched(e, count, touched);
     for (int m = LANE; m < M; m += WARP_SIZE)
-      if (e.used[m]) move(e, m);
+      if (e.awake[m]) move(e, m);
     sync_warp();
     wake_touched(e);
   }

@@ -12,6 +12,7 @@ from home_mjx.bank.records import Physics
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.mjx.applied_forces import applied_forces
+from home_mjx.physics.mjx.contact_impulses import ContactImpulses, collect_impulses, combine_substeps, count_contacts
 from home_mjx.physics.mjx.contact_slots import OrientedBoxes, fill_slots, parked_boxes
 from home_mjx.physics.mjx.house_model import (
     MovableBodies,
@@ -24,7 +25,6 @@ from home_mjx.physics.mjx.house_model import (
     with_surfaces,
 )
 from home_mjx.physics.mjx.overflow import GeomSizes, Overflow, are_points_full
-from home_mjx.physics.mjx.push_limits import ContactImpulses, collect_impulses, combine_substeps, count_contacts
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT
 

@@ -42,11 +42,11 @@ def numeric_limit(model: Any, name: str) -> int:
     return int(model.numeric(name).data[0])
 
 
-def are_points_full(data: mjx.Data, most: int) -> Bool[Array, ""]:
-    """Return whether MJX may have dropped contact points: a `condim` has at least `most`, and all of them penetrate."""
+def are_points_full(data: mjx.Data, max_points: int) -> Bool[Array, ""]:
+    """Return whether MJX may have dropped contact points: all of a `condim` penetrate, at least `max_points`."""
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
-    full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= most]
+    full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= max_points]
     return jnp.any(jnp.stack([jnp.all(dist < 0) for dist in full])) if full else jnp.zeros((), bool)
 
 

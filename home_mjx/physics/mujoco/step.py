@@ -14,11 +14,11 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.mjx.applied_forces import applied_forces
+from home_mjx.physics.mjx.contact_impulses import ContactImpulses, combine_substeps
 from home_mjx.physics.mjx.contact_slots import half_above_floor
 from home_mjx.physics.mjx.house_model import house_doors, movable_bodies
 from home_mjx.physics.mjx.mjx_step import apply_state_limits
 from home_mjx.physics.mjx.overflow import Overflow
-from home_mjx.physics.mjx.push_limits import ContactImpulses, combine_substeps
 from home_mjx.physics.mjx.template import Template
 from home_mjx.physics.mujoco.house_mjcf import HouseRows
 from home_mjx.physics.mujoco.house_models import MujocoHouses, PrebuiltHouses, shared_house_models

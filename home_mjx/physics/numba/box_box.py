@@ -48,12 +48,12 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
     code, face = _least_overlap(between, cosine, half1, half2, axis)
     if code < 0:
         return 0
-    if code >= EDGE and _edges(pos1, rot1, half1, between, cosine, half2, code - EDGE, axis, points, normal):
+    if code >= EDGE and _edge_contact(pos1, rot1, half1, between, cosine, half2, code - EDGE, axis, points, normal):
         return 1
     if face < 3:
-        count = _face(pos1, rot1, half1, pos2, rot2, half2, face, 1.0, points, normal)
+        count = _face_contacts(pos1, rot1, half1, pos2, rot2, half2, face, 1.0, points, normal)
     else:
-        count = _face(pos2, rot2, half2, pos1, rot1, half1, face - 3, -1.0, points, normal)
+        count = _face_contacts(pos2, rot2, half2, pos1, rot1, half1, face - 3, -1.0, points, normal)
     return count
 
 
@@ -139,7 +139,7 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 
 @compiled
 @no_type_check
-def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
+def _face_contacts(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
     """Clip the facing side of box 2 by box 1's face on axis `up`; write contact points, return their number.
 
     `normal` becomes `sign` times the outward normal of that face, which is the one towards box 2. Results are in the
@@ -177,7 +177,7 @@ def _face(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
 
 @compiled
 @no_type_check
-def _edges(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
+def _edge_contact(pos1, rot1, half1, between, cosine, half2, code, axis, points, normal):
     """Write the contact of edges along axes i and j, `code` = 3 i + j, in the world; return whether they cross.
 
     Of the four edges along each axis, it is that which faces the other box. They cross if the nearest points of their
@@ -257,8 +257,8 @@ def _clip(corner, edges, size, points):
         for k in range(3):
             start[k] = corner[k] + (edges[by + k] if by >= 0 else 0.0)
             edge[k] = edges[along + k]
-        number = _crossings(start, edge, size, points, number)
-    number = _covered_corners(corner, edges, size, points, number)
+        number = _add_crossings(start, edge, size, points, number)
+    number = _add_covered_corners(corner, edges, size, points, number)
     for i in range(4):
         x, y, z = corner[0], corner[1], corner[2]
         if i & 1:
@@ -266,16 +266,16 @@ def _clip(corner, edges, size, points):
         if i & 2:
             x, y, z = x + edges[3], y + edges[4], z + edges[5]
         if abs(x) < size[0] and abs(y) < size[1]:
-            number = _add(x, y, z, points, number)
+            number = _add_point(x, y, z, points, number)
     return number
 
 
 @compiled
 @no_type_check
-def _crossings(start, edge, size, points, number):
+def _add_crossings(start, edge, size, points, number):
     """Add points with z <= 0 where the edge `start` + t `edge` (t 0 to 1) meets the rectangle's border.
 
-    Rows of `points` are (x, y, z / 2, z), see `_add`. Return the new number of points.
+    Rows of `points` are (x, y, z / 2, z), see `_add_point`. Return the new number of points.
     """
     for q in range(2):
         if abs(edge[q]) <= MIN_CROSS_LENGTH:
@@ -287,13 +287,13 @@ def _crossings(start, edge, size, points, number):
             if t < 0 or t > 1 or abs(across) > size[1 - q]:
                 continue
             x, y = (border, across) if q == 0 else (across, border)
-            number = _add(x, y, start[2] + t * edge[2], points, number)
+            number = _add_point(x, y, start[2] + t * edge[2], points, number)
     return number
 
 
 @compiled
 @no_type_check
-def _covered_corners(corner, edges, size, points, number):
+def _add_covered_corners(corner, edges, size, points, number):
     """Add the parallelogram's points below corners of the rectangle that it covers; return the new number of points."""
     a, c = edges[0], edges[1]
     b, d = edges[3], edges[4]
@@ -305,13 +305,13 @@ def _covered_corners(corner, edges, size, points, number):
         u = ((x - corner[0]) * d - (y - corner[1]) * b) / determinant
         v = ((y - corner[1]) * a - (x - corner[0]) * c) / determinant
         if u > 0 and v > 0 and u < 1 and v < 1:
-            number = _add(x, y, corner[2] + u * edges[2] + v * edges[5], points, number)
+            number = _add_point(x, y, corner[2] + u * edges[2] + v * edges[5], points, number)
     return number
 
 
 @njit(error_model="numpy", inline="always")
 @no_type_check
-def _add(x, y, z, points, number):
+def _add_point(x, y, z, points, number):
     """Add the midpoint of (x, y, z) and (x, y, 0), distance z, unless z > 0 or `points` is full; return the number."""
     if z > 0 or number >= MAX_PAIR_POINTS:
         return number

@@ -25,10 +25,10 @@ def make_rows(work, numbers):
     """Write `jacobian`, `friction`, `weight` and `target` (see `Workspace`) of all contacts to `work`."""
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
-        _jacobian(work, n, 0, a, -1.0)
+        _write_jacobian(work, n, 0, a, -1.0)
         inverse = work.inverse[a]
         if b >= 0:
-            _jacobian(work, n, 1, b, 1.0)
+            _write_jacobian(work, n, 1, b, 1.0)
             inverse += work.inverse[b]
         if b == JOINT_LIMIT:
             inverse = 1 / work.mass[6 * a]
@@ -86,10 +86,10 @@ def contact_velocity(work, n, values):
 
 @compiled
 @no_type_check
-def _jacobian(work, n, side, m, sign):
+def _write_jacobian(work, n, side, m, sign):
     """Write contact `n`'s Jacobian (3, 6) of body `m` at `side` 0 or 1, times `sign`; agents have no angular part."""
     if m >= work.num_free:
-        _door_jacobian(work, n, side, m, sign)
+        _write_door_jacobian(work, n, side, m, sign)
         return
     agent = m < work.num_agents
     x = work.place[4 * n] - work.pos[3 * m]
@@ -108,8 +108,8 @@ def _jacobian(work, n, side, m, sign):
 
 @compiled
 @no_type_check
-def _door_jacobian(work, n, side, m, sign):
-    """Write the Jacobian of a door as `_jacobian` does; only the column of its joint rate is nonzero.
+def _write_door_jacobian(work, n, side, m, sign):
+    """Write the Jacobian of a door as `_write_jacobian` does; only the column of its joint rate is nonzero.
 
     Along a direction it is (up x arm) for a hinged leaf, or the slide direction for a sliding one. At a joint limit the
     first row is the rate itself.

@@ -29,15 +29,15 @@ def find_contacts(work, numbers, floor):
     """
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
-        if work.used[m]:
+        if work.awake[m]:
             if m < work.num_free:
                 _add_house_contacts(work, numbers, m, floor)
             else:
                 _add_limit_contacts(work, m)
             for other in range(work.num_free if m >= work.num_free else work.num_dynamic):
-                if work.used[other] and other < m:
+                if work.awake[other] and other < m:
                     _add_body_contacts(work, other, m)
-                elif work.there[other] and not work.used[other]:
+                elif work.exists[other] and not work.awake[other]:
                     _add_sleeping_contacts(work, m, other)
 
 

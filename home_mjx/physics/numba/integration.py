@@ -24,7 +24,7 @@ def update_poses(work, also_sleepers):
             for j in range(3):
                 work.rot[9 * a + 3 * k + j] = 1.0 if k == j else 0.0
     for m in range(work.num_agents, work.num_dynamic):
-        if work.used[m] or (also_sleepers and work.there[m]):
+        if work.awake[m] or (also_sleepers and work.exists[m]):
             if m < work.num_free:
                 write_rotation(offset_pointer(work.quat, 4 * m), offset_pointer(work.rot, 9 * m))
             else:
@@ -66,10 +66,10 @@ def integrate(work, numbers):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
         _move_agent(work, numbers, a)
     for m in range(work.num_agents, work.num_free):
-        if work.used[m]:
+        if work.awake[m]:
             _move_body(work, numbers, m)
     for m in range(work.num_free, work.num_dynamic):
-        if work.used[m]:
+        if work.awake[m]:
             work.vel[6 * m] += numbers.sim_dt * work.acc[6 * m]
             work.quat[4 * m] += numbers.sim_dt * work.vel[6 * m]
 

@@ -25,13 +25,13 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def mark_sleeping(work, numbers, held, goal):
-    """Set `used` to 0 for sleeping bodies, `calm` to 1 for those that may fall asleep, and clear `wakes`.
+    """Set `awake` to 0 for sleeping bodies, `calm` to 1 for those that may fall asleep, and clear `wakes`.
 
     Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) are awake and not calm. If
     `numbers.sleep` is 0, so is everything.
     """
     for m in range(work.num_dynamic):
-        work.used[m], work.wakes[m] = work.there[m], 0
+        work.awake[m], work.wakes[m] = work.exists[m], 0
         work.calm[m] = 1 if m >= work.num_agents and numbers.sleep > 0 else 0
     for a in range(work.num_agents):
         if held[a] >= 0:
@@ -41,7 +41,7 @@ def mark_sleeping(work, numbers, held, goal):
             work.calm[m] = 0
     for m in range(work.num_agents, work.num_dynamic):
         if work.calm[m] and _is_at_rest(work, m):
-            work.used[m] = 0
+            work.awake[m] = 0
 
 
 @compiled
@@ -58,7 +58,7 @@ def _is_at_rest(work, m):
 @no_type_check
 def _wake(work, m):
     """Mark body `m` as awake, with a tiny acceleration so that its state does not read as asleep."""
-    work.used[m], work.calm[m], work.wakes[m] = 1, 0, 0
+    work.awake[m], work.calm[m], work.wakes[m] = 1, 0, 0
     work.acc[6 * m + (2 if m < work.num_free else 0)] = -MIN_AWAKE_ACCELERATION
 
 
@@ -79,7 +79,7 @@ def wake_touched_bodies(work):
 def wake_near_bodies(work, numbers):
     """Wake sleeping bodies that an agent or a body that is not calm may touch in the next physics step."""
     for m in range(work.num_dynamic):
-        if work.used[m] and (m < work.num_agents or not work.calm[m]):
+        if work.awake[m] and (m < work.num_agents or not work.calm[m]):
             speed = offset_pointer(work.vel, 6 * m)
             if m < work.num_free:
                 fast = _length(speed, 0) + _length(speed, 3) * work.radius[m]
@@ -87,7 +87,7 @@ def wake_near_bodies(work, numbers):
                 fast = 2 * abs(speed[0]) * work.radius[m]
             reach = WAKE_DISTANCE + 2 * numbers.sim_dt * fast
             for other in range(work.num_agents, work.num_dynamic):
-                sleeps = work.there[other] and not work.used[other] and (m < work.num_free or other < work.num_free)
+                sleeps = work.exists[other] and not work.awake[other] and (m < work.num_free or other < work.num_free)
                 if sleeps and _is_near(work, m, other, reach):
                     work.wakes[other] = 1
     wake_touched_bodies(work)
@@ -114,7 +114,7 @@ def mark_moving(work, numbers):
     Doors: only `rest_spin`, of sliding ones in [m/s].
     """
     for m in range(work.num_agents, work.num_dynamic):
-        if work.used[m] and work.calm[m]:
+        if work.awake[m] and work.calm[m]:
             speed, acceleration = offset_pointer(work.vel, 6 * m), offset_pointer(work.acc, 6 * m)
             if m < work.num_free:
                 fast = _length(speed, 0) > numbers.rest_speed or _length(speed, 3) > numbers.rest_spin
@@ -140,9 +140,9 @@ def _length(values, first):
 def put_to_sleep(work):
     """Zero velocity and acceleration of islands whose bodies are all calm: they sleep. Once per control step."""
     for m in range(work.num_dynamic):
-        if work.used[m] and not work.calm[m]:
+        if work.awake[m] and not work.calm[m]:
             work.wakes[work.island[m]] = 1
     for m in range(work.num_agents, work.num_dynamic):
-        if work.used[m] and not work.wakes[work.island[m]]:
+        if work.awake[m] and not work.wakes[work.island[m]]:
             for k in range(6):
                 work.vel[6 * m + k] = work.acc[6 * m + k] = 0.0

@@ -36,7 +36,7 @@ def solve(work, numbers):
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
     for root in range(work.num_dynamic):
-        if work.used[root] and work.island[root] == root:
+        if work.awake[root] and work.island[root] == root:
             members, size = _collect_members(work, root)
             rows = 0
             for n in range(count):
@@ -79,7 +79,7 @@ def _collect_members(work, root):
     """List an island's awake bodies in `work.members`, assign their offsets; return the numbers of bodies and DoFs."""
     members, size = 0, 0
     for m in range(root, work.num_dynamic):
-        if work.used[m] and work.island[m] == root:
+        if work.awake[m] and work.island[m] == root:
             work.members[members] = m
             work.offset[m] = size
             members += 1
@@ -97,7 +97,7 @@ def _newton(work, members, rows, size, iterations):
     full = False
     for _ in range(iterations):
         work.counts[NEWTON_STEPS] += 1
-        changed = _residuals(work, rows)
+        changed = _update_residuals(work, rows)
         if full and not changed:
             return
         _assemble(work, members, rows, size)
@@ -115,7 +115,7 @@ def _newton(work, members, rows, size, iterations):
 
 @compiled
 @no_type_check
-def _residuals(work, rows):
+def _update_residuals(work, rows):
     """Write J a - target and the active (negative) rows of `rows` contacts; return whether the active set changed."""
     changed = False
     for i in range(rows):
@@ -233,7 +233,7 @@ def _line_search(work, members, rows):
     The island has `members` bodies, listed in `work.members`, and `rows` contacts, listed in `work.rows`.
     """
     start, curve, scale = _inertial_derivatives(work, members)
-    _residual_slopes(work, rows)
+    _write_residual_slopes(work, rows)
     before, _ = _derivatives(work, rows, start, curve, 0.0)
     if not before < -NEWTON_TOLERANCE * scale:
         return 0.0
@@ -274,7 +274,7 @@ def _inertial_derivatives(work, members):
 
 @compiled
 @no_type_check
-def _residual_slopes(work, rows):
+def _write_residual_slopes(work, rows):
     """Write the slopes of the residuals of the `rows` contacts in `work.rows` along `search` to `slope`."""
     for i in range(rows):
         n = work.rows[i]

@@ -38,7 +38,7 @@ def load_house(work, static, bodies, door):
             write_rotation(offset_pointer(collider_quat, 4 * c), offset_pointer(work.static_rot, 9 * c))
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
-        work.there[m] = 1 if body_valid[b] else 0
+        work.exists[m] = 1 if body_valid[b] else 0
         square = 0.0
         for k in range(3):
             work.half[3 * m + k] = body_size[3 * b + k]
@@ -71,7 +71,7 @@ def scale_bodies(work, mass, inertia, surface, scale):
 @no_type_check
 def _load_door(work, m, door):
     """Copy size, inertia, inverse weight and validity of leaf row `door` to body `m`; see `doors.door_table`."""
-    work.there[m] = 1 if door[6] >= 0 else 0
+    work.exists[m] = 1 if door[6] >= 0 else 0
     square = 0.0
     for k in range(3):
         work.half[3 * m + k] = door[6 + k]
@@ -92,7 +92,7 @@ def load_agents(work, table):
             table[AGENT_COLUMNS * a + 2],
             table[AGENT_COLUMNS * a + 3],
         )
-        work.there[a] = 1
+        work.exists[a] = 1
         work.half[3 * a] = work.half[3 * a + 1] = radius
         work.half[3 * a + 2] = work.radius[a] = radius + length
         work.inverse[a] = 1 / mass
@@ -192,21 +192,21 @@ def _store(work, before, result):
         qpos[4 * a + 3], qvel[4 * a + 3], qacc[4 * a + 3] = work.quat[4 * a], work.vel[6 * a + 5], work.acc[6 * a + 5]
     for m in range(work.num_agents, work.num_free):
         q, v = 4 * work.num_agents + 7 * (m - work.num_agents), 4 * work.num_agents + 6 * (m - work.num_agents)
-        used = work.used[m]
+        awake = work.awake[m]
         for k in range(3):
-            qpos[q + k] = work.pos[3 * m + k] if used else before[q + k]
+            qpos[q + k] = work.pos[3 * m + k] if awake else before[q + k]
         for k in range(4):
-            qpos[q + 3 + k] = work.quat[4 * m + k] if used else before[q + 3 + k]
+            qpos[q + 3 + k] = work.quat[4 * m + k] if awake else before[q + 3 + k]
         for k in range(6):
-            qvel[v + k] = work.vel[6 * m + k] if used else 0.0
-            qacc[v + k] = work.acc[6 * m + k] if used else 0.0
+            qvel[v + k] = work.vel[6 * m + k] if awake else 0.0
+            qacc[v + k] = work.acc[6 * m + k] if awake else 0.0
     bodies = work.num_free - work.num_agents
     q, v = 4 * work.num_agents + 7 * bodies, 4 * work.num_agents + 6 * bodies
     for h in range(work.num_dynamic - work.num_free):
         m = work.num_free + h
-        qpos[q + h] = work.quat[4 * m] if work.used[m] else before[q + h]
-        qvel[v + h] = work.vel[6 * m] if work.used[m] else 0.0
-        qacc[v + h] = work.acc[6 * m] if work.used[m] else 0.0
+        qpos[q + h] = work.quat[4 * m] if work.awake[m] else before[q + h]
+        qvel[v + h] = work.vel[6 * m] if work.awake[m] else 0.0
+        qacc[v + h] = work.acc[6 * m] if work.awake[m] else 0.0
 
 
 @compiled

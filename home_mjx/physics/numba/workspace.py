@@ -48,8 +48,8 @@ class Workspace(NamedTuple):
     smooth: Pointer  # (m, 6) acceleration without contacts
     half: Pointer  # (m, 3) half extents of bodies
     mass: Pointer  # (m, 6) diagonal of the mass matrix
-    used: Pointer  # (m) 1: awake; 0: asleep or parked
-    there: Pointer  # (m) 0: parked
+    awake: Pointer  # (m) 1: awake; 0: asleep or parked
+    exists: Pointer  # (m) 0: parked
     calm: Pointer  # (m) 1: has hardly moved in this control step
     wakes: Pointer  # (m) 1: was touched while asleep
     inverse: Pointer  # (m) MuJoCo's translational `body_invweight0`, the inverse mass at the centre
@@ -123,8 +123,8 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     smooth, at = floats(at), at + WORD * (6 * m)
     half, at = floats(at), at + WORD * (3 * m)
     mass, at = floats(at), at + WORD * (6 * m)
-    used, at = ints(at), at + WORD * m
-    there, at = ints(at), at + WORD * m
+    awake, at = ints(at), at + WORD * m
+    exists, at = ints(at), at + WORD * m
     calm, at = ints(at), at + WORD * m
     wakes, at = ints(at), at + WORD * m
     inverse, at = floats(at), at + WORD * m
@@ -174,8 +174,8 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
         smooth,
         half,
         mass,
-        used,
-        there,
+        awake,
+        exists,
         calm,
         wakes,
         inverse,
