@@ -29,8 +29,8 @@ def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]
 
     Of the cells above one another, one per level, it is that whose floor or ramp is nearest in height. Cells outside
     the home region count as `MAX_DEPTH_BELOW_FLOOR` farther: their height may be a neighbour's. The grids of two levels
-    share the cells where they meet on a ramp; there it is that of the upper level if the feet are at most
-    `MAX_DEPTH_BELOW_FLOOR` below its floor, else that of the lower one.
+    share cells where they meet on a ramp (heights within `MAX_SHARED_GAP`). There it is the upper level's cell if the
+    feet are at most `MAX_DEPTH_BELOW_FLOOR` below its floor, else the lower level's.
     """
     house = bank.clip_house_index(house)
     row, column = _plan_cell(bank, house, feet)
@@ -156,9 +156,8 @@ def continue_levels(
 ) -> Int[Array, "n 3"]:
     """Return cells near `place` with the level replaced by the one to which floors and ramps lead from there.
 
-    It is the level of the home cell nearest in height to `place`, if the way there is not steeper than `MAX_SLOPE`;
-    else the level of `place`, as in houses of one level. The cell on the level of `place` counts as `MAX_SHARED_GAP`
-    nearer.
+    It is the level of the home cell nearest in height to `place`, if the way there is not steeper than `MAX_SLOPE`.
+    Else it is the level of `place`, as in houses of one level. A cell on that level counts as `MAX_SHARED_GAP` nearer.
 
     Args:
         bank: The houses.

@@ -159,7 +159,7 @@ def is_out_of_bounds(
     """Return whether each agent, then each movable body, has left the lot; unused bodies are False.
 
     Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
-    ground floor. Bodies that fell through an upper floor only are not reported.
+    ground floor. Bodies that fell through an upper floor only are not reported, nor NaN poses (see `is_unstable`).
     """
     physics, agents = bank.physics, agent_pose(template, state)[0]
     pos, quat = body_pose(template, state)

@@ -163,7 +163,7 @@ def _distance(
     """Return the distance from an agent's vertical axis, over its height, to the nearest point of a body's box [m].
 
     The axis is sampled at 17 evenly spaced heights, so the result is an upper bound. For agents up to 2 m tall, it is
-    less than 1 cm too large at distances of at least 0.2 m, and less than 6.5 cm at smaller ones.
+    too large by less than 1 cm from 0.2 m on, and by less than 6.5 cm below.
     """
     at, _ = _agent(template, state, a)
     pos, quat = _body(template, state, body)

@@ -87,8 +87,8 @@ def move_and_slide(
 def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
     """Return the moving agent's horizontal penetration at `pos` of each box, then of each agent [m].
 
-    Negative values mean apart: -1 for boxes and agents above or below it, and for itself. A box that begins above or
-    ends below the capsule's axis meets the smaller disc of its hemisphere at that height.
+    Negative values mean apart: -1 for boxes and agents above or below it, and for itself. A box that begins above the
+    capsule's axis, or ends below it, meets the smaller disc of the hemisphere at that height.
     """
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
