@@ -139,6 +139,8 @@ def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
 def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: float) -> Int[np.ndarray, "m 2 3"]:
     """Merge pairs of boxes, and any inside their hull, least added volume first, to `max_boxes` and further if cheap.
 
+    A hull may overlap the boxes that remain. The added volume is that of the hull less those of the pair.
+
     Args:
         boxes: First cell and one past the last, see `cover_cells`; not modified.
         max_boxes: Maximum number of boxes in the result.
@@ -162,7 +164,7 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
 
 def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
-    """Return each triangle's connected component, counted from 0; corners in one cell of `WELD_DISTANCE` are welded."""
+    """Return each triangle's connected component, from 0; corners in one cell of `WELD_DISTANCE` count as one point."""
     corner = unique_cells(np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64))[1].reshape(-1, 3)
     count = int(corner.max()) + 1
     links = coo_matrix(

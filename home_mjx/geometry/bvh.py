@@ -134,7 +134,9 @@ def _bound(bounds, rows, out):
 def _split(bounds, order, cost, is_left, leaf_size, depth):
     """Partition a range in place in all three orders; return the first part's size; -1, unchanged, if it is a leaf.
 
-    `order` is that of `_cheapest`; `cost` and `is_left` are overwritten.
+    A range of at most `leaf_size` is a leaf if the best split of `_cheapest` costs no less. Near `MAX_DEPTH`, larger
+    ranges are halved along x instead; `depth` is -1 for the root. `order` is that of `_cheapest`; `cost` and `is_left`
+    are overwritten.
     """
     n = order.shape[1]
     leaves = (n + leaf_size - 1) // leaf_size
@@ -178,7 +180,8 @@ def _cheapest(bounds, order, cost):
 @njit(cache=True, inline="always")
 @no_type_check
 def _center(bounds, row, axis):
-    return bounds[row, axis] + bounds[row, axis + 3]  # twice the centre
+    """Return twice the centre of box `row` along an axis."""
+    return bounds[row, axis] + bounds[row, axis + 3]
 
 
 @njit(cache=True)

@@ -42,8 +42,8 @@ def find_exposed_edges(
 ) -> Bool[np.ndarray, "n edges"]:
     """Return the mask of edges, in the order of `edge_rows`, that are exposed to air and thus diffract sound.
 
-    At `MIN_FREE_PROBES` or more positions along an edge, the points beside both faces and in front of it must be in
-    air. Air is between the floor and ceiling of some room, and in no other box.
+    At `MIN_FREE_PROBES` or more positions along an edge, three points must be in air: one in front of each of its
+    faces, and one outside both. Air is between the floor and ceiling of some room, and in no other box.
 
     Args:
         center: Box centres [m].
@@ -99,7 +99,10 @@ def _close_pairs(
 
 
 def _probes(half: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n edges along 3 3"]:
-    """Return probe points [m] in the boxes' frames; the last but one axis: beside either face, in front of both."""
+    """Return probe points [m] around the edges, in the boxes' frames, `PROBE_DISTANCE` from the planes of both faces.
+
+    The last but one axis has three: in front of the face of the lower axis, of the higher axis, and outside both.
+    """
     found = np.zeros((len(half), NUM_EDGES, len(PROBE_POSITIONS), 3, 3))
     for number, (along, *sides) in enumerate(edge_rows()):
         others = [axis for axis in range(3) if axis != along]

@@ -35,7 +35,7 @@ def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarra
 def are_inside_polygons(
     polygons: Sequence[Float[np.ndarray, "_ 2"]], points: Float[np.ndarray, "*p 2"]
 ) -> Bool[np.ndarray, "n *p"]:
-    """Return whether points are inside each of several polygons, see `is_inside_polygon`."""
+    """Return whether points (axes `*p`) are inside each of `n` polygons, see `is_inside_polygon`."""
     x, y = points[..., 0], points[..., 1]
     inside = np.zeros((len(polygons), *x.shape), bool)
     edges = np.concatenate([np.zeros((0, 4)), *(np.c_[p, np.concatenate([p[1:], p[:1]])] for p in polygons)])
@@ -53,7 +53,10 @@ def are_inside_polygons(
 
 
 def _crosses(x: np.ndarray, y: np.ndarray, edges: Float[np.ndarray, "4 ..."]) -> Bool[np.ndarray, "..."]:
-    """Return whether rays from points along +x cross edges (x0, y0, x1, y1), none of which is parallel to x."""
+    """Return whether rays from points along +x cross edges (x0, y0, x1, y1), none of which is parallel to x.
+
+    A ray crosses an edge at its lower end, but not at its upper end, nor if it begins on the edge. Arguments broadcast.
+    """
     x0, y0, x1, y1 = edges
     return ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
 
@@ -77,7 +80,8 @@ def boundary_edges(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2 
 def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = HOLE_STEPS) -> Float[np.ndarray, "2"]:
     """Return the point of a `steps` x `steps` grid inside a polygon that is farthest from its edges.
 
-    Ties go to the point nearest to the middle. If no grid point is inside, return the centre of the bounds.
+    0.1 % of a point's distance to the middle of the bounds is deducted, so that ties go to the nearest one. If no grid
+    point is inside, return the middle.
     """
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
@@ -94,7 +98,7 @@ def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = HOLE_ST
 def find_smallest_room(
     rooms: RoomTable, candidates: Int[np.ndarray, " r"], points: Float[np.ndarray, "*p 2"]
 ) -> Int[np.ndarray, "*p"]:
-    """Return the index of the room in `candidates` of least area that contains each point (x, y); -1 if none does."""
+    """Return the room of `candidates` of least area (the last of equal ones) that contains each point; -1 if none."""
     found = np.full(points.shape[:-1], -1, np.int32)
     order = sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r]))
     for room, inside in zip(order, are_inside_polygons([rooms.polygon[r] for r in order], points), strict=True):

@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float
 
 
 def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
-    """Return the sorted distinct values; neighbours up to `tolerance` apart are merged into their mean.
+    """Return the sorted distinct values; chains of neighbours up to `tolerance` apart are merged into their mean.
 
     The minimum and the maximum are kept exactly, unless all values merge into one.
 

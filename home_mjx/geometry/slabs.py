@@ -54,7 +54,9 @@ def _piece(
 
 
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
-    """Return a counter-clockwise polygon, grown by `outset` [m] unless notches close, and its triangles facing +y.
+    """Return a counter-clockwise polygon, grown by `outset` [m] unless it then crosses itself, and its triangles.
+
+    Triangles face +y.
 
     Raises:
         ValueError: The polygon crosses itself even without the outset.
@@ -102,7 +104,10 @@ def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
 
 
 def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
-    """Move the sides of a counter-clockwise polygon outwards by `outset` [m]; corners are mitred, up to `MAX_MITRE`."""
+    """Move the sides of a counter-clockwise polygon outwards by `outset` [m], or inwards if it is negative.
+
+    Corners are mitred and move by at most `MAX_MITRE` times the outset. The result may cross itself.
+    """
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     normal = np.stack([way[:, 1], -way[:, 0]], 1)

@@ -38,7 +38,10 @@ class ClippedSurface:
 
 
 def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> list[list[Polygon]]:
-    """Return the plan triangles [m] of each smaller room whose outline covers a part of this room; empty if none does.
+    """Return the plan triangles [m] of each smaller room that covers more than `MIN_OVERLAP_AREA` of this room.
+
+    For this test, the smaller outline is shrunk by `IGNORED_OVERLAP_WIDTH`. Larger owners are first; of equal rooms,
+    the later one counts as smaller.
 
     Args:
         room: Index of the room.
@@ -54,7 +57,10 @@ def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> l
 
 
 def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
-    """Return the triangles of a polygon whose sides are offset outwards by `outset` [m]; empty if it crosses itself."""
+    """Return the triangles of a polygon whose sides are offset outwards by `outset` [m], or inwards if it is negative.
+
+    The list is empty if the polygon has no area or crosses itself, also after the offset.
+    """
     try:
         corners = simplify(polygon)
         grown = corners if outset == 0 else offset_outwards(corners, outset)
@@ -64,7 +70,7 @@ def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
 
 
 def _shared(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
-    """Return the area of the intersection of two sets of triangles [m^2]."""
+    """Return the area [m^2] of `a`, whose triangles are disjoint, that triangles of `b` cover."""
     area = sum(polygon_area(piece) for piece in a)
     return area - sum(polygon_area(piece) for piece in _without(a, b))
 
@@ -80,7 +86,10 @@ def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Poly
 
 
 def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
-    """Return the part of a convex polygon outside a counter-clockwise triangle as convex polygons, maybe none."""
+    """Return the part of a convex polygon outside a counter-clockwise triangle as convex polygons, maybe none.
+
+    Parts of at most `MIN_PIECE_AREA` are dropped. If only so much would be cut off, the polygon is returned unchanged.
+    """
     if (piece.max(axis=0) <= cutter.min(axis=0)).any() or (piece.min(axis=0) >= cutter.max(axis=0)).any():
         return [piece]
     found, inside = [], piece
@@ -141,7 +150,10 @@ def clip_surface(
 def _fan(
     piece: Polygon, triangle: Float[np.ndarray, "3 3"], uv: Float[np.ndarray, "3 2"]
 ) -> tuple[Float[np.ndarray, "n 3 3"], Float[np.ndarray, "n 3 2"]]:
-    """Return corners and uv of triangles that fill a convex plan piece of a triangle, in its plane and winding."""
+    """Return corners and uv of triangles that fill a convex plan piece of a triangle, in its plane and winding.
+
+    Triangles almost without area are left out.
+    """
     weight = np.linalg.solve(np.vstack([triangle[:, :2].T, np.ones(3)]), np.vstack([piece.T, np.ones(len(piece))])).T
     order = np.array([[0, k, k + 1] for k in range(1, len(piece) - 1)])
     order = order[[polygon_area(piece[k]) > MIN_PIECE_AREA / 100 for k in order]]

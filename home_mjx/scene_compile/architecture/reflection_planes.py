@@ -79,7 +79,7 @@ def _wall(part: WallPart, normal: Float[np.ndarray, "3"], slot: int, rooms: Room
 
 
 def _merge_walls(walls: Sequence[ReflectionRectangle]) -> list[ReflectionRectangle]:
-    """Merge coplanar rectangles that overlap, as around nested rooms, so that no surface reflects twice."""
+    """Replace walls that overlap in a plane, as around nested rooms, by the rectangle around them until none do."""
     table, merged = _Table(walls), 0
     for wall in walls:
         twin = np.flatnonzero(table.overlaps(wall)[:merged])
@@ -104,7 +104,10 @@ class _Table:
         self.u[row], self.v[row] = rectangle.u, rectangle.v
 
     def overlaps(self, a: ReflectionRectangle) -> Bool[np.ndarray, " n"]:
-        """Return a mask of rectangles in the plane of wall `a`, facing alike, that overlap it by at least 0.2 m."""
+        """Return a mask of the walls in the plane of wall `a`, facing alike, that overlap it.
+
+        That is by more than `MIN_RECTANGLE_EDGE` along it; in height, it is enough that they touch.
+        """
         length = np.linalg.norm(a.u)
         direction, away = a.u / length, self.center - a.center
         near = (self.normal @ a.normal >= 0.999) & (abs(away @ a.normal) <= MAX_PLANE_DISTANCE)
@@ -142,7 +145,8 @@ def _plan_rectangles(
 ) -> list[tuple[Float[np.ndarray, "4"], float]]:
     """Return rectangles (u0, v0, u1, v1) [m] that cover the plan area where the part's room is the smallest one.
 
-    Each comes with the yaw [rad] of its `u` axis, which is along the room's longest wall; the origin is the world's.
+    Each comes with the yaw [rad] of its `u` axis, which is along the room's longest wall (0 without walls). The origin
+    is the world's.
     """
     walls = [p.slab for p in house.parts if isinstance(p, WallPart) and p.room == part.room]
     yaw = max(walls, key=lambda s: s.length).yaw if walls else 0.0

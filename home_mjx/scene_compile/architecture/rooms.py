@@ -73,9 +73,11 @@ def _first_type(room: RoomNode) -> int:
 
 
 def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.ndarray, "n 2"], tuple[float, float]]:
-    """Return a room's outline, top of its floor and underside of its ceiling [m]; other meshes replace missing ones.
+    """Return a room's outline, top of its floor and underside of its ceiling [m].
 
-    The outline has the holes of the floor. Without any mesh, it is empty and the heights are 0.
+    The outline is that of the floor with its holes, else of the ceiling, else the rectangle around the walls. Without a
+    floor or a ceiling, the lowest or highest point of the other meshes replaces it. Without any mesh, the outline is
+    empty and the heights are 0.
     """
     meshes = (room.floor, room.ceiling, room.walls)
     floor, ceiling, walls = (None if m is None else world_triangles(m, offset) for m in meshes)

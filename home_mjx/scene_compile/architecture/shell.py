@@ -131,7 +131,10 @@ def find_partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
 
 
 def _same_partition(a: ShellPart, b: ShellPart) -> bool:
-    """Return whether two parts are copies of one wall, or floors and ceilings that overlap in plan and nearly touch."""
+    """Return whether two parts are copies of one wall, or floors and ceilings whose bounding boxes nearly meet.
+
+    They do if they overlap in x and y by more than `MAX_LAYER_GAP` and are less than that apart in height.
+    """
     if isinstance(a, WallPart) and isinstance(b, WallPart):
         return is_same_wall(a.slab, b.slab)
     if {a.kind, b.kind} & {"wall", "ground"}:
@@ -210,7 +213,10 @@ def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
 
 
 def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
-    """Return the unit world direction from a part into its room; up for floors and grounds, down for ceilings."""
+    """Return the unit world direction from a part into its room; up for floors and grounds, down for ceilings.
+
+    A wall faces the side where more of the points of `_indoors` are in its room.
+    """
     if not isinstance(part, WallPart):
         return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])
     polygon = [rooms.polygon[part.room]]
@@ -219,7 +225,10 @@ def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
 
 
 def _slot_on_side(part: ShellPart, slots: Int[np.ndarray, " f"], toward: Float[np.ndarray, "3"]) -> int:
-    """Return the slot, of `slots` per face, with the largest area towards unit `toward`, `VISIBLE_DEPTH` deep."""
+    """Return the slot, of `slots` per face, with the largest projected area towards unit `toward`; 0 if there is none.
+
+    Faces behind the outermost one by `VISIBLE_DEPTH` or more are ignored; a face is as far out as its innermost corner.
+    """
     normal = np.cross(part.triangles[:, 1] - part.triangles[:, 0], part.triangles[:, 2] - part.triangles[:, 0])
     height = (part.triangles @ toward).min(axis=1)
     surface = height > height.max() - VISIBLE_DEPTH

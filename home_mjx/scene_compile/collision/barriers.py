@@ -116,7 +116,7 @@ def lot_bounds(rooms: RoomTable) -> Float[np.ndarray, "2 2"]:
 
 
 def is_within_lot(box: Float[np.ndarray, "2 3"], rooms: RoomTable) -> bool:
-    """Return whether a box (minimum and maximum corner [m]) overlaps the volume inside the fence, up to its top.
+    """Return whether a box (minimum and maximum corner [m]) overlaps the volume inside the fence, or that below it.
 
     Agents cannot touch anything else, such as neighbouring houses or the roof.
     """
@@ -126,7 +126,10 @@ def is_within_lot(box: Float[np.ndarray, "2 3"], rooms: RoomTable) -> bool:
 
 
 def build_fence(rooms: RoomTable) -> BoxSet:
-    """Return four thin boxes at `lot_bounds`, up to the highest ceiling, which stop all that passes the barriers."""
+    """Return four thin boxes along `lot_bounds`, from the lowest floor to the highest ceiling.
+
+    They end at least `MIN_BARRIER_HEIGHT` above the highest floor, and stop all that passes the barriers.
+    """
     low, high = lot_bounds(rooms)
     (x, y), (w, d) = (low + high) / 2, (high - low) / 2
     bottom, top = rooms.floor.min(), max(rooms.floor.max() + MIN_BARRIER_HEIGHT, rooms.ceiling.max())

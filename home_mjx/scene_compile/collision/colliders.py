@@ -150,7 +150,7 @@ def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: in
 
 
 def _is_open_leaf(box: BoxSet) -> bool:
-    """Return whether a box is as high as a leaf and at an angle to its wall, which is along x."""
+    """Return whether a box is as high as a leaf and oblique to its wall, which is along x: not at 0 or 90 degrees."""
     turn = (box.yaw[0] + np.pi / 4) % (np.pi / 2) - np.pi / 4
     return bool(box.half[0, 2] * 2 > MIN_LEAF_HEIGHT and abs(turn) > MIN_OPEN_LEAF_ANGLE)
 
@@ -171,7 +171,7 @@ def select_passable_leaves(
     Args:
         leaves: One box each.
         free_area: Function from leaf boxes to the area of the largest free region [m^2].
-        min_gain: Minimum area that a leaf must cut off to be omitted [m^2].
+        min_gain: Minimum area that a leaf must cut off, besides its own footprint, to be omitted [m^2].
     """
     if not leaves:
         return []

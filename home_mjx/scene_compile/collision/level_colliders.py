@@ -125,7 +125,7 @@ def find_obstacles(
 def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, invisible: BoxSet) -> Colliders:
     """Return the floors, walls, fixed objects, leaves and invisible boxes of all levels, in this order.
 
-    Visible boxes inside another box are omitted.
+    Visible boxes inside another box are omitted. Only boxes of objects and leaves have an object id; others have -1.
 
     Args:
         levels: Obstacles of each level.

@@ -114,7 +114,10 @@ def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float
 
 
 def _outside(stops: Sequence[float]) -> list[tuple[float, float]]:
-    """Return parts of the range (first two stops) outside the ranges that follow, wider than `MIN_GUARD_GAP` [m]."""
+    """Return the parts of a range that are outside others and wider than `MIN_GUARD_GAP` [m], in order.
+
+    `stops` has the start and end of the range, then those of each other one; these are inside it and not nested.
+    """
     taken = sorted(zip(stops[2::2], stops[3::2], strict=True))
     edges = [stops[0], *(value for pair in taken for value in pair), stops[1]]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b - a > MIN_GUARD_GAP]

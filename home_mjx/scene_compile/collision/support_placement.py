@@ -20,8 +20,8 @@ MIN_VERTICAL_OVERLAP = 2e-4  # [m], boxes with a smaller vertical overlap only t
 def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[int]]:
     """Return the ids of the objects on or in each object, by its id, from bounding boxes; no entry without such loads.
 
-    The centre of a load is over the object in the plan. `reach` is the maximum gap between a load and the top of the
-    object that supports it [m].
+    The centre of a load is over the object in the plan. Its underside is more than `MIN_LOAD_RISE` above that of the
+    object, and less than `reach` [m] above its top. So a load may have several carriers, such as a box and its table.
     """
     boxes = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     loads: dict[int, list[int]] = {}
@@ -37,7 +37,7 @@ def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[
 def sort_carriers_first(
     candidates: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]]
 ) -> list[MovableCandidate]:
-    """Sort the candidates so that each follows those that support it; the order is otherwise kept."""
+    """Sort the candidates, stably, by the longest chain of objects below each, so that each follows its carriers."""
     carriers = {load: {i for i, on in loads.items() if load in on} for load in {j for on in loads.values() for j in on}}
     depth: dict[int, int] = {}
 
@@ -115,9 +115,9 @@ def _put(box: BoxSet, base: float, stretch: bool) -> BoxSet:
 
 
 def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
-    """Return the height of the upper sides, within `reach` [m] of a box's bottom, that support its central region.
+    """Return the height of the highest upper side, within `reach` [m] of a box's bottom, at its central region.
 
-    Return None if they do not cover it.
+    Return None if there is none, or if upper sides at this height do not cover the region's centre and corners.
     """
     points = box.center[0, :2] + (
         SUPPORT_REGION * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1], [0, 0]]) * box.half[0, :2]

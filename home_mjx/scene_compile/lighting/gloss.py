@@ -31,7 +31,7 @@ def gloss_table(
     models: Mapping[str, Mesh],
     first: Sequence[int],
 ) -> Gloss:
-    """Return the gloss of a house's material rows: from the MTL if it has `Ks` and `Ns`, else by kind of material.
+    """Return the gloss of a house's material rows: from an object's MTL if that has `Ks` and `Ns`, else by their kind.
 
     Set `mirror` for the reflecting slots of mirrors. `surfaces` are by row, `models` meshes by key, and `first` has
     the first row of each object.
@@ -48,7 +48,7 @@ def gloss_table(
 
 
 def _from_mtl(gloss: Gloss, row: int, material: Material) -> None:
-    """Set a row, in place, to the limited `Ks` and `Ns` of a material that has both."""
+    """Set a row in place to `Ks` (at most `SPECULAR_MAX`) and `Ns` (clipped to 1..1000) if a material has both."""
     if material.specular is not None and material.shininess is not None:
         gloss.specular[row] = np.minimum(material.specular, SPECULAR_MAX)
         gloss.shininess[row] = np.clip(material.shininess, 1.0, 1000.0)

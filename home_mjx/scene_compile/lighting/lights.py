@@ -29,8 +29,8 @@ class LightOptions:
     """Options of lights that are added to lamps and windows.
 
     Attributes:
-        room_power: Power per floor area of an added light panel, under the ceiling centre of each room without a
-            lamp [W/m^2]; many rooms of SUNCG have none. 0: such rooms have only daylight.
+        room_power: Power per floor area of an added light panel, under the ceiling of each room without a lamp
+            [W/m^2]; many rooms of SUNCG have none. 0: such rooms have only daylight.
 
     Raises:
         ConfigError: `room_power` is not a number of at least 0.
@@ -111,7 +111,7 @@ def _groups(lights: Iterable[Light]) -> list[list[Light]]:
 
 
 def _alike(a: Light, b: Light) -> bool:
-    """Return whether two lights are merged: points or spots of one kind and cutoff, close and with similar aim."""
+    """Return whether two lights are merged: close points, or close spots with similar aim, of equal cutoff."""
     if a.kind != b.kind or a.kind == "line" or a.cutoff != b.cutoff:
         return False
     near = np.linalg.norm(np.subtract(a.position, b.position)) < MAX_MERGE_DISTANCE
@@ -126,7 +126,7 @@ def _aim(light: Light) -> Float[np.ndarray, "3"]:
 
 
 def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSource:
-    """Return the light of a group, in its model's frame: total flux, mean position by power, and aim of the first."""
+    """Return the light of a group, in its model's frame: total flux, power-weighted mean ends, aim of the first."""
     power = np.array([light.power for light in group], float)
     share = power / max(power.sum(), 1e-9)
     ends = [(light.position, light.position if light.end is None else light.end) for light in group]
@@ -139,7 +139,7 @@ def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSourc
 
 
 def _cutoff(light: Light) -> float:
-    """Return the cosine of a light's cutoff angle; 90 degrees if the file has none."""
+    """Return the cosine of a light's cutoff angle, which is 90 degrees if the file has none, and at least 0.05 rad."""
     return float(np.cos(np.clip(np.pi / 2 if light.cutoff is None else light.cutoff, 0.05, np.pi)))
 
 

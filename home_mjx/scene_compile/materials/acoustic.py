@@ -151,7 +151,8 @@ def detour_transmission(detour: float) -> Float[np.ndarray, " bands"]:
 def absorption_name(texture_family: str, category: str, slot_name: str = "") -> str:
     """Return the name of the `absorption_table` row that `acoustic_properties` uses for the same arguments.
 
-    The first that is known counts: slot name, curtain, upholstery, texture family unless a thin facing, category.
+    The first that is known counts: slot name, curtain, upholstery, `FLOOR_ROWS`, texture family, category, wood. The
+    family does not count for thin facings, nor for cloth on architecture.
 
     Example:
         >>> absorption_name("wallp", "wall"), absorption_name("textile", "sofa"), absorption_name("wood", "floor")

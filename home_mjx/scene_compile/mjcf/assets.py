@@ -52,7 +52,7 @@ class MjcfAssets:
     def mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
         """Return the name of the mesh of one material slot of a model after a stretch; None if it has no area.
 
-        The stretch scales, mirrors or shears the mesh.
+        The stretch scales, mirrors or shears the mesh. The first call for equal arguments adds it.
         """
         key = (model.key, slot, tuple(np.round(stretch, 6).ravel() + 0.0))
         if key not in self._meshes:
@@ -78,6 +78,8 @@ class MjcfAssets:
 
     def pieces(self, model: Model, stretch: Float[np.ndarray, "3 3"]) -> list[str]:
         """Return the names of the convex pieces of a model after a stretch, which scales, mirrors or shears it.
+
+        The first call for equal arguments adds them.
 
         Raises:
             ConfigError: As `convex_pieces`.
@@ -107,7 +109,7 @@ class MjcfAssets:
 
 
 def obj_bytes(triangle: Float[np.ndarray, "t 3 3"], uv: Float[np.ndarray, "t 3 2"]) -> bytes:
-    """Return the content of an OBJ file of separate triangles; equal corners are merged."""
+    """Return the content of an OBJ file of separate triangles, with equal corners merged and at least four vertices."""
     vertex, corner = np.unique(triangle.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
     coordinate, corner_uv = np.unique(uv.reshape(-1, 2).astype(np.float32), axis=0, return_inverse=True)
     if len(vertex) < 4:  # MuJoCo requires at least four vertices

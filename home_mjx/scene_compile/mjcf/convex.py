@@ -105,7 +105,7 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
 
 
 def _squeeze(pieces: list[Float[np.ndarray, "_ 3"]], box: Float[np.ndarray, "2 3"]) -> list[Float[np.ndarray, "_ 3"]]:
-    """Return the pieces scaled together to the model's bounding box, since CoACD adds a skin of half a voxel."""
+    """Return the pieces scaled together, by axis, to the model's bounding box: CoACD adds a skin of half a voxel."""
     if not pieces:
         return []
     skin = bounds(np.concatenate(pieces))

@@ -39,7 +39,7 @@ def build_navigation(
     Args:
         house_id: Seeds the sampling of starts and goals.
         rooms: Floor heights.
-        spaces: Free space of each level that has rooms, lowest first; each must have standable cells.
+        spaces: Free space of each level that has rooms, lowest first; some must have standable cells off ramps.
         options: Counts and sizes.
         doorways: Doorways of each level; empty: none.
         stairs: Stairs between the levels that agents use.
@@ -96,7 +96,7 @@ def _clear_of_leaves(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells where an agent is clear of all leaf positions; all home cells if there are none."""
+    """Return the home cells where an agent, with its margin, is clear of all leaf positions; all of them if none is."""
     reach, found = options.agent_radius + options.margin, home.copy()
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
         heights = (options.max_step_height, options.agent_height)
@@ -112,7 +112,10 @@ def _cut_off_cells(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells that leaves of open doors cover or cut off from the main part; none if they cover all."""
+    """Return the home cells where an agent touches a leaf of an open door, or that leaves cut off from the main part.
+
+    The main part is the home region of `label_regions` without the touched cells. Return none if all are touched.
+    """
     free, heights = home.copy(), (options.max_step_height, options.agent_height)
     for cells, space, boxes in zip(free, spaces, leaves, strict=False):
         floor, radius = rooms.floor[space.room], options.agent_radius
@@ -124,7 +127,7 @@ def _cut_off_cells(
 def _passable(
     spaces: Sequence[FreeSpace], home: Bool[np.ndarray, "l ny nx"], options: NavigationOptions
 ) -> Bool[np.ndarray, "l ny nx"] | None:
-    """Return the cells that may be at the corners of diagonal steps; None: home cells."""
+    """Return the cells at the corners of diagonal steps: `passable_cells` if these are safe, else None (home cells)."""
     if not has_clear_diagonals(options.cell, options.agent_radius):
         return None
     bare, standable = (np.stack([getattr(s, f"standable{end}") for s in spaces]) for end in ("_without_margin", ""))

@@ -20,7 +20,7 @@ def compute_clearance(
     heights: tuple[float, float],
     max_distance: float,
 ) -> Float[np.ndarray, "ny nx"]:
-    """Compute the distance from every cell centre to the nearest obstacle within a height range [m].
+    """Compute the distance in plan from every cell centre to the nearest obstacle within a height range [m]; 0 inside.
 
     Args:
         obstacles: Upright boxes.
@@ -46,7 +46,10 @@ def _found(boxes, floor, x, y, least, most):
 @njit(cache=True)
 @no_type_check
 def _clearance(boxes, floor, x, y, least, most):
-    """Return distances; columns of boxes: centre x, y, half extents, cosine and sine of yaw, reach, bottom, top."""
+    """Return the distances of `compute_clearance`.
+
+    Columns of boxes: centre x, y, half extents x, y, cosine and sine of yaw, reach, bottom, top.
+    """
     found = np.full(floor.shape, np.inf)
     for i in range(len(boxes)):
         cx, cy, a, b, c, s, reach, bottom, top = boxes[i]

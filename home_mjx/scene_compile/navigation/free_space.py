@@ -134,7 +134,7 @@ def find_free_space(
 def _assign_stair_cells(
     upstairs: Sequence[Staircase], downstairs: Sequence[Staircase], points: Float[np.ndarray, "ny nx 2"], cell: float
 ) -> Iterator[tuple[Staircase, int, Bool[np.ndarray, "ny nx"]]]:
-    """Yield the stairs of a level, the end (0 foot, 1 head) on this level, and the cells that belong to the level.
+    """Yield the stairs of a level, those up first, each with its end there (0 foot, 1 head) and its cells there.
 
     Both levels include the cells around the split between their grids. If stairs exit under others, each cell has only
     one surface: the lower one up to the split and, beyond a gap, the upper one. The next level then includes more of

@@ -62,7 +62,7 @@ def stair_links(
     height: Float[np.ndarray, "l ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[list[GridLink]]:
-    """Return the links of each staircase between its levels, at its cells standable and equally high in both grids.
+    """Return the links of each staircase between its levels, one per cell standable and equally high in both grids.
 
     Args:
         stairs: Stairs of the house.

@@ -36,7 +36,7 @@ class Doorway:
 
     @property
     def leads_outdoors(self) -> bool:
-        """True if one side has no room."""
+        """True if at least one side has no room."""
         return min(self.room) < 0
 
 
@@ -62,7 +62,7 @@ def shut_outer_doors(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[
 
 
 def _doorway(item: PlacedObject, rooms: RoomTable) -> Doorway:
-    """Return the doorway of a door or arch without leaves; its first room is on the -y side of the object."""
+    """Return the doorway of a door or arch, `leaf` not yet set; its first room is on the -y side of the object."""
     along, across = np.array([[np.cos(item.yaw), np.sin(item.yaw)], [-np.sin(item.yaw), np.cos(item.yaw)]])
     points = item.triangles.reshape(-1, 3)[:, :2] @ along
     middle = item.pose[:2, 3] @ across

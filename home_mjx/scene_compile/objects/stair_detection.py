@@ -251,7 +251,7 @@ def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]
 
 
 def _areas(steps: Sequence[Float[np.ndarray, "_ 3"]]) -> Int[np.ndarray, " s"]:
-    """Return the area of each tread: the number of `SAMPLE_CELL` cells with a sample point."""
+    """Return the area of each tread in the plan [cells]: the number of `SAMPLE_CELL` cells with a sample point."""
     return np.array([len(_plan_cells(step)[0]) for step in steps])
 
 
@@ -307,7 +307,7 @@ def _curve(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, 
 
 
 def _line(middle: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"]) -> tuple[int, float, float] | None:
-    """Fit height = rise * position + offset to weighted tread centres [m]; None if they turn or are too steep.
+    """Fit height = rise * position + offset to weighted tread centres [m]; None if they are not in line or too steep.
 
     Returns:
         Axis of the position (0 or 1), rise and offset.

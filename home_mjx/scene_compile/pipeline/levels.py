@@ -62,9 +62,9 @@ class LevelSite:
     downstairs: Sequence[Staircase]
 
     def floors(self, step: float) -> BoxSet:
-        """Return boxes of its floors [m].
+        """Return the boxes of the level's floors; the lowest level has none up to `step` [m] above its lowest floor.
 
-        On the lowest level, a plane replaces those up to `step` [m] above the lowest floor.
+        The ground plane is there instead.
         """
         return self.plan.boxes(self.plan.lowest + step if self.grid == 0 else -np.inf)
 

@@ -38,7 +38,7 @@ def check_counts(house: House) -> None:
 
 
 def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, int]]) -> None:
-    """Raise `DatasetError`, at the first path where the running sum of counts exceeds `most`."""
+    """Raise `DatasetError` at the first path where the running sum of `counts` (path, count) exceeds `most`, if any."""
     total = 0
     for path, count in counts:
         total += count
@@ -47,7 +47,7 @@ def _refuse_beyond(house: House, most: int, what: str, counts: list[tuple[str, i
 
 
 def check_levels(frame: HouseFrame, shell: BuildingShell, cell: float) -> None:
-    """Reject a house whose rooms exceed the maximum navigation grid of cells of size `cell` [m], or whose walls do.
+    """Reject a house that needs over `MAX_CELLS` cells of size `cell` [m], or has over `MAX_WALL_LENGTH` of walls.
 
     Raises:
         DatasetError: A limit is exceeded; the error names the farthest room, or that of the longest wall.

@@ -19,7 +19,7 @@ SUPPORT_PHRASES = {
 def short_text(size: str, look: Appearance, category: str) -> str:
     """Return a text of size (unless normal), CSS colours, fine category, and materials that textures determine.
 
-    This is the form of HoME.
+    This is the form of HoME. Missing items are left out; the categories `empty` and `unknown` become "object".
 
     Args:
         size: One of `SIZES`, or "".
@@ -101,11 +101,11 @@ def _near(house: HouseSemantics, item: ObjectSemantics) -> list[str]:
 
 
 def _noun(category: str) -> str:
-    """Return a category in words."""
+    """Return a category in words: spaces for underscores, "object" for `UNNAMED_CATEGORIES`."""
     return "object" if category in UNNAMED_CATEGORIES else category.replace("_", " ")
 
 
 def _listed(words: Sequence[str]) -> str:
-    """Return at least one word as an enumeration with `and`."""
+    """Return at least one word as an enumeration, such as `a, b and c`."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last

@@ -90,7 +90,7 @@ class _AppearanceCache:
     found: dict[Hashable, Appearance] = field(default_factory=dict)
 
     def get(self, key: Hashable, skin: Callable[[], TexturedTriangles]) -> Appearance:
-        """Return the cached appearance of a key, else compute it of `skin()`; equal keys must have equal skins."""
+        """Return the cached appearance of a key, else compute it of `skin()`; the first skin of a key counts."""
         if key not in self.found:
             self.found[key] = compute_appearance(skin(), self.options)
         return self.found[key]
@@ -134,7 +134,10 @@ class _Look:
 
 
 def _part(shell: BuildingShell, index: int, rooms: RoomTable, looks: _AppearanceCache) -> PartSemantics:
-    """Return the semantics of part `index`; appearance and area are those of the largest slot on its room's side."""
+    """Return the semantics of part `index`; appearance and area are those of the largest slot on its room's side.
+
+    Parts whose largest slots have equal surfaces share the appearance of the first one.
+    """
     part, model = shell.parts[index], shell.model
     seen = np.flatnonzero((model.part == index) & (model.slot == shell.inner_slot[index]))
     triangles = model.triangle[seen].astype(np.float64)
