@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance
+from home_mjx.geometry.boxes import BoxSet, footprint, footprint_distance, penetration_depth
 from home_mjx.scene_compile.semantics.supports import Support
 
 MAX_NEIGHBOUR_GAP = 0.5  # [m], maximum distance between the footprints of neighbours
@@ -95,9 +95,11 @@ def _neighbours(index: int, boxes: BoxSet, places: Int[np.ndarray, "o 2"]) -> li
 
 
 def footprint_gap(boxes: BoxSet, a: int, b: int) -> float:
-    """Return the distance between the footprints of two boxes [m]; 0 if a corner or centre of one is in the other."""
-    ends = [np.concatenate([footprint(boxes, i), boxes.center[i : i + 1, :2]]) for i in (a, b)]
-    return float(footprint_distance(boxes[[b, a]], np.stack(ends)).min())
+    """Return the distance between the footprints of two boxes [m]; 0 if they touch or overlap."""
+    if penetration_depth(boxes[[a]], boxes[[b]])[0, 0] >= 0:
+        return 0.0
+    # One of the nearest points of two apart convex polygons is a corner.
+    return float(footprint_distance(boxes[[b, a]], np.stack([footprint(boxes, a), footprint(boxes, b)])).min())
 
 
 def observer_relations(
