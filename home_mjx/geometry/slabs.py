@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 # [m], corners closer than this to a corner, or to the line between their neighbours, are dropped
 MIN_CORNER_DISTANCE = 1e-6
-MAX_MITRE = 4.0  # maximum growth of an acute corner, in outsets
+MAX_MITRE = 2.0  # maximum movement of an acute corner, in outsets: that of a corner of 60 degrees
 MAX_SIMPLIFY_PASSES = 100  # maximum passes that drop corners; each may make others collinear
 
 Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
@@ -106,14 +106,15 @@ def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
 def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
     """Move the sides of a counter-clockwise polygon outwards by `outset` [m], or inwards if it is negative.
 
-    Corners are mitred and move by at most `MAX_MITRE` times the outset. The result may cross itself.
+    Corners are mitred; those of less than 60 degrees move by less than a mitre, at most `MAX_MITRE` outsets. The result
+    may cross itself.
     """
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     normal = np.stack([way[:, 1], -way[:, 0]], 1)
     other = np.roll(normal, 1, 0)
     mitre = normal + other
-    stretch = np.minimum(1 / np.maximum((mitre * normal).sum(1, keepdims=True), 1e-9), MAX_MITRE / 2)
+    stretch = np.minimum(1 / np.maximum((mitre * normal).sum(1, keepdims=True), 1e-9), MAX_MITRE**2 / 2)
     return polygon + outset * stretch * mitre
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from home_mjx.geometry.polygons import MAX_BEND, outline, polygon_area
-from home_mjx.geometry.slabs import MIN_CORNER_DISTANCE, signed_area, simplify, slab
+from home_mjx.geometry.slabs import MAX_MITRE, MIN_CORNER_DISTANCE, offset_outwards, signed_area, simplify, slab
 
 SQUARE = np.array([(0, 0), (4, 0), (4, 4), (0, 4)], float)
 
@@ -59,3 +59,10 @@ def test_simplified_polygons_lose_corners_on_a_line_and_repeated_ones():
         line = [(0, 0), (1, 0), (1, 0), (2, 0), (3, 0), (3, 1), (3, 2), (0, 2)]
         found = simplify(np.roll(np.array(line, float), first, axis=0))
         assert sorted(map(tuple, found.tolist())) == [(0, 0), (0, 2), (3, 0), (3, 2)]
+
+
+@pytest.mark.parametrize(("degrees", "moved"), [(90.0, np.sqrt(2)), (60.0, MAX_MITRE), (61.0, 1.97), (20.0, 0.69)])
+def test_corners_are_mitred_down_to_60_degrees_and_never_move_farther(degrees, moved):
+    angle = np.deg2rad(degrees)
+    wedge = np.array([(0, 0), (4, 0), (4 * np.cos(angle), 4 * np.sin(angle))])
+    assert np.linalg.norm(offset_outwards(wedge, 0.1)[0]) == pytest.approx(0.1 * moved, rel=0.01)
