@@ -22,7 +22,8 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
     """Cover the surface and the inside of a mesh with at most `max_boxes` boxes of one yaw.
 
     The surface is sampled into voxels, and enclosed ones are filled (the floor closes the mesh from below). The voxels
-    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume.
+    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume. Half
+    extents are at least `MIN_HALF_EXTENT`.
 
     Args:
         triangles: Corners of the mesh, Z up [m].

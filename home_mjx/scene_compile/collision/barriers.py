@@ -37,6 +37,8 @@ def find_barriers(
 
     On a fine grid, the outdoors are the cells from which an agent could walk to a point far outside all rooms. Outdoor
     cells next to room cells are filled, regardless of cause: open outer doors, arches, garages or missing walls.
+    Boxes reach from the lowest floor of the level to its highest ceiling, and `MIN_BARRIER_HEIGHT` above its highest
+    floor at least.
 
     Args:
         rooms: Outlines and heights.
@@ -110,7 +112,7 @@ def _boxes(band: Float[np.ndarray, "n 4 2"], heights: tuple[float, float], longe
 
 
 def lot_bounds(rooms: RoomTable) -> Float[np.ndarray, "2 2"]:
-    """Return the minimum and maximum (x, y) of the rectangle that the fence encloses [m]."""
+    """Return the minimum and maximum (x, y) [m] of the fence: `FENCE_DISTANCE` beyond the outlines of all rooms."""
     points = np.concatenate(rooms.polygon)
     return np.stack([points.min(axis=0) - FENCE_DISTANCE, points.max(axis=0) + FENCE_DISTANCE])
 

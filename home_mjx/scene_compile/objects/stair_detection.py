@@ -208,7 +208,7 @@ class CurvedFlight:
 
 
 def tread_triangles(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "n 3 3"]:
-    """Return the triangles that face up and are nearly level, on which an agent can stand."""
+    """Return the triangles that face up and are nearly level (`MIN_TREAD_NORMAL_Z`), on which an agent can stand."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return triangles[normal[:, 2] > MIN_TREAD_NORMAL_Z * np.maximum(np.linalg.norm(normal, axis=1), 1e-12)]
 
