@@ -53,7 +53,7 @@ def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> l
     smaller = [r for r in order[order.index(room) + 1 :] if r in others]
     found = [(_triangles(rooms.polygon[r], 0.0), _triangles(rooms.polygon[r], -IGNORED_OVERLAP_WIDTH)) for r in smaller]
     mine = _triangles(rooms.polygon[room], 0.0)
-    return [whole for whole, inner in found if _shared(mine, inner) > MIN_OVERLAP_AREA]
+    return [whole for whole, inner in found if _covered_area(mine, inner) > MIN_OVERLAP_AREA]
 
 
 def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
@@ -69,7 +69,7 @@ def _triangles(polygon: Polygon, outset: float) -> list[Polygon]:
         return []
 
 
-def _shared(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
+def _covered_area(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
     """Return the area [m^2] of `a`, whose triangles are disjoint, that triangles of `b` cover."""
     area = sum(polygon_area(piece) for piece in a)
     return area - sum(polygon_area(piece) for piece in _without(a, b))

@@ -129,26 +129,26 @@ def _hull(a: ReflectionRectangle, b: ReflectionRectangle) -> ReflectionRectangle
     )
 
 
-def _flat(house: BuildingShell, rooms: RoomTable, kind: str) -> list[ReflectionRectangle]:
+def _flat(shell: BuildingShell, rooms: RoomTable, kind: str) -> list[ReflectionRectangle]:
     """Return the rectangles of floors or of ceilings (`kind`); where rooms nest, the smallest room owns the area."""
     found = []
-    for part, slot in zip(house.parts, house.inner_slot, strict=True):
+    for part, slot in zip(shell.parts, shell.inner_slot, strict=True):
         if part.kind == kind:
             height = float((rooms.floor if kind == "floor" else rooms.ceiling)[part.room])
             normal = np.array([0.0, 0.0, 1.0 if kind == "floor" else -1.0])
-            found += [_level(r, yaw, height, normal, int(slot)) for r, yaw in _plan_rectangles(house, rooms, part)]
+            found += [_level(r, yaw, height, normal, int(slot)) for r, yaw in _plan_rectangles(shell, rooms, part)]
     return found
 
 
 def _plan_rectangles(
-    house: BuildingShell, rooms: RoomTable, part: ShellPart
+    shell: BuildingShell, rooms: RoomTable, part: ShellPart
 ) -> list[tuple[Float[np.ndarray, "4"], float]]:
     """Return rectangles (u0, v0, u1, v1) [m] that cover the plan area where the part's room is the smallest one.
 
     Each comes with the yaw [rad] of its `u` axis, which is along the room's longest wall (0 without walls). The origin
     is the world's.
     """
-    walls = [p.slab for p in house.parts if isinstance(p, WallPart) and p.room == part.room]
+    walls = [p.slab for p in shell.parts if isinstance(p, WallPart) and p.room == part.room]
     yaw = max(walls, key=lambda s: s.length).yaw if walls else 0.0
     turn = yaw_matrix(yaw)[:2, :2]
     here = np.flatnonzero(rooms.level == part.level)

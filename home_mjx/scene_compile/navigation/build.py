@@ -90,18 +90,18 @@ def build_navigation(
 
 
 def _clear_of_leaves(
-    home: Bool[np.ndarray, "l ny nx"],
+    drawn: Bool[np.ndarray, "l ny nx"],
     spaces: Sequence[FreeSpace],
     rooms: RoomTable,
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells where an agent, with its margin, is clear of all leaf positions; all of them if none is."""
-    reach, found = options.agent_radius + options.margin, home.copy()
+    """Return the `drawn` cells where an agent and its margin are clear of all leaf positions; all cells if none is."""
+    reach, found = options.agent_radius + options.margin, drawn.copy()
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
         heights = (options.max_step_height, options.agent_height)
         cells &= compute_clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
-    return found if found.any() else home
+    return found if found.any() else drawn
 
 
 def _cut_off_cells(

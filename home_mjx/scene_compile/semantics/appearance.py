@@ -188,12 +188,12 @@ def surface_materials(skin: TexturedTriangles, options: SemanticOptions) -> tupl
     """
     area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
     shown = area_shares([s.texture for s in skin.surfaces], area)
-    told = {texture: kind for texture in shown if (kind := texture_kind(texture))}
+    kinds = {texture: kind for texture in shown if (kind := texture_kind(texture))}
     if options.material == "share":
-        found = select_by_share({texture: shown[texture] for texture in told}, options.share)
-        return tuple(dict.fromkeys(told[texture] for texture in found)), bool(told)
-    if told:
-        return (told[max(told, key=lambda texture: shown[texture])],), True
+        found = select_by_share({texture: shown[texture] for texture in kinds}, options.share)
+        return tuple(dict.fromkeys(kinds[texture] for texture in found)), bool(kinds)
+    if kinds:
+        return (kinds[max(kinds, key=lambda texture: shown[texture])],), True
     usual = area_shares([s.kind for s in skin.surfaces], area)
     return select_by_share(usual, 0)[:1], False
 
