@@ -163,7 +163,7 @@ def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> Box
 def select_passable_leaves(
     leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], min_gain: float = 0.5
 ) -> list[BoxSet]:
-    """Return the open leaves that keep their boxes; a leaf that cuts off a part of the house is omitted.
+    """Return the open leaves that keep their boxes; leaves that cut off a part of the house are omitted one by one.
 
     SUNCG's open doors are half open and often blocked by furniture; a resident would push the leaf aside. An omitted
     leaf without a known hinge is visible and audible but has no collider, as all doors in HoME.

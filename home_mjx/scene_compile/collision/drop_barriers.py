@@ -59,7 +59,7 @@ class FloorEdge:
 def build_drop_barriers(
     plans: Sequence[FloorPlan], floors: BoxSet, stairs: Sequence[Staircase], walls: BoxSet, ground_height: float
 ) -> BoxSet:
-    """Return barriers along all edges that have a drop and are not closed by a wall.
+    """Return barriers along all edges of floors with a drop over `MAX_SAFE_DROP`, where no wall closes them.
 
     Args:
         plans: Floors of the levels.

@@ -112,7 +112,11 @@ def _main_direction(outlines: Sequence[Polygon]) -> float:
 
 
 def _lines(outlines: Sequence[Polygon]) -> tuple[Float[np.ndarray, " nu"], Float[np.ndarray, " nv"]]:
-    """Return ascending grid lines along both axes, through all corners and through points along slanted edges."""
+    """Return ascending grid lines along both axes, through all corners and through points along slanted edges.
+
+    A slanted edge is cut so that its pieces extend by at most `MAX_STRIP_WIDTH` along one of the axes. Lines within
+    `LINE_MERGE_DISTANCE` become one.
+    """
     points = []
     for outline in outlines:
         for a, b in boundary_edges(outline):

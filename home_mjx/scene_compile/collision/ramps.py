@@ -99,7 +99,7 @@ def _wall_below_open_slopes(stairs: Staircase) -> Iterator[BoxSet]:
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:
-    """Yield boxes along the sides of a landing, between two heights, except at `ways`: ends of adjoining edges [m]."""
+    """Yield boxes beyond a landing's sides, between two heights [m], except at `ways`, ends of adjoining edges."""
     for a, b in zip(landing.outline, np.roll(landing.outline, -1, axis=0), strict=True):
         length = float(np.linalg.norm(b - a))
         along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length

@@ -93,6 +93,10 @@ def find_free_space(
 ) -> FreeSpace:
     """Compute the grid of a level: rooms, heights, ramps, and cells that are standable with and without the margin.
 
+    A standable cell is in a room, and its centre is at least radius + margin from obstacles at the agent's heights.
+    Without the margin, it is more than the radius less half a cell from them. Cells of stairs that
+    belong to another level are not standable.
+
     Args:
         rooms: Outlines and floors.
         obstacles: Upright boxes [m].

@@ -101,7 +101,7 @@ class PlacedObject:
 
     @property
     def poses(self) -> tuple[Float[np.ndarray, "3 4"], ...]:
-        """Pose of each of `parts`, world from model [m]; shut leaves are closed."""
+        """Pose of each of `parts`, world from model [m]; shut leaves are closed, others as in the model."""
         angles = [leaf.closed if self.is_shut else 0.0 for leaf in self._leaves]
         return (self.pose, *(leaf.pose_at(a, self.pose) for leaf, a in zip(self._leaves, angles, strict=True)))
 

@@ -50,7 +50,7 @@ def check_levels(frame: HouseFrame, shell: BuildingShell, cell: float) -> None:
     """Reject a house that needs over `MAX_CELLS` cells of size `cell` [m], or has over `MAX_WALL_LENGTH` of walls.
 
     Raises:
-        DatasetError: A limit is exceeded; the error names the farthest room, or that of the longest wall.
+        DatasetError: A limit is exceeded; the error names the room farthest from the origin or with the longest wall.
     """
     _check_extent(frame.house, frame.rooms, cell)
     _check_walls(frame.house, shell)

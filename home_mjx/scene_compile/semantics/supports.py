@@ -46,7 +46,7 @@ class Support:
 
 
 def find_supports(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Support]:
-    """Return the support of each object of a house."""
+    """Return the support of each object, in order, by the rules of `_support`."""
     boxes = concat_boxes(o.box for o in objects)
     limits = np.array([o.limits for o in objects]).reshape(-1, 2, 3)
     outlines = {level: _outline_points(rooms, level) for level in {o.level for o in objects}}
