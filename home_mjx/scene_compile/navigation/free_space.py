@@ -100,7 +100,7 @@ def find_free_space(
     Args:
         rooms: Outlines and floors.
         obstacles: Upright boxes [m].
-        passages: Footprints of doorways, which count as indoors if rooms leave a gap between them [m].
+        passages: Footprints of doorways between rooms, which count as indoors if the rooms leave a gap [m].
         options: Sizes.
         level: Level index; None: the lowest that has rooms.
         upstairs: Stairs that begin on this level.

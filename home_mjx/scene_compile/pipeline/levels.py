@@ -223,7 +223,7 @@ def _space(
     site: LevelSite, around: BoxSet, rooms: RoomTable, options: NavigationOptions, fixed: BoxSet | None = None
 ) -> FreeSpace:
     """Compute the free space of a level between boxes, of which `fixed` cannot be moved (None: all are fixed)."""
-    gaps = [doorway.footprint for doorway in site.doorways]
+    gaps = [doorway.footprint for doorway in site.doorways if not doorway.leads_outdoors]
     return find_free_space(rooms, around, gaps, options, site.level, site.upstairs, site.downstairs, fixed)
 
 

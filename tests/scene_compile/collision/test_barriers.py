@@ -148,6 +148,14 @@ def test_nobody_leaves_generated_houses(dataset):
         assert house.report["shut_leaves"] in (1, 2)  # of the entrance
 
 
+def test_cells_in_doorways_to_the_outdoors_have_no_room(dataset):
+    """An agent could stand there, cut off from the rooms by the shut door."""
+    for house in HouseSet(dataset).load():
+        row, column = np.nonzero(house.navigation.room[0] >= 0)
+        points = house.navigation.origin + (np.stack([column, row], axis=-1) + 0.5) * house.navigation.cell
+        assert outside_rooms(house.rooms.polygon, points).max() < 1e-6
+
+
 @pytest.mark.slow
 def test_nobody_leaves_more_generated_houses(tmp_path):
     generate_flats(tmp_path / "houses", range(100, 124))
