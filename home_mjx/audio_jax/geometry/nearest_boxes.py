@@ -1,7 +1,6 @@
 """Boxes nearest to the line from source to listener: by a CUDA kernel on NVIDIA GPUs, by XLA operations elsewhere."""
 
 import functools
-from collections.abc import Callable
 from pathlib import Path
 
 import jax
@@ -10,7 +9,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.native.kernel import Kernel, compile_sources, launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes
-from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 from home_mjx.core.transforms import length3, sum3
 
 SOURCE = Path(__file__).with_name("nearest_boxes.cu")
@@ -113,14 +112,7 @@ def _bytes(num_boxes: int) -> int:
 def _by_cuda(
     fixed: Float[Array, "h 15 n"], fixed_owner: Int[Array, "h n"], *given: Array, count: int
 ) -> Int[Array, " k"]:
-    """Compute `nearest_boxes` by the CUDA kernel; arguments as those of `_by_xla`."""
-    return _op(count)(fixed, fixed_owner, *(x[None] for x in given))[0][0]
-
-
-@functools.cache
-def _op(count: int) -> Callable[..., tuple[Array, ...]]:
-    """Return `launch_nearest` for `count` boxes, which `vmap` batches over all operands but the first two; cached."""
-    return batch_kernel(functools.partial(launch_nearest, count), 2, 1)
+    return call_kernel(launch_nearest, (count,), (fixed, fixed_owner), given)
 
 
 def launch_nearest(count: int, *given: Array) -> tuple[Array, ...]:

@@ -1,6 +1,7 @@
 """Batching and partitioning rules for compiled step functions whose leading axis `e` is environments."""
 
-from collections.abc import Callable, Sequence
+import functools
+from collections.abc import Callable, Hashable, Sequence
 from typing import Any, NoReturn
 
 import jax
@@ -47,6 +48,22 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
         return tuple(x.reshape(size, x.shape[0] // size, *x.shape[1:]) for x in stepped), many
 
     return step
+
+
+def call_kernel(
+    launch: Step, options: tuple[Hashable, ...], shared: Sequence[Array], operands: Sequence[Array]
+) -> Array:
+    """Call `launch(*options, *shared, *operands)` through `batch_kernel` for one environment; return its only result.
+
+    `operands` have no environment axis here. The batched function is cached for `launch` and `options`.
+    """
+    return _batched(launch, options, len(shared))(*shared, *(x[None] for x in operands))[0][0]
+
+
+@functools.cache
+def _batched(launch: Step, options: tuple[Hashable, ...], num_shared: int) -> Step:
+    """Return the batched `launch` with its first arguments `options`."""
+    return batch_kernel(functools.partial(launch, *options), num_shared, 1)
 
 
 def forbid_gradient(step: Step, name: str) -> Step:

@@ -1,7 +1,5 @@
 """The kernel of rooms without a GPU: compiled as C++ for the CPU it gives what the matrix exponential does."""
 
-import functools
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -49,13 +47,14 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
 
 def test_it_gives_what_xla_does(here, rng, monkeypatch):
     """In the same order of states, bins and octaves."""
-    monkeypatch.setattr(coupled_decay, "_op", lambda bins: functools.partial(coupled_decay.launch_decay, bins))
+    alone = lambda launch, options, shared, given: launch(*options, *shared, *(x[None] for x in given))[0][0]  # noqa: E731
+    monkeypatch.setattr(coupled_decay, "call_kernel", alone)
     rates = jnp.float32(np.eye(4) * rng.uniform(0.1, 0.4, (2, 3, 7, 1, 4)))
     start, listener = (jnp.float32(rng.uniform(0, 1, (2, 4))) for _ in range(2))
     wanted = jax.vmap(lambda *one: coupled_decay.decay_in_rooms_by_xla(*one, 125))(rates, start, listener)
     counts = jnp.full(2, 4, jnp.int32)
     each = zip(rates, start, listener, counts, strict=True)
-    got = jnp.stack([coupled_decay._decay_by_cuda(*one, 125) for one in each])
+    got = jnp.stack([coupled_decay._decay_by_cuda(*one, bins=125) for one in each])
     np.testing.assert_allclose(got, wanted, rtol=2e-4, atol=1e-9)
 
 

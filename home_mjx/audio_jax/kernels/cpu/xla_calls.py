@@ -1,7 +1,5 @@
 """JAX calls of the CPU kernels for moving frames, compiled on first use."""
 
-import functools
-from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -19,11 +17,10 @@ from home_mjx.audio_jax.kernels.late_tail import late_frame_begin as late_begin
 from home_mjx.audio_jax.receivers.diffuse_noise import knot_weights, octave_noise
 from home_mjx.core.native.kernel import call_native
 from home_mjx.core.native.simd import LANES
-from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 from home_mjx.schema.compiled import BANDS
 
 TARGET = "home_mjx_frames"
-NUM_EARLY_TABLES, NUM_LATE_TABLES = 2, 4  # leading operands shared by all environments
 
 
 def compile_chunks() -> tuple[Any, Any]:
@@ -41,7 +38,7 @@ def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
     share = jnp.moveaxis(reads.gain, -1, -2)
     share = jnp.pad(share, [(0, 0)] * 4 + [(0, max(LANES - share.shape[-1], 0))])
     given = reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
-    return _early_op(config)(*_early_tables(config), *(x[None] for x in given))[0][0]
+    return call_kernel(_call_early, (config,), _early_tables(config), given)
 
 
 def _early_tables(config: AudioConfig) -> tuple[Float[Array, "two size s"], Float[Array, "two size"]]:
@@ -65,16 +62,11 @@ def _parts(values: np.ndarray) -> Array:
     return jnp.asarray(np.stack([np.real(values), np.imag(values)]), jnp.float32)
 
 
-@functools.cache
-def _early_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched early kernel, a function of `_early_tables` and arrays with a first axis of environments."""
-
-    def run(spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
-        sizes = traced_constant((EARLY, frame_begin(config), filter_history(config), sample_times(config).shape[0]))
-        rate = traced_constant([config.sample_rate / config.speed_of_sound], jnp.float32)
-        return _call(config, sizes, spectra, turns, rate, *given)
-
-    return batch_kernel(run, NUM_EARLY_TABLES, 1)
+def _call_early(config: AudioConfig, spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
+    """Call the early kernel for `_early_tables` and arrays with a first axis of environments."""
+    sizes = traced_constant((EARLY, frame_begin(config), filter_history(config), sample_times(config).shape[0]))
+    rate = traced_constant([config.sample_rate / config.speed_of_sound], jnp.float32)
+    return _call(config, sizes, spectra, turns, rate, *given)
 
 
 def supports_late(late: LateResponse, config: AudioConfig) -> bool:
@@ -89,7 +81,7 @@ def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioCo
     """
     share = late.shares
     given = sources, share.amplitude(), share.mix, share.start_bin, late.onset, late.tail
-    return _late_op(config)(*_late_tables(config), *(x[None] for x in given))[0][0]
+    return call_kernel(_call_late, (config,), _late_tables(config), given)
 
 
 def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
@@ -100,17 +92,12 @@ def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
     return *tables, _twiddles(size)
 
 
-@functools.cache
-def _late_op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    """Return the batched late kernel, a function of `_late_tables` and arrays with a first axis of environments."""
+def _call_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
+    """Call the late kernel for `_late_tables` and arrays with a first axis of environments."""
     first, half = config.response_length - config.tail_period, config.tail_period
     start = config.memory_length - first - config.num_tail_ringing
     sizes = (LATE, first, half, config.num_tail_repeats, start, source_window_width(config), late_begin(config))
-
-    def run(*given: Array) -> tuple[Array, ...]:
-        return _call(config, traced_constant(sizes), *given)
-
-    return batch_kernel(run, NUM_LATE_TABLES, 1)
+    return _call(config, traced_constant(sizes), *given)
 
 
 def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:

@@ -1,8 +1,5 @@
 """Octave filters of the first path on GPUs."""
 
-import functools
-from collections.abc import Callable
-
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
@@ -14,9 +11,9 @@ from home_mjx.audio_jax.kernels.cuda import ptx as cuda
 from home_mjx.audio_jax.kernels.direct_filter import num_filter_samples, num_output_samples
 from home_mjx.core.native.kernel import launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes
-from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 
-NUM_TABLES, ENDS = 2, 2
+ENDS = 2
 
 
 def supports_direct(config: AudioConfig) -> bool:
@@ -33,7 +30,7 @@ def filter_direct(
     Arguments and result are those of `direct_filter.filter_direct_by_xla`: m samples from sample `begin` on.
     """
     given = source, begin, *octave_levels(gain)
-    return _op(config)(*first_tables(config), *(x[None] for x in given))[0][0]
+    return call_kernel(launch_direct, (config,), first_tables(config), given)
 
 
 def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Float[Array, "turns two"]]:
@@ -44,12 +41,6 @@ def first_tables(config: AudioConfig) -> tuple[Float[Array, "bands f two"], Floa
     size = _size(config)
     assert size is not None
     return cuda.as_pairs(causal_octave_log_spectra(size, config.sample_rate)), cuda.twiddle_factors(size)
-
-
-@functools.cache
-def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    """Return the `batch_kernel` of `launch_direct` for these options, cached."""
-    return batch_kernel(functools.partial(launch_direct, config), NUM_TABLES, 1)
 
 
 def launch_direct(config: AudioConfig, *given: Array) -> tuple[Array, ...]:

@@ -1,8 +1,6 @@
 """Early sound of moving frames on GPUs: paths are mixed into buses, and the buses are filtered."""
 
-import functools
 import math
-from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -16,7 +14,7 @@ from home_mjx.audio_jax.kernels.cuda import ptx as cuda
 from home_mjx.audio_jax.kernels.delay_reads import DelayReads, filter_history, frame_begin, pack_paths, sample_times
 from home_mjx.core.native.kernel import launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes
-from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 
 WINDOW_SECONDS = 0.08  # [s], source window in shared memory beyond the length of a frame
 BUSES_PER_THREAD, MIX_THREADS = 20, 384  # buses per thread at a time, and threads per block, as in path_mixing.cu
@@ -30,30 +28,17 @@ def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render a frame of early sound, summed over sources, by two CUDA kernels; `supports_early` must be True.
-
-    The leading axis of `reads` is sources. The result is pressure per channel.
-    """
-    kernels, begin = filter_basis(config.sample_rate).kernel, frame_begin(config)
-    return _filter_buses(_mix_reads(reads, config), kernels, begin, config.frame)
-
-
-def _mix_reads(reads: DelayReads, config: AudioConfig) -> Float[Array, "e s k"]:
-    """Mix the reads of all sources into the buses s of channels e by the CUDA kernel, at `sample_times`."""
+    """Render early sound, as `dispatch.render_early_frame`, by two CUDA kernels; `supports_early` must be True."""
     shapes, ears = reads.gain.shape[3], reads.paths.ear_delays.shape[-1]
-    return _mix_op(config, shapes, ears)(*(x[None] for x in read_operands(reads)))[0][0]
+    buses = call_kernel(launch_mix, (config, shapes, ears), (), read_operands(reads))
+    tables = filter_tables(filter_basis(config.sample_rate).kernel, buses.shape[-1])
+    return call_kernel(launch_filter, (frame_begin(config), config.frame), tables, (buses,))
 
 
 def read_operands(reads: DelayReads) -> tuple[Array, ...]:
     """Return source, filtered signals, start, `pack_paths`, and gains, buses padded to `BUSES_PER_THREAD` multiples."""
     share = jnp.pad(reads.gain, [(0, 0)] * 3 + [(0, -reads.gain.shape[3] % BUSES_PER_THREAD), (0, 0)])
     return reads.source, reads.filtered, reads.start, pack_paths(reads.paths), share
-
-
-@functools.cache
-def _mix_op(config: AudioConfig, shapes: int, ears: int) -> Callable[..., tuple[Array, ...]]:
-    """Return the `batch_kernel` of `launch_mix` for these arguments, cached."""
-    return batch_kernel(functools.partial(launch_mix, config, shapes, ears), 0, 1)
 
 
 def launch_mix(config: AudioConfig, shapes: int, ears: int, *given: Array) -> tuple[Array, ...]:
@@ -85,13 +70,6 @@ def _mix_bytes(config: AudioConfig, source: Array, filtered: Array, _: Array, wa
     return 4 * (signals + way[0, 0].size + share[0, 0].size + 2 * HALF_WIDTH + 4 * way.shape[2] + 2)
 
 
-def _filter_buses(
-    sums: Float[Array, "e s k"], kernels: Float[np.ndarray, "s t"], begin: int, frame: int
-) -> Float[Array, "e m"]:
-    """Filter buses by the CUDA kernel; return `frame` samples per channel from filtered sample `begin` on."""
-    return _filter_op(begin, frame)(*filter_tables(kernels, sums.shape[-1]), sums[None])[0][0]
-
-
 def filter_tables(
     kernels: Float[np.ndarray, "s t"], count: int
 ) -> tuple[Float[Array, "s size two"], Float[Array, "turns two"]]:
@@ -99,12 +77,6 @@ def filter_tables(
     size = cuda.transform_size(count)
     assert size is not None
     return cuda.as_pairs(np.fft.fft(kernels.astype(np.float64), size) / size), cuda.twiddle_factors(size)
-
-
-@functools.cache
-def _filter_op(begin: int, frame: int) -> Callable[..., tuple[Array, ...]]:
-    """Return the `batch_kernel` of `launch_filter` for these arguments, cached."""
-    return batch_kernel(functools.partial(launch_filter, begin, frame), 2, 1)
 
 
 def launch_filter(begin: int, frame: int, *given: Array) -> tuple[Array, ...]:

@@ -1,8 +1,6 @@
 """Late sound of moving frames on GPUs."""
 
-import functools
 import math
-from collections.abc import Callable
 
 import jax
 import jax.numpy as jnp
@@ -14,10 +12,9 @@ from home_mjx.audio_jax.kernels.late_tail import LateResponse, late_frame_begin,
 from home_mjx.audio_jax.receivers.diffuse_noise import octave_noise
 from home_mjx.core.native.kernel import launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes
-from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 from home_mjx.schema.compiled import BANDS
 
-NUM_TABLES = 3
 # Per block: rows, bins, floats per row, threads, as in noise_responses.cu
 NOISE_ROWS, NOISE_BINS, NOISE_AMPLITUDES, NOISE_THREADS = 64, 5, 32, 64
 
@@ -35,7 +32,7 @@ def late_frame(sources: Float[Array, "n w"], late: LateResponse, config: AudioCo
     """
     share = late.shares
     given = sources, share.power, share.mix, share.shared_power, share.start_bin, late.onset, late.tail
-    return _op(config)(*late_tables(config), *(x[None] for x in given))[0][0]
+    return call_kernel(launch_late_frames, (config,), late_tables(config), given)
 
 
 def late_tables(
@@ -49,12 +46,6 @@ def late_tables(
     )
     whole = jnp.asarray(octave_noise(config))
     return whole.reshape(-1, *whole.shape[-3:]), jnp.asarray(gains), cuda.twiddle_factors(size)
-
-
-@functools.cache
-def _op(config: AudioConfig) -> Callable[..., tuple[Array, ...]]:
-    """Return the `batch_kernel` of `launch_late_frames` for these options, cached."""
-    return batch_kernel(functools.partial(launch_late_frames, config), NUM_TABLES, 1)
 
 
 def launch_late_frames(config: AudioConfig, *given: Array) -> tuple[Array, ...]:

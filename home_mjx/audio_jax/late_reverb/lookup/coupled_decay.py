@@ -1,7 +1,6 @@
 """Energy decay in coupled rooms: by a CUDA kernel on NVIDIA GPUs, by XLA operations elsewhere."""
 
 import functools
-from collections.abc import Callable
 from pathlib import Path
 
 import jax
@@ -10,7 +9,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.core.native.kernel import Kernel, compile_sources, launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes, with_fallback_gradient
-from home_mjx.core.native.vmap_call import batch_kernel, traced_constant
+from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 
 SERIES_TERMS = 6  # terms of the exponential series
 HALVINGS = 3  # halvings of the step before the series is evaluated
@@ -133,24 +132,9 @@ def _bytes(rooms: int) -> int:
     return max(4 * (WARP // threads_per_matrix(n) + 1) * n * (n + BINS_PER_COLUMN) for n in _sizes(rooms))
 
 
-def _decay_by_cuda(
-    rates: Float[Array, "s bands r r"],
-    start: Float[Array, " r"],
-    listener: Float[Array, " r"],
-    count: Int[Array, ""],
-    bins: int,
-) -> Float[Array, "s k bands"]:
-    """Compute energy densities at a listener in k = `bins` bins by the CUDA kernel; `_available` must be True.
-
-    Arguments are those of `decay_in_rooms`; rooms after the first `count` must exchange nothing.
-    """
-    return _op(bins)(rates[None], start[None], listener[None], count[None])[0][0]
-
-
-@functools.cache
-def _op(bins: int) -> Callable[..., tuple[Array, ...]]:
-    """Return the `batch_kernel` of `launch_decay` for a number of bins, cached."""
-    return batch_kernel(functools.partial(launch_decay, bins), 0, 1)
+def _decay_by_cuda(*given: Array, bins: int) -> Float[Array, "s k bands"]:
+    """Compute `decay_in_rooms` by the CUDA kernel; `_available` must be True."""
+    return call_kernel(launch_decay, (bins,), (), given)
 
 
 def launch_decay(bins: int, *given: Array) -> tuple[Array, ...]:
