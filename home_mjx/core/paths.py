@@ -1,6 +1,8 @@
-"""Folders and environment variables used by the whole package."""
+"""Folders, environment variables and entry points used by the whole package."""
 
 import os
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 
 CACHE_VARIABLE = "HOME_MJX_CACHE"
@@ -22,3 +24,9 @@ def dataset_root() -> Path | None:
     """Return the dataset folder named by `$SUNCG_DATA_DIR`, which need not exist; None if it is not set or empty."""
     named = os.environ.get(ROOT_VARIABLE)
     return Path(named) if named else None
+
+
+@cache
+def installed(group: str) -> dict[str, EntryPoint]:
+    """Return the installed entry points of a group by name; cached."""
+    return {point.name: point for point in entry_points(group=group)}

@@ -9,12 +9,11 @@ import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
-from home_mjx.core.paths import ROOT_VARIABLE, dataset_root
+from home_mjx.core.paths import ROOT_VARIABLE, dataset_root, installed
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownNameError, did_you_mean
 
@@ -152,10 +151,9 @@ def find_format(scheme: str) -> DatasetFormat:
     return _FORMATS[scheme]
 
 
-@cache
-def _installed() -> dict[str, Any]:
-    """Return the entry points of installed datasets by scheme, including `suncg`; cached."""
-    return {point.name: point for point in (SUNCG, *entry_points(group=GROUP))}
+def _installed() -> dict[str, EntryPoint]:
+    """Return the entry points of installed datasets by scheme, including `suncg`."""
+    return {SUNCG.name: SUNCG, **installed(GROUP)}
 
 
 def _loaded(point: Any) -> Any:

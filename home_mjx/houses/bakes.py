@@ -8,8 +8,6 @@ compiled house. So the store never returns a stale record. A distribution adds b
 import hashlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -18,7 +16,7 @@ import numpy as np
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.array_store import READ_ERRORS, flatten, read_entry, rebuild, write_entry
-from home_mjx.core.paths import cache_folder
+from home_mjx.core.paths import cache_folder, installed
 from home_mjx.core.progress import ProgressCount, plural
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.schema.compiled import CompiledHouse
@@ -141,16 +139,10 @@ def find_bake(name: str) -> Bake:
     """
     if name in _REGISTRY:
         return _REGISTRY[name]()
-    if name not in _installed():
-        raise UnknownNameError(f"unknown bake `{name}`", hint=did_you_mean(name, [*_REGISTRY, *_installed()]))
-    register_bake(name, _installed()[name].load())
+    if name not in installed(GROUP):
+        raise UnknownNameError(f"unknown bake `{name}`", hint=did_you_mean(name, [*_REGISTRY, *installed(GROUP)]))
+    register_bake(name, installed(GROUP)[name].load())
     return _REGISTRY[name]()
-
-
-@cache
-def _installed() -> dict[str, Any]:
-    """Return the entry points of bakes by name; cached."""
-    return {point.name: point for point in entry_points(group=GROUP)}
 
 
 def add_bakes(

@@ -6,8 +6,6 @@ object is its class.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import entry_points
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import jax.numpy as jnp
@@ -15,6 +13,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_frozen_dataclass, shorten
+from home_mjx.core.paths import installed
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.scene.appearance import scale_exposure
@@ -126,7 +125,7 @@ def shader_names() -> tuple[str, ...]:
         >>> {"fast", "lit"} <= set(shader_names())
         True
     """
-    return tuple(sorted({*_REGISTRY, *_installed()}))
+    return tuple(sorted({*_REGISTRY, *installed(GROUP)}))
 
 
 def resolve_shader(spec: ShaderSpec) -> Shader:
@@ -167,18 +166,12 @@ def _find_class(name: str) -> Callable[[], Shader]:
     """Return the shader class of a name, loaded from an entry point if needed; `UnknownNameError` if there is none."""
     if name in _REGISTRY:
         return _REGISTRY[name]
-    if name not in _installed():
+    if name not in installed(GROUP):
         raise UnknownNameError(
             f"unknown shader `{name}`",
             hint=f"{did_you_mean(name, shader_names())}. Import the module of a shader of your own first.",
         )
-    return register_shader(_installed()[name].load())
-
-
-@cache
-def _installed() -> dict[str, Any]:
-    """Return the entry points of installed shaders by name."""
-    return {point.name: point for point in entry_points(group=GROUP)}
+    return register_shader(installed(GROUP)[name].load())
 
 
 def _check_class(shader_class: Any) -> str:

@@ -8,14 +8,13 @@ whose object makes it.
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
-from functools import cache
-from importlib.metadata import entry_points
 from pathlib import Path
 from types import TracebackType
 from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from home_mjx.core.paths import installed
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
@@ -265,9 +264,11 @@ def find_observer(name: str) -> Observer:
         ConfigError: The registered function makes something else.
     """
     if name not in _REGISTRY:
-        if name not in _installed():
-            raise UnknownNameError(f"unknown observer `{name}`", hint=did_you_mean(name, [*_REGISTRY, *_installed()]))
-        register_observer(name, _installed()[name].load())
+        if name not in installed(GROUP):
+            raise UnknownNameError(
+                f"unknown observer `{name}`", hint=did_you_mean(name, [*_REGISTRY, *installed(GROUP)])
+            )
+        register_observer(name, installed(GROUP)[name].load())
     return _checked(_REGISTRY[name]())
 
 
@@ -286,9 +287,3 @@ def _checked(item: Any) -> Observer:
     if not isinstance(item, Observer) or isinstance(item, type):
         raise ConfigError(f"expected an observer or its name, got {item!r}", hint="Derive its class from `Observer`.")
     return item
-
-
-@cache
-def _installed() -> dict[str, Any]:
-    """Return the installed entry points of observers by name."""
-    return {point.name: point for point in entry_points(group=GROUP)}

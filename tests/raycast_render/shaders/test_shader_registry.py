@@ -93,7 +93,7 @@ def test_a_shader_of_a_distribution_is_found_by_its_entry_point(monkeypatch):
         def load(self):
             return Flat
 
-    monkeypatch.setattr(base, "_installed", lambda: {"flat": Point()})
+    monkeypatch.setattr(base, "installed", lambda group: {"flat": Point()})
     assert shader_names() == ("fast", "flat", "lit")
     assert resolve_shader("flat") == Flat()
 
