@@ -12,8 +12,8 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.env.actions import PITCH_TOLERANCE, action_names
 from home_mjx.tasks.env.hand_actions import cast_past_hand, held_object_ids, is_in_reach
-from home_mjx.tasks.rules.enums import FAILURE, Feature
-from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.enums import Feature
+from home_mjx.tasks.rules.program import leads_on
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.sensors.cameras import eye_position
 from home_mjx.tasks.sensors.reachability import MIN_VISIBLE_POINTS, RAY_TOLERANCE, free_spots, pick_points, plan_radius
@@ -119,19 +119,15 @@ def _pending_commands(
     Found by trying: a transition that is not to FAILURE would be taken if it were. Never both; both False if a
     transition is possible now.
     """
-    program, stage = state.program, state.stage
-
-    def leads_on(values: Array) -> Bool[Array, ""]:
-        after, _, taken = take_transition(program, stage, evaluate_conditions(program, values))
-        return taken & (after != FAILURE)
-
     held = values[Feature.HELD, :, guide, 0] > 0
     done = values.at[Feature.STOPPED].set(1.0)
     down = done.at[Feature.ON].set(1.0).at[Feature.HELD].set(0.0)
-    agents = values.shape[1:2]
-    idle = ~leads_on(values)
-    take = idle & leads_on(values.at[Feature.HELD, :, guide].set(1.0)) & ~held
-    put = idle & ~leads_on(done) & leads_on(down)
+    agents, picked = values.shape[1:2], values.at[Feature.HELD, :, guide].set(1.0)
+    now, with_pick, if_done, if_down = (
+        leads_on(state.program, state.stage, table)[0] for table in (values, picked, done, down)
+    )
+    take = ~now & with_pick & ~held
+    put = ~now & ~if_done & if_down
     return jnp.broadcast_to(take, agents), jnp.broadcast_to(put & ~take, agents)
 
 

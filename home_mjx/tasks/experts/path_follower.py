@@ -24,10 +24,10 @@ from home_mjx.tasks.experts.carry_clearance import (
 from home_mjx.tasks.experts.door_avoidance import is_facing_shut_leaf, plan_opening
 from home_mjx.tasks.experts.field_descent import circle_distance, descend_field
 from home_mjx.tasks.experts.grasp_aiming import add_door_commands, add_hand_commands, is_aimed, plan_grasp, plan_retreat
-from home_mjx.tasks.experts.speech import insert_words
-from home_mjx.tasks.rules.enums import FAILURE, Attribute, Feature, TargetKind
+from home_mjx.tasks.experts.speech import insert_words, needs_only
+from home_mjx.tasks.rules.enums import Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, is_in_target_room
-from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.program import leads_on
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.visibility import EYE_OFFSETS, is_unobstructed
@@ -148,8 +148,7 @@ def plan_view(
 def should_look(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Return whether a transition of the stage, not to FAILURE, needs at most SEEN and STOPPED; same for all agents."""
     turned = values.at[jnp.array([Feature.STOPPED, Feature.SEEN])].set(1.0)
-    after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, turned))
-    return jnp.broadcast_to(taken & (after != FAILURE), values.shape[1:2])
+    return jnp.broadcast_to(leads_on(state.program, state.stage, turned)[0], values.shape[1:2])
 
 
 def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureValues) -> Float[Array, "feature a d d"]:
@@ -183,10 +182,7 @@ def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureVal
 
 def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Return whether a transition of the stage, not to FAILURE, needs only time and is not taken now; same for all."""
-    later = values.at[Feature.TIME].set(jnp.inf)
-    after, _, taken = take_transition(state.program, state.stage, evaluate_conditions(state.program, later))
-    quiet = take_transition(state.program, state.stage, evaluate_conditions(state.program, values))[2]
-    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE), values.shape[1:2])
+    return needs_only(state, values, values.at[Feature.TIME].set(jnp.inf))
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
@@ -194,11 +190,7 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
     It is the same for all agents.
     """
-    program = state.program
-    said = values.at[Feature.STOPPED].set(1.0)
-    after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
-    quiet = take_transition(program, state.stage, evaluate_conditions(program, values))[2]
-    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE), values.shape[1:2])
+    return needs_only(state, values, values.at[Feature.STOPPED].set(1.0))
 
 
 def heading_to_target(

@@ -5,8 +5,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.env.actions import spoken_tokens
-from home_mjx.tasks.rules.enums import FAILURE, NO_WORD, Feature
-from home_mjx.tasks.rules.program import evaluate_conditions, take_transition
+from home_mjx.tasks.rules.enums import NO_WORD, Feature
+from home_mjx.tasks.rules.program import leads_on
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.speech import is_instructed
 
@@ -45,8 +45,12 @@ def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[A
     """Return whether the stage can only end the task, and needs only that the answer is said; same for all agents."""
     program = state.program
     said = values.at[Feature.SAID].set(state.speech.answer.astype(jnp.float32))
-    after, _, taken = take_transition(program, state.stage, evaluate_conditions(program, said))
-    quiet = take_transition(program, state.stage, evaluate_conditions(program, values))[2]
     at = jnp.maximum(state.stage, 0)
     more = jnp.any((program.require[at] >= 0) & (program.next[at] >= 0))
-    return jnp.broadcast_to(taken & ~quiet & (after != FAILURE) & ~more, values.shape[1:2])
+    return needs_only(state, values, said) & ~more
+
+
+def needs_only(state: RowState, values: Array, changed: Array) -> Bool[Array, " a"]:
+    """Return whether feature values `changed` lead on and `values` to no transition; same for all agents."""
+    needs = leads_on(state.program, state.stage, changed)[0] & ~leads_on(state.program, state.stage, values)[1]
+    return jnp.broadcast_to(needs, values.shape[1:2])

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree, array
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.rules.enums import ANY, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
+from home_mjx.tasks.rules.enums import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
 
 NO_PLACE = (np.inf, np.inf, np.inf)
 SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)
@@ -197,3 +197,11 @@ def take_transition(
     taken = jnp.any(open_)
     reward = jnp.where(taken, program.reward[at, way], 0.0)
     return jnp.where(taken, program.next[at, way], stage), reward, taken
+
+
+def leads_on(
+    program: TaskProgram, stage: Int[Array, ""], table: Float[Array, "feature a d d"]
+) -> tuple[Bool[Array, ""], Bool[Array, ""]]:
+    """Return whether feature values lead to a transition that is not to FAILURE, and whether to any transition."""
+    after, _, taken = take_transition(program, stage, evaluate_conditions(program, table))
+    return taken & (after != FAILURE), taken
