@@ -147,7 +147,6 @@ def _turned(mesh: Mesh, faces: Int[np.ndarray, " n"], turn: Float[np.ndarray, "3
 
 Joints = Mapping[str, tuple[Joint, ...]]  # by model id
 LightKind = Literal["point", "spot", "line"]
-LIGHT_KINDS: tuple[str, ...] = get_args(LightKind)
 
 
 @dataclass(frozen=True)

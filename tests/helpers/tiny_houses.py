@@ -156,4 +156,4 @@ def make_bank(houses: Sequence[TinyHouse], num_bodies: int = NUM_BODIES) -> Hous
     physics = Physics(**{name: jnp.asarray(np.stack([t[name] for t in tables])) for name in tables[0]})
     bank = HouseBank.from_compiled([shoebox()])
     counts = {"num_bodies": num_bodies, "num_doors": NUM_DOORS, "num_slides": int(slides)}
-    return bank.replace(physics=physics, spec=bank.spec.replace(num_colliders=NUM_COLLIDERS, **counts))
+    return bank.replace(physics=physics, spec=bank.spec.replace(**counts))

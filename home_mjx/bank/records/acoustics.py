@@ -14,11 +14,6 @@ def is_plane(at: HouseOwner) -> Bool[np.ndarray, " p"]:
     return np.ones(len(at.house.planes.material), bool)
 
 
-def plane_material(at: HouseOwner) -> Int[np.ndarray, " p"]:
-    """Return the row of each plane's material in the bank's material table."""
-    return at.house.planes.material + at.start["material"]
-
-
 class Acoustics(Pytree):
     """Reflecting planes and diffracting edges of every house."""
 
@@ -31,7 +26,6 @@ class Acoustics(Pytree):
     plane_v: Float[Array, "h planes 3"] = array(
         "[m], half extent vector", source="planes.axis_v", fill=np.array([0, 1, 0])
     )
-    plane_material: Int[Array, "h planes"] = array("absolute row", source=plane_material)
     collider_edges: Int[Array, "h colliders"] = array(
         "bits of the exposed edges of static boxes, see `geometry.diffraction_edges`", source="exposed_edges"
     )

@@ -40,8 +40,6 @@ class BankSpec(Pytree):
     num_instances: int = static()
     num_bodies: int = static()
     num_doors: int = static()
-    num_colliders: int = static()
-    num_planes: int = static()
     num_starts: int = static()
     num_goals: int = static()
     cell: float = static()  # [m], navigation grid

@@ -14,8 +14,7 @@ from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.schema.contact_materials import DEFAULT_CONTACT, damping_ratio
 from home_mjx.schema.mjcf import contact_parameters
 
-# Columns of `contact_parameters`: sliding friction; stiffness [1/s^2], damping [1/s], minimum impedance, its width [m].
-FRICTION, STIFFNESS, DAMPING, IMPEDANCE_LOW, IMPEDANCE_WIDTH = range(5)
+FRICTION, IMPEDANCE_LOW = 0, 3  # columns of `body_surfaces`
 
 
 def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5"]:

@@ -119,10 +119,6 @@ class World(Pytree):
         """Position of the first sound source [m]."""
         return self.sounds.pos[..., 0, :]
 
-    def move_source(self, pos: Float[Array, "*n 3"]) -> "World":
-        """Return a copy with the first sound source at `pos` [m]."""
-        return self.replace(sounds=self.sounds.replace(pos=self.sounds.pos.at[..., 0, :].set(pos)))
-
 
 class State(Pytree):
     """One environment between two steps.

@@ -67,11 +67,6 @@ def _is_as_high(
     return (rise < half) & (rise > -half - jnp.float32(snapshot.bank.spec.agent_height))
 
 
-def is_near_leaf(snapshot: Snapshot, place: Float[Array, "n 3"]) -> Bool[Array, " n"]:
-    """Return whether an agent with its feet at each position [m] would be within `MIN_LEAF_CLEARANCE` of a leaf."""
-    return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
-
-
 def cost_factors(
     snapshot: Snapshot, place: Float[Array, "n 3"], agent: Int[Array, ""] | None = None
 ) -> Float[Array, " n"]:

@@ -18,8 +18,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.filters import octave_gains
 from home_mjx.errors import ConfigError
 
-NUM_GROUPS, NUM_CHOICES = 6, 4  # groups of tones, and tones of each group
-NUM_WORDS = NUM_CHOICES ** (NUM_GROUPS - 1)  # the last group is a check digit
+NUM_GROUPS, NUM_CHOICES = 6, 4  # groups of tones, the last a check digit; tones of each group
 MIN_FREQUENCY, MAX_FREQUENCY = 300.0, 3600.0  # [Hz] frequencies of the lowest and the highest tone
 WORD_SECONDS = 0.2  # [s] duration of a word
 FADE_SECONDS = 0.01  # [s] duration of fade-in and fade-out

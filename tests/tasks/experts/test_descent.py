@@ -13,13 +13,18 @@ from home_mjx.tasks.experts.door_avoidance import (
     NUM_IMPATIENT_STEPS,
     PATIENCE_PERIOD,
     cell_cost_factors,
-    is_near_leaf,
     leaf_distances,
 )
 from home_mjx.tasks.experts.field_descent import END_TOLERANCE, descend_field, step_aside
 from home_mjx.tasks.rules.cell_graph import BRUSH_COST_FACTOR, MIN_LEAF_CLEARANCE, PUSH_COST_FACTOR, CellGraph
 
 STEP = 0.25
+
+
+@jax.jit
+def is_near_leaf(snapshot, place):
+    """Whether feet at each place would be within `MIN_LEAF_CLEARANCE` of a leaf."""
+    return leaf_distances(snapshot, place) < jnp.float32(snapshot.bank.spec.agent_radius + MIN_LEAF_CLEARANCE)
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +46,7 @@ def graph(generated_bank):
 def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     """Doors are open here: the device and the host name the same cells."""
     place = jnp.asarray(graph.place, jnp.float32)
-    found = np.asarray(jax.jit(is_near_leaf)(snapshot, place))
+    found = np.asarray(is_near_leaf(snapshot, place))
     assert found.any()
     near = (
         np.abs(
@@ -116,8 +121,8 @@ def test_straight_ways_keep_away_from_leaves(env, snapshot, graph):
     pos, aim = (np.asarray(x) for x in jax.jit(jax.vmap(aimed))(cells))
     part = np.linspace(0, 1, 9)[1:, None]
     way = pos[:, None] + part * np.concatenate([aim - pos[:, :2], np.zeros((len(aim), 1))], axis=1)[:, None]
-    beside = np.asarray(jax.jit(is_near_leaf)(snapshot, jnp.asarray(way.reshape(-1, 3), jnp.float32)))
-    ends = np.asarray(jax.jit(is_near_leaf)(snapshot, jnp.asarray(np.c_[aim, pos[:, 2]], jnp.float32)))
+    beside = np.asarray(is_near_leaf(snapshot, jnp.asarray(way.reshape(-1, 3), jnp.float32)))
+    ends = np.asarray(is_near_leaf(snapshot, jnp.asarray(np.c_[aim, pos[:, 2]], jnp.float32)))
     # A way that must go past a leaf may be cut short there, too: few are.
     assert beside.reshape(way.shape[:2])[~ends].any(axis=1).mean() < 0.02
     assert ends.mean() < 0.2

@@ -20,7 +20,8 @@ from home_mjx.tasks.rules import SoundEvent
 from home_mjx.tasks.rules.packing import pack_sounds
 from home_mjx.tasks.sounds.sound_events import VOICE_CLIP, VOICE_CLIP_NUMBER
 from home_mjx.tasks.sounds.word_sounds import (
-    NUM_WORDS,
+    NUM_CHOICES,
+    NUM_GROUPS,
     num_audible_frames,
     synthesize_voices,
     synthesize_word,
@@ -201,11 +202,12 @@ def test_the_level_falls_with_distance(env, step, quiet):
 
 
 def test_any_two_words_differ_in_two_tones_at_least():
-    assert len(all_words()) <= NUM_WORDS
-    tones = np.asarray(word_tones(jnp.arange(NUM_WORDS)))
+    num_words = NUM_CHOICES ** (NUM_GROUPS - 1)
+    assert len(all_words()) <= num_words
+    tones = np.asarray(word_tones(jnp.arange(num_words)))
     assert (np.sort(tones, axis=1) // 4 == np.arange(6)).all()
-    sets = np.zeros((NUM_WORDS, 24), int)
-    sets[np.arange(NUM_WORDS)[:, None], tones] = 1
+    sets = np.zeros((num_words, 24), int)
+    sets[np.arange(num_words)[:, None], tones] = 1
     common = sets @ sets.T
     np.fill_diagonal(common, 0)
     assert common.max() == 4

@@ -17,7 +17,7 @@ from numba import njit, types
 
 from home_mjx.audio_jax.late_reverb.trace.cells import CELL_FLOOR_GAP
 from home_mjx.audio_jax.late_reverb.trace.house_rays import cast_rays
-from home_mjx.core.native.memory import address_of, pointer_to, stack_of
+from home_mjx.core.native.memory import address_of, stack_of
 from home_mjx.core.native.simd import LANES, broadcast, load, maximum, minimum, store, sum_lanes
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS
 
@@ -40,13 +40,7 @@ TURN = np.float32(2 * np.pi)
 BELOW_ONE = np.nextafter(ONE, ZERO)
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
-floats, doubles, integers = map(pointer_to, (types.float32, types.float64, types.int32))
-flags, words = map(pointer_to, (types.uint8, types.uint64))
-octave_floats, vector, random_state = (
-    stack_of(types.float32, LANES),
-    stack_of(types.float32, 3),
-    stack_of(types.uint64, 1),
-)
+octave_floats, vector = stack_of(types.float32, LANES), stack_of(types.float32, 3)
 compiled = njit(error_model="numpy")
 
 
