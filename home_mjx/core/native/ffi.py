@@ -28,7 +28,7 @@ JOB_NEXT, JOB_DONE, JOB_USERS, JOB_CHUNKS, JOB_FRAME, JOB_WORK = range(6)
 JOB_WORDS = 6
 WORD, NUMBER = 8, 4  # [bytes]
 
-words, halves = pointer_to(types.int64), pointer_to(types.int32)
+words, halves, singles = map(pointer_to, (types.int64, types.int32, types.float32))
 argument_words = stack_of(types.int64, 5)
 allocate = types.ExternalFunction("malloc", types.intp(types.intp))
 release = types.ExternalFunction("free", types.void(types.intp))
@@ -156,6 +156,41 @@ def row(frame, kind, index, number):
     for axis in range(1, num_dims(frame, kind, index)):
         size *= dim(frame, kind, index, axis)
     return data(frame, kind, index) + number * size
+
+
+@compiled
+@no_type_check
+def operand_dim(frame, index, axis):
+    """Return the length of an axis of operand `index`."""
+    return dim(frame, OPERANDS, index, axis)
+
+
+@compiled
+@no_type_check
+def float_row(frame, index, number):
+    """Return a pointer to row `number` of the float32 operand `index`."""
+    return singles(row(frame, OPERANDS, index, number))
+
+
+@compiled
+@no_type_check
+def int_row(frame, index, number):
+    """Return a pointer to row `number` of the int32 operand `index`."""
+    return halves(row(frame, OPERANDS, index, number))
+
+
+@compiled
+@no_type_check
+def float_result(frame, index, number):
+    """Return a pointer to row `number` of the float32 result `index`."""
+    return singles(row(frame, RESULTS, index, number))
+
+
+@compiled
+@no_type_check
+def int_result(frame, index, number):
+    """Return a pointer to row `number` of the int32 result `index`."""
+    return halves(row(frame, RESULTS, index, number))
 
 
 @compiled

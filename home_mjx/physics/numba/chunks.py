@@ -4,12 +4,12 @@
 from typing import Any, no_type_check
 
 import numpy as np
-from numba import carray, cfunc, njit, types  # pyright: ignore[reportPrivateImportUsage]
+from numba import carray, cfunc, njit  # pyright: ignore[reportPrivateImportUsage]
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
+from home_mjx.core.native.ffi import float_result, float_row, int_result, int_row, operand_dim
 from home_mjx.core.native.handler import WORD_FUNCTION
-from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.physics.base import servo, state
 from home_mjx.physics.numba import (
@@ -63,7 +63,6 @@ from home_mjx.physics.numba.workspace import allocate_workspace, free_workspace
 CHUNK = 16  # environments per chunk of work
 NUM_NUMBERS = len(StepParams._fields)
 
-float_pointer, int_pointer = pointer_to(types.float32), pointer_to(types.int32)
 compiled = njit(error_model="numpy")
 
 
@@ -102,7 +101,7 @@ def compile_chunks() -> tuple[Any, Any]:
     @no_type_check
     def count(frame):
         _ = digest
-        return -(-ffi.dim(frame, ffi.OPERANDS, HOUSE, 0) // CHUNK)
+        return -(-operand_dim(frame, HOUSE, 0) // CHUNK)
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
@@ -118,34 +117,38 @@ def compile_chunks() -> tuple[Any, Any]:
 @no_type_check
 def _step_chunk(frame, chunk):
     """Step the `CHUNK` environments of one chunk in a workspace of its own; reload the house only where it changes."""
-    houses, colliders = _operand_dim(frame, COLLIDER_POS, 0), _operand_dim(frame, COLLIDER_POS, 1)
-    bodies, agents = _operand_dim(frame, BODY_VALID, 1), _operand_dim(frame, ACTION, 1)
-    doors, ramps = _operand_dim(frame, DOOR, 1), _operand_dim(frame, RAMP, 1)
-    house = int_pointer(ffi.data(frame, ffi.OPERANDS, HOUSE))
-    given, floor = _numbers(_floats(frame, PARAMS, 0)), _floats(frame, FLOOR, 0)
+    houses, colliders = operand_dim(frame, COLLIDER_POS, 0), operand_dim(frame, COLLIDER_POS, 1)
+    bodies, agents = operand_dim(frame, BODY_VALID, 1), operand_dim(frame, ACTION, 1)
+    doors, ramps = operand_dim(frame, DOOR, 1), operand_dim(frame, RAMP, 1)
+    house = int_row(frame, HOUSE, 0)
+    given, floor = _numbers(float_row(frame, PARAMS, 0)), float_row(frame, FLOOR, 0)
     work = allocate_workspace(agents, bodies, doors, colliders)
-    load_agents(work, _floats(frame, AGENT, 0))
+    load_agents(work, float_row(frame, AGENT, 0))
     loaded = -1
-    for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, _operand_dim(frame, HOUSE, 0))):
+    for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, operand_dim(frame, HOUSE, 0))):
         own = min(max(house[env], 0), houses - 1)
         if own != loaded:
             _load_house(frame, work, own)
             loaded = own
         scale_bodies(
-            work, _floats(frame, BODY_MASS, own), _floats(frame, BODY_INERTIA, own), _floats(frame, BODY_SURFACE, own),
-            _floats(frame, SCALE, env),
+            work, float_row(frame, BODY_MASS, own), float_row(frame, BODY_INERTIA, own),
+            float_row(frame, BODY_SURFACE, own), float_row(frame, SCALE, env),
         )  # fmt: skip
-        before = _floats(frame, QPOS, env), _floats(frame, QVEL, env), _floats(frame, QACC, env)
-        after = _results(frame, NEW_QPOS, env), _results(frame, NEW_QVEL, env), _results(frame, NEW_QACC, env)
-        report = (
-            _flags(frame, NUM_AGENT_CONTACTS, env),
-            _flags(frame, OVERFLOW, env),
-            _results(frame, CONTACT_IMPULSE, env),
-            _flags(frame, CONTACT_PARTNER, env),
+        before = float_row(frame, QPOS, env), float_row(frame, QVEL, env), float_row(frame, QACC, env)
+        after = (
+            float_result(frame, NEW_QPOS, env),
+            float_result(frame, NEW_QVEL, env),
+            float_result(frame, NEW_QACC, env),
         )
-        held = int_pointer(ffi.row(frame, ffi.OPERANDS, HELD, env))
-        control = _floats(frame, ACTION, env), held, _floats(frame, GRIP, env), _floats(frame, GOAL, env)
-        ground = floor[own], _floats(frame, RAMP, own), ramps
+        report = (
+            int_result(frame, NUM_AGENT_CONTACTS, env),
+            int_result(frame, OVERFLOW, env),
+            float_result(frame, CONTACT_IMPULSE, env),
+            int_result(frame, CONTACT_PARTNER, env),
+        )
+        held = int_row(frame, HELD, env)
+        control = float_row(frame, ACTION, env), held, float_row(frame, GRIP, env), float_row(frame, GOAL, env)
+        ground = floor[own], float_row(frame, RAMP, own), ramps
         step_env(work, given, ground, before, control, after, report)
     free_workspace(work)
 
@@ -155,47 +158,19 @@ def _step_chunk(frame, chunk):
 def _load_house(frame, work, house):
     """Load row `house` of the shared operands into the workspace, see `step.load_house`."""
     static = (
-        _floats(frame, COLLIDER_POS, house),
-        _floats(frame, COLLIDER_QUAT, house),
-        _floats(frame, COLLIDER_HALF, house),
+        float_row(frame, COLLIDER_POS, house),
+        float_row(frame, COLLIDER_QUAT, house),
+        float_row(frame, COLLIDER_HALF, house),
     )
-    valid = int_pointer(ffi.row(frame, ffi.OPERANDS, BODY_VALID, house))
+    valid = int_row(frame, BODY_VALID, house)
     bodies = (
         valid,
-        _floats(frame, BODY_SIZE, house),
-        _floats(frame, BODY_MASS, house),
-        _floats(frame, BODY_INERTIA, house),
-        _floats(frame, BODY_SURFACE, house),
+        float_row(frame, BODY_SIZE, house),
+        float_row(frame, BODY_MASS, house),
+        float_row(frame, BODY_INERTIA, house),
+        float_row(frame, BODY_SURFACE, house),
     )
-    load_house(work, static, bodies, _floats(frame, DOOR, house))
-
-
-@compiled
-@no_type_check
-def _operand_dim(frame, index, axis):
-    """Return the length of an axis of operand `index`."""
-    return ffi.dim(frame, ffi.OPERANDS, index, axis)
-
-
-@compiled
-@no_type_check
-def _floats(frame, index, row):
-    """Return a pointer to row `row` of the float32 operand `index`."""
-    return float_pointer(ffi.row(frame, ffi.OPERANDS, index, row))
-
-
-@compiled
-@no_type_check
-def _results(frame, index, row):
-    """Return a pointer to row `row` of the float32 result `index`."""
-    return float_pointer(ffi.row(frame, ffi.RESULTS, index, row))
-
-
-@compiled
-@no_type_check
-def _flags(frame, index, row):
-    """Return a pointer to row `row` of the int32 result `index`."""
-    return int_pointer(ffi.row(frame, ffi.RESULTS, index, row))
+    load_house(work, static, bodies, float_row(frame, DOOR, house))
 
 
 @compiled

@@ -26,13 +26,6 @@ def constant(frame, index):
 
 @compiled
 @no_type_check
-def dim(frame, index, axis):
-    """Return the length of an axis of operand `index` of XLA's call frame."""
-    return ffi.dim(frame, ffi.OPERANDS, index, axis)
-
-
-@compiled
-@no_type_check
 def table(frame, index):
     """Return a pointer to the float operand `index`, which all environments share."""
     return float_pointer(ffi.data(frame, ffi.OPERANDS, index))
@@ -43,27 +36,6 @@ def table(frame, index):
 def complex_table(frame, index, count):
     """Return pointers to `count` real and as many imaginary parts of operand `index`, which all environments share."""
     return complex_pair(ffi.data(frame, ffi.OPERANDS, index), count)
-
-
-@compiled
-@no_type_check
-def row(frame, index, env):
-    """Return a pointer to the first value of environment `env`, the first axis, in the float operand `index`."""
-    return float_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
-
-
-@compiled
-@no_type_check
-def int_row(frame, index, env):
-    """Return a pointer to the first value of environment `env`, the first axis, in the integer operand `index`."""
-    return int_pointer(ffi.row(frame, ffi.OPERANDS, index, env))
-
-
-@compiled
-@no_type_check
-def result_row(frame, env):
-    """Return a pointer to environment `env` in the only result, (environments, channels, samples) float32."""
-    return float_pointer(ffi.row(frame, ffi.RESULTS, 0, env))
 
 
 @compiled

@@ -11,12 +11,8 @@ from home_mjx.audio_jax.kernels.cpu.operands import (
     complex_pair,
     complex_table,
     constant,
-    dim,
     float_pointer,
     int_pointer,
-    int_row,
-    result_row,
-    row,
     table,
 )
 from home_mjx.audio_jax.kernels.cpu.path_mixing import (
@@ -30,7 +26,7 @@ from home_mjx.audio_jax.kernels.cpu.path_mixing import (
 )
 from home_mjx.audio_jax.kernels.delay_reads import NUM_FILTERED
 from home_mjx.core.native import ffi
-from home_mjx.core.native.ffi import NUMBER
+from home_mjx.core.native.ffi import NUMBER, float_result, float_row, int_row, operand_dim
 from home_mjx.core.native.memory import address_of, offset_pointer
 from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, sum_lanes
 
@@ -59,7 +55,7 @@ class EarlyScratch(NamedTuple):
 @no_type_check
 def render_early_chunk(frame, first, end):
     """Render early sound of environments `first` to `end` (exclusive, at most `LANES`); `frame`: XLA's call frame."""
-    size, points = _sizes(frame), dim(frame, TURNS, 1)
+    size, points = _sizes(frame), operand_dim(frame, TURNS, 1)
     room = _allocate(size, points)
     turns = complex_table(frame, TURNS, points)
     for left in range(0, size.channels, 2):
@@ -80,7 +76,7 @@ def render_early_chunk(frame, first, end):
 @no_type_check
 def _upsample_all(frame, env, size, room):
     """Upsample signals by two into `room.even` and `room.odd`; per source, the filtered ones precede the unfiltered."""
-    sources, filtered = row(frame, SOURCE, env), row(frame, FILTERS, env)
+    sources, filtered = float_row(frame, SOURCE, env), float_row(frame, FILTERS, env)
     each = NUM_FILTERED * size.filtered + size.length
     for source in range(size.sources):
         for part in range(NUM_FILTERED + 1):
@@ -98,7 +94,7 @@ def _mix_channel(frame, env, channel, size, points, room, sums):
     """Write a channel's mixed buses to `sums` (points, buses), zero-padded; zeros if there is no such channel."""
     begun = 0
     if channel < size.channels:
-        share, far = row(frame, SHARE, env), 2 * size.channels * size.shapes
+        share, far = float_row(frame, SHARE, env), 2 * size.channels * size.shapes
         share = offset_pointer(share, 2 * channel * size.shapes)
         _find_audible(share, far, size, room.which)
         for begin in range(0, size.count, BLOCK_SAMPLES):
@@ -131,7 +127,7 @@ def _find_audible(share, far, size, which):
 @no_type_check
 def _read_all(frame, env, ear, begin, count, size, room):
     """Read `count` bus samples from `begin` on of paths `room.which`, for one ear, to their rows of `room.heard`."""
-    ways, starts, rate = row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
+    ways, starts, rate = float_row(frame, WAYS, env), int_row(frame, START, env), table(frame, RATE)[0]
     each = NUM_FILTERED * size.filtered + size.length
     for i in range(room.which[0]):
         number = room.which[1 + i]
@@ -175,7 +171,7 @@ def _filter(frame, points, size, turns, lane, room):
 @no_type_check
 def _write(frame, env, left, lane, size, made):
     """Write result channels `left`, `left` + 1 (if any): real, negated imaginary parts of column `lane` of `made`."""
-    out, begin = result_row(frame, env), constant(frame, FRAME_BEGIN)
+    out, begin = float_result(frame, 0, env), constant(frame, FRAME_BEGIN)
     for k in range(size.frame):
         out[left * size.frame + k] = made[0][(begin + k) * LANES + lane]
     if left + 1 < size.channels:
@@ -188,13 +184,13 @@ def _write(frame, env, left, lane, size, made):
 def _sizes(frame):
     """Read the sizes from shapes and constants of XLA's call frame."""
     return EarlySizes(
-        dim(frame, SOURCE, 1),
-        dim(frame, SOURCE, 2),
-        dim(frame, FILTERS, 3),
-        dim(frame, WAYS, 2),
-        (dim(frame, WAYS, 3) - PATH_VALUES) // 3,
-        dim(frame, SHARE, 3),
-        dim(frame, SHARE, 5),
+        operand_dim(frame, SOURCE, 1),
+        operand_dim(frame, SOURCE, 2),
+        operand_dim(frame, FILTERS, 3),
+        operand_dim(frame, WAYS, 2),
+        (operand_dim(frame, WAYS, 3) - PATH_VALUES) // 3,
+        operand_dim(frame, SHARE, 3),
+        operand_dim(frame, SHARE, 5),
         constant(frame, COUNT),
         ffi.dim(frame, ffi.RESULTS, 0, 2),
         constant(frame, BEFORE),

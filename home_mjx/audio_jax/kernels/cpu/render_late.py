@@ -11,16 +11,12 @@ from home_mjx.audio_jax.kernels.cpu.operands import (
     complex_pair,
     complex_table,
     constant,
-    dim,
     float_pointer,
-    int_row,
-    result_row,
-    row,
     table,
     word_pointer,
 )
 from home_mjx.core.native import ffi
-from home_mjx.core.native.ffi import NUMBER, WORD
+from home_mjx.core.native.ffi import NUMBER, WORD, float_result, float_row, int_row, operand_dim
 from home_mjx.core.native.memory import address_of, offset_pointer
 from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, store
 
@@ -121,7 +117,7 @@ def _prepare(frame, env, source, left, place, size, room):
     ahead, whole = _padding(size)
     padded = offset_pointer(room.padded, place * whole)
     _zero(padded, whole)
-    signal = offset_pointer(row(frame, SOURCE, env), source * size.length)
+    signal = offset_pointer(float_row(frame, SOURCE, env), source * size.length)
     for i in range(size.length):
         padded[ahead + i] = signal[i]
     for window in range(2 * (size.transforms_per_env - ENDS * PARTS)):
@@ -161,9 +157,9 @@ def _make_response(frame, number, channel, response, size):
     length = size.bins * size.bin
     noise = offset_pointer(table(frame, NOISE), own * noises * bands * length)
     hats = table(frame, HATS)
-    mix = offset_pointer(row(frame, MIX, 0), (number * size.channels + channel) * noises * bands)
+    mix = offset_pointer(float_row(frame, MIX, 0), (number * size.channels + channel) * noises * bands)
     amplitudes = offset_pointer(
-        row(frame, AMPLITUDE, 0), (number * size.bins * size.channels + channel) * size.knots * bands
+        float_row(frame, AMPLITUDE, 0), (number * size.bins * size.channels + channel) * size.knots * bands
     )
     begun = int_row(frame, BEGUN, 0)[number]
     onset = min(max(int_row(frame, ONSET, 0)[number], 0), length)
@@ -230,7 +226,7 @@ def _find_gains(frame, env, source, size, levels):
     """Write to `levels` (end, repetition, frequency) the gain of each tail repetition at both ends of the frame."""
     half, octaves = size.points // 2 + 1, table(frame, OCTAVES)
     number = (env * size.sources + source) * ENDS * size.echoes * size.bands
-    given = offset_pointer(row(frame, TAIL, 0), number)
+    given = offset_pointer(float_row(frame, TAIL, 0), number)
     for echo in range(ENDS * size.echoes):
         for first in range(0, half, LANES):
             at = min(first, half - LANES)
@@ -296,7 +292,7 @@ def _add_products(heard, at, now, old, new, spectra, to):
 @no_type_check
 def _write(frame, env, left, lane, made, size):
     """Write result channels `left`, `left` + 1 (if any): crossfades, linear, of column `lane` of `made` to the next."""
-    out, scale = result_row(frame, env), ONE / np.float32(size.points)
+    out, scale = float_result(frame, 0, env), ONE / np.float32(size.points)
     for k in range(size.frame):
         fade = np.float32(k + 1) / np.float32(size.frame)
         at = (size.begin + k) * LANES + lane
@@ -313,14 +309,14 @@ def _sizes(frame):
     """Read the sizes from shapes and constants of XLA's call frame."""
     each = ENDS * PARTS + 1 + (constant(frame, ECHOES) + 1) // 2
     return LateSizes(
-        dim(frame, SOURCE, 1),
-        dim(frame, SOURCE, 2),
-        dim(frame, AMPLITUDE, 4),
-        dim(frame, AMPLITUDE, 3),
-        dim(frame, HATS, 1),
-        dim(frame, HATS, 0),
-        dim(frame, MIX, 4),
-        dim(frame, MIX, 5),
+        operand_dim(frame, SOURCE, 1),
+        operand_dim(frame, SOURCE, 2),
+        operand_dim(frame, AMPLITUDE, 4),
+        operand_dim(frame, AMPLITUDE, 3),
+        operand_dim(frame, HATS, 1),
+        operand_dim(frame, HATS, 0),
+        operand_dim(frame, MIX, 4),
+        operand_dim(frame, MIX, 5),
         constant(frame, FIRST),
         constant(frame, HALF),
         constant(frame, ECHOES),
@@ -328,7 +324,7 @@ def _sizes(frame):
         constant(frame, WIDTH),
         constant(frame, FRAME_BEGIN),
         ffi.dim(frame, ffi.RESULTS, 0, 2),
-        dim(frame, TURNS, 1),
+        operand_dim(frame, TURNS, 1),
         each,
         -(-LANES // each),
     )
