@@ -85,6 +85,14 @@ def draw_identifying_words(
     return alone[int(random.integers(len(alone)))] if alone else None
 
 
+def identify_objects(
+    things: Sequence[HouseObject], chosen: Sequence[HouseObject], random: np.random.Generator
+) -> list[tuple[HouseObject, dict[Attribute, int]]]:
+    """Return those of `chosen` that `draw_identifying_words` identifies among `things`, each with its words."""
+    drawn = [(thing, draw_identifying_words(things, thing, random)) for thing in chosen]
+    return [(thing, words) for thing, words in drawn if words is not None]
+
+
 def minimal_identifying_words(
     things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:

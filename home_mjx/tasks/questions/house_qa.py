@@ -15,11 +15,11 @@ from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.questions.balance import balance_rows
 from home_mjx.tasks.questions.question import Question, answers_to
 from home_mjx.tasks.questions.question_kinds import QUESTION_GENERATORS
-from home_mjx.tasks.rules.build_bank import FeasibleRow, TaskGenerator, TaskRow
+from home_mjx.tasks.rules.build_bank import FeasibleRow, TaskRow
 from home_mjx.tasks.rules.enums import FAILURE, SUCCESS, Feature, TargetKind
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
-from home_mjx.tasks.rules.row_task import RowTask
+from home_mjx.tasks.rules.row_task import GeneratorTask
 
 KINDS = tuple(QUESTION_GENERATORS)
 MAX_CANDIDATES = 256  # maximum number of questions of each kind per house before balancing
@@ -27,7 +27,7 @@ ANY_ANSWER = Condition(Feature.SAID, minimum=0)
 
 
 @dataclass(frozen=True)
-class QuestionTask(RowTask):
+class QuestionTask(GeneratorTask):
     """Base of tasks that ask a question.
 
     Attributes:
@@ -51,23 +51,9 @@ class QuestionTask(RowTask):
         return KINDS
 
     @property
-    def name(self) -> str:
-        """Name of the task: that of its class."""
-        return type(self).__name__
-
-    @property
     def speech(self) -> tuple[str, ...]:
         """Answers to questions of these kinds, as speech actions."""
         return tuple(f"answer:{word}" for word in answers_to(self.kinds))
-
-    @property
-    def generators(self) -> tuple[TaskGenerator, ...]:
-        """Generators of the task's rows: the task itself."""
-        return (self,)
-
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row for each question that a house can answer; a subclass must implement it."""
-        raise NotImplementedError
 
     def select_rows(self, drawn: list[FeasibleRow], num_tasks: int, random: np.random.Generator) -> list[FeasibleRow]:
         """Select at most `num_tasks` rows per house, so that a question occurs equally often with each answer."""

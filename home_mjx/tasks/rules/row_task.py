@@ -1,9 +1,11 @@
 """Task whose episodes are rows of a task bank."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.audio_jax.base.endpoints import SoundSources
@@ -15,10 +17,11 @@ from home_mjx.tasks.base.goal_observation import GOAL_SPEC, MAX_GOAL_DISTANCE, o
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task, path_scores
-from home_mjx.tasks.rules.build_bank import TaskGenerator, build_task_bank
+from home_mjx.tasks.rules.build_bank import TaskGenerator, TaskRow, build_task_bank
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.enums import ANY, FAILURE, NO_WORD, NUM_TOKENS, SUCCESS, Attribute, Feature
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, sound_positions
+from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import TaskProgram, evaluate_conditions, take_transition
 from home_mjx.tasks.rules.resolve import ResolvedTargets, resolve_targets
 from home_mjx.tasks.rules.speech import SpeechColumns, is_instructed, observe_words, oracle_replies, words_of_others
@@ -322,3 +325,22 @@ def _track_moving_sources(snapshot: Snapshot, state: RowState) -> TaskProgram:
     beyond = state.program.place.shape[0]
     to = jnp.where((speed > 0) & (emitter >= 0), emitter, beyond)
     return state.program.replace(place=state.program.place.at[to].set(place, mode="drop"))
+
+
+@dataclass(frozen=True)
+class GeneratorTask(RowTask):
+    """Base of row tasks that generate their rows themselves."""
+
+    @property
+    def name(self) -> str:
+        """Name of the task: that of its class."""
+        return type(self).__name__
+
+    @property
+    def generators(self) -> tuple[TaskGenerator, ...]:
+        """Generators of the rows: the task itself."""
+        return (self,)
+
+    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
+        """Yield rows of tasks of one house, possibly endlessly; a subclass must implement it."""
+        raise NotImplementedError

@@ -18,7 +18,7 @@ from home_mjx.tasks.rules.build_bank import TaskGenerator, TaskRow
 from home_mjx.tasks.rules.enums import FAILURE, SUCCESS, Feature
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
-from home_mjx.tasks.rules.row_task import RowTask
+from home_mjx.tasks.rules.row_task import GeneratorTask, RowTask
 
 STOP_CONDITION = Condition(Feature.STOPPED, minimum=1)
 # Coarse categories that are never goals: part of the house, above the view, or unknown.
@@ -38,7 +38,7 @@ def arrival_stage(conditions: tuple[Condition, ...], stop: bool, reward: float, 
 
 
 @dataclass(frozen=True)
-class NavigationTask(RowTask):
+class NavigationTask(GeneratorTask):
     """Options that navigation tasks share.
 
     Attributes:
@@ -58,20 +58,6 @@ class NavigationTask(RowTask):
     def requires_stop(self) -> bool:
         """True if agents must choose the action `stop`: the option `stop`."""
         return self.stop
-
-    @property
-    def name(self) -> str:
-        """Name of the task: that of its class."""
-        return type(self).__name__
-
-    @property
-    def generators(self) -> tuple[TaskGenerator, ...]:
-        """Generators of rows: the task itself."""
-        return (self,)
-
-    def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows of tasks of one house, possibly endlessly; a subclass must implement it."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import AgentBody
-from home_mjx.tasks.language.phrases import attribute_text, draw_identifying_words, noun_phrase
+from home_mjx.tasks.language.phrases import attribute_text, draw_identifying_words, identify_objects, noun_phrase
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rules.build_bank import TaskRow
 from home_mjx.tasks.rules.enums import FAILURE, NUM_TOKENS, SUCCESS, Attribute, Feature
@@ -80,11 +80,7 @@ class Fetch(ManipulationTask):
         """Yield rows of objects and random destinations, endlessly; none if no object can be identified."""
         told = self._describe_portables(view, random)
         goals = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
-        named = [
-            (thing, words)
-            for thing in goals
-            if (words := draw_identifying_words(view.objects, thing, random)) is not None
-        ]
+        named = identify_objects(view.objects, goals, random)
         if not named:
             return
         while told:
@@ -190,11 +186,7 @@ class Rearrange(ManipulationTask):
     ) -> Iterator[ObjectPlacement]:
         """Yield pairs of an object and a receptacle that has room for it and on which it is not."""
         below = [thing for thing in view.objects if is_receptacle(view, thing, {p.object.object_id for p, _ in told})]
-        named = [
-            (thing, words)
-            for thing in below
-            if (words := draw_identifying_words(view.objects, thing, random)) is not None
-        ]
+        named = identify_objects(view.objects, below, random)
         for portable, words in told:
             for thing, others in named:
                 cells = view.put_cells(view.instance_of(thing), view.plan_radius(portable.instance))[0]
