@@ -133,11 +133,14 @@ def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Arra
     """If `opens`, empty a hand that holds a body; add `RELEASE_SPEED` down, by which kinematic physics detects it."""
     opens = opens & (state.held[a] >= 0)
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
-    return state.replace(
-        qvel=state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0)),
-        held=state.held.at[a].set(jnp.where(opens, -1, state.held[a])),
-        place_target=state.place_target.at[a].set(jnp.where(opens, jnp.inf, state.place_target[a])),
-    )
+    qvel = state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0))
+    return _set_where(opens, state.replace(qvel=qvel), a, held=-1, place_target=jnp.inf)
+
+
+def _set_where(condition: Bool[Array, ""], state: PhysicsState, a: int, **values: Array | float) -> PhysicsState:
+    """Return the state with these values in the fields of agent `a` if `condition` is True."""
+    fields = {name: getattr(state, name) for name in values}
+    return state.replace(**{n: x.at[a].set(jnp.where(condition, values[n], x[a])) for n, x in fields.items()})
 
 
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
@@ -149,12 +152,8 @@ def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int
     takes = (body == own) & bodies.valid[own] & free & near & (bodies.mass[own] <= jnp.float32(config.max_lift_mass))
     _, yaw = _agent(template, state, a)
     turned = quat_multiply(yaw_quat(-yaw), quat)
-    return state.replace(
-        held=state.held.at[a].set(jnp.where(takes, own, state.held[a])),
-        grip=state.grip.at[a].set(jnp.where(takes, _carry_grip(template, bodies, a, own, turned), state.grip[a])),
-        place_target=state.place_target.at[a].set(jnp.where(takes, jnp.inf, state.place_target[a])),
-        hand_steps=state.hand_steps.at[a].set(jnp.where(takes, 0, state.hand_steps[a])),
-    )
+    grip = _carry_grip(template, bodies, a, own, turned)
+    return _set_where(takes, state, a, held=own, grip=grip, place_target=jnp.inf, hand_steps=0)
 
 
 def _distance(
@@ -201,11 +200,7 @@ def _start_place(
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
     starts = (state.held[a] >= 0) & jnp.all(jnp.isfinite(spot)) & (away <= jnp.float32(template.config.agents[a].reach))
-    state = state.replace(
-        place_target=state.place_target.at[a].set(jnp.where(starts, spot, state.place_target[a])),
-        hand_steps=state.hand_steps.at[a].set(jnp.where(starts, 0, state.hand_steps[a])),
-    )
-    return _track_place_target(template, bodies, state, a)
+    return _track_place_target(template, bodies, _set_where(starts, state, a, place_target=spot, hand_steps=0), a)
 
 
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
@@ -252,11 +247,7 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
     state = _open_hand(template, state.replace(hand_steps=state.hand_steps.at[a].set(tries)), a, there | torn)
     vain = puts & (tries > MAX_PLACE_STEPS) & (state.held[a] >= 0)
     carried = _carry_grip(template, bodies, a, jnp.maximum(state.held[a], 0), state.grip[a, 3:])
-    return state.replace(
-        place_target=state.place_target.at[a].set(jnp.where(vain, jnp.inf, state.place_target[a])),
-        hand_steps=state.hand_steps.at[a].set(jnp.where(vain, 0, state.hand_steps[a])),
-        grip=state.grip.at[a].set(jnp.where(vain, carried, state.grip[a])),
-    )
+    return _set_where(vain, state, a, place_target=jnp.inf, hand_steps=0, grip=carried)
 
 
 def _command_door(
