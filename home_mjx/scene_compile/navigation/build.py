@@ -64,7 +64,8 @@ def build_navigation(
         floor[lost.storey] = False  # a landing at the head of stairs, whose room would have as many goals as others
     drawn = floor & ~_cut_off_cells(home, links, spaces, rooms, open_leaves, options)
     drawn = drawn if drawn.any() else floor
-    drawn = _clear_of_leaves(drawn, spaces, rooms, leaves, options)
+    clear = _clear_of_leaves(drawn, spaces, rooms, leaves, options, options.agent_radius + options.margin)
+    drawn = clear if clear.any() else drawn
     goals = _spread_goals(drawn, room, options.num_goals, rng)
     cells = rng.permutation(np.argwhere(drawn))[np.arange(options.num_starts) % drawn.sum()]
     jitter = rng.uniform(-0.5, 0.5, (options.num_starts, 2)) * options.margin
@@ -95,13 +96,13 @@ def _clear_of_leaves(
     rooms: RoomTable,
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
+    reach: float,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the `drawn` cells where an agent and its margin are clear of all leaf positions; all cells if none is."""
-    reach, found = options.agent_radius + options.margin, drawn.copy()
+    """Return the home cells at least `reach` [m] from all leaf positions at an agent's height."""
+    found, heights = home.copy(), (options.max_step_height, options.agent_height)
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
-        heights = (options.max_step_height, options.agent_height)
         cells &= compute_clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
-    return found if found.any() else drawn
+    return found
 
 
 def _cut_off_cells(
@@ -112,14 +113,8 @@ def _cut_off_cells(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells where an agent touches a leaf of an open door, or that leaves cut off from the main part.
-
-    The main part is the home region of `label_regions` without the touched cells. Return none if all are touched.
-    """
-    free, heights = home.copy(), (options.max_step_height, options.agent_height)
-    for cells, space, boxes in zip(free, spaces, leaves, strict=False):
-        floor, radius = rooms.floor[space.room], options.agent_radius
-        cells &= compute_clearance(boxes, floor, space.x, space.y, heights, radius) >= radius
+    """Return the home cells that leaves of open doors cover or cut off from the main part; none if they cover all."""
+    free = _clear_of_leaves(home, spaces, rooms, leaves, options, options.agent_radius)
     region, _ = label_regions(free, links, options.cell, np.stack([s.height for s in spaces]))
     return home & (region != 0) if free.any() else np.zeros_like(home)
 
