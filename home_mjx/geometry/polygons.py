@@ -77,14 +77,14 @@ def boundary_edges(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2 
     return edges[~(edges[:, None] == edges[:, ::-1]).all(axis=(2, 3)).any(axis=1)]
 
 
-def find_innermost_point(polygon: Float[np.ndarray, "n 2"], steps: int = HOLE_STEPS) -> Float[np.ndarray, "2"]:
-    """Return the point of a `steps` x `steps` grid inside a polygon that is farthest from its edges.
+def find_innermost_point(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "2"]:
+    """Return the point of a `HOLE_STEPS` x `HOLE_STEPS` grid inside a polygon that is farthest from its edges.
 
     0.1 % of a point's distance to the middle of the bounds is deducted, so that ties go to the nearest one. If no grid
     point is inside, return the middle.
     """
     low, high = polygon.min(axis=0), polygon.max(axis=0)
-    x, y = (np.linspace(a, b, steps + 2)[1:-1] for a, b in zip(low, high, strict=True))
+    x, y = (np.linspace(a, b, HOLE_STEPS + 2)[1:-1] for a, b in zip(low, high, strict=True))
     points = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
     points = points[is_inside_polygon(polygon, points)]
     if not len(points):
@@ -238,8 +238,8 @@ def _walk(following: dict[int, list[int]]) -> list[int]:
     return []
 
 
-def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = MAX_BEND) -> Float[np.ndarray, "_ 2"]:
-    """Return a polygon without corners within `bend` [m] of the rest; unchanged if fewer than 3 would remain.
+def _straighten(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
+    """Return a polygon without corners within `MAX_BEND` of the rest; unchanged if fewer than 3 would remain.
 
     Each corner is compared with the sides that remain (Douglas and Peucker 1973), so that an arc keeps its shape
     however finely it is divided. It begins with the corner farthest from the centroid, and the one farthest from that.
@@ -254,7 +254,7 @@ def _straighten(polygon: Float[np.ndarray, "n 2"], bend: float = MAX_BEND) -> Fl
     while spans:
         start, stop = spans.pop()
         away = _segment_distance(ring[start + 1 : stop], ring[start], ring[stop])
-        if away.max(initial=0.0) > bend:
+        if away.max(initial=0.0) > MAX_BEND:
             middle = start + 1 + int(away.argmax())
             keep.add(middle)
             spans += [(start, middle), (middle, stop)]

@@ -95,13 +95,7 @@ def plan_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE)
     return library, _sizes(len(houses), library, capacity_of(houses), rows, texture_size)
 
 
-def pack_house_slots(
-    houses: Sequence[CompiledHouse],
-    library: Library,
-    capacity: Counts,
-    stride: Counts,
-    texture_size: int = TEXTURE_SIZE,
-) -> PackedBank:
+def pack_house_slots(houses: Sequence[CompiledHouse], library: Library, capacity: Counts, stride: Counts) -> PackedBank:
     """Pack houses into a bank of exchangeable houses, each with `stride` rows in the concatenated tables.
 
     Args:
@@ -109,7 +103,6 @@ def pack_house_slots(
         library: All models and textures of all houses that may ever be exchanged.
         capacity: Lengths of the axes of `AXES`, see `capacity_of`.
         stride: Maximum rows of each kind per house.
-        texture_size: Edge of the square texture layers [px], a power of two.
 
     Raises:
         CapacityError: A house needs more, or there are more triangles than leaf codes can address.
@@ -120,7 +113,7 @@ def pack_house_slots(
     rows = {kind: library.num_rows[kind] + len(houses) * stride[kind] for kind in ROW_KINDS}
     check_triangles(rows["triangle"])
     starts = [slot_start(library, stride, house_slot) for house_slot in range(len(houses))]
-    return _packed(houses, library, _sizes(len(houses), library, capacity, rows, texture_size), starts, texture_size)
+    return _packed(houses, library, _sizes(len(houses), library, capacity, rows, TEXTURE_SIZE), starts, TEXTURE_SIZE)
 
 
 def pack_house_slot(
@@ -135,9 +128,9 @@ def pack_house_slot(
     start = slot_start(library, stride, house_slot)
     sizes = axis_lengths(capacity) | dict(stride) | {HOUSE_AXIS: 1}
     part = _Part(library.house_owners(house, start, sizes), dict.fromkeys((*ROW_KINDS, HOUSE_AXIS), 0))
-    arrays = _fill(_declared(shared=False), [part], sizes)
+    own = [d for d in declarations() if d.kind != SHARED]
     first = {**start, HOUSE_AXIS: house_slot}
-    return arrays, {d.key: first[d.kind] for d in _declared(shared=False)}
+    return _fill(own, [part], sizes), {d.key: first[d.kind] for d in own}
 
 
 def slot_start(library: Library, stride: Counts, house_slot: int) -> dict[str, int]:
@@ -189,11 +182,6 @@ def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, te
     edge, words = cutout_shape(texture_size)
     shared = {"layers": layers, "texels": texels, "edge": edge, "words": words}
     return {**axis_lengths(capacity), **rows, HOUSE_AXIS: num_houses, **shared}
-
-
-def _declared(shared: bool) -> list[Declaration]:
-    """Return the declarations of arrays shared by all houses, or of the others."""
-    return [d for d in declarations() if (d.kind == SHARED) == shared]
 
 
 def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Sizes) -> Arrays:

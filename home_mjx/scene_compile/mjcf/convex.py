@@ -6,7 +6,6 @@ concavity and tree search"). It takes seconds per model, so pieces are stored in
 
 import hashlib
 import logging
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -20,28 +19,15 @@ from home_mjx.geometry.meshes import bounds
 from home_mjx.schema.compiled import Model
 
 Piece = Float[np.ndarray, "f 3 3"]
-CONVEX_CACHE_VERSION = 1  # increment whenever equal options would produce different pieces
+CONVEX_CACHE_VERSION = 1  # increment whenever equal models would produce different pieces
+MAX_CONCAVITY = 0.1  # maximum remaining concavity, as a share of the model's size (see CoACD)
+MAX_PIECES = 16  # maximum number of pieces per model
 MIN_PIECE_THICKNESS = 1e-3  # [m], minimum thickness of a piece; MuJoCo rejects thinner hulls
 
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
-class ConvexOptions:
-    """Options of the decomposition.
-
-    Attributes:
-        threshold: Maximum remaining concavity, as a share of the model's size (see CoACD).
-        max_pieces: Maximum number of pieces per model.
-        seed: Seed of CoACD's tree search.
-    """
-
-    threshold: float = 0.1
-    max_pieces: int = 16
-    seed: int = 0
-
-
-def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tuple[Piece, ...]:
+def convex_pieces(model: Model) -> tuple[Piece, ...]:
     """Return the hulls of a model's convex pieces as triangles in its own frame [m]; empty for flat models.
 
     They are computed by CoACD and cached on disk.
@@ -53,7 +39,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
         >>> len(convex_pieces(chair))  # doctest: +SKIP
         12
     """
-    entry = _entry(model, options)
+    entry = _entry(model)
     try:
         arrays, notes = read_entry(entry)
         return tuple(arrays[str(i)] for i in range(notes["pieces"]))
@@ -61,7 +47,7 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
         pass
     except READ_ERRORS as error:
         log.warning("broken cache entry %s is computed again: %s", entry, error)
-    pieces = tuple(hull for hull in map(_hull, _decompose(model, options)) if hull is not None)
+    pieces = tuple(hull for hull in map(_hull, _decompose(model)) if hull is not None)
     try:
         write_entry(entry, {str(i): piece for i, piece in enumerate(pieces)}, {"pieces": len(pieces)})
     except OSError as error:
@@ -69,13 +55,13 @@ def convex_pieces(model: Model, options: ConvexOptions = ConvexOptions()) -> tup
     return pieces
 
 
-def _entry(model: Model, options: ConvexOptions) -> Path:
+def _entry(model: Model) -> Path:
     """Return the path of a model's cached pieces, whether or not it exists."""
-    name = hashlib.sha256(repr((CONVEX_CACHE_VERSION, model.key, options)).encode()).hexdigest()
+    name = hashlib.sha256(repr((CONVEX_CACHE_VERSION, model.key, MAX_CONCAVITY, MAX_PIECES)).encode()).hexdigest()
     return cache_folder() / "convex" / f"{name}.npz"
 
 
-def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "_ 3"]]:
+def _decompose(model: Model) -> list[Float[np.ndarray, "_ 3"]]:
     """Return the corners of the pieces; the whole model is one piece if it is flat or CoACD fails."""
     try:
         import coacd
@@ -89,14 +75,14 @@ def _decompose(model: Model, options: ConvexOptions) -> list[Float[np.ndarray, "
     try:
         found = coacd.run_coacd(
             coacd.Mesh(vertices, corner.reshape(-1, 3).astype(np.int32)),
-            threshold=options.threshold,
-            max_convex_hull=options.max_pieces,
+            threshold=MAX_CONCAVITY,
+            max_convex_hull=MAX_PIECES,
             # At most half of CoACD's defaults: equally many pieces, in 5 s per model instead of 30 s.
             resolution=1000,
             mcts_iterations=60,
             mcts_nodes=10,
             mcts_max_depth=2,
-            seed=options.seed,
+            seed=0,
         )
     except RuntimeError as error:
         log.warning("%s becomes a single convex piece: %s", model.key, error)

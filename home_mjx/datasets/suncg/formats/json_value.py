@@ -181,13 +181,13 @@ class JsonValue(Location):
             return type(self.data).__name__
 
 
-def read_json(path: Path, hint: str | None = None) -> JsonValue:
+def read_json(path: Path) -> JsonValue:
     """Read the JSON document in a file.
 
     Raises:
         DatasetError: The file is missing, not UTF-8, or not JSON (with line and column).
     """
-    text = read_text(path, hint, MAX_JSON_BYTES)
+    text = read_text(path, max_bytes=MAX_JSON_BYTES)
     place = Location(path)
     try:
         return JsonValue(path, "", json.loads(text))

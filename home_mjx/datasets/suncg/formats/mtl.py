@@ -32,14 +32,14 @@ class LibraryMaterial:
     color_map: PlacedMap = REPEATED_MAP
 
 
-def read_mtl(path: Path, textures: TextureLookup, hint: str | None = None) -> tuple[Material, ...]:
+def read_mtl(path: Path, textures: TextureLookup) -> tuple[Material, ...]:
     """Read the materials of an MTL in file order, which is the order of SUNCG's material slots.
 
     The default material is white and opaque. `Tr` is 1 - `d`; a `Tr` equal to the `d` above it is taken for `d`, and a
     `Tr 1` without a `d` above it is opaque: MeshLab before 2023, OpenMVS and others write it so. Arguments and errors
     are those of `read_library`.
     """
-    return tuple(entry.material for entry in read_library(path, textures, hint))
+    return tuple(entry.material for entry in read_library(path, textures))
 
 
 def read_library(path: Path, textures: TextureLookup, hint: str | None = None) -> tuple[LibraryMaterial, ...]:
