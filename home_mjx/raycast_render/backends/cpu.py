@@ -12,6 +12,13 @@ from home_mjx.raycast_render.backends.multi_hit_loop import cast_multi_hit_by_lo
 from home_mjx.raycast_render.scene.types import DynamicInstances, RawHit, RayQuery, Rays
 
 TARGET = "home_mjx_cast"
+# Leading operands of the Numba kernel: fields of `Geometry`; after the house, fields of `DynamicInstances`.
+GEOMETRY_OPERANDS = (
+    *("node_box", "node_child", "triangle", "triangle_slot", "model_root", "house_root"),
+    *("instance_model", "instance_inverse", "instance_object", "instance_material"),
+    *("material_mask", "triangle_uv", "cutout"),
+)
+MOVING_OPERANDS = ("instance", "model", "inverse", "box", "object_id", "material")
 
 
 def compile_chunks() -> tuple[Any, Any]:
@@ -35,32 +42,7 @@ def cast_cpu(
     float_, int_ = jax.ShapeDtypeStruct(shape, jnp.float32), jax.ShapeDtypeStruct(shape, jnp.int32)
     results = (float_, int_, int_, float_, float_, jax.ShapeDtypeStruct(shape, jnp.bool_))
     # In the order that the Numba kernel expects: geometry, scene, then `Rays`.
-    operands = (
-        geometry.node_box,
-        geometry.node_child,
-        geometry.triangle,
-        geometry.triangle_slot,
-        geometry.model_root,
-        geometry.house_root,
-        geometry.instance_model,
-        geometry.instance_inverse,
-        geometry.instance_object,
-        geometry.instance_material,
-        geometry.material_mask,
-        geometry.triangle_uv,
-        geometry.cutout,
-        house,
-        moving.instance,
-        moving.model,
-        moving.inverse,
-        moving.box,
-        moving.object_id,
-        moving.material,
-        rays.origin,
-        rays.direction,
-        rays.t_min,
-        rays.t_max,
-        rays.exclude,
-        rays.mask,
-    )
+    scene = *(getattr(geometry, name) for name in GEOMETRY_OPERANDS), house
+    scene = *scene, *(getattr(moving, name) for name in MOVING_OPERANDS)
+    operands = *scene, rays.origin, rays.direction, rays.t_min, rays.t_max, rays.exclude, rays.mask
     return RawHit(*call_native(TARGET, operands, results, any_hit=query.any_hit, width=rays.width))

@@ -18,6 +18,7 @@ from home_mjx.core.native.simd import LANES
 from home_mjx.core.workers import map_threads
 from home_mjx.geometry.meshes import invert
 from home_mjx.geometry.rotations import yaw_quat
+from home_mjx.raycast_render.backends.cpu import GEOMETRY_OPERANDS
 from home_mjx.raycast_render.backends.numba import cutouts, intersect, packet, traverse
 from home_mjx.raycast_render.backends.numba.packet import FIRST_RAY_OPERAND, RowCounts, make_tiling
 from home_mjx.raycast_render.backends.numba.traverse import cast_packet
@@ -27,15 +28,7 @@ from home_mjx.schema.compiled import BANDS, RayKind
 NUM_RAY_FIELDS = 6
 REACH = 6  # index of `RayMemory.reach` in the arrays of a visibility test
 RAYS_PER_TASK = 1 << 14  # rays of a task of `HouseRays.occluded`
-CAST_MODULES: tuple[Any, ...] = (
-    ffi,
-    memory,
-    simd,
-    cutouts,
-    intersect,
-    packet,
-    traverse,
-)  # that a cast is compiled from
+CAST_MODULES: tuple[Any, ...] = ffi, memory, simd, cutouts, intersect, packet, traverse  # that compile into a cast
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
 floats, integers, words = pointer_to(types.float32), pointer_to(types.int32), pointer_to(types.int64)
@@ -80,24 +73,12 @@ class HouseRays:
         """Return the arrays of house `index` of a bank."""
         geometry, table = bank.geometry, bank.materials
         moving = _moving_instances(bank, index)
-        host = {
-            name: np.ascontiguousarray(getattr(geometry, name))
-            for name in (
-                *("node_box", "node_child", "triangle", "triangle_slot", "model_root", "house_root"),
-                *("instance_model", "instance_inverse", "instance_object", "instance_material"),
-                *("material_mask", "triangle_uv", "cutout"),
-            )
-        }
+        host = {name: np.ascontiguousarray(getattr(geometry, name)) for name in GEOMETRY_OPERANDS}
         arrays = (*host.values(), np.full(1, index, np.int32), *moving)
         counted = ("node_child", "triangle", "model_root", "house_root", "material_mask")
         layers, edge = host["cutout"].shape[:2]
-        sizes = (
-            *(len(host[name]) for name in counted),
-            layers,
-            edge,
-            host["instance_model"].shape[1],
-            len(moving.instance),
-        )
+        numbers = layers, edge, host["instance_model"].shape[1], len(moving.instance)
+        sizes = (*(len(host[name]) for name in counted), *numbers)
         inverse, first = host["instance_inverse"][index].copy(), host["instance_material"][index].copy()
         inverse[moving.instance], first[moving.instance] = moving.inverse, moving.material
         acoustic = (table.absorption, table.scattering, table.transmission)
@@ -242,14 +223,9 @@ def _compiled_test() -> Any:
 def read_memory(at, first):
     """Return the `RayMemory` whose arrays are at the addresses `at[first]`, `at[first + 1]`, ..."""
     return RayMemory(
-        words(at[first]),
-        words(at[first + 1]),
-        integers(at[first + 2]),
-        floats(at[first + 3]),
-        floats(at[first + 4]),
-        integers(at[first + 5]),
-        integers(at[first + 6]),
-    )
+        words(at[first]), words(at[first + 1]), integers(at[first + 2]), floats(at[first + 3]), floats(at[first + 4]),
+        integers(at[first + 5]), integers(at[first + 6]),
+    )  # fmt: skip
 
 
 @compiled

@@ -238,31 +238,20 @@ def _compiled_flight() -> Any:
 def _fly_at(at, rows, sizes, place, rules, seed):
     """Call `flight.fly` for arrays at addresses `at`, in the order of `FlightTracer._fly`, and return its result."""
     surfaces = flight.Surfaces(
-        floats(at[1]),
-        integers(at[2]),
-        floats(at[3]),
-        integers(at[4]),
-        floats(at[5]),
-        floats(at[6]),
-        floats(at[7]),
+        floats(at[1]), integers(at[2]), floats(at[3]), integers(at[4]), floats(at[5]), floats(at[6]), floats(at[7]),
         sizes[4],
-    )
+    )  # fmt: skip
     grid = flight.Grid(
         integers(at[8]), floats(at[9]), floats(at[10]), integers(at[11]), flags(at[12]), *sizes[:4], *place
     )
-    sums = flight.FlightSums(*_six(at, 28))
+    sums = flight.FlightSums(
+        floats(at[28]), floats(at[29]), floats(at[30]), floats(at[31]), floats(at[32]), floats(at[33])
+    )
     ended = flight.EndedMemory(floats(at[34]), floats(at[35]), integers(at[36]))
     scratch = flight.Scratch(
-        floats(at[37]),
-        integers(at[38]),
-        flags(at[39]),
-        integers(at[40]),
-        floats(at[41]),
-        doubles(at[42]),
-        floats(at[43]),
-        floats(at[44]),
-        naturals(at[45]),
-    )
+        floats(at[37]), integers(at[38]), flags(at[39]), integers(at[40]), floats(at[41]), doubles(at[42]),
+        floats(at[43]), floats(at[44]), naturals(at[45]),
+    )  # fmt: skip
     everything = flight.Flight(surfaces, grid, load(floats(at[13]), 0), rules, sums, ended, scratch)
     scene, memory = CastScene(words(at[0]), rows), house_rays.read_memory(at, 46)
     return flight.fly(scene, everything, _read_rays(at, 14), _read_rays(at, 21), memory, seed)
@@ -270,28 +259,9 @@ def _fly_at(at, rows, sizes, place, rules, seed):
 
 @compiled
 @no_type_check
-def _six(at, first):
-    """Return float pointers to six successive addresses."""
-    return (
-        floats(at[first]),
-        floats(at[first + 1]),
-        floats(at[first + 2]),
-        floats(at[first + 3]),
-        floats(at[first + 4]),
-        floats(at[first + 5]),
-    )
-
-
-@compiled
-@no_type_check
 def _read_rays(at, first):
     """Return the `FlightRays` whose arrays are at seven successive addresses."""
     return flight.FlightRays(
-        floats(at[first]),
-        floats(at[first + 1]),
-        floats(at[first + 2]),
-        floats(at[first + 3]),
-        flags(at[first + 4]),
-        integers(at[first + 5]),
-        integers(at[first + 6]),
-    )
+        floats(at[first]), floats(at[first + 1]), floats(at[first + 2]), floats(at[first + 3]), flags(at[first + 4]),
+        integers(at[first + 5]), integers(at[first + 6]),
+    )  # fmt: skip
