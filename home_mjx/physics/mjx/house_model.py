@@ -92,18 +92,19 @@ def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: 
     parked_mass = jnp.float32(layout.num_bodies * PARKED_MASS)
     total = model.body_subtreemass[0] - parked_mass + bodies.mass.sum()
     model = _with_body_geoms(model, layout, bodies.size)
-    return model.replace(
-        qpos0=model.qpos0.at[q].set(poses),
-        qpos_spring=model.qpos_spring.at[q].set(poses),
-        body_pos=model.body_pos.at[at].set(bodies.pos),
-        body_quat=model.body_quat.at[at].set(bodies.quat),
-        body_mass=model.body_mass.at[at].set(bodies.mass),
-        body_subtreemass=model.body_subtreemass.at[at].set(bodies.mass).at[0].set(total),
-        body_inertia=model.body_inertia.at[at].set(bodies.inertia),
-        body_invweight0=model.body_invweight0.at[at].set(inverse),
-        dof_invweight0=model.dof_invweight0.at[dof].set(jnp.repeat(inverse, 3, axis=1).reshape(-1)),
-        dof_M0=model.dof_M0.at[dof].set(jnp.concatenate([mass, bodies.inertia], axis=1).reshape(-1)),
-    )
+    model = _set_rows(model, q, qpos0=poses, qpos_spring=poses)
+    model = _set_rows(
+        model, at, body_pos=bodies.pos, body_quat=bodies.quat, body_mass=bodies.mass, body_subtreemass=bodies.mass,
+        body_inertia=bodies.inertia, body_invweight0=inverse,
+    )  # fmt: skip
+    model = model.replace(body_subtreemass=model.body_subtreemass.at[0].set(total))
+    weights = jnp.concatenate([mass, bodies.inertia], axis=1).reshape(-1)
+    return _set_rows(model, dof, dof_invweight0=jnp.repeat(inverse, 3, axis=1).reshape(-1), dof_M0=weights)
+
+
+def _set_rows(model: mjx.Model, rows: Any, **values: Array) -> mjx.Model:
+    """Return the model with these values in `rows` (indices or a slice) of fields by name."""
+    return model.replace(**{name: getattr(model, name).at[rows].set(value) for name, value in values.items()})
 
 
 def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]) -> mjx.Model:
@@ -198,37 +199,26 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Mode
     more = leaves.mass.sum() - jnp.float32(layout.num_doors * PARKED_MASS)
     limits = jnp.stack([leaves.low, leaves.high], axis=-1)
     upright = jnp.concatenate([flat[:, None] + 1, zero, flat[:, None]], axis=-1)
-    boxes = jnp.concatenate([jnp.zeros_like(leaves.size), leaves.size], axis=-1)
-    return model.replace(
-        body_pos=model.body_pos.at[at].set(jnp.concatenate([leaves.pivot, leaves.height[:, None]], axis=-1)),
-        body_quat=model.body_quat.at[at].set(upright),
-        body_ipos=model.body_ipos.at[at].set(arm),
-        body_iquat=model.body_iquat.at[at].set(turned),
-        body_mass=model.body_mass.at[at].set(leaves.mass),
-        body_subtreemass=model.body_subtreemass.at[at].set(leaves.mass).at[0].add(more),
-        body_inertia=model.body_inertia.at[at].set(leaves.box_inertia),
-        body_invweight0=model.body_invweight0.at[at].set(weights),
-        dof_invweight0=model.dof_invweight0.at[dof].set(1 / inertia),
-        dof_M0=model.dof_M0.at[dof].set(inertia),
-        dof_damping=model.dof_damping.at[dof].set(jnp.float32(DOOR_DAMPING_RATE) * inertia),
-        jnt_axis=model.jnt_axis.at[joint].set(axis),
-        jnt_range=model.jnt_range.at[joint].set(limits),
-        geom_pos=model.geom_pos.at[geom].set(arm),
-        geom_quat=model.geom_quat.at[geom].set(turned),
-        geom_size=model.geom_size.at[geom].set(leaves.size),
-        geom_rbound=model.geom_rbound.at[geom].set(jnp.linalg.norm(leaves.size, axis=-1)),
-        geom_aabb=model.geom_aabb.at[geom].set(boxes.reshape(model.geom_aabb[geom].shape)),
-    )
+    pos, damping = jnp.concatenate([leaves.pivot, leaves.height[:, None]], axis=-1), jnp.float32(DOOR_DAMPING_RATE)
+    model = _set_rows(
+        model, at, body_pos=pos, body_quat=upright, body_ipos=arm, body_iquat=turned, body_mass=leaves.mass,
+        body_subtreemass=leaves.mass, body_inertia=leaves.box_inertia, body_invweight0=weights,
+    )  # fmt: skip
+    model = model.replace(body_subtreemass=model.body_subtreemass.at[0].add(more))
+    model = _set_rows(model, dof, dof_invweight0=1 / inertia, dof_M0=inertia, dof_damping=damping * inertia)
+    model = _set_rows(model, joint, jnt_axis=axis, jnt_range=limits)
+    return _set_boxes(model, geom, arm, turned, leaves.size)
+
+
+def _set_boxes(
+    model: mjx.Model, geom: Any, pos: Float[Array, "n 3"], quat: Float[Array, "n 4"], half: Float[Array, "n 3"]
+) -> mjx.Model:
+    """Return the model with boxes of half extents `half` [m] in the rows `geom`: poses and bounding volumes."""
+    aabb = jnp.concatenate([jnp.zeros_like(half), half], axis=-1).reshape(model.geom_aabb[geom].shape)
+    radius = jnp.linalg.norm(half, axis=-1)
+    return _set_rows(model, geom, geom_pos=pos, geom_quat=quat, geom_size=half, geom_rbound=radius, geom_aabb=aabb)
 
 
 def with_slots(model: mjx.Model, layout: Layout, slots: OrientedBoxes) -> mjx.Model:
     """Return the model with its contact slots filled: one static box per slot geom, in the order of `Layout.slots`."""
-    at = layout.slots
-    aabb = jnp.concatenate([jnp.zeros_like(slots.half), slots.half], axis=-1)
-    return model.replace(
-        geom_pos=model.geom_pos.at[at].set(slots.pos),
-        geom_quat=model.geom_quat.at[at].set(slots.quat),
-        geom_size=model.geom_size.at[at].set(slots.half),
-        geom_rbound=model.geom_rbound.at[at].set(jnp.linalg.norm(slots.half, axis=-1)),
-        geom_aabb=model.geom_aabb.at[at].set(aabb.reshape(model.geom_aabb[at].shape)),
-    )
+    return _set_boxes(model, layout.slots, slots.pos, slots.quat, slots.half)
