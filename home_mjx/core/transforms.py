@@ -1,5 +1,7 @@
 """Affine maps as 3x4 matrices (linear part and translation), quaternions (w, x, y, z) and angles."""
 
+from typing import Any
+
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
@@ -66,19 +68,21 @@ def is_unit_quat(quat: Float[Array, "*n 4"]) -> Bool[Array, "*n"]:
     return jnp.abs(jnp.sum(quat * quat, axis=-1) - 1) < UNIT_QUAT_TOLERANCE
 
 
-def quat_matrix(quat: Float[Array, "4"]) -> Float[Array, "3 3"]:
+def quat_matrix(quat: Float[Any, "4 *n"], xp: Any = jnp) -> Float[Any, "3 3 *n"]:
     """Return the rotation matrix, for column vectors, of a unit quaternion wxyz; it is not normalized here.
+
+    `xp` is `numpy` or `jax.numpy`.
 
     Example:
         >>> quat_matrix(jnp.array([1.0, 0.0, 0.0, 0.0])).tolist()
         [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
     """
     w, x, y, z = quat
-    return jnp.stack(
+    return xp.stack(
         [
-            jnp.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]),
-            jnp.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]),
-            jnp.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]),
+            xp.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]),
+            xp.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]),
+            xp.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]),
         ]
     )
 

@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, Complex, Float
 
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, windowed_sinc
-from home_mjx.audio_jax.base.filters import causal_octave_log_spectra, octave_gains
+from home_mjx.audio_jax.base.filters import causal_octave_log_spectra, causal_responses, octave_gains
 from home_mjx.schema.compiled import BANDS
 
 DENSE_KNOT_LIMIT, KNOT_STEP = 1100.0, 540.0  # [Hz], knots: two per octave up to the limit, then one every step
@@ -57,13 +57,14 @@ def filter_basis(sample_rate: int) -> FilterBasis:
     fine = np.fft.rfftfreq(FINE_SIZE, 1 / (OVERSAMPLING * sample_rate))
     place = np.interp(np.log2(np.maximum(fine, 1)), np.log2(frequency), np.arange(frequency.size))
     hats = np.clip(1 - np.abs(place[None] - np.arange(frequency.size)[:, None]), 0, 1)
-    kernel = _causal_kernels(hats, sample_rate)
+    kept = OVERSAMPLING * num_basis_taps(sample_rate)
+    kernel = causal_responses(hats, FINE_SIZE, kept)
     centers = np.array([band for band in BANDS if band < 0.45 * sample_rate])
     return FilterBasis(
         frequency=frequency,
         kernel=_downsample(kernel, sample_rate).astype(np.float32),
         value=_spectra_at(kernel, frequency, sample_rate),
-        octaves=_spectra_at(_causal_kernels(octave_gains(fine), sample_rate), frequency, sample_rate),
+        octaves=_spectra_at(causal_responses(octave_gains(fine), FINE_SIZE, kept), frequency, sample_rate),
         centers=_spectra_at(kernel, centers, sample_rate),
     )
 
@@ -87,14 +88,13 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
         [0.5, 0.5, 0.5]
     """
     table = filter_basis(sample_rate)
-    loudest = jnp.max(gain, axis=-1, keepdims=True)
-    wanted = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
-    level, num_centers = wanted, table.centers.shape[1]
+    wanted, sounds = octave_levels(gain)
+    level, told = wanted, table.centers.shape[1]
     for _ in range(NUM_CORRECTIONS):
-        here = jnp.abs(_matmul_complex(jnp.real(_minimum_phase_spectra(level, table)), table.centers))
-        more = wanted[..., :num_centers] - jnp.log(jnp.maximum(here, MIN_GAIN))
-        level = level.at[..., :num_centers].add(jnp.clip(more, -1.0, 1.0))
-    return jnp.where(loudest > MIN_GAIN, _minimum_phase_spectra(level, table), 0)
+        here = jnp.abs(_product(jnp.real(_filter(level, table)), table.centers))
+        more = wanted[..., :told] - jnp.log(jnp.maximum(here, MIN_GAIN))
+        level = level.at[..., :told].add(jnp.clip(more, -1.0, 1.0))
+    return jnp.where(sounds[..., None] > 0, _filter(level, table), 0)
 
 
 def _minimum_phase_spectra(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:
@@ -110,21 +110,8 @@ def _matmul_complex(left: Float[Array, "*p n"], right: Complex[np.ndarray, "n m"
     return jax.lax.complex(*(jnp.matmul(left, x, precision="highest") for x in parts))
 
 
-def _causal_kernels(real: Float[np.ndarray, "n f"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Compute causal responses from real parts of `rfft` spectra of `FINE_SIZE`, at `OVERSAMPLING` times the rate.
-
-    They fade out over `BASIS_SECONDS`, at which they end.
-    """
-    kept = OVERSAMPLING * num_basis_taps(sample_rate)
-    fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
-    return np.fft.irfft(real, FINE_SIZE)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)
-
-
 def _downsample(kernel: Float[np.ndarray, "n u"], sample_rate: int) -> Float[np.ndarray, "n t"]:
-    """Downsample results of `_causal_kernels` to `sample_rate`, after a low-pass by `windowed_sinc`.
-
-    Results begin `HALF_WIDTH` samples before time 0 and end as many after `num_basis_taps`.
-    """
+    """Downsample oversampled kernels to the rate after a low-pass, with `HALF_WIDTH` samples before time 0."""
     place = np.minimum(np.arange(FINE_SIZE), FINE_SIZE - np.arange(FINE_SIZE)) / OVERSAMPLING
     low_pass = np.fft.rfft(windowed_sinc(np.minimum(place, HALF_WIDTH)))
     whole = np.fft.irfft(np.fft.rfft(kernel, FINE_SIZE) * low_pass, FINE_SIZE)
@@ -139,11 +126,11 @@ def _spectra_at(
     return kernel @ np.exp(-2j * np.pi * time[:, None] * frequency[None])
 
 
-def octave_levels(gain: Float[Array, "p bands"]) -> tuple[Float[Array, "p bands"], Float[Array, " p"]]:
+def octave_levels(gain: Float[Array, "*p bands"]) -> tuple[Float[Array, "*p bands"], Float[Array, "*p"]]:
     """Return natural logs of gains, raised to 1e-3 of the path's largest octave, and per path 1 if audible, else 0."""
-    loudest = jnp.max(gain, axis=1, keepdims=True)
+    loudest = jnp.max(gain, axis=-1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
-    return level, (loudest[:, 0] > MIN_GAIN).astype(jnp.float32)
+    return level, (loudest[..., 0] > MIN_GAIN).astype(jnp.float32)
 
 
 def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -> Complex[Array, "p f"]:

@@ -56,7 +56,11 @@ def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray
         >>> bool(np.allclose(flat, 0.5))
         True
     """
-    cepstrum = np.fft.irfft(octave_gains(np.fft.rfftfreq(FINE_SIZE, 1 / sample_rate)), FINE_SIZE)
-    kept = round(CEPSTRUM_SECONDS * sample_rate)
+    gains = octave_gains(np.fft.rfftfreq(FINE_SIZE, 1 / sample_rate))
+    return np.fft.rfft(causal_responses(gains, FINE_SIZE, round(CEPSTRUM_SECONDS * sample_rate)), size)
+
+
+def causal_responses(real: Float[np.ndarray, "n f"], size: int, kept: int) -> Float[np.ndarray, "n kept"]:
+    """Compute causal responses from real parts of `rfft` spectra of `size`; they fade out within `kept` samples."""
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
-    return np.fft.rfft(cepstrum[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1), size)
+    return np.fft.irfft(real, size)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)

@@ -15,6 +15,7 @@ from home_mjx.core.native import ffi, memory, simd
 from home_mjx.core.native.memory import address_of, pointer_to
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES
+from home_mjx.core.transforms import quat_matrix
 from home_mjx.core.workers import map_threads
 from home_mjx.geometry.meshes import invert
 from home_mjx.geometry.rotations import yaw_quat
@@ -153,13 +154,7 @@ def _moving_instances(bank: HouseBank, index: int) -> _MovingInstances:
 
 def _rigid(pos: Float[np.ndarray, "n 3"], quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 4"]:
     """Return the affine maps from body frames to the world; quaternions are wxyz."""
-    w, x, y, z = quat.T
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), pos[:, 0]],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), pos[:, 1]],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), pos[:, 2]],
-    ]
-    return np.moveaxis(np.array(rows), 2, 0)
+    return np.concatenate([np.moveaxis(quat_matrix(quat.T, np), 2, 0), pos[..., None]], axis=2)
 
 
 def _door_motion(
