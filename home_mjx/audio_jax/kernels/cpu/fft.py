@@ -119,119 +119,82 @@ def _dft_4(a, b, c, d):
     return _add(even, plus), _add(odd, minus), _sub(even, plus), _sub(odd, minus)
 
 
-@compiled
+@inlined
 @no_type_check
-def _pass_8(size, left, stride, turns, here, there):
-    """Do one Stockham pass of radix 8 from `here` to `there`; `left`: length of the transforms that remain.
-
-    `stride` is the distance between values at successive indices; its product with `left` is `size` times the lanes.
-    """
-    part, step = left // 8, size // left
-    far = part * stride
-    for p in range(part):
-        turn = p * step
-        for first in range(0, stride, LANES):
-            q = min(first, stride - LANES)
-            at, to = p * stride + q, 8 * p * stride + q
-            a0, a4 = _get(here, at), _get(here, at + 4 * far)
-            a1, a5 = _get(here, at + far), _get(here, at + 5 * far)
-            a2, a6 = _get(here, at + 2 * far), _get(here, at + 6 * far)
-            a3, a7 = _get(here, at + 3 * far), _get(here, at + 7 * far)
-            b0, b4 = _add(a0, a4), _sub(a0, a4)
-            b1, b5 = _add(a1, a5), _sub(a1, a5)
-            b2, b6 = _add(a2, a6), _sub_turned(a2, a6)
-            b3, b7 = _add(a3, a7), _sub(a3, a7)
-            b5 = HALF * (b5[0] + b5[1]), HALF * (b5[1] - b5[0])
-            b7 = HALF * (b7[1] - b7[0]), HALF * (b7[0] + b7[1]) * np.float32(-1)
-            y0, y2, y4, y6 = _dft_4(b0, b1, b2, b3)
-            y1, y3, y5, y7 = _dft_4(b4, b5, b6, b7)
-            _put(there, to, y0)
-            _put(there, to + stride, _turned(y1, turns, turn))
-            _put(there, to + 2 * stride, _turned(y2, turns, 2 * turn))
-            _put(there, to + 3 * stride, _turned(y3, turns, 3 * turn))
-            _put(there, to + 4 * stride, _turned(y4, turns, 4 * turn))
-            _put(there, to + 5 * stride, _turned(y5, turns, 5 * turn))
-            _put(there, to + 6 * stride, _turned(y6, turns, 6 * turn))
-            _put(there, to + 7 * stride, _turned(y7, turns, 7 * turn))
+def _step_8(here, at, far, there, to, stride, turns, turn):
+    """Transform `LANES` sets of 8 values, see `_make_pass`."""
+    a0, a4 = _get(here, at), _get(here, at + 4 * far)
+    a1, a5 = _get(here, at + far), _get(here, at + 5 * far)
+    a2, a6 = _get(here, at + 2 * far), _get(here, at + 6 * far)
+    a3, a7 = _get(here, at + 3 * far), _get(here, at + 7 * far)
+    b0, b4 = _add(a0, a4), _sub(a0, a4)
+    b1, b5 = _add(a1, a5), _sub(a1, a5)
+    b2, b6 = _add(a2, a6), _sub_turned(a2, a6)
+    b3, b7 = _add(a3, a7), _sub(a3, a7)
+    b5 = HALF * (b5[0] + b5[1]), HALF * (b5[1] - b5[0])
+    b7 = HALF * (b7[1] - b7[0]), HALF * (b7[0] + b7[1]) * np.float32(-1)
+    y0, y2, y4, y6 = _dft_4(b0, b1, b2, b3)
+    y1, y3, y5, y7 = _dft_4(b4, b5, b6, b7)
+    _put(there, to, y0)
+    _put(there, to + stride, _turned(y1, turns, turn))
+    _put(there, to + 2 * stride, _turned(y2, turns, 2 * turn))
+    _put(there, to + 3 * stride, _turned(y3, turns, 3 * turn))
+    _put(there, to + 4 * stride, _turned(y4, turns, 4 * turn))
+    _put(there, to + 5 * stride, _turned(y5, turns, 5 * turn))
+    _put(there, to + 6 * stride, _turned(y6, turns, 6 * turn))
+    _put(there, to + 7 * stride, _turned(y7, turns, 7 * turn))
 
 
-@compiled
+@inlined
 @no_type_check
-def _pass_4(size, left, stride, turns, here, there):
-    """Do one pass of radix 4, see `_pass_8`."""
-    part, step = left // 4, size // left
-    far = part * stride
-    for p in range(part):
-        turn = p * step
-        for first in range(0, stride, LANES):
-            q = min(first, stride - LANES)
-            at, to = p * stride + q, 4 * p * stride + q
-            a0, a1 = _get(here, at), _get(here, at + far)
-            y0, y1, y2, y3 = _dft_4(a0, a1, _get(here, at + 2 * far), _get(here, at + 3 * far))
-            _put(there, to, y0)
-            _put(there, to + stride, _turned(y1, turns, turn))
-            _put(there, to + 2 * stride, _turned(y2, turns, 2 * turn))
-            _put(there, to + 3 * stride, _turned(y3, turns, 3 * turn))
+def _step_4(here, at, far, there, to, stride, turns, turn):
+    """Transform `LANES` sets of 4 values, see `_make_pass`."""
+    a0, a1 = _get(here, at), _get(here, at + far)
+    y0, y1, y2, y3 = _dft_4(a0, a1, _get(here, at + 2 * far), _get(here, at + 3 * far))
+    _put(there, to, y0)
+    _put(there, to + stride, _turned(y1, turns, turn))
+    _put(there, to + 2 * stride, _turned(y2, turns, 2 * turn))
+    _put(there, to + 3 * stride, _turned(y3, turns, 3 * turn))
 
 
-@compiled
+@inlined
 @no_type_check
-def _pass_2(size, left, stride, turns, here, there):
-    """Do one pass of radix 2, see `_pass_8`."""
-    part, step = left // 2, size // left
-    far = part * stride
-    for p in range(part):
-        for first in range(0, stride, LANES):
-            q = min(first, stride - LANES)
-            at, to = p * stride + q, 2 * p * stride + q
-            a0, a1 = _get(here, at), _get(here, at + far)
-            _put(there, to, _add(a0, a1))
-            _put(there, to + stride, _turned(_sub(a0, a1), turns, p * step))
+def _step_2(here, at, far, there, to, stride, turns, turn):
+    """Transform `LANES` sets of 2 values, see `_make_pass`."""
+    a0, a1 = _get(here, at), _get(here, at + far)
+    _put(there, to, _add(a0, a1))
+    _put(there, to + stride, _turned(_sub(a0, a1), turns, turn))
 
 
-@compiled
+@inlined
 @no_type_check
-def _pass_3(size, left, stride, turns, here, there):
-    """Do one pass of radix 3, see `_pass_8`."""
-    part, step = left // 3, size // left
-    far = part * stride
-    for p in range(part):
-        turn = p * step
-        for first in range(0, stride, LANES):
-            q = min(first, stride - LANES)
-            at, to = p * stride + q, 3 * p * stride + q
-            a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
-            plus, minus = _add(a1, a2), _sub_turned(a1, a2)
-            half = multiply_add(np.float32(-0.5), plus[0], a0[0]), multiply_add(np.float32(-0.5), plus[1], a0[1])
-            side = THIRD * minus[0], THIRD * minus[1]
-            _put(there, to, _add(a0, plus))
-            _put(there, to + stride, _turned(_add(half, side), turns, turn))
-            _put(there, to + 2 * stride, _turned(_sub(half, side), turns, 2 * turn))
+def _step_3(here, at, far, there, to, stride, turns, turn):
+    """Transform `LANES` sets of 3 values, see `_make_pass`."""
+    a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
+    plus, minus = _add(a1, a2), _sub_turned(a1, a2)
+    half = multiply_add(np.float32(-0.5), plus[0], a0[0]), multiply_add(np.float32(-0.5), plus[1], a0[1])
+    side = THIRD * minus[0], THIRD * minus[1]
+    _put(there, to, _add(a0, plus))
+    _put(there, to + stride, _turned(_add(half, side), turns, turn))
+    _put(there, to + 2 * stride, _turned(_sub(half, side), turns, 2 * turn))
 
 
-@compiled
+@inlined
 @no_type_check
-def _pass_5(size, left, stride, turns, here, there):
-    """Do one pass of radix 5, see `_pass_8`."""
-    part, step = left // 5, size // left
-    far = part * stride
-    for p in range(part):
-        turn = p * step
-        for first in range(0, stride, LANES):
-            q = min(first, stride - LANES)
-            at, to = p * stride + q, 5 * p * stride + q
-            a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
-            a3, a4 = _get(here, at + 3 * far), _get(here, at + 4 * far)
-            outer, inner = _add(a1, a4), _add(a2, a3)
-            outside, inside = _sub_turned(a1, a4), _sub_turned(a2, a3)
-            near, far_ = _mix(a0, COS_1, outer, COS_2, inner), _mix(a0, COS_2, outer, COS_1, inner)
-            near_side = _both(SIN_1, outside, SIN_2, inside)
-            far_side = _both(SIN_2, outside, -SIN_1, inside)
-            _put(there, to, _add(a0, _add(outer, inner)))
-            _put(there, to + stride, _turned(_add(near, near_side), turns, turn))
-            _put(there, to + 2 * stride, _turned(_add(far_, far_side), turns, 2 * turn))
-            _put(there, to + 3 * stride, _turned(_sub(far_, far_side), turns, 3 * turn))
-            _put(there, to + 4 * stride, _turned(_sub(near, near_side), turns, 4 * turn))
+def _step_5(here, at, far, there, to, stride, turns, turn):
+    """Transform `LANES` sets of 5 values, see `_make_pass`."""
+    a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
+    a3, a4 = _get(here, at + 3 * far), _get(here, at + 4 * far)
+    outer, inner = _add(a1, a4), _add(a2, a3)
+    outside, inside = _sub_turned(a1, a4), _sub_turned(a2, a3)
+    near, far_ = _mix(a0, COS_1, outer, COS_2, inner), _mix(a0, COS_2, outer, COS_1, inner)
+    near_side = _both(SIN_1, outside, SIN_2, inside)
+    far_side = _both(SIN_2, outside, -SIN_1, inside)
+    _put(there, to, _add(a0, _add(outer, inner)))
+    _put(there, to + stride, _turned(_add(near, near_side), turns, turn))
+    _put(there, to + 2 * stride, _turned(_add(far_, far_side), turns, 2 * turn))
+    _put(there, to + 3 * stride, _turned(_sub(far_, far_side), turns, 3 * turn))
+    _put(there, to + 4 * stride, _turned(_sub(near, near_side), turns, 4 * turn))
 
 
 @inlined
@@ -249,3 +212,28 @@ def _mix(a, x, b, y, c):
 def _both(x, b, y, c):
     """Return x b + y c for real x, y and complex pairs."""
     return multiply_add(x, b[0], y * c[0]), multiply_add(x, b[1], y * c[1])
+
+
+@no_type_check
+def _make_pass(radix, step):
+    """Compile one Stockham pass of a radix from `here` to `there`; `left`: length of the transforms that remain.
+
+    `stride` is the distance between values at successive indices; its product with `left` is `size` times the lanes.
+    `step` transforms the values `far` apart from index `at` of `here` on, and writes them from `to` of `there` on.
+    """
+
+    @compiled
+    @no_type_check
+    def run(size, left, stride, turns, here, there):
+        part = left // radix
+        for p in range(part):
+            for first in range(0, stride, LANES):
+                q = min(first, stride - LANES)
+                to = radix * p * stride + q
+                step(here, p * stride + q, part * stride, there, to, stride, turns, p * (size // left))
+
+    return run
+
+
+_pass_2, _pass_3, _pass_4 = _make_pass(2, _step_2), _make_pass(3, _step_3), _make_pass(4, _step_4)
+_pass_5, _pass_8 = _make_pass(5, _step_5), _make_pass(8, _step_8)
