@@ -89,12 +89,12 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
     """
     table = filter_basis(sample_rate)
     wanted, sounds = octave_levels(gain)
-    level, told = wanted, table.centers.shape[1]
+    level, num_centers = wanted, table.centers.shape[1]
     for _ in range(NUM_CORRECTIONS):
-        here = jnp.abs(_product(jnp.real(_filter(level, table)), table.centers))
-        more = wanted[..., :told] - jnp.log(jnp.maximum(here, MIN_GAIN))
-        level = level.at[..., :told].add(jnp.clip(more, -1.0, 1.0))
-    return jnp.where(sounds[..., None] > 0, _filter(level, table), 0)
+        here = jnp.abs(_matmul_complex(jnp.real(_minimum_phase_spectra(level, table)), table.centers))
+        more = wanted[..., :num_centers] - jnp.log(jnp.maximum(here, MIN_GAIN))
+        level = level.at[..., :num_centers].add(jnp.clip(more, -1.0, 1.0))
+    return jnp.where(sounds[..., None] > 0, _minimum_phase_spectra(level, table), 0)
 
 
 def _minimum_phase_spectra(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:

@@ -112,6 +112,7 @@ def _bytes(num_boxes: int) -> int:
 def _by_cuda(
     fixed: Float[Array, "h 15 n"], fixed_owner: Int[Array, "h n"], *given: Array, count: int
 ) -> Int[Array, " k"]:
+    """Compute `nearest_boxes` by the CUDA kernel; arguments as those of `_by_xla`."""
     return call_kernel(launch_nearest, (count,), (fixed, fixed_owner), given)
 
 

@@ -12,6 +12,7 @@ from home_mjx.physics.mjx.template import Template
 
 # [m], maximum height of a support above the bottom of what it carries; also the step height of agents
 MAX_SUPPORT_OVERLAP = 0.05
+MAX_SUPPORT_REACH = 0.01  # [m], by which supports reach beyond their edges: floors consist of parts with cracks between
 
 
 def drop_released_bodies(
@@ -25,8 +26,9 @@ def drop_released_bodies(
     """Return `qpos` with released bodies dropped straight down onto their highest support, at most one per agent.
 
     `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
-    the static boxes, then the movable bodies. One supports a body if the body's centre is over it, and its top at most
-    `MAX_SUPPORT_OVERLAP` above the body's bottom. A body without a support rests on the ground floor.
+    the static boxes, then the movable bodies. One supports a body if the body's centre is over it or at most
+    `MAX_SUPPORT_REACH` beside it, and its top at most `MAX_SUPPORT_OVERLAP` above the body's bottom. A body without a
+    support rests on the ground floor.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
@@ -54,29 +56,34 @@ def support_height(
     """Return the height of the highest support under an agent's centre: ground floor, ramp, or box to step on.
 
     `ramps` are rows of `bank.physics.ramp`, `floor` is the ground floor's height, `pos` the agent's centre, `foot` its
-    lowest height [m]. Ramps count within `MAX_RAMP_GAP` of that, boxes up to `MAX_SUPPORT_OVERLAP` above it.
+    lowest height [m]. Ramps count within `MAX_RAMP_GAP` of that, boxes up to `MAX_SUPPORT_OVERLAP` above it. Both reach
+    `MAX_SUPPORT_REACH` beyond their edges, level with these.
 
     Returns:
         Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter
         is `MAX_RAMP_GAP` on ramps, else 0. An agent meets the edge of a ramp's upper floor before it is that high.
     """
-    half_u, half_v = ramps[:, 4], ramps[:, 5]
+    half_u, half_v, slope, reach = ramps[:, 4], ramps[:, 5], ramps[:, 7], jnp.float32(MAX_SUPPORT_REACH)
     along, across, surface = ramp_coordinates(ramps, pos)
-    on = (
-        (jnp.abs(along) <= half_u) & (jnp.abs(across) <= half_v) & (jnp.abs(surface - foot) < jnp.float32(MAX_RAMP_GAP))
-    )
+    surface = surface - slope * (along - jnp.clip(along, -half_u, half_u))
+    on = (jnp.abs(along) <= half_u + reach) & (jnp.abs(across) <= half_v + reach)
+    on &= (half_u > 0) & (jnp.abs(surface - foot) < jnp.float32(MAX_RAMP_GAP))
     highest = jnp.max(jnp.where(on, surface, -jnp.inf))
     height = jnp.maximum(jnp.maximum(_box_support(boxes, pos, foot), highest), floor)
     return height, jnp.where(jnp.any(on), jnp.float32(MAX_RAMP_GAP), 0.0)
 
 
 def _box_support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
-    """Return the highest box top under a point, up to `bottom + MAX_SUPPORT_OVERLAP` [m]; -inf if there is none."""
+    """Return the highest box top under a point, up to `bottom + MAX_SUPPORT_OVERLAP` [m]; -inf if there is none.
+
+    A box is under points at most `MAX_SUPPORT_REACH` beyond its edges, too.
+    """
+    reach = jnp.float32(MAX_SUPPORT_REACH)
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x
     under = (
-        (jnp.abs(u) <= boxes.half_u)
-        & (jnp.abs(v) <= boxes.half_v)
+        (jnp.abs(u) <= boxes.half_u + reach)
+        & (jnp.abs(v) <= boxes.half_v + reach)
         & (boxes.top <= bottom + jnp.float32(MAX_SUPPORT_OVERLAP))
     )
     return jnp.max(jnp.where(under, boxes.top, -jnp.inf))

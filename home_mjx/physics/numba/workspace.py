@@ -161,7 +161,7 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     normals, at = floats(at), at + WORD * 6
     counts, at = ints(at), at + WORD * 4
     work = Workspace(
-        num_agents, num_agents + num_bodies, m, c, n, pos, quat, rot, vel, acc, smooth, half, mass, used, there, calm,
+        num_agents, num_agents + num_bodies, m, c, n, pos, quat, rot, vel, acc, smooth, half, mass, awake, exists, calm,
         wakes, inverse, radius, agent, door, surface, push, static_pos, static_rot, static_half, near, num_near,
         near_from, first, second, place, frame, friction, jacobian, weight, target, active, residual, slope, island,
         offset, members, rows, hessian, gradient, search, points, normals, counts,

@@ -98,8 +98,8 @@ def _clear_of_leaves(
     options: NavigationOptions,
     reach: float,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells at least `reach` [m] from all leaf positions at an agent's height."""
-    found, heights = home.copy(), (options.max_step_height, options.agent_height)
+    """Return the drawn cells at least `reach` [m] from all leaf positions at an agent's height."""
+    found, heights = drawn.copy(), (options.max_step_height, options.agent_height)
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
         cells &= compute_clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
     return found
@@ -113,7 +113,10 @@ def _cut_off_cells(
     leaves: Sequence[BoxSet],
     options: NavigationOptions,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells that leaves of open doors cover or cut off from the main part; none if they cover all."""
+    """Return the home cells where an agent touches a leaf of an open door, or that leaves cut off from the main part.
+
+    The main part is the home region of `label_regions` without the touched cells. Return none if all are touched.
+    """
     free = _clear_of_leaves(home, spaces, rooms, leaves, options, options.agent_radius)
     region, _ = label_regions(free, links, options.cell, np.stack([s.height for s in spaces]))
     return home & (region != 0) if free.any() else np.zeros_like(home)

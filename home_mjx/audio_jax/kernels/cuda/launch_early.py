@@ -28,7 +28,10 @@ def supports_early(reads: DelayReads, config: AudioConfig) -> bool:
 
 
 def early_frame(reads: DelayReads, config: AudioConfig) -> Float[Array, "e m"]:
-    """Render early sound, as `dispatch.render_early_frame`, by two CUDA kernels; `supports_early` must be True."""
+    """Render a frame of early sound, summed over sources, by two CUDA kernels; `supports_early` must be True.
+
+    The leading axis of `reads` is sources. The result is pressure per channel.
+    """
     shapes, ears = reads.gain.shape[3], reads.paths.ear_delays.shape[-1]
     buses = call_kernel(launch_mix, (config, shapes, ears), (), read_operands(reads))
     tables = filter_tables(filter_basis(config.sample_rate).kernel, buses.shape[-1])

@@ -133,7 +133,10 @@ def _bytes(rooms: int) -> int:
 
 
 def _decay_by_cuda(*given: Array, bins: int) -> Float[Array, "s k bands"]:
-    """Compute `decay_in_rooms` by the CUDA kernel; `_available` must be True."""
+    """Compute energy densities at a listener in k = `bins` bins by the CUDA kernel; `_available` must be True.
+
+    `given` are the arrays of `decay_in_rooms`; rooms after the first `count` must exchange nothing.
+    """
     return call_kernel(launch_decay, (bins,), (), given)
 
 
