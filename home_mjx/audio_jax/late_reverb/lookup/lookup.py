@@ -7,7 +7,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.lookup.energy_balance import solve_energy_balance
-from home_mjx.audio_jax.late_reverb.lookup.time_grid import SPAN_STARTS, knot_weights, span_index
+from home_mjx.audio_jax.late_reverb.lookup.time_grid import MIN_ENERGY, SPAN_STARTS, knot_weights, span_index
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.acoustics import LATE_REVERB, LateReverb
 from home_mjx.core.pytree import Pytree
@@ -53,8 +53,9 @@ def lookup_late_sound(
 ) -> LateArrivals:
     """Look up late reverberation between two points, without direct sound and first-order architectural reflections.
 
-    Levels are interpolated between the cells around both points, and decays between their rooms. The energy balance of
-    the rooms then adds the effect of doors and walls, see `solve_energy_balance`.
+    Energies are interpolated between the cells around both points, and decays between their rooms. Directions are means
+    over these cells, weighted by their energies. The energy balance of the rooms then adds the effect of doors and
+    walls, see `solve_energy_balance`.
 
     Args:
         scene: Environment whose bank has baked sound.
@@ -71,21 +72,28 @@ def lookup_late_sound(
     start, end = _interpolate_cells(late, house, source), _interpolate_cells(late, house, listener)
     both = start.weight[:, None] * end.weight[None]
     pair = house, start.cell[:, None], end.cell[None]
-    level = jnp.exp(late.level[pair].astype(jnp.float32))
-    level = jnp.einsum("ij,ijsb->sb", both, level, precision="highest")
+    level = both[..., None, None] * jnp.exp(late.level[pair].astype(jnp.float32))
     # `arrival` is rounded down to whole bins, so a straight path is half a bin longer on average.
     first = jnp.sum(both * late.arrival[pair].astype(jnp.float32))
     first = jnp.maximum(first, jnp.linalg.norm(source - listener) / metres - 0.5)
     back = house, end.cell[None], start.cell[:, None]
+    share = _energy_shares(level)
     comes_from, leaves_to = (
-        jnp.einsum("ij,ijsx->sx", both, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
+        jnp.einsum("ijs,ijsx->sx", share, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
         for x in (pair, back)
     )
     member = jnp.asarray(np.eye(len(SPAN_STARTS), dtype=np.float32)[span_index(bins)])
-    energy = _interpolate_decay(late, house, start, end, bins) * jnp.matmul(member, level, precision="highest")
+    energy = jnp.matmul(member, jnp.sum(level, axis=(0, 1)), precision="highest")
+    energy = energy * _interpolate_decay(late, house, start, end, bins)
     rooms = solve_energy_balance(late, scene, start.room, end.room, bins, metres)
     heard = _delay(energy, first) * rooms.gain + rooms.transmitted
     return LateArrivals(heard, comes_from, leaves_to, _delay(member, first))
+
+
+def _energy_shares(level: Float[Array, "i j spans bands"]) -> Float[Array, "i j spans"]:
+    """Return each pair's share of the energy of all pairs of cells (i, j) in each span, over all octaves."""
+    energy = jnp.sum(level, axis=3)
+    return energy / jnp.maximum(jnp.sum(energy, axis=(0, 1)), MIN_ENERGY)
 
 
 def _interpolate_decay(
