@@ -152,7 +152,7 @@ def test_shutting_a_door_makes_the_next_room_quiet(house):
     portal = int(inner[np.argmax(portals.width[inner])])
     source, listener = (_in_room(house, room) for room in portals.room[portal])
     wide, closed = physics.door_fully_open[0], physics.door_closed[0]
-    leaf = int(house.doors.rows(bank.spec.num_doors, bank.spec.num_slides)[portals.leaf[portal, 0]])
+    leaf = int(house.doors.bank_rows(bank.spec.num_doors, bank.spec.num_slides)[portals.leaf[portal, 0]])
     assert float(effective_openings(scene_of(bank, wide))[leaf]) == pytest.approx(1.0, abs=1e-3)
     assert float(effective_openings(scene_of(bank, closed))[leaf]) == pytest.approx(0.0, abs=1e-3)
 

@@ -71,29 +71,35 @@ def lookup_late_sound(
     metres, bins = config.bin_seconds * config.speed_of_sound, config.num_bins
     start, end = _interpolate_cells(late, house, source), _interpolate_cells(late, house, listener)
     both = start.weight[:, None] * end.weight[None]
-    pair = house, start.cell[:, None], end.cell[None]
-    level = both[..., None, None] * jnp.exp(late.level[pair].astype(jnp.float32))
     # `arrival` is rounded down to whole bins, so a straight path is half a bin longer on average.
-    first = jnp.sum(both * late.arrival[pair].astype(jnp.float32))
+    first = jnp.sum(both * late.arrival[house, start.cell[:, None], end.cell[None]].astype(jnp.float32))
     first = jnp.maximum(first, jnp.linalg.norm(source - listener) / metres - 0.5)
-    back = house, end.cell[None], start.cell[:, None]
-    share = _energy_shares(level)
-    comes_from, leaves_to = (
-        jnp.einsum("ijs,ijsx->sx", share, late.comes_from[x].astype(jnp.float32) / 127, precision="highest")
-        for x in (pair, back)
-    )
+    level, comes_from, leaves_to = _interpolate_spans(late, house, start, end)
     member = jnp.asarray(np.eye(len(SPAN_STARTS), dtype=np.float32)[span_index(bins)])
-    energy = jnp.matmul(member, jnp.sum(level, axis=(0, 1)), precision="highest")
+    energy = jnp.matmul(member, level, precision="highest")
     energy = energy * _interpolate_decay(late, house, start, end, bins)
     rooms = solve_energy_balance(late, scene, start.room, end.room, bins, metres)
     heard = _delay(energy, first) * rooms.gain + rooms.transmitted
     return LateArrivals(heard, comes_from, leaves_to, _delay(member, first))
 
 
-def _energy_shares(level: Float[Array, "i j spans bands"]) -> Float[Array, "i j spans"]:
-    """Return each pair's share of the energy of all pairs of cells (i, j) in each span, over all octaves."""
-    energy = jnp.sum(level, axis=3)
-    return energy / jnp.maximum(jnp.sum(energy, axis=(0, 1)), MIN_ENERGY)
+def _interpolate_spans(
+    late: LateReverb, house: Int[Array, ""], start: _CellWeights, end: _CellWeights
+) -> tuple[Float[Array, "spans bands"], Float[Array, "spans 3"], Float[Array, "spans 3"]]:
+    """Return the energy of each span, and its mean directions of arrival and emission, interpolated between cells.
+
+    A mean direction is the sum of intensities of all pairs of cells, divided by the sum of their energies.
+    """
+    pair = house, start.cell[:, None], end.cell[None]
+    back = house, end.cell[None], start.cell[:, None]
+    both = start.weight[:, None] * end.weight[None]
+    energy = both[..., None, None] * jnp.exp(late.level[pair].astype(jnp.float32))
+    ways = jnp.concatenate([late.comes_from[pair], late.comes_from[back]], axis=-1).astype(jnp.float32) / 127
+    ways = jnp.concatenate([jnp.ones((*ways.shape[:-1], 1), jnp.float32), ways], axis=-1)
+    sums = jnp.einsum("ijsb,ijsx->sbx", energy, ways, precision="highest")  # one product is faster than three
+    whole = jnp.sum(sums, axis=1)
+    mean = whole[:, 1:] / jnp.maximum(whole[:, :1], MIN_ENERGY)
+    return sums[..., 0], mean[:, :3], mean[:, 3:]
 
 
 def _interpolate_decay(
