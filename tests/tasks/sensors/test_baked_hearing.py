@@ -176,7 +176,8 @@ def _in_room(house, room):
 
     navigation = house.navigation
     level = int(np.argmax((navigation.room == room).any(axis=(1, 2))))
-    inside = np.asarray(distance_transform_edt(navigation.room[level] == room))
+    bordered = np.pad(navigation.room[level] == room, 1)  # the edge of the grid is a wall, too
+    inside = np.asarray(distance_transform_edt(bordered))[1:-1, 1:-1]
     row, column = np.unravel_index(np.argmax(inside), inside.shape)
     plan = navigation.origin + (np.array([column, row]) + 0.5) * navigation.cell
     return jnp.asarray([*plan, house.rooms.floor[room] + 1.5], jnp.float32)
