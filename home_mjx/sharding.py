@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.sharding import AxisType, Mesh, NamedSharding, PartitionSpec
 from jaxtyping import Array, Int
@@ -19,6 +20,9 @@ from home_mjx.errors import ConfigError
 ENV_AXIS = "envs"  # mesh axis over which environments are split
 REPLICATED = PartitionSpec()
 BY_ENV = PartitionSpec(ENV_AXIS)
+# jaxlib 0.11 ends in a segmentation fault when it compiles a `shard_map` over several devices with an argument that has
+# no elements. An earlier pass replaces the argument by a constant, and Shardy then reads beyond the list of shardings.
+EMPTY_ARGUMENTS_CRASH = jax.__version_info__[:2] == (0, 11)
 
 T = TypeVar("T")
 
@@ -60,8 +64,7 @@ class EnvSharding:
 
     def named(self, specs: Any) -> Any:
         """Return the shardings of a pytree of partition specs on the mesh."""
-        is_spec = lambda x: isinstance(x, PartitionSpec)  # noqa: E731
-        return jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), specs, is_leaf=is_spec)
+        return jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), specs, is_leaf=_is_spec)
 
     def put(self, tree: T, specs: Any) -> T:
         """Put arrays on the devices; `specs` is a prefix of their pytree."""
@@ -113,10 +116,37 @@ class EnvSharding:
         Returns:
             A function jitted over the mesh, with the shardings of `out_specs`.
         """
-        # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
-        mapped = jax.shard_map(function, mesh=self.mesh, in_specs=in_specs, out_specs=out_specs, check_vma=False)
+        mapped = self._map_filled if EMPTY_ARGUMENTS_CRASH else self._map_all
         # Explicit, because otherwise arrays without elements change their sharding from input to output.
-        return jax.jit(mapped, out_shardings=self.named(out_specs))
+        return jax.jit(mapped(function, tuple(in_specs), out_specs), out_shardings=self.named(out_specs))
+
+    def _map_all(self, function: Callable[..., Any], in_specs: tuple, out_specs: Any) -> Callable[..., Any]:
+        """Return `jax.shard_map` of a function."""
+        # Without `check_vma=False` JAX asks for annotations that the environment's loops do not have.
+        return jax.shard_map(function, mesh=self.mesh, in_specs=in_specs, out_specs=out_specs, check_vma=False)
+
+    def _map_filled(self, function: Callable[..., Any], in_specs: tuple, out_specs: Any) -> Callable[..., Any]:
+        """Return `_map_all` of a function, but with arguments and constants without elements made on each device."""
+
+        def spread(*args: Any) -> Any:
+            leaves, tree = jax.tree.flatten(args)
+            specs = jax.tree.leaves(jax.tree.broadcast(in_specs, args, is_leaf=_is_spec), is_leaf=_is_spec)
+            filled = [i for i, leaf in enumerate(leaves) if not _is_empty(leaf)]
+            shapes = {
+                i: (NamedSharding(self.mesh, specs[i]).shard_shape(leaf.shape), leaf.dtype)
+                for i, leaf in enumerate(leaves)
+                if _is_empty(leaf)
+            }
+
+            def run(*parts: Array) -> Any:
+                local = {i: jnp.zeros(*shape) for i, shape in shapes.items()} | dict(zip(filled, parts, strict=True))
+                given = jax.tree.unflatten(tree, [local[i] for i in range(len(leaves))])
+                return _make_empty_constants(function)(*given)
+
+            mapped = self._map_all(run, tuple(specs[i] for i in filled), out_specs)
+            return mapped(*(leaves[i] for i in filled))
+
+        return spread
 
     def map_envs(self, function: Callable[..., Any]) -> Any:
         """Compile `function(params, *arrays)`, such as a batch's step, over the devices.
@@ -131,6 +161,31 @@ class EnvSharding:
         if num_envs % self.num_devices:
             message = f"`num_envs` must be a multiple of the {self.num_devices} devices, got {num_envs}"
             raise ConfigError(message, hint="Or use fewer devices, such as jax.devices()[:1].")
+
+
+def _is_spec(node: Any) -> bool:
+    """Return whether a node of a pytree is a partition spec."""
+    return isinstance(node, PartitionSpec)
+
+
+def _is_empty(leaf: Any) -> bool:
+    """Return whether an array has no elements; False for typed keys, which cannot be made of zeros."""
+    return leaf.size == 0 and not jnp.issubdtype(leaf.dtype, jax.dtypes.extended)
+
+
+def _make_empty_constants(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function that makes anew all arrays without elements that `function` captures.
+
+    `jax.shard_map` passes captured arrays as arguments.
+    """
+
+    def made(*args: Any) -> Any:
+        program, shape = jax.make_jaxpr(function, return_shape=True)(*args)
+        constants = [jnp.zeros(x.shape, x.dtype) if _is_empty(x) else x for x in program.consts]
+        results = jax.core.eval_jaxpr(program.jaxpr, constants, *jax.tree.leaves(args))
+        return jax.tree.unflatten(jax.tree.structure(shape), results)
+
+    return made
 
 
 def env_index(num_local: int) -> Int[Array, ""]:

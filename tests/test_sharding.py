@@ -11,9 +11,11 @@ from jax.sharding import AxisType
 
 import home_mjx
 from home_mjx import HouseBank
+from home_mjx import sharding as sharding_module
 from home_mjx.errors import ConfigError
 from home_mjx.sharding import (
     BY_ENV,
+    EMPTY_ARGUMENTS_CRASH,
     ENV_AXIS,
     REPLICATED,
     EnvSharding,
@@ -92,6 +94,29 @@ def test_collectives_are_over_all_devices():
     shifted, total, mean = program(sharding.put_envs(jnp.arange(6.0)))
     assert shifted.tolist() == [0, 1, 2, 6, 7, 8]
     assert (float(total), float(mean)) == (15.0, 2.5)
+
+
+@pytest.mark.parametrize("crash", [EMPTY_ARGUMENTS_CRASH, True])
+@pytest.mark.parametrize("axis_type", AXIS_TYPES, ids=lambda kind: kind.name)
+def test_arrays_without_elements_are_split_like_others(axis_type: AxisType, crash: bool, monkeypatch):
+    """Arguments, results and captured constants; with jaxlib 0.11 they end the process in a plain `shard_map`."""
+    monkeypatch.setattr(sharding_module, "EMPTY_ARGUMENTS_CRASH", crash)
+    sharding, captured = sharding_of(axis_type), np.zeros((3, 0), np.float32)
+
+    def local(whole, split):
+        assert [x.shape for x in jax.tree.leaves((whole, split))] == [(0, 5), (3,), (2, 0), (2, 3)]
+        looped = jax.lax.fori_loop(0, 2, lambda _, x: x + jnp.sum(captured * 2.0, axis=1), split["x"])
+        return {"sum": looped + whole["x"], "none": split["none"], "device": env_index(2)[None]}, sum_over_devices(1)
+
+    whole = {"none": jnp.zeros((0, 5), jnp.int32), "x": jnp.ones(3)}
+    split = {"none": jnp.zeros((NUM, 0)), "x": jnp.ones((NUM, 3))}
+    program = sharding.map(local, (REPLICATED, BY_ENV), (BY_ENV, REPLICATED))
+    found, count = program(sharding.put(whole, REPLICATED), sharding.put_envs(split))
+    assert found["none"].shape == (NUM, 0)
+    assert found["none"].sharding.spec[0] == ENV_AXIS
+    np.testing.assert_array_equal(found["sum"], np.full((NUM, 3), 2.0))
+    assert found["device"].tolist() == [0, 2]
+    assert int(count) == 2
 
 
 def test_what_does_not_split_is_refused(env):

@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from checked import checked
 from handmade import shoebox
-from jax.sharding import AxisType, NamedSharding
-from jax.sharding import PartitionSpec as P
 
 import home_mjx
 from home_mjx import HouseBank
+from home_mjx.sharding import EnvSharding, make_mesh
 
 NUM = 4
 
@@ -22,17 +21,13 @@ def test_each_of_two_devices_steps_its_part_as_if_alone():
     """The same bits as a batch of that part on one device, and nothing is exchanged."""
     bank = HouseBank.from_compiled([shoebox()])
     env = home_mjx.make("PointNav-v0", bank, sensors=("depth", "state", "goal"), width=8, height=8)
-    mesh = jax.make_mesh((2,), ("envs",), axis_types=(AxisType.Auto,), devices=jax.devices()[:2])
+    sharding = EnvSharding(make_mesh(jax.devices()[:2]))
     batch = jax.vmap(env.core.step, (None, 0, 0))
-    specs = (P(), P("envs"), P("envs"))
-    both = jax.jit(jax.shard_map(batch, mesh=mesh, in_specs=specs, out_specs=P("envs"), check_vma=False))
+    both = sharding.map_envs(batch)
     keys = jax.random.key_data(jax.random.split(jax.random.key(0), NUM))
     begun = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0)))(env.params, keys)
     actions = jax.random.uniform(jax.random.key(1), (NUM, 4), minval=-1.0)
-    args = [
-        jax.device_put(x, NamedSharding(mesh, spec))
-        for x, spec in zip((env.params, begun, actions), specs, strict=True)
-    ]
+    args = sharding.put_params(env.params), sharding.put_envs(begun), sharding.put_envs(actions)
     text = both.lower(*args).compile().as_text()
     assert text is not None
     assert not re.search(r"all-gather|all-reduce|all-to-all|collective-permute", text)
