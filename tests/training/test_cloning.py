@@ -126,10 +126,11 @@ def test_a_run_of_two_stages_goes_on_from_either(hall: Path, tmp_path: Path, kil
     spec = dataclasses.replace(find_spec("PointNav-v0"), options=options, houses=str(hall), num_houses=1)
     config = RunConfig(spec, dataclasses.replace(SMALL, num_timesteps=32 * 4), clone_timesteps=32 * 3)
     whole, killed = tmp_path / "whole", tmp_path / "killed"
+    log = killed / "metrics.jsonl"
     whole.mkdir(), killed.mkdir()
     train(config, whole)
     with monkeypatch.context() as patch:
-        patch.setattr(run_module._Run, "is_over", lambda run: len(run.records.lines) + 1 >= killed_after)
+        patch.setattr(run_module._Run, "is_over", lambda run: len(read_lines(log)) + 1 >= killed_after)
         train(config, killed)
     assert read_updates(killed / CHECKPOINT_FILE) == killed_after
     train(config, killed, resume=True)
@@ -137,7 +138,7 @@ def test_a_run_of_two_stages_goes_on_from_either(hall: Path, tmp_path: Path, kil
     assert int(one[".updates"]) == 7
     assert [name for name in one if not np.array_equal(one[name], other[name])] == []
     assert (whole / AGENT_FILE).read_bytes() == (killed / AGENT_FILE).read_bytes()
-    assert [line["steps"] for line in read_lines(killed / "metrics.jsonl")] == [32 * i for i in range(1, 8)]
+    assert [line["steps"] for line in read_lines(log)] == [32 * i for i in range(1, 8)]
 
 
 def test_runs_say_how_they_learn():
