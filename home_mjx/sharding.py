@@ -21,7 +21,7 @@ ENV_AXIS = "envs"  # mesh axis over which environments are split
 REPLICATED = PartitionSpec()
 BY_ENV = PartitionSpec(ENV_AXIS)
 # jaxlib 0.11 ends in a segmentation fault when it compiles a `shard_map` over several devices with an argument that has
-# no elements. An earlier pass replaces the argument by a constant, and Shardy then reads beyond the list of shardings.
+# no elements: a pass replaces the argument by a constant, and Shardy then crashes where it removes unused arguments.
 EMPTY_ARGUMENTS_CRASH = jax.__version_info__[:2] == (0, 11)
 
 T = TypeVar("T")

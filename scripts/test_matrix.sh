@@ -15,7 +15,7 @@ jax0.11|3.12|0.11.2  |
 jax0.12|3.12|0.12.0.1|
 '
 # Tests that depend most on JAX: batching rules, FFI, sharding, MJX, random bits, the whole step. No host code.
-SUITE='tests/test_package.py tests/bank/test_bank.py tests/core/test_pytree.py
+SUITE='tests/test_package.py tests/test_sharding.py tests/bank/test_bank.py tests/core/test_pytree.py
 tests/raycast_render/casting/test_cast.py tests/raycast_render/casting/test_cast_batching.py
 tests/raycast_render/casting/test_hit_gradient.py tests/raycast_render/images/test_render.py
 tests/physics/test_physics_batch.py tests/physics/test_physics_model.py

@@ -89,8 +89,8 @@ def _known_bad_pairs() -> Iterator[CheckResult]:
             "flax", BROKEN, f"flax {flax} needs jax >= 0.10, found {jax.__version__}. Install flax==0.12.6"
         )
     if _version_numbers(jax.__version__)[:2] == (0, 11):
-        text = f"jaxlib {jax.__version__} crashes when it compiles a whole step for several CPU devices"
-        yield CheckResult("jax", NOTE, text + "; 0.10 and 0.12 do not. One device is fine")
+        text = f"jaxlib {jax.__version__} crashes when it compiles `jax.shard_map` of a step over several devices"
+        yield CheckResult("jax", NOTE, text + "; `EnvSharding` works, and so do 0.10 and 0.12")
 
 
 def _devices() -> Iterator[CheckResult]:
