@@ -146,7 +146,7 @@ def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFun
     height, passable = middle[:, 2], inside & is_passable_cell(bank, house, cell)
     far = window_distances(known, length, height, passable)
     elsewhere |= jnp.abs(height - snapshot.feet[agent, 2]) >= jnp.float32(MAX_RISE)
-    path = descend_window(far, height, nearest_walkable(known, elsewhere), MAX_LOOK_AHEAD)
+    path = descend_window(far, height, nearest_walkable(known, elsewhere), MAX_LOOK_AHEAD, passable)
     row, column = (path + HALF_WIDTH).T
     return jnp.concatenate([places[row * WIDTH + column, :1], at[1:] + path], axis=1)
 

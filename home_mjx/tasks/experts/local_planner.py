@@ -121,7 +121,11 @@ def nearest_walkable(global_distance: Float[Array, " n"], elsewhere: Bool[Array,
 
 
 def descend_window(
-    far: Float[Array, "w w"], height: Float[Array, " n"], begin: Int[Array, "2"], steps: int
+    far: Float[Array, "w w"],
+    height: Float[Array, " n"],
+    begin: Int[Array, "2"],
+    steps: int,
+    passable: Bool[Array, " n"] | None = None,
 ) -> Int[Array, "k 2"]:
     """Return row and column of the next cells down a window's distances, relative to its centre, which is first.
 
@@ -130,20 +134,30 @@ def descend_window(
         height: Height of each cell [m].
         begin: Row and column, from the corner, of the first cell if no neighbour of the centre has a finite distance.
         steps: Number of cells after the centre.
+        passable: Cells that may be at the corners of a diagonal step; None: those with a finite distance.
     """
     middle, height = jnp.full(2, HALF_WIDTH, jnp.int32), height.reshape(WIDTH, WIDTH)
-    beside = _lowest_neighbour(far, height, middle)
+    corners = jnp.isfinite(far) if passable is None else passable.reshape(WIDTH, WIDTH)
+    beside = _lowest_neighbour(far, corners, height, middle)
     path = [middle, jnp.where(jnp.isfinite(far[beside[0], beside[1]]), beside, begin)]
     for _ in range(steps - 1):
-        path.append(_lowest_neighbour(far, height, path[-1]))
+        path.append(_lowest_neighbour(far, corners, height, path[-1]))
     return jnp.stack(path) - HALF_WIDTH
 
 
-def _lowest_neighbour(far: Float[Array, "w w"], height: Float[Array, "w w"], at: Int[Array, "2"]) -> Int[Array, "2"]:
-    """Return row and column of the lowest distance among a cell and its neighbours of like height; the cell on ties."""
+def _lowest_neighbour(
+    far: Float[Array, "w w"], passable: Bool[Array, "w w"], height: Float[Array, "w w"], at: Int[Array, "2"]
+) -> Int[Array, "2"]:
+    """Return row and column of the lowest distance among a cell and its neighbours of like height; the cell on ties.
+
+    Diagonal neighbours count only between two passable cells, unless the cell itself has no distance.
+    """
     around = jnp.clip(at + jnp.asarray(OFFSETS, jnp.int32), 0, WIDTH - 1)
-    rise = jnp.abs(height[around[:, 0], around[:, 1]] - height[at[0], at[1]])
-    known = jnp.where(rise < jnp.float32(MAX_RISE), far[around[:, 0], around[:, 1]], jnp.inf)
+    row, column = around.T
+    rise = jnp.abs(height[row, column] - height[at[0], at[1]])
+    is_diagonal = jnp.asarray(OFFSETS.all(axis=1)) & jnp.isfinite(far[at[0], at[1]])
+    is_open = ~is_diagonal | (passable[row, at[1]] & passable[at[0], column])
+    known = jnp.where(is_open & (rise < jnp.float32(MAX_RISE)), far[row, column], jnp.inf)
     known = jnp.minimum(known, jnp.float32(UNREACHABLE_DISTANCE))
     return around[jnp.argmin(known.at[_offset_index(0, 0)].add(-STAY_BONUS))]
 

@@ -7,6 +7,7 @@ import pytest
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
+from home_mjx.navigation.distance_fields import distance_field
 from home_mjx.tasks.experts.local_planner import (
     HALF_WIDTH,
     MAX_DETOUR_RISE,
@@ -125,6 +126,22 @@ def test_paths_do_not_lead_from_a_floor_to_the_one_below():
     path = np.asarray(descend_window(found, jnp.asarray(height.ravel()), begin, 6)) + HALF_WIDTH
     assert (path[:, 1] <= HALF_WIDTH).all()
     assert path[-1, 0] == HALF_WIDTH + 6
+
+
+@pytest.mark.parametrize("are_corners_passable", [False, True])
+def test_paths_cut_corners_only_over_passable_cells(are_corners_passable: bool):
+    """The end is beyond a gap between two cells that touch at a corner; the other way is along two edges."""
+    free = np.zeros((WIDTH, WIDTH), bool)
+    free[HALF_WIDTH:, : HALF_WIDTH + 1] = free[:HALF_WIDTH, HALF_WIDTH + 1 :] = free[0] = free[:, 0] = True
+    passable = free.copy()
+    passable[[HALF_WIDTH - 1, HALF_WIDTH], [HALF_WIDTH, HALF_WIDTH + 1]] |= are_corners_passable
+    end = (HALF_WIDTH - 4, HALF_WIDTH + 4)
+    source = jnp.zeros((WIDTH, WIDTH), bool).at[end].set(True)
+    known = distance_field(jnp.asarray(free), source, CELL, passable=jnp.asarray(passable)).ravel()
+    far = window_distances(known, jnp.full(known.size, CELL), LEVEL, jnp.asarray(passable.ravel()))
+    begin = jnp.array([HALF_WIDTH, HALF_WIDTH])
+    path = np.asarray(descend_window(far, LEVEL, begin, 4, jnp.asarray(passable.ravel())))
+    assert path.tolist() == [[-k * are_corners_passable, k * (1 if are_corners_passable else -1)] for k in range(5)]
 
 
 def test_a_way_past_a_leaf_is_not_left_for_an_exit_farther_from_the_end():
