@@ -182,7 +182,8 @@ def _make_empty_constants(function: Callable[..., Any]) -> Callable[..., Any]:
     def made(*args: Any) -> Any:
         program, shape = jax.make_jaxpr(function, return_shape=True)(*args)
         constants = [jnp.zeros(x.shape, x.dtype) if _is_empty(x) else x for x in program.consts]
-        results = jax.core.eval_jaxpr(program.jaxpr, constants, *jax.tree.leaves(args))
+        run = jax.core.eval_jaxpr  # pyright: ignore[reportAttributeAccessIssue]
+        results = run(program.jaxpr, constants, *jax.tree.leaves(args))
         return jax.tree.unflatten(jax.tree.structure(shape), results)
 
     return made
