@@ -222,8 +222,14 @@ def load_entry_point(entry_point: str) -> Callable[..., Any]:
 if "gymnasium" not in sys.modules:
     sys.meta_path.insert(0, _GymnasiumFinder())
 register("PointNav-v0", "home_mjx.tasks.suite:PointNav")
-for _name in ("RoomNav", "ObjectNav", "InstructionFollowing", "AudioNav"):
+for _name in ("RoomNav", "ObjectNav", "AudioNav"):
     register(f"{_name}-v0", f"home_mjx.tasks.suite:{_name}", {"actions": "discrete", "stop": True})
+# In homes of three storeys the way from one object to the next takes experts up to 600 steps.
+register(
+    "InstructionFollowing-v0",
+    "home_mjx.tasks.suite:InstructionFollowing",
+    {"actions": "discrete", "stop": True, "episode_length": 1000},
+)
 # Number of exploration steps of Chaplot et al. with the same actions (arXiv:2004.05155).
 register("Exploration-v0", "home_mjx.tasks.suite:Exploration", {"actions": "discrete", "episode_length": 1000})
 # In a home of three storeys an expert may need 400 steps to reach the piper, and then follows it for 80.

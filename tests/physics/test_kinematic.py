@@ -226,3 +226,36 @@ def test_agents_too_fast_for_their_size_are_refused():
     with pytest.raises(ConfigError, match="may move by 100 times its radius in a control step") as error:
         physics.step(template, bank, house, state, jnp.zeros((1, 3)))
     assert error.value.hint
+
+
+SEAM = TinyHouse(  # an upper floor of two parts, 8 mm apart at x = 0
+    static=[Box((side * 1.004, 0, 0.95), (1.0, 1.0, 0.05)) for side in (-1, 1)],
+    movable=[Box((0, 0.5, 1.1), (0.1, 0.1, 0.1), mass=1)],
+)
+
+
+@pytest.fixture(scope="module")
+def seam():
+    bank = make_bank([SEAM])
+    return bank, Template(PhysicsConfig(impl="kinematic"), bank.spec)
+
+
+def test_nobody_falls_through_a_seam_of_a_floor(seam):
+    """Every substep of a walk along x, and of one exactly along the seam, stays on the upper floor."""
+    bank, template = seam
+    step = jax.jit(lambda state, action: physics.step(template, bank, jnp.int32(0), state, action[None]))
+    for start, yaw, action in (((-0.5, -0.5), 0.0, [1.0, 0, 0]), ((0.0, -0.8), np.pi / 2, [0.5, 0, 0])):
+        pos = jnp.array([[*start, 1.0 + RADIUS + HALF]], jnp.float32)
+        state = physics.reset(template, bank, jnp.int32(0), pos, jnp.full(1, yaw, jnp.float32))
+        for _ in range(8):
+            state = step(state, jnp.array(action, jnp.float32))
+            assert_allclose(physics.agent_pose(template, state)[0][0, 2], 1.0 + RADIUS + HALF, atol=1e-4)
+
+
+def test_a_released_body_rests_on_a_seam_of_a_floor(seam):
+    bank, template = seam
+    pos = jnp.array([[-0.5, -0.5, 1.0 + RADIUS + HALF]], jnp.float32)
+    state = physics.reset(template, bank, jnp.int32(0), pos, jnp.zeros(1))
+    state = state.replace(qvel=state.qvel.at[template.layout.body_qvel].set(-1e-3))
+    state = physics.step(template, bank, jnp.int32(0), state, jnp.zeros((1, 3)))
+    assert_allclose(state.qpos[template.layout.body_qpos].reshape(-1, 7)[0, 2], 1.1, atol=1e-4)
