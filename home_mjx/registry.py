@@ -149,17 +149,25 @@ class _GymnasiumFinder:
     """Import hook that registers all ids as soon as Gymnasium is imported, so that we need not import it."""
 
     def find_spec(self, name: str, path: Any = None, target: Any = None) -> ModuleSpec | None:
-        """Return Gymnasium's own spec, with a loader that registers the ids at its end; None for other modules."""
+        """Return Gymnasium's own spec, with a loader that registers the ids at its end; None for other modules.
+
+        The hook stays installed until Gymnasium is loaded: a program may only ask whether the package is there.
+        """
         if name != "gymnasium":
             return None
         sys.meta_path.remove(self)
-        spec = importlib.util.find_spec(name)
+        try:
+            spec = importlib.util.find_spec(name)
+        finally:
+            sys.meta_path.insert(0, self)
         if spec is not None and spec.loader is not None:
             load = spec.loader.exec_module
 
             def load_and_register(module: ModuleType) -> None:
-                """Load the module, then register all ids."""
+                """Load the module, remove the hook, and register all ids."""
                 load(module)
+                if self in sys.meta_path:
+                    sys.meta_path.remove(self)
                 for env_id in _REGISTRY:
                     _add_to_gymnasium(module, env_id)
 

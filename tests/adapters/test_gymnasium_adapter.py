@@ -2,6 +2,9 @@
 
 import pickle
 
+import subprocess
+import sys
+
 import gymnasium
 import numpy as np
 import pytest
@@ -197,3 +200,12 @@ def test_environments_pickle(generated_bank):
     twin = pickle.loads(pickle.dumps(env))
     np.testing.assert_array_equal(twin.reset(seed=1)[0]["state"], env.reset(seed=1)[0]["state"])
     assert twin.env.config.episode_length == 7
+
+
+def test_a_search_for_gymnasium_does_not_use_up_the_registration():
+    """Many packages first ask `importlib.util.find_spec` whether Gymnasium is installed."""
+    program = (
+        "import importlib.util, home_mjx; assert importlib.util.find_spec('gymnasium'); import gymnasium;"
+        "assert 'home_mjx/PointNav-v0' in gymnasium.registry"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
