@@ -1,7 +1,6 @@
 """Gymnasium's own checkers judge the adapter."""
 
 import pickle
-
 import subprocess
 import sys
 
