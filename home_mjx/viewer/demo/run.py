@@ -4,6 +4,7 @@ import dataclasses
 import functools
 import json
 import time
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -72,20 +73,44 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     observer.on_phase("houses")
     bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=(COARSE_BAKE,), texture_size=TEXTURE_SIZE)
     env = make("PointNav-v0", bank, episode_length=10**6)
-    observer.on_phase("houses", "compiling the step (once)")
     observer.on_update(1)
+    with write_all_or_none(options.out, "demo") as folder, ThreadPoolExecutor(1) as thread:
+        report = _walk_and_search(env, options, folder, thread, observer)
+        report["peak_memory_bytes"] = profiling.peak_memory_bytes()
+        report["wall_seconds"] = time.perf_counter() - started
+        (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
+    observer.on_update(1)
+    return report
+
+
+def _walk_and_search(
+    env: Env[HouseholdEnv], options: DemoOptions, folder: Path, thread: ThreadPoolExecutor, observer: Observer
+) -> dict[str, Any]:
+    """Draw a walk and film searches into a folder, measure rates, and return the report.
+
+    Programs are compiled, and searches filmed, in `thread` beside the walk; rates are measured when all are done.
+    """
+    observer.on_phase("compiling", "programs of the walk, the search and the measurement (once)")
+    search = thread.submit(film_searches, folder, options)
     begin, seconds = _compiled_begin(env, options)
     states = start_batch(env, begin, options)
+    measured = thread.submit(compile_measured, env, states)
     views, guided = jax.tree.map(lambda x: x[: options.num_views], states), add_expert(env)
     step, _ = _compiled_step(guided, views)  # of the drawn environments only; the others do not walk
     observer.on_update(1)
     observer.on_phase("walking")
     walk = record_walk(guided, step, views, options, observer)
-    observer.on_phase("measuring")
-    rates, more_seconds = measure(env, states)
-    observer.on_update(1)
     observer.on_phase("drawing")
-    report = {
+    write_contact_sheet(env, walk, folder)
+    observer.on_update(1)
+    observer.on_phase("searching")
+    searches = search.result()
+    observer.on_update(1)
+    observer.on_phase("measuring")
+    programs, more_seconds = measured.result()
+    rates = measure_rates(env, states, programs)
+    observer.on_update(1)
+    return {
         "versions": profiling.versions(),
         "device": profiling.device_name(),
         "dataset": str(options.suncg or "generated"),
@@ -95,18 +120,8 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
         "steps_per_second": rates,
         "triangles": int(env.bank.geometry.triangle.shape[0]),
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
+        "search": searches,
     }
-    with write_all_or_none(options.out, "demo") as folder:
-        write_contact_sheet(env, walk, folder)
-        observer.on_update(1)
-        observer.on_phase("searching")
-        report["search"] = film_searches(folder, options)
-        observer.on_update(1)
-        report["peak_memory_bytes"] = profiling.peak_memory_bytes()
-        report["wall_seconds"] = time.perf_counter() - started
-        (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
-    observer.on_update(1)
-    return report
 
 
 def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
@@ -175,19 +190,22 @@ def record_walk(
     return walk
 
 
-def measure(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, float], dict[str, float]]:
-    """Return environment steps/s by name, and compile times by name [s].
+def compile_measured(env: Env[HouseholdEnv], states: State) -> tuple[dict[str, Any], dict[str, float]]:
+    """Compile the steps that `measure_rates` measures; return them by name, and their compile times [s].
 
     `all` is a step with all sensors, `physics` one without. `home-mjx bench` measures each sensor by itself.
     """
-    num_envs, none = states.reward.shape[0], _no_actions(env, states)
-    actions = profiling.drawn_actions(none.shape)
     step, seconds_step = _compiled_step(env, states)
     blind = jax.vmap(functools.partial(env.core.step, observe=False), (None, 0, 0))
-    advance, seconds_physics = profiling.compiled(blind, env.params, states, none)
-    seconds = {"step with all sensors": seconds_step, "physics": seconds_physics}
-    rates = {
-        name: num_envs * profiling.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
-        for name, program in (("all", step), ("physics", advance))
+    advance, seconds_physics = profiling.compiled(blind, env.params, states, _no_actions(env, states))
+    return {"all": step, "physics": advance}, {"step with all sensors": seconds_step, "physics": seconds_physics}
+
+
+def measure_rates(env: Env[HouseholdEnv], states: State, programs: dict[str, Any]) -> dict[str, float]:
+    """Return environment steps/s of each of `programs`, from `states` on, by name."""
+    actions = profiling.drawn_actions(_no_actions(env, states).shape)
+    return {
+        name: states.reward.shape[0]
+        * profiling.steps_per_second(functools.partial(program, env.params), states, actions, 2.0)
+        for name, program in programs.items()
     }
-    return rates, seconds

@@ -16,8 +16,6 @@ import home_mjx
 from home_mjx import AutoReset, HouseBank
 from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.adapters.gymnax import GymnaxEnv
-from home_mjx.adapters.jaxmarl import JaxMarlEnv
-from home_mjx.adapters.pettingzoo import PettingZooEnv
 from home_mjx.errors import ConfigError, OutOfRangeError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.schema import AgentBody
@@ -316,14 +314,22 @@ def test_experts_walk_without_looks(generated_bank):
     assert np.asarray(ended.metrics["success"]).mean() > 0.9
 
 
-def test_every_adapter_has_the_four_actions(generated_bank):
+def test_adapters_of_one_agent_have_the_four_actions(generated_bank):
     options = {"actions": FOUR, "impl": "kinematic", "sensors": ("state", "goal")}
     env = home_mjx.make("PointNav-v0", generated_bank, **options)
     assert GymEnv(houses=generated_bank, **options).action_space == gymnasium.spaces.Discrete(4)
     assert GymnaxEnv(env).num_actions == 4
-    pair = home_mjx.make("PointNav-v0", generated_bank, num_agents=2, **options)
+
+
+def test_adapters_of_several_agents_have_the_four_actions(generated_bank):
+    pytest.importorskip("jaxmarl"), pytest.importorskip("pettingzoo")
+    from home_mjx.adapters.jaxmarl import JaxMarlEnv
+    from home_mjx.adapters.pettingzoo import PettingZooEnv
+
+    options = {"actions": FOUR, "impl": "kinematic", "sensors": ("state", "goal"), "num_agents": 2}
+    pair = home_mjx.make("PointNav-v0", generated_bank, **options)
     assert {space.n for space in JaxMarlEnv(pair).action_spaces.values()} == {4}
-    assert PettingZooEnv("PointNav-v0", houses=generated_bank, num_agents=2, **options).action_space("agent_0").n == 4
+    assert PettingZooEnv("PointNav-v0", houses=generated_bank, **options).action_space("agent_0").n == 4
 
 
 def test_outside_jit_an_action_that_does_not_exist_is_refused():
