@@ -262,3 +262,30 @@ def test_members_follow_nodes_that_were_left_out(tmp_path):
     without = dataclasses.replace(house.levels[0], grounds=())  # the second node
     document = house_document(dataclasses.replace(house, levels=(without,)))
     assert document["levels"][0]["nodes"][0]["nodeIndices"] == [1, 2, 3]
+
+
+def test_levels_and_rooms_without_content_are_written_without_boxes(tmp_path):
+    source = write_tiny_dataset(tmp_path / "source")
+
+    def empty(document: dict) -> None:
+        hidden = {"hideFloor": 1, "hideCeiling": 1, "hideWalls": 1}
+        room = {"id": "1_0", "type": "Room", "modelId": "fr_1rm_0", "nodeIndices": [], "roomTypes": [], **hidden}
+        document["levels"] += [{"id": "1", "nodes": [room]}, {"id": "2", "nodes": []}]
+
+    edit_house(source, empty)
+    (tmp_path / "target").mkdir()
+    house, again = copy_by_writing(source, tmp_path / "target", HOUSE_ID)
+    assert_same(without_room_boxes(house), without_room_boxes(again))
+    written = house_document(house)["levels"]
+    assert ["bbox" in level for level in written] == [True, False, False]
+    assert "bbox" not in written[1]["nodes"][0]
+
+
+def test_hidden_grounds_stay_hidden_and_keep_their_box(tmp_path):
+    source = write_tiny_dataset(tmp_path / "source")
+    edit_house(source, lambda document: document["levels"][0]["nodes"][1].update(hideFloor=1))
+    (tmp_path / "target").mkdir()
+    house, again = copy_by_writing(source, tmp_path / "target", HOUSE_ID)
+    assert again.levels[0].grounds[0].mesh is None
+    assert [problem.rule for problem in again.problems if problem.rule == "missing-part"] == []
+    np.testing.assert_allclose(again.levels[0].grounds[0].bbox, house.levels[0].grounds[0].bbox)

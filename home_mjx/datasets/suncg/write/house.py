@@ -271,13 +271,13 @@ def house_document(house: House) -> dict[str, Any]:
         "front": [0, 0, 1],
         "scaleToMeters": 1,
         "levels": [entry for entry, _ in levels],
-        "bbox": _bbox(_union([bounds for _, bounds in levels])),
+        **_bbox(_union([bounds for _, bounds in levels])),
         **house.extra,
     }
 
 
-def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
-    """Return a level as JSON values, nodes in order of their index, and its bounds in the scene [m]."""
+def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds | None]:
+    """Return a level as JSON values, nodes in order of their index, and its bounds in the scene [m], see `_union`."""
     things = {node.index: _bounds(node, house) for node in (*level.objects, *level.boxes, *level.grounds)}
     for room in level.rooms:
         own = [_mesh_bounds(mesh) for mesh in (room.ceiling, room.floor, room.walls) if mesh is not None]
@@ -289,11 +289,11 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds]:
     entries = [(node.index, _entry(node, _bbox(things[node.index]), place) | dict(node.extra)) for node in nodes]
     entries += [(node.index, dict(node.data)) for node in (*level.unknown, *level.hidden)]
     ordered = [entry for _, entry in sorted(entries, key=lambda pair: pair[0])]
-    return {"id": level.id, "bbox": _bbox(bounds), "nodes": ordered, **level.extra}, bounds
+    return {"id": level.id, **_bbox(bounds), "nodes": ordered, **level.extra}, bounds
 
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
-    """Convert a node to JSON; `place` maps a node's index to its position in the written list."""
+    """Convert a node to JSON; `place` maps a node's index to its position in the written list, see `_bbox`."""
     entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__.removesuffix("Node"), "valid": 1}
     match node:
         case RoomNode():
@@ -301,22 +301,25 @@ def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[s
             entry |= {"modelId": node.model_id, "nodeIndices": members, "roomTypes": list(node.types)}
             hidden = {"hideCeiling": node.ceiling, "hideFloor": node.floor, "hideWalls": node.walls}
             entry |= {key: 1 for key, mesh in hidden.items() if mesh is None}
-            return entry | {"bbox": bbox}
+            return entry | bbox
         case GroundNode():
-            return entry | {"modelId": node.model_id, "bbox": bbox}
+            return entry | {"modelId": node.model_id} | ({"hideFloor": 1} if node.mesh is None else {}) | bbox
         case BoxNode():
             entry |= {"transform": _numbers(node.transform.T), "dimensions": _numbers(node.dimensions)}
-            return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
+            return entry | bbox | {"materials": [_material(m) for m in node.materials]}
         case ObjectNode():
             state = state_of(node.model_id, node.model_key)
             entry |= {"modelId": node.model_id} | ({"state": state} if state else {})
             entry |= {"transform": _numbers(node.transform.T)} | ({"isMirrored": 1} if node.is_mirrored else {})
-            return entry | {"bbox": bbox, "materials": [_material(m) for m in node.materials]}
+            return entry | bbox | {"materials": [_material(m) for m in node.materials]}
     raise TypeError(f"unknown node {type(node).__name__}")
 
 
-def _bounds(node: ObjectNode | BoxNode | GroundNode, house: House) -> Bounds:
-    """Return the bounds of a node in the scene [m]: of an object's base model, or its stated box without one."""
+def _bounds(node: ObjectNode | BoxNode | GroundNode, house: House) -> Bounds | None:
+    """Return the bounds of a node in the scene [m]: of its base model or mesh; without these its stated `bbox`.
+
+    An object without either has the bounds of its model in the state shown; a ground without either has None.
+    """
     match node:
         case ObjectNode():
             if node.model_id not in house.models and node.bbox is not None:
@@ -325,7 +328,7 @@ def _bounds(node: ObjectNode | BoxNode | GroundNode, house: House) -> Bounds:
         case BoxNode():
             points = _BOX_CORNERS * node.dimensions
         case GroundNode():
-            return _mesh_bounds(node.mesh) if node.mesh is not None else np.zeros((2, 3))
+            return node.bbox if node.mesh is None else _mesh_bounds(node.mesh)
     # By columns: reductions over axes of length three are several times as slow in NumPy.
     moved = np.ascontiguousarray((points @ node.transform[:3, :3].T).T) + node.transform[:3, 3:]
     return np.stack([moved.min(1), moved.max(1)])
@@ -336,14 +339,15 @@ def _mesh_bounds(mesh: Mesh) -> Bounds:
     return np.stack([mesh.vertices.min(0), mesh.vertices.max(0)])
 
 
-def _union(bounds: Sequence[Bounds]) -> Bounds:
-    """Return the bounds around all `bounds`."""
-    return np.stack([np.min([b[0] for b in bounds], 0), np.max([b[1] for b in bounds], 0)])
+def _union(bounds: Sequence[Bounds | None]) -> Bounds | None:
+    """Return the bounds around all `bounds` that are not None; None without any, such as of an empty level."""
+    known = [b for b in bounds if b is not None]
+    return np.stack([np.min([b[0] for b in known], 0), np.max([b[1] for b in known], 0)]) if known else None
 
 
-def _bbox(bounds: Bounds) -> dict[str, Any]:
-    """Convert bounds to JSON values."""
-    return {"min": _numbers(bounds[0]), "max": _numbers(bounds[1])}
+def _bbox(bounds: Bounds | None) -> dict[str, Any]:
+    """Return the field `bbox` of bounds as {"bbox": JSON values}; {} for None."""
+    return {} if bounds is None else {"bbox": {"min": _numbers(bounds[0]), "max": _numbers(bounds[1])}}
 
 
 def _numbers(values: np.ndarray) -> list[int | float]:
