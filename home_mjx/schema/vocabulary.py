@@ -52,12 +52,15 @@ def encode_name(column: Semantic, name: str) -> int:
         name: Such as `wood` in `Semantic.MATERIAL`.
 
     Raises:
-        ConfigError: The column has no such name.
+        UnknownNameError: The column has no such name, or no names at all, such as `Semantic.ROOM`.
 
     Example:
         >>> encode_name(Semantic.SIZE, "large"), encode_name(Semantic.SIZE, "")
         (3, -1)
     """
+    if column not in vocabularies():
+        named = [other.name for other in vocabularies()]
+        raise UnknownNameError(f"entries of `Semantic.{column.name}` have no names", hint=did_you_mean("", named))
     if name not in ("", "unknown") and name not in _numbers(column):
         what = f"{column.name.lower().replace('_', ' ')}"
         hint = _color_hint(column, name) or did_you_mean(name, _numbers(column))

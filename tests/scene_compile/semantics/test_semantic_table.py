@@ -10,7 +10,7 @@ from generated import generate_flats
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.registry import open_dataset
-from home_mjx.errors import ConfigError
+from home_mjx.errors import ConfigError, UnknownNameError
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.scene_compile.semantics.describe import describe_object
@@ -60,6 +60,9 @@ def test_every_column_with_names_has_a_vocabulary_without_repeats():
         assert encode_name(column, "") == -1
         with pytest.raises(ConfigError, match="no such name"):
             encode_name(column, "no such name")
+    for name in ("kitchen", ""):
+        with pytest.raises(UnknownNameError, match=r"`Semantic\.ROOM` have no names"):
+            encode_name(Semantic.ROOM, name)
     assert [len(vocabularies()[c]) for c in (Semantic.NYU40, Semantic.ROOM_TYPE, Semantic.XKCD_3)] == [41, 25, 949]
 
 
