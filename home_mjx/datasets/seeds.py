@@ -36,7 +36,7 @@ def parse_house_id(name: str) -> HouseKey | None:
         key = HouseKey(int(name[8:16], 16), int(name[16:], 16))
     except ValueError:
         return None
-    return key if name == house_id(key.seed, key.variant) else None
+    return key if min(key) >= 0 and name == house_id(key.seed, key.variant) else None
 
 
 def sort_house_ids(ids: Iterable[str]) -> tuple[str, ...]:

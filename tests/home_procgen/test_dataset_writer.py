@@ -202,6 +202,7 @@ def test_houses_come_by_variant_and_seed_and_others_after_them():
     assert parse_house_id(far) == (0x400, 2**63 - 1)
     for other in ("0" * 32, "", near[:-1], near + "0", near.replace("6f", "6F"), f"{near[:-2]}+9", f"{near[:-2]} 9"):
         assert parse_house_id(other) is None
+    assert parse_house_id(house_id(-9, 0x400)) is None  # a sign takes the place of a digit
 
 
 def test_the_reader_gets_back_what_was_made(root):
