@@ -131,7 +131,10 @@ def _materials(path: Path, reading: ReaderState) -> Sequence[Material]:
 def collect_fallbacks(house: House, reading: ReaderState) -> tuple[Fallback, ...]:
     """Return the fallbacks of a house, each once: materials, then models and room meshes, then metadata rows."""
     nodes = [node for level in house.levels for node in level.objects]
-    without = {node.model_id: node for node in nodes if not has_category(reading.tables, node.model_id)}
+    without: dict[str, ObjectNode] = {}
+    for node in nodes:
+        if not has_category(reading.tables, node.model_id):
+            without.setdefault(node.model_id, node)
     rows = [
         Fallback("metadata row", name, node.path, f"category `{_info(reading.tables, name).fine}`")
         for name, node in without.items()

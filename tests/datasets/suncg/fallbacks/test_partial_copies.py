@@ -292,3 +292,18 @@ def test_many_subsets_of_a_generated_house(as_if_real, tmp_path, seed):
 @pytest.mark.parametrize("seed", range(100, 300))
 def test_many_subsets_of_the_real_house(suncg_root, tmp_path, seed):
     check_partial(suncg_root, tmp_path / "partial", open_dataset(suncg_root).house_ids[0], seed)
+
+
+def test_a_lacking_metadata_row_names_its_first_user(root):
+    shutil.rmtree(root / "metadata")
+
+    def repeat(document: dict) -> None:
+        nodes = document["levels"][0]["nodes"]
+        table = next(node for node in nodes if node.get("modelId") == TABLE)
+        nodes.append(table | {"id": f"0_{len(nodes)}"})
+
+    edit_house(root, repeat)
+    house = load(root)
+    first, *others = [item.path for item in house.levels[0].objects if item.model_id == TABLE]
+    assert others
+    assert [row.element for row in house.fallbacks if (row.kind, row.name) == ("metadata row", TABLE)] == [first]
