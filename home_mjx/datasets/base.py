@@ -261,7 +261,10 @@ class FileDigests:
         self.files_of = files_of
 
     def house(self, house_id: str) -> bytes:
-        """Return a SHA-256 digest of the names and bytes of the house's files; a missing file counts as empty."""
+        """Return a SHA-256 digest of the house's id, and of the paths and bytes of its files.
+
+        Files are in the order of `files_of`; a missing one counts as empty.
+        """
         digest = hashlib.sha256(house_id.encode())
         for path in self.files_of(house_id):
             digest.update(str(path).encode() + b"\0" + (path.read_bytes() if path.is_file() else b""))

@@ -66,6 +66,8 @@ def outline_house(
 ) -> House:
     """Build a house of one level with walls along the outlines of its rooms. Y is up, in metres.
 
+    An opening that is in no wall is ignored. Boxes follow the rooms and are members of none.
+
     Args:
         house_id: Id of the house and name of its folders.
         rooms: Rooms of the house; neighbours share lines.
@@ -114,7 +116,11 @@ def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[WallO
 
 
 def _slab(stem: Path, kind: str, corners: Float[np.ndarray, "n 2"], low: float, material: Material) -> Mesh:
-    """Build the mesh of a `Floor` or `Ceiling` (`kind`), whose underside is at height `low` [m]."""
+    """Build the mesh of a `Floor` or `Ceiling` (`kind`), whose underside is at height `low` [m].
+
+    It is `SLAB_THICKNESS` thick and extends `SLAB_OUTSET` beyond the corners. Errors are those of
+    `geometry.slabs.slab`.
+    """
     vertices, faces, uv = slab([corners], low, low + SLAB_THICKNESS, SLAB_OUTSET)
     piece = MeshPiece(f"{kind}#{stem.name}", vertices, faces, uv, np.zeros(len(faces), int))
     return join_pieces(stem.with_name(f"{stem.name}{kind[0].lower()}.obj"), [piece], [material])
@@ -138,7 +144,11 @@ def _walls(
 
 
 def _hole(opening: WallOpening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
-    """Return (left, right, low, high) of an opening, from `start` and the floor [m]; None if it is not in this wall."""
+    """Return (left, right, low, high) of an opening, from `start` and the floor [m], cut to the wall's ends.
+
+    None if an end is farther than half the wall's depth from its centre line, or if less than `MIN_OPENING_WIDTH` is
+    left.
+    """
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.array([opening.start, opening.end], float) - start

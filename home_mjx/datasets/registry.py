@@ -73,6 +73,8 @@ def dataset_schemes() -> tuple[str, ...]:
 def has_scheme(name: object) -> bool:
     """Return whether a value is a name such as `procedural:16`; False for existing paths and other types than `str`.
 
+    The scheme need not be known.
+
     Example:
         >>> has_scheme("procedural:16"), has_scheme("houses/demo"), has_scheme("C:/houses")
         (True, False, False)

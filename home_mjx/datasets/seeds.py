@@ -40,7 +40,7 @@ def parse_house_id(name: str) -> HouseKey | None:
 
 
 def sort_house_ids(ids: Iterable[str]) -> tuple[str, ...]:
-    """Return the distinct house ids in order: generated houses by variant and seed, then all others by id.
+    """Return the distinct house ids in order: those with `ID_PREFIX` by variant and seed, then all others by id.
 
     The first houses of a generated folder thus stay first when houses of higher seeds are added.
 

@@ -14,7 +14,7 @@ Placed = TypeVar("Placed", ObjectNode, BoxNode)
 def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
     """Stack levels of `outline_house`, from below, and rename their nodes and meshes by level.
 
-    Level i is moved up (+y) by i times `rise` [m].
+    Level i is moved up (+y) by i times `rise` [m]. Stated bounding boxes, grounds and other nodes stay as they are.
 
     Example:
         >>> from home_mjx.datasets import RoomOutline, outline_house
@@ -27,7 +27,10 @@ def stack_levels(levels: Sequence[Level], rise: float) -> tuple[Level, ...]:
 
 
 def _raised(level: Level, number: int, lift: float) -> Level:
-    """Return a level as level `number`, moved up (+y) by `lift` [m], with ids, paths and mesh groups renamed."""
+    """Return a level as level `number`, moved up (+y) by `lift` [m], with ids, paths and mesh groups renamed.
+
+    Only its rooms, objects and boxes change, except for their `bbox`.
+    """
     return replace(
         level,
         id=str(number),
@@ -39,7 +42,7 @@ def _raised(level: Level, number: int, lift: float) -> Level:
 
 
 def _room(room: RoomNode, number: int, lift: float) -> RoomNode:
-    """Return a room as one of level `number`, its meshes moved up by `lift` [m]."""
+    """Return a room as one of level `number`, its meshes, but not its `bbox`, moved up (+y) by `lift` [m]."""
     floor, ceiling, walls = (_mesh(mesh, number, lift) for mesh in (room.floor, room.ceiling, room.walls))
     return replace(
         room,
@@ -53,7 +56,7 @@ def _room(room: RoomNode, number: int, lift: float) -> RoomNode:
 
 
 def _mesh(mesh: Mesh | None, number: int, lift: float) -> Mesh | None:
-    """Return a mesh moved up by `lift` [m], its path and groups renamed for level `number`; None for None."""
+    """Return a mesh moved up (+y) by `lift` [m], path and groups renamed from level 0 to `number`; None for None."""
     if mesh is None:
         return None
     return replace(
@@ -65,7 +68,10 @@ def _mesh(mesh: Mesh | None, number: int, lift: float) -> Mesh | None:
 
 
 def _moved(node: Placed, number: int, lift: float) -> Placed:
-    """Return an object or box as one of level `number`, moved up by `lift` [m]."""
+    """Return an object or box as one of level `number`, moved up (+y) by `lift` [m].
+
+    Its `transform` is moved, its `bbox` is not.
+    """
     transform = node.transform.copy()
     transform[1, 3] += lift
     return replace(node, id=f"{number}_{node.index}", path=f"levels[{number}].nodes[{node.index}]", transform=transform)

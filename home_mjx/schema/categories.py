@@ -76,7 +76,8 @@ def room_types_in(labels: int) -> tuple[int, ...]:
 def texture_family(texture: str) -> str:
     """Return the family of a SUNCG texture name.
 
-    All digits, then trailing underscores are removed. Names that contain `textile` or `wood` map to it (HoME's rule).
+    All digits, then trailing underscores are removed. Names that contain `textile` or else `wood`, in lower case, map
+    to it (HoME's rule).
 
     Args:
         texture: Name without folder and extension.

@@ -45,13 +45,15 @@ def palettes() -> Mapping[str, Palette]:
 
 
 def _palette(rows: list[dict[str, str]]) -> Palette:
-    """Convert rows of the table (`name`, and `srgb` as #rrggbb) to a palette."""
+    """Convert rows of the table (`name`, and `srgb` as #rrggbb) to a palette, in their order."""
     srgb = np.array([list(bytes.fromhex(row["srgb"].removeprefix("#"))) for row in rows]) / 255
     return Palette(tuple(row["name"] for row in rows), srgb, srgb_to_lab(srgb))
 
 
 def nearest_names(lab: Float[np.ndarray, "n 3"], level: str) -> list[str]:
     """Return for each colour, rounded to 0.1, the palette name with the smallest CIEDE2000 difference.
+
+    Of equal colours, such as `aqua` and `cyan`, the first name in the palette is returned.
 
     Args:
         lab: CIELAB colours.

@@ -133,7 +133,10 @@ class Doors:
         return (self.slide != 0).any(axis=1)
 
     def bank_rows(self, num_doors: int, num_slides: int) -> Int[np.ndarray, " h"]:
-        """Return leaves' rows in a table of `num_doors`: hinged ones from 0, sliding ones in the last `num_slides`."""
+        """Return leaves' rows in a table of `num_doors`: hinged from 0, sliding from `num_doors - num_slides`.
+
+        Each kind keeps the order of its leaves. Their numbers are not checked against the capacities.
+        """
         hinged, sliding = np.cumsum(~self.is_sliding) - 1, num_doors - num_slides + np.cumsum(self.is_sliding) - 1
         return np.where(self.is_sliding, sliding, hinged).astype(np.int32)
 

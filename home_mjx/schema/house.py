@@ -29,7 +29,7 @@ class Material:
 
     @property
     def texture_name(self) -> str:
-        """Name of its texture, even if the image is missing; "" without a texture."""
+        """Name of its texture without extension, even if the image is missing; "" without a texture."""
         if self.texture is not None:
             return self.texture.stem
         return "" if self.missing_file.endswith(".mtl") else self.missing_file
@@ -51,7 +51,10 @@ class Mesh:
     part: Int[np.ndarray, " f"] | None = None  # of a mesh of walls: wall of each face; None: all faces are one wall
 
     def faces_by_part(self) -> list[Int[np.ndarray, " _"]]:
-        """Return the face indices of each part with faces, in ascending order; all faces as one if `part` is None."""
+        """Return the face indices of each part with faces, in ascending order; all faces as one if `part` is None.
+
+        Faces of part -1 are a part as well, the first.
+        """
         part = np.zeros(len(self.faces), int) if self.part is None else self.part
         return [np.flatnonzero(part == number) for number in np.unique(part)]
 
@@ -113,6 +116,8 @@ class Joint:
 
     def move(self, mesh: Mesh, value: float) -> Mesh:
         """Return a copy of a mesh with this part moved; call it once per part to move several parts.
+
+        Vertices that other faces share with this part move with it.
 
         Args:
             mesh: The joint's mesh with its faces in their original order; this part is at joint value 0.

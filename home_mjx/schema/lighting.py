@@ -53,5 +53,5 @@ class Gloss:
 
     @staticmethod
     def matt(count: int) -> "Gloss":
-        """Return `count` rows without specular reflection."""
+        """Return `count` rows without specular reflection, of shininess 1."""
         return Gloss(np.zeros((count, 3)), np.ones(count), np.zeros(count, bool))

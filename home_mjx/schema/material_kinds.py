@@ -124,8 +124,9 @@ MATERIAL_KINDS = tuple(sorted({*TEXTURE_KINDS.values(), *CATEGORY_KINDS.values()
 def material_kind(material: Material, coarse: str) -> str:
     """Return the kind of a resolved material slot, one of `MATERIAL_KINDS`; "" if unknown.
 
-    A texture name decides alone, by its family. Otherwise opacity below 1 means glass, except on curtains and plants.
-    The rest follows from the coarse category by `CATEGORY_KINDS`.
+    A texture name, even of a missing image, decides alone: by its family, "" for a family not in `TEXTURE_KINDS`.
+    Otherwise opacity below 1 means glass, except on curtains and plants. The rest follows from the coarse category by
+    `CATEGORY_KINDS`.
 
     Args:
         material: Material of the slot after overrides.

@@ -53,6 +53,8 @@ FRICTIONLESS_CONTACT = {"condim": "1", "priority": "2", "solref": SOLREF, "solim
 def add_agent(world: ET.Element, shape: AgentBody, name: str, **capsule: str) -> ET.Element:
     """Add an agent: a capsule on three slides and a yaw hinge, so its joint positions are x, y, z and yaw.
 
+    The body's origin is the capsule's centre. Attributes in `capsule` do not replace name, type, size and mass.
+
     Args:
         world: The `worldbody` element.
         shape: Size and mass of the agent.
@@ -80,9 +82,10 @@ def add_motors(actuator: ET.Element, name: str) -> None:
 def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, Any, Any, Any]:
     """Return contact parameters: stiffness [1/s^2], damping [1/s], minimum impedance and transition width [m].
 
-    Stiffness and damping, negated, are `solref` in MuJoCo's direct format. For a contact of two movable objects, MuJoCo
-    mixes these by maximum damping, so the object with less restitution dominates. In its other format (time constant
-    and damping ratio), it would take the means, and a ball would sink into a cushion. Impedances are always averaged.
+    Each has the shape of `ratio`. Stiffness and damping, negated, are `solref` in MuJoCo's direct format. For a contact
+    of two movable objects, MuJoCo mixes these by maximum damping, so the object with less restitution dominates. In its
+    other format (time constant and damping ratio), it would take the means, and a ball would sink into a cushion.
+    Impedances are always averaged.
 
     Args:
         ratio: Damping ratio, see `schema.contact_materials.damping_ratio`; 1: no restitution.
@@ -108,6 +111,8 @@ def numbers(values: Float[np.ndarray, "..."]) -> str:
 def body_contact_attributes(friction: float, ratio: float, timestep: float) -> dict[str, str]:
     """Return the contact attributes of a movable object's geoms, which take priority over static geoms.
 
+    Coefficients of torsional and rolling friction are MuJoCo's defaults.
+
     Args:
         friction: Coefficient of sliding friction.
         ratio: Damping ratio, see `schema.contact_materials.damping_ratio`.
@@ -120,7 +125,10 @@ def body_contact_attributes(friction: float, ratio: float, timestep: float) -> d
 
 
 def add_box(parent: ET.Element, name: str, size: Float[np.ndarray, "3"], **more: str) -> None:
-    """Add a box geom of half extents `size` [m] in the group of colliders; `more` adds or replaces attributes."""
+    """Add a box geom of half extents `size` [m] in the group of colliders, green and translucent.
+
+    `more` adds attributes, such as `pos`, or replaces `group` and `rgba`.
+    """
     look = {"group": COLLIDER_GROUP, "rgba": "0.3 0.8 0.3 0.3"}
     ET.SubElement(parent, "geom", look | more, name=name, type="box", size=numbers(size))
 
@@ -134,7 +142,9 @@ def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
 def add_leaf(
     world: ET.Element, doors: Doors, row: int, name: str, inertia: Float[np.ndarray, "3"]
 ) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
-    """Add the body of a door leaf, on a hinge through the body's origin or on a rail.
+    """Add the body of a door leaf with its inertia and box geom, on a hinge through its origin or on a rail.
+
+    The joint is limited to the leaf's range and damped; the geom collides with movable objects.
 
     Args:
         world: The `worldbody` element.

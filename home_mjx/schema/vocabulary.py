@@ -69,7 +69,10 @@ def encode_name(column: Semantic, name: str) -> int:
 
 
 def _color_hint(column: Semantic, name: str) -> str | None:
-    """Return a hint for a colour that another palette has, with the most similar name of this one; None if none has."""
+    """Return a hint for a colour that another palette has, with the most similar name of this one.
+
+    None if no palette has it, or if the column is not one of colours.
+    """
     own = next((level for level, first in FIRST_COLOR.items() if first <= column < first + COLORS_PER_LEVEL), None)
     others = [level for level, first in FIRST_COLOR.items() if own is not None and name in _numbers(first)]
     if own is None or not others:
@@ -82,7 +85,7 @@ def _color_hint(column: Semantic, name: str) -> str | None:
 
 
 def decode_row(row: Int[np.ndarray, " c"]) -> dict[str, str | int | tuple[str, ...]]:
-    """Convert a row of the semantic table to a dictionary by lower-case column name; omit entries of -1.
+    """Convert a row of the semantic table to a dictionary by lower-case column name; omit negative entries.
 
     Numbers of columns with `vocabularies` become names, `room_labels` a tuple of names; others stay numbers.
 

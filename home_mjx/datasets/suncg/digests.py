@@ -43,7 +43,10 @@ class SuncgDigests:
         self._saved = 0.0
 
     def house(self, house_id: str) -> bytes:
-        """Return the digest of a house's files, its models and the tables; files that are missing change it."""
+        """Return the digest of a house's files, its models and the tables; files that are missing change it.
+
+        Textures and `UNUSED_TABLES` are not included. New digests are saved to the index.
+        """
         own = DigestIndex(self._folder / "houses" / f"{house_id}.json")
         digest = hashlib.sha256()
         document = self.root / "house" / house_id
@@ -78,7 +81,7 @@ class SuncgDigests:
 
     @cached_property
     def _tables(self) -> bytes:
-        """Digest of the metadata tables."""
+        """Digest of all files in `metadata/` except `UNUSED_TABLES`; computed once."""
         return self._digest(self.root / "metadata", self._shared)
 
     def _model(self, name: str) -> bytes:
@@ -88,7 +91,10 @@ class SuncgDigests:
         return self._models[name]
 
     def _digest(self, folder: Path, index: DigestIndex) -> bytes:
-        """Return the digest of a folder's relative path and of its files, with the MTLs elsewhere that OBJs name."""
+        """Return the digest of a folder's relative path and of its files, with the MTLs elsewhere that OBJs name.
+
+        `UNUSED_TABLES` and files in subfolders are left out; a missing folder is as an empty one.
+        """
         digest = hashlib.sha256(folder.relative_to(self.root).as_posix().encode(errors="replace"))
         for name, path, stamp in _files(folder):
             if name in UNUSED_TABLES:
@@ -126,7 +132,10 @@ def _shared_index(path: Path) -> DigestIndex:
 
 
 def _look(path: str, size: int) -> FileFacts:
-    """Read the facts of a file of `size` bytes; beyond `MAX_BYTES` its size is hashed instead of its content."""
+    """Read the facts of a file of `size` bytes; beyond `MAX_BYTES` its size is hashed instead of its content.
+
+    Names are those of `_libraries_elsewhere` for an OBJ, of `_model_names` for a house.json, and none for other files.
+    """
     data = Path(path).read_bytes() if size <= MAX_BYTES else str(size).encode()
     names: tuple[str, ...] = ()
     if path.endswith(".obj"):

@@ -73,7 +73,7 @@ def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
 
 
 def has_category(tables: SuncgMetadata, model_id: str) -> bool:
-    """Return whether the tables have the category of a model, or of the base of a variant."""
+    """Return whether the tables have a coarse category other than `unknown` of a model, or of the base of a variant."""
     return tables.info(model_id).coarse != UNKNOWN_CATEGORY
 
 

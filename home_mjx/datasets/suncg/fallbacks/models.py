@@ -50,7 +50,7 @@ class BoxModels:
 
 @cache
 def _provider() -> FallbackModels:
-    """Return the installed provider; `BoxModels` if there is none.
+    """Return the first installed provider; `BoxModels` if there is none.
 
     Raises:
         ConfigError: The provider cannot be imported.
@@ -89,6 +89,8 @@ def fallback_model(path: Path, fine: str, bounds: Bounds | None, closed: bool) -
 def model_box(info: ModelInfo, transform: Float[np.ndarray, "4 4"], bbox: Bounds | None) -> Bounds | None:
     """Return the box of a model in its own frame [m, Y up], from its row or else `bbox`; None if neither has it.
 
+    Its edges have at least `MIN_EDGE`.
+
     Args:
         info: Row of the model in the metadata tables.
         transform: Scene from model, of an object with this model.
@@ -104,7 +106,7 @@ def _turned_back(transform: Float[np.ndarray, "4 4"], bbox: Bounds) -> Bounds:
     """Return the box in the model's frame whose image under the transform has, about, the bounding box `bbox`.
 
     Half edges h of the model yield half edges |A| h of the object. If that hardly distinguishes two edges, they are
-    taken as equal.
+    taken as equal. Edges have at least `MIN_EDGE`.
     """
     linear = transform[:3, :3]
     size = np.linalg.norm(linear, axis=0)

@@ -68,6 +68,8 @@ class RoomShape:
 def find_room_shape(room: RoomNode, gaps: Sequence[OpeningSpan]) -> RoomShape | None:
     """Determine the outline of a room from its floor, ceiling, walls or box, in this order; None if none is usable.
 
+    Outlines are those of the walls' centre lines: that of a floor or ceiling is shrunk by `SLAB_OUTSET`.
+
     Args:
         room: Room with its existing meshes.
         gaps: Openings of its level. The open doors of a room enlarge its box, so a side near a door is moved to
@@ -90,8 +92,8 @@ def build_fallback_part(
 ) -> Mesh:
     """Build the mesh [m, Y up] of a room's missing `Floor`, `Ceiling` or `Wall` (`kind`).
 
-    `gaps` are the openings of its level, which make holes in walls. `path` is that of the missing OBJ, and `materials`
-    are those of its MTL, empty if that is missing too.
+    `gaps` are the openings of its level, which make holes in walls. `path` is that of the missing OBJ. `materials` are
+    those of its MTL, empty if that is missing too: a slab has the first, walls the first inside and the third outside.
     """
     if kind == "Wall":
         return _walls(shape, room.id, path, gaps, materials)
@@ -140,7 +142,11 @@ def _walls(
 def _hole(
     gap: OpeningSpan, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"], shape: RoomShape
 ) -> Hole | None:
-    """Return (left, right, low, high) of an opening, from `start` and the wall's base [m]; None if not in this wall."""
+    """Return (left, right, low, high) of an opening, from `start` and the wall's base [m]; None if not in this wall.
+
+    It is `HOLE_INSET` smaller on each side and may reach beyond the wall. In this wall means: both ends at most
+    `MAX_OPENING_OFFSET` from its line, and at least `MIN_OPENING_WIDTH` between its ends.
+    """
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
     ends = np.stack([gap.start, gap.end]) - start
@@ -152,7 +158,11 @@ def _hole(
 
 
 def _heights(room: RoomNode) -> tuple[float, float]:
-    """Return the y of the walls' base and their height above it [m]: of meshes, the box or by default."""
+    """Return the y of the walls' base and their height above it [m].
+
+    The base is that of the walls, else the floor, else the box; the top that of the walls, else the ceiling, else the
+    box. A height outside `HEIGHT_RANGE`, or without a known top, is `DEFAULT_HEIGHT`.
+    """
     lows = [m.vertices[:, 1].min() for m in (room.walls, room.floor) if m is not None]
     tops = [] if room.walls is None else [room.walls.vertices[:, 1].max() - WALL_EXTRA_HEIGHT]
     tops += [] if room.ceiling is None else [room.ceiling.vertices[:, 1].min() + CEILING_OFFSET]
@@ -173,7 +183,7 @@ def _slab_outline(mesh: Mesh) -> Polygon:
 
 
 def _sound(corners: Polygon | None) -> Polygon | None:
-    """Return the simplified polygon; None if it is None or cannot be triangulated."""
+    """Return the polygon after `simplify`; None if it is None or cannot be triangulated."""
     if corners is None:
         return None
     try:
@@ -185,7 +195,11 @@ def _sound(corners: Polygon | None) -> Polygon | None:
 
 
 def _wall_lines(walls: Mesh) -> Polygon:
-    """Return the intersections (x, z) of successive walls' centre lines; if unusable, a rectangle around all walls."""
+    """Return the intersections (x, z) of successive walls' centre lines.
+
+    If two are nearly parallel or the polygon is unusable, return a rectangle: the box of all walls, shrunk by
+    `WALL_OUTER_EXTENT`.
+    """
     lines = [_middle_line(walls.vertices[walls.faces[faces]]) for faces in walls.faces_by_part()]
     corners = [_meeting(a, b) for a, b in zip([lines[-1], *lines[:-1]], lines, strict=True)]
     found = np.array([corner for corner in corners if corner is not None])
@@ -212,7 +226,11 @@ def _meeting(a: tuple[np.ndarray, float], b: tuple[np.ndarray, float]) -> Float[
 
 
 def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[OpeningSpan]) -> Polygon:
-    """Return the rectangle of wall centre lines in a bounding box; sides near a parallel gap are moved to it."""
+    """Return the rectangle of wall centre lines in a bounding box; sides near a parallel gap are moved to it.
+
+    Near is from `WALL_OUTER_EXTENT` outside of a side to that plus `MAX_LEAF_SWING` inside. Of several gaps the
+    outermost is taken.
+    """
     low, high = bbox[0, [0, 2]] + WALL_OUTER_EXTENT, bbox[1, [0, 2]] - WALL_OUTER_EXTENT
     for axis in (0, 1):
         beside = [

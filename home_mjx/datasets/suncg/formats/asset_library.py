@@ -62,7 +62,7 @@ class AssetLibrary:
         return path
 
     def mesh(self, path: Path) -> Mesh:
-        """Read the OBJ at a path at every call; raise `DatasetError` if it or its MTL is missing or broken."""
+        """Read the OBJ at a path at every call; errors are those of `read_obj`."""
         return read_obj(path, self.textures)
 
     def room_path(self, house_id: str, stem: str) -> Path:

@@ -103,7 +103,10 @@ class JsonValue(Location):
         return self.data
 
     def name(self) -> str:
-        """Return a string that is a plain file name, without separators; raise `DatasetError` for other values."""
+        """Return a string that is a plain file name, without separators and of at most `MAX_NAME_BYTES`.
+
+        Raise `DatasetError` for other values.
+        """
         text = self.text()
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
             hint = "It must not be empty, contain `/` or lead out of its folder."
@@ -113,7 +116,10 @@ class JsonValue(Location):
         return text
 
     def integer(self) -> int:
-        """Return an integer, also from a float with an integral value; raise `DatasetError` for other values."""
+        """Return an integer, also from a float with an integral value; raise `DatasetError` for other values.
+
+        Integers that a float cannot represent exactly are such values.
+        """
         if isinstance(self.data, bool) or not isinstance(self.data, int | float) or self.data != self._floor():
             raise self._expected("an integer")
         return int(self.data)

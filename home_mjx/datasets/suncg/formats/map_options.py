@@ -38,6 +38,8 @@ class PlacedMap:
     def place(self, uv: Float[np.ndarray, "f 3 2"]) -> Float[np.ndarray, "f 3 2"]:
         """Return `uv * scale + offset`: texture coordinates of the image for those of the OBJ.
 
+        They are not clamped: of a clamped image, all must be in 0..1 within `CLAMP_TOLERANCE`.
+
         Raises:
             ValueError: The image is clamped, and coordinates are outside of it.
 
@@ -87,7 +89,10 @@ def read_color_map(text: str, place: Location, is_known: Callable[[str], bool]) 
 
 
 def _options_first(text: str, is_known: Callable[[str], bool]) -> str:
-    """Return the arguments with options behind the file name, which some exporters write, moved before it."""
+    """Return the arguments with options behind the file name, which some exporters write, moved before it.
+
+    They are unchanged without such options, with a comment, or if they end with a known name.
+    """
     found = TRAILING.match(text)
     starts = [word.start() for word in re.finditer(r"\S+", text)]
     if found is None or re.search(r"\s#", found[1]) or any(is_known(text[start:]) for start in starts):
@@ -114,7 +119,10 @@ def _is_number(word: str) -> bool:
 
 
 def _check_options(values: dict[str, list[str]], place: Location) -> None:
-    """Raise `DatasetError` for options that would change the colours of the image."""
+    """Raise `DatasetError` for options that would change the colours of the image.
+
+    These are `-imfchan`, `-type`, a `-t` other than 0, and a `-mm` other than 0 or 0 1.
+    """
     changes = {
         "-t": any(float(x) != 0 for x in values.get("-t", [])),
         "-mm": [float(x) for x in values.get("-mm", [])] not in ([], [0.0], [0.0, 1.0]),

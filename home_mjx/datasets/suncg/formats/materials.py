@@ -29,7 +29,10 @@ def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureL
 
 
 def read_material(value: JsonValue, textures: TextureLookup) -> Material:
-    """Read one override; an empty one, which changes nothing, if it is null. Errors are those of `read_materials`."""
+    """Read one override; an empty one, which changes nothing, if it is null. Errors are those of `read_materials`.
+
+    An empty text as texture or colour is as absent.
+    """
     if not value.has_value:
         return Material("")
     name, texture, diffuse = (value.member(key) for key in ("name", "texture", "diffuse"))

@@ -46,7 +46,8 @@ def read_library(path: Path, textures: TextureLookup, hint: str | None = None) -
     """Read the materials of an MTL with the placement of their colour maps.
 
     If the lookup is tolerant, a broken line changes its own material only: the line is skipped, a lost colour is grey,
-    and `Material.missing_file` names the library. `hint` is the remedy if the file is missing.
+    and `Material.missing_file` names the library. A broken `newmtl` is skipped with the lines below it. `hint` is the
+    remedy if the file is missing.
 
     Raises:
         DatasetError: The file is missing, or one of its lines is broken.
@@ -111,13 +112,13 @@ def _diffuse(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
 
 
 def _opacity(text: str, _: TextureLookup, place: Location, __: dict) -> dict:
-    """Read `d` as opacity, and record it as `dissolve` for a `Tr` below."""
+    """Read `d` as opacity, clipped to 0..1, and record it as `dissolve` for a `Tr` below."""
     opacity = _numbers(re.sub("^-halo", "", text, flags=re.IGNORECASE), 1, place)[0]
     return {"opacity": opacity, "dissolve": opacity}
 
 
 def _transparency(text: str, _: TextureLookup, place: Location, block: dict) -> dict:
-    """Read opacity from `Tr`: 1 - `Tr`, with the exceptions in `read_mtl`."""
+    """Read opacity from `Tr`, clipped to 0..1: 1 - `Tr`, with the exceptions in `read_mtl`."""
     value = _numbers(text, 1, place)[0]
     return {"opacity": value if value == block.get("dissolve", 1.0) else 1.0 - value}
 

@@ -161,7 +161,10 @@ def _scan_plain(text: str, rows: dict[str, Rows]) -> None:
 def _place_maps(
     uv: Float[np.ndarray, "t 3 2"], slot: Int[np.ndarray, " t"], entries: Sequence[LibraryMaterial], path: Path
 ) -> Float[np.ndarray, "t 3 2"]:
-    """Apply scale and offset of the materials' colour maps to `uv`, in place, and return it."""
+    """Apply scale and offset of the materials' colour maps to `uv`, in place, and return it.
+
+    Raise `DatasetError` if a map is clamped and its faces reach beyond the image.
+    """
     for number, entry in enumerate(entries):
         placed, own = entry.color_map, slot == number
         try:
@@ -314,7 +317,7 @@ def _remedy(place: Location) -> str:
 
 
 def _slot(row: tuple[int, str], slots: Mapping[str, int], path: Path) -> int:
-    """Return the slot of the material that a `usemtl` row names; raise `DatasetError` if it is unknown."""
+    """Return the slot of the material that a `usemtl` row names; raise `DatasetError` if it is unknown or empty."""
     name = row[1].strip()
     if not name:
         raise Location(path, f"line {row[0]}").error("`usemtl` without a name")
@@ -331,7 +334,10 @@ def _unknown_material(name: str, slots: Mapping[str, int], place: Location) -> D
 
 
 def _groups(rows: dict[str, Rows]) -> tuple[tuple[str, ...], Int[np.ndarray, " f"]]:
-    """Return the names of all `o` statements, or else `g`, and each face's index into them; -1 for none."""
+    """Return the distinct names of `o` statements, or of `g` without any `o`, and each face's index into them.
+
+    Names are in order of first appearance, so statements of one name are one group. Faces above all have -1.
+    """
     marks = rows["o"] or rows["g"]
     names = [rest.strip() for _, rest in marks]
     position = {name: i for i, name in enumerate(dict.fromkeys(names))}

@@ -154,7 +154,9 @@ def smooth_normals(
 def keep_smooth_normals(
     normals: Float[np.ndarray, "c 3"], triangles: Float[np.ndarray, "f 3 3"]
 ) -> Float[np.ndarray, "f 3 3"] | None:
-    """Return normals per corner as unit vectors; None if all equal their face normals.
+    """Return normals per corner as unit vectors; None if all equal their face normals within `MIN_NORMAL_DEVIATION`.
+
+    Faces without area are not compared; vectors of length 0 stay 0.
 
     Args:
         normals: Vectors of the corners of all faces, in order.
@@ -176,6 +178,6 @@ def _numbers(rows: Rows) -> Float[np.ndarray, "n 3"] | None:
 
 
 def _unit(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
-    """Return vectors scaled to length 1; zero for vectors of length 0."""
+    """Return vectors scaled to length 1; zero for vectors of length 1e-12 and below."""
     length = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, length, out=np.zeros_like(vectors), where=length > 1e-12)

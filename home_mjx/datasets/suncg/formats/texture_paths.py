@@ -93,7 +93,10 @@ class TextureLookup:
 
     @cached_property
     def _any_case(self) -> dict[str, Path]:
-        """Images by lower-case path below `texture/`, since SUNCG was written on a case-insensitive file system."""
+        """Images by lower-case path below `texture/`, since SUNCG was written on a case-insensitive file system.
+
+        The folder is listed once.
+        """
         files = [*self.folder.glob("*"), *self.folder.glob("s/*")]
         return {path.relative_to(self.folder).as_posix().lower(): path for path in sorted(files)}
 

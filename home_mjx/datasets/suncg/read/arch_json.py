@@ -60,7 +60,10 @@ class Architecture:
         return wall_pieces(wall, value.member("id").text()), [inside, CUT_MATERIAL, outside]
 
     def _wall(self, value: JsonValue) -> WallSegment | None:
-        """Read a wall in units of the file; None if it has no length, which is noted."""
+        """Read a wall in units of the file; None if it has no length, which is noted.
+
+        Raise `DatasetError` if its ends differ in height.
+        """
         start, end = (point.vector(3) for point in _exactly(value.member("points"), 2))
         if np.linalg.norm((end - start)[[0, 2]]) < 1e-6:
             self.note(value.member("points"), "flat-wall", "wall without length: left out")
@@ -77,7 +80,10 @@ class Architecture:
         )
 
     def _slab(self, value: JsonValue, kind: str, node_id: str) -> tuple[list[MeshPiece], list[Material]]:
-        """Build a slab in units of the file over all polygons of an element, and return its one material."""
+        """Build a slab in units of the file over all polygons of an element, and return its one material.
+
+        Corners are relative to `offset`, whose y is the height of the upper side.
+        """
         x, high, z = value.member("offset").vector(3)
         if value.member("points").data == []:
             raise value.member("points").error("expected at least one polygon, got none")
@@ -110,7 +116,10 @@ class Architecture:
         return length
 
     def _materials(self, value: JsonValue, count: int) -> list[Material]:
-        """Return `count` opaque materials of an element; missing ones and missing colours are white."""
+        """Return `count` opaque materials of an element; missing ones and missing colours are white.
+
+        Further ones are dropped.
+        """
         listed = value.member("materials")
         found = [read_material(entry, self.textures) for entry in listed.entries()] if listed.has_value else []
         padded = [*found, *[Material("")] * count][:count]
@@ -166,7 +175,10 @@ def _holes(value: JsonValue) -> list[JsonValue]:
 
 
 def _hole(box: JsonValue) -> Hole:
-    """Return (left, right, low, high) of a hole, from the wall's start and base, in units of the file."""
+    """Return (left, right, low, high) of a hole, from the wall's start and base, in units of the file.
+
+    Raise `DatasetError` if a minimum is above its maximum; equal ones are accepted.
+    """
     (left, low), (right, high) = box.member("min").vector(2).tolist(), box.member("max").vector(2).tolist()
     if left > right or low > high:
         raise box.error("hole is inside out")
@@ -174,7 +186,10 @@ def _hole(box: JsonValue) -> Hole:
 
 
 def _polygon(points: JsonValue) -> Float[np.ndarray, "n 2"]:
-    """Return the corners (x, z) of a polygon in units of the file; their y is ignored."""
+    """Return the corners (x, z) of a polygon in units of the file; their y is ignored.
+
+    Raise `DatasetError` for less than 3 or more than `MAX_CORNERS` corners.
+    """
     entries = points.entries()
     if not 3 <= len(entries) <= MAX_CORNERS:
         raise points.error(f"expected 3 to {MAX_CORNERS} corners, got {len(entries)}")

@@ -15,9 +15,10 @@ MAX_AXIS_SINE = 1e-3  # maximum sine of the angle between the axes and a box tha
 
 
 def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) -> list[Node]:
-    """Return a level's nodes with boxes over 20 m cut to the extent of the others; outside or slanted ones removed.
+    """Return a level's nodes with boxes over 20 m cut to `level_extent`; those outside of it or slanted are removed.
 
-    Changes are noted as problems; `place` names the file. With the option `backdrops`, nodes are unchanged.
+    Changes are noted as problems; `place` names the file. Large boxes within the extent are unchanged. With the option
+    `backdrops`, or without an extent, all nodes are unchanged.
     """
     extent = None if reading.options.backdrops else level_extent(nodes)
     if extent is None:
@@ -28,9 +29,10 @@ def cut_backdrops(nodes: Sequence[Node], place: Location, reading: ReaderState) 
 
 
 def level_extent(nodes: Sequence[Node]) -> Float[np.ndarray, "2 3"] | None:
-    """Return the bounding box of rooms, grounds and objects [m]; None if there are none.
+    """Return the bounding box of the meshes of rooms and grounds, and of the file's boxes of objects [m].
 
-    The file's boxes of rooms are not usable, since they enclose the members, including backdrops.
+    Rooms and grounds without meshes, objects without `bbox`, and boxes are left out; None if nothing remains. The
+    file's boxes of rooms are not usable, since they enclose the members, including backdrops.
     """
     rooms = [part for node in nodes if isinstance(node, RoomNode) for part in (node.floor, node.ceiling, node.walls)]
     meshes = [*rooms, *(node.mesh for node in nodes if isinstance(node, GroundNode))]
@@ -49,7 +51,7 @@ def box_bounds(box: BoxNode) -> Float[np.ndarray, "2 3"]:
 
 
 def _cut(node: Node, extent: Float[np.ndarray, "2 3"], place: Location, reading: ReaderState) -> Node | None:
-    """Return a node unchanged, or a large box cut to `extent`; None if it must be left out."""
+    """Return a node unchanged, or a large box cut to `extent`; None, noted, for one that is outside or slanted."""
     if not isinstance(node, BoxNode):
         return node
     bounds = box_bounds(node)

@@ -159,7 +159,8 @@ def _slide(
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
     """Return mean point, distance and direction of a leaf's shift in the plan [m]; None if it is not along the leaf.
 
-    The shift of a board that was taken out of its frame is across it.
+    That is a shift shorter than `MIN_SLIDE`, or whose angle to the longer side of the leaf's box has a sine above
+    `MAX_SLIDE_SKEW`. The shift of a board that was taken out of its frame is across it.
     """
     way = float(np.linalg.norm(shift))
     box = narrowest_box(points)
@@ -203,8 +204,11 @@ def _refine(
 ) -> tuple[float, float, Float[np.ndarray, "2"]]:
     """Refine a motion of `points` onto those of `tree` by iterated closest points in the plan (Besl and McKay, 1992).
 
+    At most `rounds` iterations are made.
+
     Returns:
-        Share of points on the surface, rotation about the origin [rad], and shift after it [m].
+        Share of points within `SAMPLE_SPACING` / 2 of those of `tree`, rotation about the origin [rad], and shift after
+        it [m].
     """
     before = None
     for _ in range(rounds):

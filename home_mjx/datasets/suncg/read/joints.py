@@ -62,7 +62,10 @@ def _point(text: str, place: Location) -> Vector:
 
 
 def _limits(text: str, place: Location) -> tuple[float, float]:
-    """Parse a range `low, high`, which must contain 0, the pose in the OBJ; else raise `DatasetError`."""
+    """Parse a range `low, high` with low <= 0 <= high, where 0 is the pose in the OBJ; else raise `DatasetError`.
+
+    An empty range `0, 0` and numbers beyond `MAX_COORDINATE` are also refused.
+    """
     try:
         low, high = (float(word) for word in text.split(","))
     except ValueError:
@@ -73,7 +76,10 @@ def _limits(text: str, place: Location) -> tuple[float, float]:
 
 
 def _runs(text: str, place: Location) -> tuple[tuple[int, int], ...]:
-    """Parse runs such as `0-11 24-35` to (first, last), both inclusive; raise `DatasetError` unless ascending."""
+    """Parse runs such as `0-11 24-35` to (first, last), both inclusive.
+
+    Raise `DatasetError` unless they ascend, share no face and end below `MAX_FACES`.
+    """
     matches = [_RUN.fullmatch(word) for word in text.split()]
     runs = [(int(match[1]), int(match[2])) for match in matches if match is not None]
     ends = [end for run in runs for end in run]

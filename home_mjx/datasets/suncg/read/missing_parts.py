@@ -60,7 +60,10 @@ def add_part_fallbacks(nodes: Sequence[Node], reading: ReaderState) -> list[Node
 
 
 def _gap(item: ObjectNode, reading: ReaderState) -> OpeningSpan | None:
-    """Return the span of a door, window or arch in the scene [m]; None for other objects."""
+    """Return the span of a door, window or arch in the scene [m]; None for other objects.
+
+    Its ends are those of the model's box along x, at z = 0 of the model.
+    """
     info = _info(reading.tables, item.model_id)
     if info.coarse not in OPENING_CATEGORIES:
         return None

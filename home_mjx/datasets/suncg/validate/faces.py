@@ -156,9 +156,9 @@ def _odd_statements(rows: dict[str, Rows]) -> Iterator[tuple[int, str, str]]:
 def _odd_faces(
     corners: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows
 ) -> Iterator[tuple[int, str, str]]:
-    """Yield line, rule and message of the first face with a bridge and of the first bent one.
+    """Yield line, rule and message of the first face with a bridge and of the first bent one of more than four corners.
 
-    Bent quads are common in SUNCG, and their two triangles leave little doubt.
+    The message counts all such faces. Bent quads are common in SUNCG, and their two triangles leave little doubt.
     """
     first = np.cumsum(sides) - sides
     odd: dict[str, list[int]] = {"bridged-face": [], "bent-face": []}

@@ -45,7 +45,10 @@ def _thickness(walls: Mesh, faces: np.ndarray) -> float:
 
 
 def _faces_up(floor: Mesh) -> bool:
-    """Return whether the highest of a floor's roughly horizontal faces face up; those of an inverted slab do not."""
+    """Return whether one of the highest of a floor's roughly horizontal faces faces up; False without such faces.
+
+    Those of an inverted slab face down.
+    """
     corners = floor.vertices[floor.faces].astype(np.float64)
     normal, area = _normals(corners)
     height = np.where(abs(normal[:, 1]) > MIN_UPWARD_COSINE * area, corners[..., 1].mean(axis=1), -np.inf)

@@ -62,6 +62,7 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
 
 @cache
 def _access_check() -> Callable[[ValidationContext], Any]:
+    """Import the check `ACCESS` and return it."""
     return ACCESS.load()
 
 

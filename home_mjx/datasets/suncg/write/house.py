@@ -39,7 +39,7 @@ def write_house(root: Path, house: House) -> None:
     """Write `house/<id>/` and `room/<id>/` below a dataset root; an existing house is kept.
 
     Bounding boxes are computed from the geometry by SUNCG's rules: an object's from its base model in any state, a
-    room's from its architecture and its members.
+    room's from its architecture and its members. Meshes are named by the stem of their `path`, which must be unique.
 
     Args:
         root: Dataset root; its library must contain the models and textures of the house.
@@ -89,6 +89,8 @@ def write_library(
 ) -> None:
     """Write `object/`, `texture/` and, last, `metadata/` below a dataset root; files that differ are rewritten.
 
+    There is a `joints.csv` only if a model has joints; one of a former library is kept.
+
     Args:
         root: Dataset root.
         models: The models, in the order of their rows in the tables.
@@ -108,7 +110,7 @@ def write_library(
 def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
     """Write one model's folder below a dataset root; with `digests`, also digests of its files.
 
-    Files that differ are rewritten.
+    Files that differ are rewritten. Variants use the MTL of the base mesh, so only its materials are written.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -132,6 +134,8 @@ def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]
 
 def write_tables(root: Path, models: Sequence[LibraryModel]) -> None:
     """Write the metadata tables of models, in this order, below a dataset root; rewrite files that differ.
+
+    The table of joints is not among them, see `write_joints`.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -158,7 +162,9 @@ def write_joints(root: Path, models: Sequence[LibraryModel]) -> None:
 
 
 def write_table_texts(root: Path, tables: Mapping[str, str]) -> None:
-    """Write metadata tables (texts by file name, with `joints.csv`) and their digests; rewrite files that differ.
+    """Write metadata tables (texts by file name) and their digests below a root; rewrite files that differ.
+
+    `tables` must include `joints.csv`, which has a file of digests of its own.
 
     Raises:
         DatasetError: The folder cannot be written.
@@ -191,7 +197,7 @@ def is_folder_complete(folder: Path, digests_name: str = DIGESTS) -> bool:
 def _write_folder(
     root: Path, folder: Path, files: Mapping[str, str | UInt8[np.ndarray, "h w 3"]], mend: bool = False
 ) -> None:
-    """Fill a temporary folder and rename it, so that `folder` appears complete.
+    """Fill a temporary folder and rename it, so that `folder` appears complete; raise `DatasetError` if that fails.
 
     An existing folder is kept; with `mend`, its files that differ are rewritten one by one.
     """
@@ -293,7 +299,10 @@ def _level(level: Level, house: House) -> tuple[dict[str, Any], Bounds | None]:
 
 
 def _entry(node: Node, bbox: dict[str, Any], place: Mapping[int, int]) -> dict[str, Any]:
-    """Convert a node to JSON; `place` maps a node's index to its position in the written list, see `_bbox`."""
+    """Convert a node to JSON; `place` maps a node's index to its position in the written list.
+
+    `bbox` is a result of `_bbox`. Meshes that are None are written as hidden.
+    """
     entry: dict[str, Any] = {"id": node.id, "type": type(node).__name__.removesuffix("Node"), "valid": 1}
     match node:
         case RoomNode():

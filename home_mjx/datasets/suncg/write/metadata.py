@@ -79,7 +79,10 @@ def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
 
 
 def joints_csv(models: Sequence[LibraryModel]) -> str:
-    """Return the text of `joints.csv`: one row per movable part, in the order of the models."""
+    """Return the text of `joints.csv`: one row per movable part, in the order of the models.
+
+    `Joint.closed` is not written: it is read as 0.
+    """
     return _csv(_JOINT_COLUMNS, (_joint_row(joint) for model in models for joint in model.joints))
 
 

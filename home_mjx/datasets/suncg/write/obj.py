@@ -13,7 +13,8 @@ DECIMALS = 6  # decimals of coordinates [m]
 def obj_text(mesh: Mesh, library: str) -> str:
     """Format a mesh as OBJ that names the MTL `library`; normals are flat if it has none.
 
-    Faces of one group and material are one block, in the order of `face_order`.
+    Faces of one group and material are one block, in the order of `face_order`. Vertices are those that faces of the
+    group use, in order of their index. Coordinates are rounded to `DECIMALS`.
     """
     group = mesh.group[:, None].repeat(3, axis=1).reshape(-1)  # of every corner
     used, vertex = _unique(group, mesh.faces.reshape(-1, 1))
@@ -88,7 +89,10 @@ def mtl_text(materials: tuple[Material, ...]) -> str:
 
 
 def _newmtl(material: Material) -> str:
-    """Return the MTL statements of a material; missing colour and opacity are written as white and opaque."""
+    """Return the MTL statements of a material; missing colour and opacity are written as white and opaque.
+
+    The name of a missing texture is not written.
+    """
     color = " ".join(f"{x:.6g}" for x in material.diffuse or (1.0, 1.0, 1.0))
     opacity = 1.0 if material.opacity is None else material.opacity
     lines = [f"newmtl {material.name}", "illum 2", f"d {opacity:g}", f"Kd {color}"]
