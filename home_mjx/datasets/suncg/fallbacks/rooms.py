@@ -228,8 +228,8 @@ def _meeting(a: tuple[np.ndarray, float], b: tuple[np.ndarray, float]) -> Float[
 def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[OpeningSpan]) -> Polygon:
     """Return the rectangle of wall centre lines in a bounding box; sides near a parallel gap are moved to it.
 
-    Near is from `WALL_OUTER_EXTENT` outside of a side to that plus `MAX_LEAF_SWING` inside. Of several gaps the
-    outermost is taken.
+    Near means at most `WALL_OUTER_EXTENT` outside of a side, or `MAX_LEAF_SWING` more than that inside. Of several gaps
+    the outermost is taken.
     """
     low, high = bbox[0, [0, 2]] + WALL_OUTER_EXTENT, bbox[1, [0, 2]] - WALL_OUTER_EXTENT
     for axis in (0, 1):

@@ -10,7 +10,10 @@ COLOR_WORDS, LIBRARY_WORDS = "the material's colour", "grey materials"
 
 
 def list_missing_materials(house: House) -> list[Fallback]:
-    """Return a `Fallback` per texture and material library that the dataset lacks, with its first user."""
+    """Return a `Fallback` per texture and material library that the dataset lacks, in order of its first user.
+
+    Overrides of nodes come before the meshes of models, rooms and grounds.
+    """
     found: dict[tuple[str, str], Fallback] = {}
     for owner, material in _materials(house):
         if material.missing_file:

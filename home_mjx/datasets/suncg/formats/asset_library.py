@@ -38,7 +38,7 @@ class AssetLibrary:
 
         Raises:
             MissingFileError: The OBJ is missing.
-            DatasetError: The OBJ is broken.
+            DatasetError: The OBJ is broken, or an error of `read_obj` in its MTL or textures.
         """
         if key not in self._models or self._has_arrived(self._models[key]):
             self._models[key] = read_library_obj(self.find_model(model_id, key, place), self.textures)

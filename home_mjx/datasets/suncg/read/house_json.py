@@ -91,7 +91,10 @@ def _scale(value: JsonValue) -> float:
 
 
 def _check_header(document: JsonValue, reading: ReaderState) -> None:
-    """Note a version, id or axes other than expected; none of them changes how the house is read."""
+    """Note a version, id or axes other than expected; none of them changes how the house is read.
+
+    Raise `DatasetError` if one has the wrong type.
+    """
     version, house_id = document.member("version"), document.member("id")
     if not version.has_value or not version.text().startswith("suncg"):
         reading.note(version, "format-version", f"version is {json.dumps(version.data)}: read as suncg@1.0.0")
@@ -104,7 +107,10 @@ def _check_header(document: JsonValue, reading: ReaderState) -> None:
 
 
 def read_level(level: JsonValue, index: int, reading: ReaderState) -> Level | None:
-    """Read one storey, number `index` in the file; None if its `valid` is 0."""
+    """Read one storey, number `index` in the file; None if its `valid` is 0.
+
+    Repeated nodes are left out, and backdrops cut.
+    """
     if not level.member("valid").flag(default=True):
         return None
     nodes = level.member("nodes")

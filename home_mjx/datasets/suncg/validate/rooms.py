@@ -60,7 +60,10 @@ def _check_overlap(
 
 
 def _check_outside(subject: ValidationContext, level: Level, areas: Sequence[Triangles], raster: FootprintGrid) -> None:
-    """Report objects and boxes whose origin is farther than `MAX_WALL_DISTANCE` from all areas in plan."""
+    """Report objects and boxes whose origin is farther than about `MAX_WALL_DISTANCE` from all areas in plan.
+
+    The distance is |x| + |z| in whole cells of the raster, rounded up.
+    """
     covered = np.any([raster.mask(area) for area in areas], axis=0)
     cells = int(np.ceil(MAX_WALL_DISTANCE / raster.step))
     near = ndimage.binary_dilation(covered, iterations=cells)
