@@ -71,10 +71,14 @@ def build_lights(
     rooms: RoomTable,
     options: LightOptions,
 ) -> LightTable:
-    """Build the light table of a house: lamps, daylight, panels in rooms without a lamp, and ambient light by room."""
+    """Build the light table of a house: lamps, daylight, panels in rooms without a lamp, and ambient light by room.
+
+    Rooms without an outline get no panel.
+    """
     found = [s for o in objects for s in (*find_lamp_sources(o), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}
-    found += [_room_source(rooms, r, options) for r in range(len(rooms.type)) if r not in lit and options.room_power]
+    dark = [r for r, polygon in enumerate(rooms.polygon) if r not in lit and len(polygon)]
+    found += [_room_source(rooms, r, options) for r in dark if options.room_power]
     ambient = compute_ambient_irradiance(found, rooms)
     if not found:
         return replace(LightTable.empty(), ambient=ambient)

@@ -170,7 +170,10 @@ def _quat(rotation: Float[np.ndarray, "3 3"]) -> str:
 
 
 def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
-    """Add the plane `floor`, a directional light without shadows, and cameras `top` and `room<i>`."""
+    """Add the plane `floor`, a directional light without shadows, and cameras `top` and `room<i>`.
+
+    Rooms without an outline have no camera.
+    """
     floor = ground_floor_height(house.rooms)
     ET.SubElement(world, "geom", name="floor", type="plane", size="0 0 1", pos=f"0 0 {floor:.9g}", group=COLLIDER_GROUP)
     # Without shadows, since ceilings would block the light.
@@ -180,6 +183,8 @@ def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
     high = bounds[1, 2] + 1.3 * max(size[:2])  # with a fovy of 45 degrees
     ET.SubElement(world, "camera", name="top", pos=numbers(np.array([middle[0], middle[1], high])))
     for i, (polygon, height) in enumerate(zip(house.rooms.polygon, house.rooms.floor, strict=True)):
+        if not len(polygon):
+            continue
         pos = numbers(np.array([*polygon.mean(axis=0), height + EYE_HEIGHT]))
         ET.SubElement(world, "camera", _looking_along_x(), name=f"room{i}", pos=pos)
 

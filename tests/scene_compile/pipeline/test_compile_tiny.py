@@ -1,6 +1,7 @@
 """A house small enough to know every number of its compiled form."""
 
 import shutil
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from home_mjx.datasets.registry import open_dataset
 from home_mjx.errors import DatasetError
 from home_mjx.scene_compile.collision.colliders import _fit_shape
 from home_mjx.scene_compile.collision.movables import MovableOptions
+from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions, compile_house
 from home_mjx.schema.categories import FINE, ROOM_TYPES
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse, RayKind
@@ -216,3 +218,18 @@ def test_a_house_is_the_same_whatever_was_compiled_before(tmp_path):
     for house in (HOUSE_ID, other):
         one, two = (each[house] for each in found)
         assert {name for name in one if one[name].tobytes() != two[name].tobytes()} == set()
+
+
+def test_a_room_without_meshes_has_neither_a_light_nor_a_camera(root):
+    dataset = open_dataset(root)
+    house = dataset.load_house(HOUSE_ID)
+    level = house.levels[0]
+    last = max(node.index for node in (*level.rooms, *level.objects, *level.boxes))
+    bare = replace(level.rooms[0], floor=None, ceiling=None, walls=None, index=last + 1, members=())
+    house = replace(house, levels=(replace(level, rooms=(*level.rooms, bare)), *house.levels[1:]))
+    compiled = compile_house(house, dataset.metadata)
+    assert compiled.rooms.polygon[1].shape == (0, 2)
+    assert 1 not in compiled.lights.room
+    xml, _ = to_mjcf(compiled)
+    assert 'name="room0"' in xml
+    assert 'name="room1"' not in xml
