@@ -40,8 +40,8 @@ class ClippedSurface:
 def find_owner_outlines(room: int, others: Sequence[int], rooms: RoomTable) -> list[list[Polygon]]:
     """Return the plan triangles [m] of each smaller room that covers more than `MIN_OVERLAP_AREA` of this room.
 
-    For this test, the smaller outline is shrunk by `IGNORED_OVERLAP_WIDTH`. Larger owners are first; of equal rooms,
-    the later one counts as smaller.
+    For this test only, the smaller outline is shrunk by `IGNORED_OVERLAP_WIDTH`; without area then, it is ignored.
+    Larger owners are first; of equal rooms, the later one counts as smaller.
 
     Args:
         room: Index of the room.
@@ -76,7 +76,10 @@ def _covered_area(a: Sequence[Polygon], b: Sequence[Polygon]) -> float:
 
 
 def _without(pieces: Sequence[Polygon], cutters: Sequence[Polygon]) -> list[Polygon]:
-    """Return convex pieces of the convex polygons `pieces` that are outside all triangles `cutters`."""
+    """Return convex pieces of the convex polygons `pieces` that are outside all triangles `cutters`.
+
+    Cutters have either winding. Pieces of at most `MIN_PIECE_AREA` are dropped, see `_outside`.
+    """
     left = list(pieces)
     for cutter in cutters:
         (x0, y0), (x1, y1), (x2, y2) = cutter
@@ -105,7 +108,10 @@ def _outside(piece: Polygon, cutter: Polygon) -> list[Polygon]:
 
 
 def _clip(polygon: Polygon, side: Float[np.ndarray, " n"]) -> Polygon:
-    """Return the part of a convex polygon where a linear function, `side` at its corners, is not negative."""
+    """Return the part of a convex polygon where a linear function, `side` at its corners, is not negative.
+
+    Without such a part, the result has no corners.
+    """
     corners = []
     for i, (here, value) in enumerate(zip(polygon, side, strict=True)):
         before, earlier = polygon[i - 1], side[i - 1]
@@ -123,6 +129,8 @@ def clip_surface(
     owners: Sequence[list[Polygon]],
 ) -> ClippedSurface:
     """Return a slab without other rooms' areas on its visible side; unchanged if that would remove the whole side.
+
+    Only triangles that face that side (`MIN_NORMAL_Z`) are cut; others stay whole. The result is in their order.
 
     Args:
         triangles: Corners of the slab [m].

@@ -32,6 +32,7 @@ def build_reflection_planes(shell: BuildingShell, rooms: RoomTable) -> Planes:
     """Build the reflection planes of a house: walls, floors and ceilings with edges above `MIN_RECTANGLE_EDGE`.
 
     A wall has its inner side and, if rooms are behind it, its outer side. Sides that overlap in a plane reflect once.
+    Rows are inner sides, outer sides, floors, then ceilings; grounds have none.
 
     Args:
         shell: Its architecture, whose slots are the first rows of the house's material table.
@@ -116,7 +117,10 @@ class _Table:
 
 
 def _hull(a: ReflectionRectangle, b: ReflectionRectangle) -> ReflectionRectangle:
-    """Return the upright rectangle around two coplanar ones, with the material slot of the longer one."""
+    """Return the upright rectangle around two in the plane of `a`, with the material slot of the longer one.
+
+    Of equally long ones, the slot is that of `a`.
+    """
     direction = a.u / np.linalg.norm(a.u)
     along = np.array([[(r.center - a.center) @ direction, abs(r.u @ direction)] for r in (a, b)])
     low, high = (along[:, 0] - along[:, 1]).min(), (along[:, 0] + along[:, 1]).max()

@@ -52,7 +52,7 @@ def ground_offset(house: House) -> Float[np.ndarray, "3"]:
 def extract_rooms(house: House, offset: Float[np.ndarray, "3"]) -> RoomTable:
     """Return types, levels, outlines and heights of all rooms in file order, in Z-up coordinates moved by `offset` [m].
 
-    Rooms without meshes have an empty outline and heights 0.
+    Rooms without meshes have an empty outline and heights 0. The house must have a room.
     """
     found = house_rooms(house)
     polygons, heights = zip(*(_measure(room, offset) for _, room in found), strict=True)

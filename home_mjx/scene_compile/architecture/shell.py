@@ -85,7 +85,10 @@ def build_shell(frame: HouseFrame) -> BuildingShell:
 
 
 def _parts(house: House, offset: Float[np.ndarray, "3"]) -> Iterator[ShellPart]:
-    """Yield the floor, ceiling and walls of each room in file order, then the grounds of all levels."""
+    """Yield the floor, ceiling and walls of each room in file order, then the grounds of all levels.
+
+    Each wall of a room is a part of its own. Missing meshes have no part.
+    """
     for index, (level, room) in enumerate(house_rooms(house)):
         for kind, mesh in (("floor", room.floor), ("ceiling", room.ceiling)):
             if mesh is not None:
@@ -120,7 +123,10 @@ def _owned(part: ShellPart, parts: Sequence[ShellPart], rooms: RoomTable) -> Cli
 
 
 def find_partitions(parts: Sequence[ShellPart]) -> Int[np.ndarray, " q"]:
-    """Return each part's partition, from 0; copies of a wall, or a ceiling and the floor above it, share one."""
+    """Return each part's partition; copies of a wall, or a ceiling and the floor above it, share one.
+
+    Partitions count from 0 in the order of their first parts. Sharing is transitive, see `_same_partition`.
+    """
     leader = list(range(len(parts)))
     for i, a in enumerate(parts):
         for j in range(i):
@@ -215,7 +221,7 @@ def _row(part: ShellPart, partition: int) -> Int[np.ndarray, " columns"]:
 def inner_normal(part: ShellPart, rooms: RoomTable) -> Float[np.ndarray, "3"]:
     """Return the unit world direction from a part into its room; up for floors and grounds, down for ceilings.
 
-    A wall faces the side where more of the points of `_indoors` are in its room.
+    A wall faces the side where more of the points of `_indoors` are in its room; if equal, its minimum side across.
     """
     if not isinstance(part, WallPart):
         return np.array([0.0, 0.0, -1.0 if part.kind == "ceiling" else 1.0])

@@ -53,7 +53,10 @@ def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
 
 
 def fit_slab_at_yaw(yaw: float, triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3"]) -> Slab:
-    """Return the slab with this yaw [rad] around triangles [m] with normals of any length; its `faces` face across."""
+    """Return the slab with this yaw [rad] around triangles [m] with normals of any length.
+
+    Its `faces` are the triangles that face across, within 45 degrees, to either side.
+    """
     turn = yaw_matrix(yaw)
     local = triangles @ turn
     facing = abs((normal @ turn)[:, 1]) > 0.7 * np.linalg.norm(normal, axis=1)
@@ -77,6 +80,8 @@ def is_same_wall(a: Slab, b: Slab, gap: float = 0.08, overlap: float = 0.2) -> b
 
 def wall_boxes(slabs: Sequence[Slab], max_length: float) -> BoxSet:
     """Return boxes that fill one physical wall except for its openings; empty if no triangle faces across.
+
+    The boxes have the yaw of the longest prism and are as thick as all prisms together.
 
     Args:
         slabs: Prisms of the wall: copies in neighbouring rooms, inner and outer layers.

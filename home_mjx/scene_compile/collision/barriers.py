@@ -33,7 +33,7 @@ FENCE_DISTANCE, FENCE_HALF_THICKNESS = 2.0, 0.05  # [m], distance of the fence f
 def find_barriers(
     rooms: RoomTable, level: int, static: BoxSet, passages: Sequence[Float[np.ndarray, "4 2"]], max_length: float
 ) -> BoxSet:
-    """Return boxes that close every gap between a level's rooms and the outdoors.
+    """Return boxes that close every gap between a level's rooms and the outdoors; empty without outlines of rooms.
 
     On a fine grid, the outdoors are the cells from which an agent could walk to a point far outside all rooms. Outdoor
     cells next to room cells are filled, regardless of cause: open outer doors, arches, garages or missing walls.
@@ -78,7 +78,10 @@ def _indoors(room: Bool[np.ndarray, "ny nx"], cell: float) -> Bool[np.ndarray, "
 
 
 def _distance(cells: Bool[np.ndarray, "ny nx"], cell: float) -> Float[np.ndarray, "ny nx"]:
-    """Return the distance of every cell to the nearest selected cell [m]; `cell` is the edge of a cell [m]."""
+    """Return the distance of every cell to the nearest selected cell, centre to centre [m]; 0 at selected cells.
+
+    `cell` is the edge of a cell [m].
+    """
     return np.asarray(ndimage.distance_transform_edt(~cells)) * cell
 
 

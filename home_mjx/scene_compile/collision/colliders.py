@@ -63,7 +63,8 @@ def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
     """Return the boxes of one fixed object, and one box for each of its open leaves without a known hinge.
 
-    Leaves with a known hinge are not included unless shut. A window has one box; passable or high objects have none.
+    Leaves with a known hinge are not included unless shut. A window has one box. Objects of `PASSABLE_CATEGORIES`, or
+    that begin above the height limit, have none.
     Boxes outside the height limits are dropped, except those of open leaves.
 
     Args:
@@ -128,8 +129,8 @@ def _place(boxes: BoxSet, item: PlacedObject) -> BoxSet:
 def door_boxes(triangles: Float[np.ndarray, "t 3 3"], sill: float, max_boxes: int) -> tuple[BoxSet, tuple[BoxSet, ...]]:
     """Return boxes of the frame and of the open leaves of a door.
 
-    Each leaf gets one box along its own direction, so that the passage is as wide as it appears. Fittings
-    such as handles have none.
+    Each leaf gets one box along its own direction, so that the passage is as wide as it appears. A connected part is a
+    leaf by `_is_open_leaf`, else a part of the frame. Fittings such as handles (`MAX_FITTING_SIZE`) have no box.
 
     Args:
         triangles: The door, its wall along x [m].
@@ -156,7 +157,10 @@ def _is_open_leaf(box: BoxSet) -> bool:
 
 
 def keep_reachable(boxes: BoxSet, floor: float, options: ColliderOptions) -> BoxSet:
-    """Return the boxes that reach into the height limits of `options` above a floor at height `floor` [m]."""
+    """Return, uncut, the boxes that reach into the height limits of `options` above a floor at height `floor` [m].
+
+    Boxes that only touch a limit from outside are dropped.
+    """
     return boxes[(boxes.top > floor + options.min_top_height) & (boxes.bottom < floor + options.max_bottom_height)]
 
 
@@ -164,6 +168,9 @@ def select_passable_leaves(
     leaves: Sequence[BoxSet], free_area: Callable[[BoxSet], float], min_gain: float = 0.5
 ) -> list[BoxSet]:
     """Return the open leaves that keep their boxes; leaves that cut off a part of the house are omitted one by one.
+
+    The first such leaf in the order of `leaves` is omitted, then all that remain are tested again. The sets returned
+    are those passed, in their order.
 
     SUNCG's open doors are half open and often blocked by furniture; a resident would push the leaf aside. An omitted
     leaf without a known hinge is visible and audible but has no collider, as all doors in HoME.

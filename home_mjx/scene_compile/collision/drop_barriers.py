@@ -108,7 +108,10 @@ def _along(
 
 
 def _over_a_drop(edge: FloorEdge, floors: BoxSet, stairs: Sequence[Staircase], ground: float) -> Bool[np.ndarray, " n"]:
-    """Return for each point of an edge whether the surface just beyond it is over `MAX_SAFE_DROP` lower."""
+    """Return for each point of an edge whether the surface just beyond it is over `MAX_SAFE_DROP` lower.
+
+    The surface is the highest of the stairs, the `ground` [m], and the floors at most `MAX_SAFE_DROP` above the edge.
+    """
     beyond = edge.points + DROP_PROBE_DISTANCE * edge.outward
     below = np.maximum(highest_top_below(floors, beyond, edge.height + MAX_SAFE_DROP), ground)
     for one in stairs:

@@ -69,6 +69,9 @@ def plan_floors(
 ) -> FloorPlan:
     """Return the floor plan of a level: rooms, doorways and top treads of stairs, with holes at the wells of stairs.
 
+    A cell has the floor of the smallest room at its centre. Outside all rooms, the first doorway there counts, at the
+    floor of the nearest room, then the first top tread. Heights are rounded to 0.1 mm.
+
     Args:
         rooms: Outlines and floors.
         level: Level index.

@@ -51,6 +51,9 @@ class LevelBoxes:
 def level_boxes(walls: BoxSet, objects: Sequence[PlacedObject], floor: float, options: ColliderOptions) -> LevelBoxes:
     """Return the boxes that agents or objects on a floor can touch: of walls, objects, unhinged and hinged leaves.
 
+    Boxes of an object, fixed or movable, are those in its initial pose without its open leaves. Boxes outside the
+    height limits are dropped, not cut. An object without boxes has an empty set.
+
     Args:
         walls: Boxes of the architecture.
         objects: Objects that may extend into the level.

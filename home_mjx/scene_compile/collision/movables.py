@@ -79,7 +79,7 @@ class MovableCandidate:
 
 
 def is_movable(item: PlacedObject, options: MovableOptions) -> bool:
-    """Return whether an object is movable by category and size, and is inside a room.
+    """Return whether an object is movable by category and size, and is inside a room; Box nodes never are.
 
     Objects that hang on walls are excluded later, since nothing supports them.
     """

@@ -54,7 +54,7 @@ def append_ramps(colliders: Colliders, ramps: Ramps) -> Colliders:
 
 
 def build_guards(stairs: Sequence[Staircase]) -> BoxSet:
-    """Return boxes along open sides of stairs, up to a railing above the next floor, and walls below their heads."""
+    """Return guards beside slopes and landings, see `_guards`, and walls against entering below stairs."""
     walls = (_guards, _wall_below_head, _wall_below_open_slopes)
     return concat_boxes(box for one in stairs for wall in walls for box in wall(one))
 
@@ -69,7 +69,10 @@ def build_sills(stairs: Sequence[Staircase]) -> BoxSet:
 
 
 def _guards(stairs: Staircase) -> Iterator[BoxSet]:
-    """Yield guards beside slopes and landings, up to a railing and down to the floor unless agents can walk below."""
+    """Yield guards beside slopes and landings, on both sides, up to `BARRIER_HEIGHT` above their higher end.
+
+    They reach down to the floor at the foot of the stairs or, where agents can walk below, to the slope's underside.
+    """
     for i, slope in enumerate(stairs.slopes):
         high, half = slope.high + BARRIER_HEIGHT, slope.width / 2
         low = stairs.low if i < stairs.first_open_slope else slope.low - RAMP_THICKNESS
@@ -99,7 +102,10 @@ def _wall_below_open_slopes(stairs: Staircase) -> Iterator[BoxSet]:
 
 
 def _around(landing: Slope, ways: Sequence[Float[np.ndarray, "2 2"]], low: float, high: float) -> Iterator[BoxSet]:
-    """Yield boxes beyond a landing's sides, between two heights [m], except at `ways`, ends of adjoining edges."""
+    """Yield boxes beyond a landing's sides, between two heights [m], except at `ways`.
+
+    `ways` are the ends of adjoining edges; those farther than `MAX_EDGE_DISTANCE` from a side do not open it.
+    """
     for a, b in zip(landing.outline, np.roll(landing.outline, -1, axis=0), strict=True):
         length = float(np.linalg.norm(b - a))
         along, out = (b - a) / length, np.array([(b - a)[1], -(b - a)[0]]) / length

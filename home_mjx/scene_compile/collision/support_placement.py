@@ -37,7 +37,13 @@ def find_loads(objects: Sequence[PlacedObject], reach: float) -> dict[int, list[
 def sort_carriers_first(
     candidates: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]]
 ) -> list[MovableCandidate]:
-    """Sort the candidates, stably, by the longest chain of objects below each, so that each follows its carriers."""
+    """Sort the candidates, stably, by the longest chain of objects below each, so that each follows its carriers.
+
+    Args:
+        candidates: Objects to sort.
+        loads: Ids of the objects on or in each object, by object id, see `find_loads`. Two inside each other are in
+            either order.
+    """
     carriers = {load: {i for i, on in loads.items() if load in on} for load in {j for on in loads.values() for j in on}}
     depth: dict[int, int] = {}
 
@@ -58,6 +64,8 @@ def place_on_supports(
     options: MovableOptions,
 ) -> list[MovableCandidate]:
     """Return the candidates that rest without touching anything else, with adjusted boxes; the others stay fixed.
+
+    The order is that of `sort_carriers_first`.
 
     Args:
         candidates: Objects that may become bodies, by precedence: later boxes shrink to clear earlier ones.
@@ -91,7 +99,10 @@ def _has_loads_on_top(
 def _stand(
     moving: Sequence[MovableCandidate], loads: Mapping[int, Sequence[int]], around: BoxSet, options: MovableOptions
 ) -> tuple[list[MovableCandidate], set[int]]:
-    """Return the candidates that rest, and ids of those that fail; loads of failed ones are in neither."""
+    """Return the candidates that rest, and ids of those that fail; loads of failed ones are in neither.
+
+    One fails without support, if its box cannot shrink enough, or if one of its loads is not `moving`.
+    """
     ids = {c.item.object_id for c in moving}
     standing: list[MovableCandidate] = []
     failed: set[int] = set()

@@ -115,7 +115,10 @@ def _groups(lights: Iterable[Light]) -> list[list[Light]]:
 
 
 def _alike(a: Light, b: Light) -> bool:
-    """Return whether two lights are merged: close points, or close spots with similar aim, of equal cutoff."""
+    """Return whether two lights are merged: close points, or close spots with similar aim, of equal cutoff.
+
+    Lines are never merged.
+    """
     if a.kind != b.kind or a.kind == "line" or a.cutoff != b.cutoff:
         return False
     near = np.linalg.norm(np.subtract(a.position, b.position)) < MAX_MERGE_DISTANCE
@@ -130,7 +133,10 @@ def _aim(light: Light) -> Float[np.ndarray, "3"]:
 
 
 def _lamp_source(group: Sequence[Light], instance: int, room: int) -> LightSource:
-    """Return the light of a group, in its model's frame: total flux, power-weighted mean ends, aim of the first."""
+    """Return the light of a group, in its model's frame: total flux, and power-weighted mean ends.
+
+    Kind, aim, exponent and cutoff are those of the first.
+    """
     power = np.array([light.power for light in group], float)
     share = power / max(power.sum(), 1e-9)
     ends = [(light.position, light.position if light.end is None else light.end) for light in group]
@@ -220,7 +226,8 @@ def compute_ambient_irradiance(sources: Sequence[LightSource], rooms: RoomTable)
     SIGGRAPH 1988.
 
     Column 0 is that of lamps, column 1 that of daylight, per radiance of the sky. Row r + 1 is room r. Row 0 is for
-    points outside all rooms: the mean of all rooms for lamps, and half the sky for daylight.
+    points outside all rooms: the mean of all rooms for lamps, and half the sky for daylight. Sources outside all rooms
+    do not count.
     """
     flux = np.zeros((len(rooms.type), 2, 3))
     for s in sources:

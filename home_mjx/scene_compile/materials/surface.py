@@ -65,8 +65,8 @@ def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMater
 def ray_mask(item: SurfaceMaterial) -> RayKind:
     """Return the ray types that a surface intersects.
 
-    Translucent surfaces such as glass intersect camera and sound rays but transmit light. Invisible ones intersect only
-    sound rays, and plants all except sound rays.
+    Opaque surfaces intersect all rays. Translucent ones, such as glass, intersect camera and sound rays but transmit
+    light. Invisible ones intersect only sound rays. Visible plants intersect no sound rays.
     """
     if item.opacity < MIN_VISIBLE_OPACITY:
         return RayKind.SOUND

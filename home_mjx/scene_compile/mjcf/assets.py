@@ -39,7 +39,11 @@ class MjcfAssets:
         return self._element
 
     def material(self, row: int) -> str:
-        """Return the MJCF name of the material of a row of the house's table; the first call for a row adds it."""
+        """Return the MJCF name of the material of a row of the house's table; the first call for a row adds it.
+
+        Raises:
+            DatasetError: Its texture cannot be read.
+        """
         if row not in self._materials:
             table = self._house.materials
             name = self._materials[row] = f"material{row}"
@@ -52,7 +56,8 @@ class MjcfAssets:
     def mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
         """Return the name of the mesh of one material slot of a model after a stretch; None if it has no area.
 
-        The stretch scales, mirrors or shears the mesh. The first call for equal arguments adds it.
+        The stretch scales, mirrors or shears the mesh. Triangles without area are dropped, and mirrored ones still face
+        outwards. The first call for equal arguments adds it.
         """
         key = (model.key, slot, tuple(np.round(stretch, 6).ravel() + 0.0))
         if key not in self._meshes:
@@ -136,5 +141,5 @@ def png_bytes(path: Path) -> bytes:
 
 
 def safe_name(text: str) -> str:
-    """Replace characters other than letters, digits and hyphens by underscores, which makes a valid file name."""
+    """Replace characters other than ASCII letters, digits and hyphens by underscores, which makes a valid file name."""
     return re.sub(r"[^A-Za-z0-9_-]", "_", text)

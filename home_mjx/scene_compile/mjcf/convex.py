@@ -30,7 +30,7 @@ log = logging.getLogger(__name__)
 def convex_pieces(model: Model) -> tuple[Piece, ...]:
     """Return the hulls of a model's convex pieces as triangles in its own frame [m]; empty for flat models.
 
-    They are computed by CoACD and cached on disk.
+    They are computed by CoACD and cached on disk. Flat pieces (`MIN_PIECE_THICKNESS`) are dropped.
 
     Raises:
         ConfigError: CoACD is not installed.
@@ -62,7 +62,11 @@ def _entry(model: Model) -> Path:
 
 
 def _decompose(model: Model) -> list[Float[np.ndarray, "_ 3"]]:
-    """Return the corners of the pieces; the whole model is one piece if it is flat or CoACD fails."""
+    """Return the corners of the pieces; the whole model is one piece if it is flat or CoACD fails.
+
+    Raises:
+        ConfigError: CoACD is not installed.
+    """
     try:
         import coacd
     except ImportError as error:

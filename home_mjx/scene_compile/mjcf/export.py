@@ -64,7 +64,7 @@ def to_mjcf(
 
     Args:
         house: A compiled house.
-        agent: Adds an agent at the first start point, with motors (see `schema.mjcf`).
+        agent: Adds an agent at the first start point, with motors (see `schema.mjcf`) and a keyframe `start`.
         timestep: Length of a physics step [s].
         friction: Sliding friction of all movable objects; None: by material. Agents are frictionless.
         restitution: Restitution of all movable objects; None: by material.
@@ -129,7 +129,8 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = No
         Path of the MJCF file.
 
     Raises:
-        ConfigError: The target exists and is not an export, or it cannot be written.
+        ConfigError: The target exists and is not an export, or it cannot be written; or as in `to_mjcf`.
+        DatasetError: A texture cannot be read.
     """
     xml, files = to_mjcf(house, agent=agent, collision=collision)
     target = Path(folder) / safe_name(house.id)
@@ -190,7 +191,7 @@ def _add_surroundings(world: ET.Element, house: CompiledHouse) -> None:
 
 
 def _plot(house: CompiledHouse) -> Float[np.ndarray, "2 3"]:
-    """Return the bounding box of the house without gardens and neighbours [m]."""
+    """Return the bounding box of the house [m], clipped in x and y to `lot_bounds`: no gardens and neighbours."""
     (x0, y0), (x1, y1) = lot_bounds(house.rooms)
     return np.clip(house.box, [x0, y0, -np.inf], [x1, y1, np.inf])
 
@@ -218,8 +219,9 @@ def _add_instance(
 ) -> None:
     """Add the body of one instance with its visuals and colliders.
 
-    A leaf has a box. A movable body has a box or, if `exact`, convex pieces. Other instances have pieces if `exact`
-    and their object is solid, else no colliders. `touches` has the contact attributes of each movable body, by its row.
+    A leaf has a box. A movable body has a box or, if `exact`, its convex pieces if any. Other instances have pieces if
+    `exact` and their object is solid, else no colliders. `touches` has the contact attributes of each movable body, by
+    its row.
     """
     body, leaf = int(house.instances.body[instance]), np.flatnonzero(house.doors.instance == instance)
     name = instance_name(house, instance)

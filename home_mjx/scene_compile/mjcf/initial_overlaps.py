@@ -21,6 +21,8 @@ MAX_SHIFT_STEPS = 20  # maximum number of shifts per object
 def resolve_overlaps(root: ET.Element, files: Mapping[str, bytes]) -> list[dict[str, Any]]:
     """Move every free body onto the floor (at most 5 cm), then sideways out of overlaps (at most 5 cm).
 
+    A move that would have to be longer is left out.
+
     Args:
         root: The `mujoco` element, changed in place: body positions, and contact exclusions for remaining overlaps.
         files: The files that it refers to.
@@ -86,7 +88,7 @@ def _separate(
 ) -> Float[np.ndarray, "3"]:
     """Move a body horizontally out of all overlaps and return its total shift [m], including the earlier one, `shift`.
 
-    If no such place is within `MAX_SHIFT`, move it back and return `shift`.
+    If no such place within `MAX_SHIFT` is found in `MAX_SHIFT_STEPS` steps, move it back and return `shift`.
     """
     way = shift.copy()
     for _ in range(MAX_SHIFT_STEPS):
@@ -141,7 +143,7 @@ def measure_rest_drift(xml: str, files: Mapping[str, bytes], seconds: float = 10
     """Simulate the output of `to_mjcf` in MuJoCo for `seconds` [s], and measure the drift of its free bodies.
 
     Returns:
-        Maximum distance of each free body from its initial position [m]; inf if the simulation diverged.
+        Maximum distance of each free body from its initial position [m]; inf for all if the simulation diverged.
 
     Example:
         >>> measure_rest_drift(*to_mjcf(house))  # doctest: +SKIP

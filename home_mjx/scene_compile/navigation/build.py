@@ -45,7 +45,8 @@ def build_navigation(
         stairs: Stairs between the levels that agents use.
         leaves: Boxes on each level of all leaf positions. Starts and goals avoid them, but paths lead through.
         open_leaves: Boxes on each level of leaves of open doors. Starts and goals avoid cells that these cut off from
-            most of the house. An agent that pushes the leaf away might shut the door for good.
+            most of the house. An agent that pushes the leaf away might shut the door for good. Like `leaves`, they are
+            ignored if starts and goals would have no cell left.
     """
     ground = spaces[0]
     standable, room = np.stack([s.standable for s in spaces]), np.stack([s.room for s in spaces])
@@ -98,7 +99,10 @@ def _clear_of_leaves(
     options: NavigationOptions,
     reach: float,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the drawn cells at least `reach` [m] from all leaf positions at an agent's height."""
+    """Return the drawn cells at least `reach` [m] from all leaf positions at an agent's height.
+
+    Levels beyond the length of `leaves` stay unchanged.
+    """
     found, heights = drawn.copy(), (options.max_step_height, options.agent_height)
     for cells, space, boxes in zip(found, spaces, leaves, strict=False):
         cells &= compute_clearance(boxes, rooms.floor[space.room], space.x, space.y, heights, reach) >= reach
@@ -174,7 +178,10 @@ def _place(
 def _spread_goals(
     free: Bool[np.ndarray, "l ny nx"], room: Int[np.ndarray, "l ny nx"], count: int, rng: np.random.Generator
 ) -> Int[np.ndarray, "g 3"]:
-    """Sample goal cells (level, row, column), rooms in turn: each the farthest of 32 candidates from earlier goals."""
+    """Sample goal cells (level, row, column), rooms in turn: each the farthest of 32 candidates from earlier goals.
+
+    The order of the rooms is random. There must be a free cell; the same one may be several goals.
+    """
     order = rng.permutation(np.unique(room[free]))
     goals = np.empty((count, 3), np.int64)
     for g in range(count):

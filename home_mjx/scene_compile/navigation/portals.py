@@ -31,6 +31,8 @@ def find_portals(
 ) -> Portals:
     """Find the portals of all levels: openings, doors (width 0 if agents cannot pass), and stairs.
 
+    Pairs of rooms are ascending; the outdoors is room -1.
+
     Args:
         rooms: Outlines and floors.
         room: Room of each cell; -1 if none.
@@ -61,7 +63,11 @@ def _crossings(
     height: Float[np.ndarray, "ny nx"],
     centres: tuple[Float[np.ndarray, " nx"], Float[np.ndarray, " ny"]],
 ) -> list[Row]:
-    """Return one opening per place where an agent can step from a cell of one room into a cell of another."""
+    """Return one opening per place where an agent can step from a cell of one room into a cell of another.
+
+    Its point is the mean of the cells' common edges there, on the higher floor. Its width is the extent of their
+    middles, plus one cell.
+    """
     x, y = np.meshgrid(*centres)
     inside = np.where(standable, room, -1)
     cell = float(centres[0][1] - centres[0][0]) if len(centres[0]) > 1 else 1.0
@@ -118,7 +124,10 @@ def _stairs(stairs: Staircase, width: float) -> Row:
 
 
 def room_hops(portals: Portals, num_rooms: int) -> Int[np.ndarray, "r r"]:
-    """Return the minimum number of passable portals from room to room; 0 to itself, -1 if there is no way."""
+    """Return the minimum number of passable portals from room to room; 0 to itself, -1 if there is no way.
+
+    Portals of width 0 or to the outdoors do not count.
+    """
     passed = portals.room[(portals.width > 0) & (portals.room[:, 0] >= 0)]
     graph = coo_matrix((np.ones(len(passed)), passed.T), shape=(num_rooms, num_rooms))
     hops = shortest_path(graph.tocsr(), directed=False, unweighted=True)

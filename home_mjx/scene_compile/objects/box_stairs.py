@@ -22,8 +22,9 @@ def find_box_stairs(
 ) -> list[list[PlacedObject]]:
     """Return groups of adjoining boxes on a level that may be stairs to the next one, each sorted by height.
 
-    A group has at least `MIN_STEPS` boxes and begins at most one step above the floor. These are candidates only; the
-    detection of treads decides whether they are stairs.
+    A group has at least `MIN_STEPS` boxes and begins at most one step above the floor. Tops are up to
+    `MAX_TOP_ABOVE_FLOOR` above the next floor. These are candidates only; the detection of treads decides whether they
+    are stairs.
 
     Args:
         objects: Objects of the house.
@@ -55,7 +56,10 @@ def _is_step(item: PlacedObject) -> bool:
 
 
 def _adjoin(boxes: Sequence[PlacedObject]) -> Bool[np.ndarray, "n n"]:
-    """Return a symmetric matrix: whether two boxes adjoin in the plan and their tops differ by the rise of one step."""
+    """Return a symmetric matrix: whether two boxes adjoin in the plan and their tops differ by the rise of one step.
+
+    Gaps are between their bounding boxes at the yaw of the first box.
+    """
     turn = yaw_matrix(boxes[0].yaw)
     corners = [item.triangles.reshape(-1, 3) @ turn for item in boxes]
     low, high = np.array([c.min(axis=0) for c in corners]), np.array([c.max(axis=0) for c in corners])

@@ -43,7 +43,8 @@ class JointedDoor:
 def split_door(door: JointedDoor) -> tuple[Model, tuple[LeafPart, ...]]:
     """Return the frame and the leaves of a door; the whole door and no leaves if it cannot be split.
 
-    That is so if no joint moves in the plan, or if all triangles belong to leaves.
+    That is so if no joint moves in the plan, or if all triangles belong to leaves. Leaves of joints that do not move in
+    the plan stay in the frame.
     """
     order = tree_order(triangles_z_up(door.mesh))
     leaves = [(joint, np.isin(order, joint.faces)) for joint in door.joints if _moves_in_plan(joint)]
@@ -61,7 +62,7 @@ def _moves_in_plan(joint: Joint) -> bool:
 
 
 def _leaf_part(joint: Joint, model: Model) -> LeafPart:
-    """Return a leaf with the hinge or slide of a joint, converted from Y up to Z up."""
+    """Return a leaf with the hinge or slide of a joint, converted from Y up to Z up; angles become those about +z."""
     pivot = np.array([joint.point[0], -joint.point[2]])  # the file's axes are x and -z in the plan
     if joint.kind == "slide":
         return LeafPart(model, pivot, joint.closed, joint.open, np.array([joint.axis[0], -joint.axis[2]]))

@@ -96,7 +96,10 @@ class PlacedObject:
 
     @property
     def parts(self) -> tuple[Model, ...]:
-        """Rigid parts, one instance each: the main part and the leaves of a door."""
+        """Rigid parts, one instance each: the main part, then the leaves of a door with known hinges, shut or not.
+
+        A door without known hinges is its main part alone, as any other object.
+        """
         return (self.main_part, *(leaf.model for leaf in self.leaf_parts))
 
     @property
@@ -195,7 +198,11 @@ def _pose(node: ObjectNode | BoxNode, offset: Float[np.ndarray, "3"]) -> Float[n
 
 
 def _slots(node: ObjectNode | BoxNode, models: Mapping[str, Mesh]) -> tuple[Material, ...]:
-    """Return the material slots after overrides; the last override of a Box also applies to its further slots."""
+    """Return the material slots of a model or a Box, each changed by the override of the same index.
+
+    An override changes only the properties that it has. Overrides beyond the last slot are ignored. A Box begins with
+    `DEFAULT_BOX_MATERIAL`; its last override also applies to its further slots.
+    """
     changes = node.materials
     if isinstance(node, BoxNode):
         last = len(changes) - 1
@@ -210,8 +217,8 @@ def _slots(node: ObjectNode | BoxNode, models: Mapping[str, Mesh]) -> tuple[Mate
 def _room(node: ObjectNode | BoxNode, level: Level, rooms: RoomTable, center: Float[np.ndarray, "3"]) -> int:
     """Return the smallest nearby room that lists the node, else the smallest room that contains its centre; -1 if none.
 
-    Lists have priority, since the centre of an open door or of an object on a wall may be in the room behind. Objects
-    above a room's ceiling, such as roofs, are not in it.
+    Only rooms of its level count. Lists have priority, since the centre of an open door or of an object on a wall may
+    be in the room behind. Objects above a room's ceiling, such as roofs, are not in it unless listed.
     """
     here = np.flatnonzero(rooms.level == level.index)
     listed = [int(r) for r, room in zip(here, level.rooms, strict=True) if node.index in room.members]

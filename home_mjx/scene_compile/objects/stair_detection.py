@@ -261,7 +261,7 @@ def _plan_cells(points: Float[np.ndarray, "n 3"]) -> tuple[Int[np.ndarray, " u"]
 
 
 def _flights(steps: Sequence[Float[np.ndarray, "_ 3"]], middle: Float[np.ndarray, "n 3"]) -> StraightFlights | None:
-    """Return straight flights with landings; None if there are no flights, or they are not straight or not joined.
+    """Return straight flights with landings; None if a flight has one tread or is not straight, or if they do not join.
 
     `steps` has the sample points of each tread in the order of `_steps`, `middle` their means [m].
     """

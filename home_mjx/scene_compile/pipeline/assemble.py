@@ -44,7 +44,10 @@ class HouseSurfaces:
 
 
 def build_surfaces(frame: HouseFrame, shell: BuildingShell, objects: Sequence[PlacedObject]) -> HouseSurfaces:
-    """Build the material rows of the shell and of all objects; objects with equal materials share rows."""
+    """Build the material rows of the shell and of all objects, their gloss, and the planes that reflect sound.
+
+    Each object has one row per material slot; objects with equal materials in all slots share their rows.
+    """
     rows = SurfaceRows()
     rows.add(shell.surfaces)
     first = [rows.add(o.surfaces) for o in objects]

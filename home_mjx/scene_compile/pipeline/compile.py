@@ -53,7 +53,8 @@ def compile_house(house: House, metadata: Metadata, options: CompileOptions = DE
         options: Sizes, counts and limits.
 
     Raises:
-        DatasetError: The house has no room with a mesh or no standable cell, or exceeds the `limits`.
+        DatasetError: The house has no room with a mesh or no standable cell, or exceeds the `limits`; or a texture
+            cannot be read.
 
     Example:
         >>> dataset = open_dataset("datasets/demo")  # doctest: +SKIP

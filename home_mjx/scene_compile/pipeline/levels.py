@@ -167,9 +167,10 @@ def build_levels(
 
 
 def find_level_sites(rooms: RoomTable, objects: Sequence[PlacedObject], climb: bool) -> list[LevelSite]:
-    """Return the levels that have rooms, lowest first, with objects in reach of agents; `climb`: agents use stairs.
+    """Return the levels that have rooms, lowest first, each with its own level's objects that agents can reach.
 
-    The lowest level also has the objects of other levels. Stairs that agents climb are not among the objects.
+    These are in a room, or partly within the lot. The lowest level has the reachable objects of all levels, since they
+    may extend into it. If `climb`, the stairs that agents use are not among the objects of any level.
     """
     numbers = np.unique(rooms.level).tolist()
     lowest = np.array([rooms.floor[rooms.level == number].min() for number in numbers])

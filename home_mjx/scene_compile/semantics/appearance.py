@@ -87,7 +87,7 @@ def compute_appearance(skin: TexturedTriangles, options: SemanticOptions) -> App
 def surface_colors(skin: TexturedTriangles) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
     """Return CIELAB colours of a surface's material slots, and weights; rows do not match triangles.
 
-    A plain slot has one colour, a textured one `NUM_SAMPLES`.
+    A plain slot has one colour, a textured one `NUM_SAMPLES`, one without area none.
     Weights are area times opacity, so that clear glass barely counts.
     """
     slot_area = np.bincount(skin.slot, skin.area, minlength=len(skin.surfaces))
@@ -100,7 +100,10 @@ def surface_colors(skin: TexturedTriangles) -> tuple[Float[np.ndarray, "n 3"], F
 
 
 def _slot_colors(skin: TexturedTriangles, slot: int) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"]]:
-    """Return linear RGB colours and opacities of a slot: one if plain, `NUM_SAMPLES` spread by area if textured."""
+    """Return linear RGB colours and opacities of a slot: one if plain, `NUM_SAMPLES` spread by area if textured.
+
+    The opacity is 0 at texels that are cut out (`MIN_OPAQUE_ALPHA`).
+    """
     surface = skin.surfaces[slot]
     diffuse = decode_srgb(np.array([surface.color], float))
     if not surface.texture:
@@ -126,7 +129,11 @@ def _sample(area: Float[np.ndarray, " t"], uv: Float[np.ndarray, "t 3 2"]) -> Fl
 
 
 def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]:
-    """Return nearest sRGB colours and alpha, 0..1, of a repeated, downsampled image; v = 0 is its bottom."""
+    """Return nearest sRGB colours and alpha, 0..1, of a repeated, downsampled image; v = 0 is its bottom.
+
+    Raises:
+        DatasetError: The image cannot be read.
+    """
     changed = Path(path).stat().st_mtime_ns if Path(path).is_file() else 0
     column, row = ((uv % 1) * IMAGE_SIDE).astype(int).clip(0, IMAGE_SIDE - 1).T
     return _image(path, changed)[IMAGE_SIDE - 1 - row, column] / 255

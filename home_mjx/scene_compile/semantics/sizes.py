@@ -63,5 +63,5 @@ def _grouped(items: Sequence[tuple[str, float]]) -> dict[str, Float[np.ndarray, 
 
 
 def _size(deviation: float) -> str:
-    """Return the size class of a deviation from the mean in standard deviations."""
+    """Return the size class of a deviation from the mean in standard deviations; a limit is in the smaller class."""
     return SIZES[int(np.searchsorted(SIZE_LIMITS, deviation))]

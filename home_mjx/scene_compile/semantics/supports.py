@@ -63,7 +63,8 @@ def _support(
 ) -> Support:
     """Return the support of object `index`; `outline` has plan points along the room outlines of its level.
 
-    Rules in order: wall opening, hung on a wall, another object, floor, ceiling, wall; kind "" if none holds.
+    Rules in order: wall opening, hung on a wall, another object, floor, ceiling, wall; kind "" if none holds. An object
+    in a container that no other object carries is on the container.
     """
     item = objects[index]
     if item.info.coarse in WALL_OPENINGS:
@@ -108,7 +109,10 @@ def _outline_points(rooms: RoomTable, level: int) -> Float[np.ndarray, "p 2"]:
 
 
 def _supporter(index: int, objects: Sequence[PlacedObject], limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the index of the object under most of the lowest points of `index`; -1 below `MIN_SUPPORT_SHARE`."""
+    """Return the index of the object under most of the lowest points of `index`; -1 below `MIN_SUPPORT_SHARE`.
+
+    Of equal ones, the first counts. Only the `MAX_SUPPORTERS` with most overlap in the plan are tested.
+    """
     low, high = limits[index]
     near = ((limits[:, 0, :2] < high[:2]) & (limits[:, 1, :2] > low[:2])).all(axis=1)
     near &= (limits[:, 0, 2] < low[2] + MAX_CONTACT_GAP) & (limits[:, 1, 2] > low[2] - MAX_CONTACT_GAP)

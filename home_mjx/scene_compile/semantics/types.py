@@ -79,7 +79,7 @@ class ObjectSemantics:
         appearance: Colours and materials.
         size: One of `SIZES` within its category; "" without models to compare with.
         support: Support of the object.
-        description: Short text, such as `pack_field linen coffee table made of wood`.
+        description: Short text, such as `small linen coffee table made of wood`.
     """
 
     object_id: int
