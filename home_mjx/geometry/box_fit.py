@@ -22,11 +22,12 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
     """Cover the surface and the inside of a mesh with at most `max_boxes` boxes of one yaw.
 
     The surface is sampled into voxels, and enclosed ones are filled (the floor closes the mesh from below). The voxels
-    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume. Half
-    extents are at least `MIN_HALF_EXTENT`.
+    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume, also
+    below `max_boxes` while that is at most `MAX_OPTIONAL_WASTE`. Merged boxes may overlap others. Half extents are at
+    least `MIN_HALF_EXTENT`.
 
     Args:
-        triangles: Corners of the mesh, Z up [m].
+        triangles: Corners of the mesh, Z up [m]; at least one triangle.
         yaw: Yaw of the boxes about +z [rad].
         max_boxes: Maximum number of boxes.
     """

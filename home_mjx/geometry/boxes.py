@@ -37,9 +37,11 @@ class BoxSet:
         return self.center[:, 2] + self.half[:, 2]
 
     def __len__(self) -> int:
+        """Return the number of boxes."""
         return len(self.yaw)
 
     def __getitem__(self, rows: np.ndarray | slice | list[int]) -> "BoxSet":
+        """Return the set of the boxes of a mask, a slice or row numbers, in that order; no single number."""
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:

@@ -43,7 +43,8 @@ def extrapolate_fields(
         cell: Cell size [m].
 
     Returns:
-        For each mask of `extensions`: grid, row and column of the cells not in earlier masks, and their distances [m].
+        For each mask of `extensions`: grid, row and column of the cells not found by earlier masks, and their distances
+        [m]. Cells that are not connected are left out.
     """
     found = []
     values = np.full((*home.shape, field.shape[1]), np.nan)
@@ -70,7 +71,7 @@ def passable_cells(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells, and the cells of the first extension that `extrapolate_fields` reaches from there."""
+    """Return the home cells, and those of `extension` that `extrapolate_fields` reaches as its first mask."""
     found = home.copy()
     cells = home | extension
     found[tuple(np.argwhere(cells)[_extend(home, cells, standable, room, height, cell)[1]].T)] = True
@@ -85,7 +86,11 @@ def _extend(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> tuple[csr_matrix, Bool[np.ndarray, " n"]]:
-    """Return the graph of `cells`, and which of these are not `known`, but connected to known ones."""
+    """Return the graph of `cells`, see `_graph`, and which of these are not `known`, but connected to known ones.
+
+    Two neighbours by `grid_edges` have an edge, its length in metres, if they are in one room or both standable.
+    Nodes and mask are in the order of `np.argwhere(cells)`; `cells` include the known ones.
+    """
     graph, border = _graph(cells, standable[cells], room[cells], height, cell), known[cells]
     _, patch = connected_components(graph, directed=False)
     return graph, ~border & np.isin(patch, patch[border])
@@ -123,8 +128,8 @@ def nearest_cell_numbers(
 ) -> Int[np.ndarray, "l ny nx"]:
     """Return the number of each cell or, if it has none, of the nearest numbered cell in plan; at least one must exist.
 
-    The nearest cell is searched in the same room and level; if none has a number, in the level; else in the level of
-    the closest index.
+    The nearest cell is searched in the same room and level; if none has a number, or outside all rooms, in the level;
+    else in the level of the closest index, the lower of two.
 
     Args:
         number: Numbers of cells; -1 if none.

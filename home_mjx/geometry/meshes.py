@@ -93,7 +93,7 @@ def make_model(
 
     Args:
         name: First part of its key; the rest is a digest of its content.
-        triangles: Corners in the model's own frame, Z up [m], counter-clockwise outwards.
+        triangles: Corners in the model's own frame, Z up [m], counter-clockwise outwards; at least one triangle.
         uv: Texture coordinates per corner; 0 if None.
         slot: Material slot of each triangle; 0 if None.
         part: Semantic part of each triangle; 0 if None.

@@ -81,7 +81,7 @@ def find_innermost_point(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray,
     """Return the point of a `HOLE_STEPS` x `HOLE_STEPS` grid inside a polygon that is farthest from its edges.
 
     0.1 % of a point's distance to the middle of the bounds is deducted, so that ties go to the nearest one. If no grid
-    point is inside, return the middle.
+    point is inside, return the middle. The polygon must have corners.
     """
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, HOLE_STEPS + 2)[1:-1] for a, b in zip(low, high, strict=True))
@@ -131,7 +131,10 @@ def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float
 
 
 def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.ndarray, "_ 2"]], float]:
-    """Return the boundary loops of a slab's upper side [m], holes clockwise and others not, and its area [m^2]."""
+    """Return the boundary loops of a slab's upper side [m], holes clockwise and others not, and its area [m^2].
+
+    Without upward triangles, there are no loops and the area is 0.
+    """
     normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
     upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
     if not upper.any():
@@ -163,7 +166,10 @@ def _edge_distance(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, 
 def _cut_holes(
     polygon: Float[np.ndarray, "n 2"], holes: Sequence[Float[np.ndarray, "_ 2"]]
 ) -> Float[np.ndarray, "_ 2"]:
-    """Join clockwise holes to a counter-clockwise polygon by bridges along +x, the one with the highest x first."""
+    """Join clockwise holes to a counter-clockwise polygon by bridges along +x, the one with the highest x first.
+
+    A hole without an edge of the polygon at higher x is left out.
+    """
     for hole in sorted(holes, key=lambda h: -h[:, 0].max()):
         # A bridge through corners would be on a line with sides of both.
         levels = np.unique(np.concatenate([polygon, hole])[:, 1].clip(hole[:, 1].min(), hole[:, 1].max()))

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
     """Return the sorted distinct values; chains of neighbours up to `tolerance` apart are merged into their mean.
 
-    The minimum and the maximum are kept exactly, unless all values merge into one.
+    The minimum and the maximum are kept exactly, unless all values merge into one. There must be a value.
 
     Example:
         >>> merge_close_values(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)

@@ -22,7 +22,7 @@ def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
 
 
 def quat_matrix(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
-    """Return the rotation matrices, for column vectors, of quaternions wxyz, which are normalised first.
+    """Return the rotation matrices, for column vectors, of quaternions wxyz, which are normalised first; NaN for zero.
 
     Example:
         >>> quat_matrix(np.array([[0.0, 0.0, 0.0, 2.0]]))[0].tolist()

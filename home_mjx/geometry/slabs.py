@@ -23,7 +23,7 @@ def slab(
         polygons: Corners (x, z) [m]; each polygon becomes a slab of its own.
         low: Height of the underside [m].
         high: Height of the upper side [m].
-        outset: Distance by which the sides extend beyond the polygon [m].
+        outset: Distance by which the sides extend beyond the polygon [m]; 0 for one that would then cross itself.
 
     Returns:
         Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's minimum x and z.
@@ -59,7 +59,7 @@ def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, 
     Triangles face +y.
 
     Raises:
-        ValueError: The polygon crosses itself even without the outset.
+        ValueError: The polygon crosses itself even without the outset, or is clockwise.
     """
     grown = offset_outwards(polygon, outset)
     try:
@@ -76,6 +76,8 @@ def signed_area(polygon: Polygon) -> float:
 
 def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
     """Return the polygon counter-clockwise (see `signed_area`), without repeated and collinear corners.
+
+    A polygon that crosses itself is not rejected.
 
     Raises:
         ValueError: The remaining polygon has no area.
@@ -107,7 +109,7 @@ def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
     """Move the sides of a counter-clockwise polygon outwards by `outset` [m], or inwards if it is negative.
 
     Corners are mitred; those of less than 60 degrees move by less than a mitre, at most `MAX_MITRE` outsets. The result
-    may cross itself.
+    may cross itself. The polygon must not have repeated corners, see `simplify`.
     """
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
