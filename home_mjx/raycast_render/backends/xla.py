@@ -29,6 +29,8 @@ MAX_CHUNK = 1 << 20  # rays in lock step on accelerators, enough to fill them; a
 
 
 class _Best(NamedTuple):
+    """Best hits up to now; before a hit, t is the end of the ray and ids are -1."""
+
     t: Float[Array, " n"]
     instance: Int[Array, " n"]
     triangle: Int[Array, " n"]
@@ -38,6 +40,8 @@ class _Best(NamedTuple):
 
 
 class _State(NamedTuple):
+    """State of the traversal, one entry per ray."""
+
     code: Int[Array, " n"]  # tree code at which the ray is, EMPTY when it is done
     stack: Int[Array, "n s"]
     size: Int[Array, " n"]

@@ -107,7 +107,7 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
 def lamp_light(
     scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, count: int
 ) -> IncidentLight:
-    """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`.
+    """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`; 0 for none.
 
     Shadow rays ignore the lamp that carries the light, and none start on it. `spread` has emitting positions in [-1, 1]
     along both axes of linear and rectangular lights; None: their centres. Results are arbitrary on a miss.

@@ -190,7 +190,8 @@ def sky_radiance(direction: Vec, options: LitShader) -> Vec:
 def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
     """Return area normals, as long as twice the area [m^2], and unit smooth normals of hits, in the world.
 
-    Both face the rays. Without a stored smooth normal, the area normal is used, scaled to length 1.
+    Area normals face the rays. Smooth normals are on their side, so that near a silhouette they may face away from the
+    rays. Without a stored smooth normal, the area normal is used, scaled to length 1. Both are arbitrary on a miss.
     """
     hit = sight.hit
     area = area_vectors(scene, sight.direction, hit)
@@ -217,7 +218,10 @@ def _shading_point(scene: Scene, sight: PathState, corner: HitFrame, row: Int[Ar
 def _diffuse_reflectance(
     scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"], growth: Float[Array, ""]
 ) -> Vec:
-    """Return the material's colour times its texture, filtered over a footprint that grows by `growth` [m] per t."""
+    """Return the material's colour times its texture, filtered over a footprint that grows by `growth` [m] per t.
+
+    The episode's overrides of colours and textures are included. Arbitrary on a miss.
+    """
     hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
     u, v = texture_corners(scene, hit)
     texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)
@@ -236,7 +240,8 @@ def _diffuse_reflectance(
 def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSample, options: LitShader) -> Vec:
     """Return the irradiance [W/m^2] by interreflection: uniform within a room.
 
-    With `ao_radius`, it is times `MEAN_REFLECTANCE` where one random ray per point is blocked within that distance.
+    Points outside all rooms have that of row 0 of the table. With `ao_radius` and `spread`, it is times
+    `MEAN_REFLECTANCE` where one random ray per point is blocked within that distance.
     """
     table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)

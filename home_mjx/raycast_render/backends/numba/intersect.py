@@ -156,7 +156,11 @@ def _corner(triangle, at, shear):
 @compiled
 @no_type_check
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
-    """Return `best` with triangle `triangle` in lanes of `reaches`, unless masked or cut out; any-hits get t = -inf."""
+    """Return `best`, replaced by triangle `triangle` in lanes of `reaches` that hit it nearer.
+
+    A triangle that is masked or cut out does not count. At equal t, the lower instance and then the lower triangle
+    counts. Any-hits get t = -inf, which ends their ray.
+    """
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)
     bx, by, bz = _corner(world.triangle, at + 3, shear)

@@ -200,7 +200,7 @@ def _cast_model(world, instance, ray, best, codes, enters):
 def _open_node(world, node, ray, limit, codes, enters, size):
     """Visit a BVH node: push the child that most rays enter later; return the other's code and entry t, and stack size.
 
-    A child that no ray enters before `limit` (t of its best hit) is not pushed, or has the code `EMPTY_LEAF`.
+    A child that no ray enters at t <= `limit` (t of its best hit) is not pushed, or has the code `EMPTY_LEAF`.
     """
     at = 2 * clip_row(node, world.sizes.nodes)
     near, far = world.node_child[at], world.node_child[at + 1]
