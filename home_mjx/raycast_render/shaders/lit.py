@@ -101,7 +101,7 @@ class LitShader(Shader):
 
     @classmethod
     def from_hour(cls, hour: float, **options: Any) -> "LitShader":
-        """Return options with the sun and sky of a time of day; other options as given.
+        """Return options with the sun and sky of a time of day; `options` have priority over these.
 
         Args:
             hour: Solar time, 0 to 24. The sun rises at about 5, is highest at 12, and sets at about 19.

@@ -45,7 +45,7 @@ class Slab:
 
 
 def fit_slab(triangles: Float[np.ndarray, "t 3 3"]) -> Slab:
-    """Return the slab around a wall's triangles [m]; its across axis is the dominant horizontal normal."""
+    """Return the slab around a wall's triangles [m]; its across axis is along the dominant horizontal normal."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
     area = np.linalg.norm(normal, axis=1)
     across = facing_axis(normal[:, :2], area)

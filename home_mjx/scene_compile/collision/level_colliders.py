@@ -34,7 +34,7 @@ class LevelBoxes:
         walls: Boxes of the architecture.
         objects: Boxes of each object while it is fixed, by object id.
         unhinged: Open leaves without a known hinge.
-        hinged: Boxes of leaves that turn, in their initial pose.
+        hinged: Boxes of leaves that turn or slide, in their initial pose.
     """
 
     walls: BoxSet

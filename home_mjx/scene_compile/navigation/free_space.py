@@ -39,6 +39,9 @@ class NavigationOptions:
         num_goals: Number of goals, each with a distance field.
         use_stairs: If True, agents use stairs, and starts and goals are on all levels that stairs join. If False,
             stairs are obstacles, and starts and goals are on the ground floor.
+
+    Raises:
+        ConfigError: A value is out of range.
     """
 
     cell: float = 0.1

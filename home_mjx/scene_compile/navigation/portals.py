@@ -107,7 +107,10 @@ def _match_door(row: Row, doors: Sequence[Doorway]) -> Row:
 
 
 def _closed_doors(rooms: RoomTable, doors: Sequence[Doorway]) -> list[Row]:
-    """Return rows of width 0 for those (impassable) doors that are between different rooms or lead outside."""
+    """Return rows of width 0 for those (impassable) doors that are between different rooms or lead outside.
+
+    Doors without a room on either side have none. The height is the floor of the room of higher index.
+    """
     rows: list[Row] = []
     for door in doors:
         a, b = door.room

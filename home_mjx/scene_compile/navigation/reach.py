@@ -34,6 +34,8 @@ def find_unreachable_storeys(
 ) -> tuple[UnreachableStorey, ...]:
     """Return the upper storeys of which less than `MIN_REACHED_SHARE` of the free floor is in the home region.
 
+    Storeys without free floor are not returned, nor is the lowest. Ramps are no floor.
+
     `spaces` has the levels with rooms, lowest first, and `region` (0 home, -1 none) the cells of their grids, of size
     `cell` [m].
     """

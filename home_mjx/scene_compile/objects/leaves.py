@@ -123,7 +123,7 @@ def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
 def find_blocking_leaves(leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None) -> BoxSet:
     """Return the boxes, at their maximum opening, of leaves whose range is too small to leave the way free.
 
-    Arguments are those of `make_doors`.
+    Limits are `MIN_OPEN_ANGLE` and, for sliding leaves, `MIN_SLIDE_OPENING`. Arguments are those of `make_doors`.
     """
     found = []
     for leaf in leaves:

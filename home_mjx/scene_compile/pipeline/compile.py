@@ -27,7 +27,11 @@ from home_mjx.schema.house import House, Metadata
 
 @dataclass(frozen=True)
 class CompileOptions:
-    """Options of reading and compiling a house; part of the cache key. `compile_house` ignores `read`."""
+    """Options of reading and compiling a house; part of the cache key. `compile_house` ignores `read`.
+
+    Raises:
+        ConfigError: A value is not of its field's type.
+    """
 
     navigation: NavigationOptions = field(default_factory=NavigationOptions)
     colliders: ColliderOptions = field(default_factory=ColliderOptions)

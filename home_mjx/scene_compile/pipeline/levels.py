@@ -80,13 +80,13 @@ class LevelGeometry:
     Attributes:
         spaces: Free space of each level that has rooms, lowest first.
         doorways: Doorways of each of these levels.
-        leaves: Boxes on each of these levels of leaves that turn: initial, closed and wide open.
+        leaves: Boxes on each of these levels of leaves that turn or slide: initial, closed and wide open.
         open_leaves: The same, only wide open.
         stairs: Stairs between them that agents climb.
         colliders: Static boxes of all levels; barriers, a fence of four boxes and the ramps are last.
         ramps: Slopes of the stairs.
         bodies: Movable objects.
-        doors: Leaves that turn, of all levels.
+        doors: Leaves that turn or slide, of all levels.
         stuck_objects: Ids of objects of movable categories that are not free to move.
         report: Counts.
     """
