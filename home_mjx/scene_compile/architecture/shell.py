@@ -57,7 +57,8 @@ class BuildingShell:
 def build_shell(frame: HouseFrame) -> BuildingShell:
     """Build walls, floors, ceilings and grounds of a house in the world frame, as a model with a part each.
 
-    The model's floors and ceilings lack the areas that smaller rooms own; those of `parts` are complete.
+    Parts are in the order of `_parts`. The model's floors and ceilings lack the areas that smaller rooms own; those of
+    `parts` are complete.
     """
     house, rooms = frame.house, frame.rooms
     parts = tuple(_parts(house, frame.offset))

@@ -52,7 +52,10 @@ class ColliderOptions:
 
 
 def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
-    """Return the boxes of all walls of all levels in one set; each physical wall is solid except for its openings."""
+    """Return the boxes of all walls of all levels in one set; each physical wall is solid except for its openings.
+
+    Of `options` only `max_wall_length` counts; there are no height limits.
+    """
     walls: dict[int, list] = {}
     for part, partition in zip(shell.parts, shell.partition, strict=True):
         if isinstance(part, WallPart):

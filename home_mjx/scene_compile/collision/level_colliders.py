@@ -129,6 +129,7 @@ def static_colliders(levels: Sequence[Obstacles], floors: BoxSet, invisible: Box
     """Return the floors, walls, fixed objects, leaves and invisible boxes of all levels, in this order.
 
     Visible boxes inside another box are omitted. Only boxes of objects and leaves have an object id; others have -1.
+    Movable objects and hinged leaves are not included.
 
     Args:
         levels: Obstacles of each level.

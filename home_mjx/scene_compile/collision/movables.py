@@ -94,7 +94,10 @@ def is_movable(item: PlacedObject, options: MovableOptions) -> bool:
 
 
 def make_bodies(chosen: Sequence[MovableCandidate]) -> Bodies:
-    """Return the table of bodies of the selected objects, one row each, in the same order."""
+    """Return the table of bodies of the selected objects, one row each, in the same order.
+
+    Pose and half extents are those of a candidate's box, not of its object.
+    """
     box = concat_boxes(c.box for c in chosen)
     quat = yaw_quat(box.yaw)
     frames = [np.c_[yaw_matrix(y), c] for y, c in zip(box.yaw, box.center, strict=True)]

@@ -23,7 +23,7 @@ MIN_GUARD_GAP = 0.05  # [m], gaps up to this width get no guard
 def make_ramps(stairs: Sequence[Staircase], first_row: int) -> Ramps:
     """Return the slopes of stairs as tilted boxes whose upper sides join the floors at both ends; empty without stairs.
 
-    `first_row` is the row of the first slope in the house's colliders.
+    Rows are by stairs, from foot to head. `first_row` is the row of the first slope in the house's colliders.
     """
     slopes = [slope for one in stairs for slope in one.slopes]
     if not slopes:

@@ -152,7 +152,8 @@ def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "
 def _shrink(box: BoxSet, obstacles: BoxSet, options: MovableOptions, gap: float = 1e-3) -> BoxSet | None:
     """Return the part of the box that is `gap` [m] away from every obstacle; None if the limits do not allow it.
 
-    Its top is lowered or its sides are moved inwards; its underside stays.
+    Its top is lowered, to at least `min_lowered_height`, else a side is moved inwards; its underside stays. A side
+    moves by at most `max_shrink`, and at least half of each edge in the plan remains.
     """
     low, high = -box.half[0].copy(), box.half[0].copy()
     near = _near(box, obstacles)

@@ -73,7 +73,8 @@ def build_lights(
 ) -> LightTable:
     """Build the light table of a house: lamps, daylight, panels in rooms without a lamp, and ambient light by room.
 
-    Rooms without an outline get no panel.
+    Lights of objects are first, in their order and in their models' frames. Panels follow by room, in the world; rooms
+    without an outline get none.
     """
     found = [s for o in objects for s in (*find_lamp_sources(o), *_daylight(o, rooms))]
     lit = {s.room for s in found if not s.daylight}

@@ -43,7 +43,7 @@ def apply_override(base: Material, change: Material | None) -> Material:
 
 
 def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMaterial:
-    """Resolve a material slot of an object with the specified categories.
+    """Resolve a material slot of an object with the specified categories; white and opaque if it does not say.
 
     Args:
         material: The slot after overrides.

@@ -31,7 +31,7 @@ def find_portals(
 ) -> Portals:
     """Find the portals of all levels: openings, doors (width 0 if agents cannot pass), and stairs.
 
-    Pairs of rooms are ascending; the outdoors is room -1.
+    Rows are by level, then stairs. Pairs of rooms are ascending; the outdoors is room -1.
 
     Args:
         rooms: Outlines and floors.

@@ -26,6 +26,8 @@ def make_doors(
 ) -> Doors:
     """Build the table of a house's leaves: closed and open poses, ranges by `find_motion_range`, boxes and masses.
 
+    The open pose is the wide-open one, clipped to the range.
+
     Args:
         leaves: Leaves that turn or slide.
         static: Obstacles of all leaves.

@@ -52,7 +52,7 @@ class PlacedObject:
 
     @cached_property
     def triangles(self) -> Float[np.ndarray, "t 3 3"]:
-        """Surface in the world frame [m]."""
+        """Surface of the whole model in the world frame [m]; leaves are as in the model, also if shut."""
         return transform(self.pose, self.model.triangle.astype(np.float64))
 
     @cached_property
@@ -171,7 +171,7 @@ def _num_nodes(level: Level) -> int:
 
 
 def library_model(key: str, mesh: Mesh) -> Model:
-    """Convert a mesh, Y up, to a library model, Z up, named `key`."""
+    """Convert a mesh, Y up, to a library model, Z up, with triangles in tree order; `key` begins the model's key."""
     normal = None if mesh.normal is None else to_z_up(mesh.normal)
     return make_model(key, triangles_z_up(mesh), mesh.uv, mesh.slot, normal=normal, find=find_model)
 

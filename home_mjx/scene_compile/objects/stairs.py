@@ -133,7 +133,8 @@ def find_stairs(
 ) -> list[Staircase]:
     """Find the stairs between adjacent levels: models of that category, and flights of Box nodes.
 
-    Those without a path over treads, or whose ends are not near floors in rooms of both levels, are omitted.
+    Those without a path over treads, or whose ends are not near floors in rooms of both levels, are omitted. Models are
+    first, in the order of `objects`, then flights by level.
 
     Args:
         objects: Objects of the house.

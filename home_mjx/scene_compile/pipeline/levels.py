@@ -238,6 +238,7 @@ def _spaces(
 ) -> list[FreeSpace]:
     """Compute the free space of each level; obstacles of all levels count, since stairs lead past the next level.
 
+    `rails` are further boxes that cannot be moved. Each level's raised floors are obstacles on that level only.
     Raise `DatasetError` if no floor, or no cell of the lowest level, is standable.
     """
     around, fixed = (

@@ -10,7 +10,10 @@ Record = dict[str, Any]
 
 
 def house_record(house: HouseSemantics) -> Record:
-    """Return a JSON-compatible dictionary of rooms, parts, objects and observer-independent relations."""
+    """Return a JSON-compatible dictionary of rooms, parts, objects and observer-independent relations.
+
+    Objects have the `text` of `describe_object`; relations are lists of subject, predicate and object.
+    """
     return {
         "id": house.id,
         "rooms": [{"room": r.index, "types": list(r.types), "level": r.level, "area": r.area} for r in house.rooms],

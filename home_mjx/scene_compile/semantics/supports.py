@@ -164,7 +164,10 @@ def _barycentric(
 
 
 def _container(index: int, objects: Sequence[PlacedObject], boxes: BoxSet, limits: Float[np.ndarray, "o 2 3"]) -> int:
-    """Return the index of the smallest of `CONTAINERS` around at least `MIN_INSIDE_SHARE` of a box; -1 if none."""
+    """Return the index of the smallest of `CONTAINERS` around at least `MIN_INSIDE_SHARE` of a box; -1 if none.
+
+    It is larger than the box `index`, and the bounds of its surface contain the centre of that.
+    """
     middle, volume = boxes.center[index], boxes.half.prod(axis=1)
     around = (limits[:, 0] <= middle).all(axis=1) & (limits[:, 1] >= middle).all(axis=1) & (volume > volume[index])
     holding = [
