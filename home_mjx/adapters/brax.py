@@ -111,7 +111,10 @@ class BraxEnv(BraxBaseEnv):
         return self.to_brax(self.env.reset(rng))
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """Apply one control step; `done` is termination only: truncation and reset are left to the wrapper."""
+        """Apply one control step; `done` is termination only: truncation and reset are left to the wrapper.
+
+        `info` stays as it was, and so do metrics that wrappers added. After the end the episode does not restart.
+        """
         inner: Any = state.pipeline_state  # Brax annotates it as a state of its own physics
         new = self.env.step(inner.replace(truncated=jnp.zeros_like(inner.truncated)), action)
         brax: Any = self.to_brax(new)
@@ -133,7 +136,10 @@ class BraxEnv(BraxBaseEnv):
         return {**out, **({"state": jnp.concatenate(vectors, axis=-1)} if vectors else {})}
 
     def _pixels(self, name: str, value: Array) -> Array:
-        """Scale depth to 0 .. 1, and rgb to `pixels_dtype`: 0 .. 1, or uint8 unchanged."""
+        """Scale depth by 1 / `max_depth`; convert uint8 images to `pixels_dtype`, 0 .. 1, unless that is uint8.
+
+        Other images, such as normals, are unchanged.
+        """
         if name.endswith("_depth"):
             return value / self.env.config.max_depth
         if value.dtype == jnp.uint8 and self.pixels_dtype != jnp.uint8:
@@ -156,7 +162,7 @@ class TrainingWrapper(Wrapper):
         self.auto = AutoReset(core, final_obs="all").bind(inner.params)
 
     def reset(self, rng: Array) -> BraxState:
-        """Start a new episode in each environment, one key each (N)."""
+        """Start a new episode in each environment, one key each, raw (N, 2) or typed (N)."""
         state = self.auto.reset(rng)
         zero = jnp.zeros_like(state.reward)
         totals = dict.fromkeys(("sum_reward", "length", *state.metrics), zero)
@@ -164,7 +170,12 @@ class TrainingWrapper(Wrapper):
         return self._to_brax(state, info)
 
     def step(self, state: BraxState, action: Array) -> BraxState:
-        """Apply one control step to all, and reset those whose episode ends; `info` has its totals and `final_obs`."""
+        """Apply one control step to all, and reset those whose episode ends.
+
+        Observations are then those of the next episode; reward, `done` (termination or truncation) and metrics are
+        those of the final step. `info` has `truncation`, the `steps` of the episode, `episode_done`, its totals so far
+        (`episode_metrics`) and the observations before resets (`final_obs`). Counts restart one step after the end.
+        """
         before: Any = state.pipeline_state
         new = self.auto.step(before, action)
         fresh = 1 - state.info["episode_done"]
@@ -221,6 +232,7 @@ def register() -> None:
 
 
 def _make_env(env_id: str, **options: Any) -> BraxEnv:
+    """Make the environment of an id with options of `home_mjx.make`, for Brax's registry."""
     return BraxEnv(make(env_id, **options))
 
 

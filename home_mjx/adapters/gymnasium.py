@@ -75,7 +75,8 @@ class GymEnv(gymnasium.Env, EzPickle):
 
         Without rows, the default house is random. With rows, `house` is refused, because a row has its own house. The
         default row is the one after the last, the first after a seed, or sampled if rows have weights. Environment i of
-        n in a `SyncVectorEnv` uses the rows i, i + n, ...
+        n in a `SyncVectorEnv` uses the rows i, i + n, ... After the last row come the first ones again;
+        `info["episode_index"]` goes on counting.
 
         Raises:
             ConfigError: An option is unknown, out of range, or `house` beside rows.
@@ -96,7 +97,7 @@ class GymEnv(gymnasium.Env, EzPickle):
 
         Raises:
             gymnasium.error.ResetNeeded: The episode is over, or none was started.
-            ConfigError: The action is not in the action space.
+            ConfigError: The action is not in the action space; a continuous one beyond the bounds is clipped.
         """
         if self._state is None or bool(self._state.done):
             raise tools.reset_needed_error(is_over=self._state is not None)
@@ -205,6 +206,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         """Apply one control step to all, and reset by `autoreset_mode`.
 
         The reward of several agents is their mean, `info["agent_reward"]` has each (N, A).
+
+        Raises:
+            gymnasium.error.ResetNeeded: `reset` was never called.
+            ConfigError: The actions are not in the action space; continuous ones beyond the bounds are clipped.
         """
         if self._state is None:
             raise tools.reset_needed_error()
@@ -259,9 +264,11 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return np.stack([tools.draw_key(np.random.default_rng(one)) for one in seed])
 
     def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
-        """Return the row with which each environment begins: its own index after a seed, else its last row plus n.
+        """Return the row (n,) with which each environment begins.
 
-        An environment whose next step only resets is in its next row already, unobserved, and begins with that one.
+        It is the environment's own index at the first reset, and after a seed for this environment. Otherwise it is the
+        environment's last row plus n, beyond the number of rows too. An environment whose next step only resets is in
+        its next row already, unobserved, and begins with that one.
         """
         first = np.arange(self.num_envs, dtype=np.int32)
         if self._state is None or isinstance(seed, int):

@@ -72,7 +72,7 @@ def position_in_batch() -> tuple[int, int]:
     """Return the index of the environment that a batch in this process makes, and their number; else (0, 1).
 
     Such batches are Gymnasium's `SyncVectorEnv` and Stable-Baselines3's `DummyVecEnv`. They do not pass the index, so
-    the frames of the callers are searched, and the calls counted.
+    the frames of the callers are searched, and the calls counted. Call it once per environment.
     """
     found = _caller(lambda frame: frame.f_code.co_name == "__init__" and {"self", "env_fns"} <= frame.f_locals.keys())
     if found is None:
@@ -153,6 +153,8 @@ def draw_key(random: np.random.Generator) -> np.ndarray:
 def index_option(options: Mapping[str, Any], name: str, count: int, num_envs: int | None = None) -> Any:
     """Return option `name` of reset, from 0 to `count` - 1, as int32 or (num_envs,) int32; None if it is absent.
 
+    With `num_envs`, a single index is repeated for all environments.
+
     Raises:
         ConfigError: It is out of range, or its number differs from the number of environments.
     """
@@ -200,8 +202,8 @@ def check_action(action: Any, spec: ArraySpec, num_envs: int | None = None) -> n
     """Return the action of one environment, or a batch of `num_envs`, in the type of its spec.
 
     Raises:
-        ConfigError: The action is not in the action space. Continuous actions beyond the bounds are allowed, because
-            the step clips them.
+        ConfigError: The action has another shape or kind of number, contains NaN, or is no discrete action. Continuous
+            actions may be integers, and beyond the bounds, because the step clips them.
     """
     action, shape = np.asarray(action), (*(() if num_envs is None else (num_envs,)), *spec.shape)
     whole = np.dtype(spec.dtype).kind == "i"
@@ -221,7 +223,8 @@ def collect_infos(state: State, before: World | None = None) -> dict[str, np.nda
 
     Args:
         state: State after the step.
-        before: World before the step, for the house and episode of the metrics; a reset may have drawn others.
+        before: World before the step, for the house and episode of the metrics; a reset may have drawn others. None:
+            those of `state`.
     """
     lost = status_report(np.asarray(state.status))
     world = before or state.world
@@ -232,7 +235,7 @@ def collect_infos(state: State, before: World | None = None) -> dict[str, np.nda
 
 
 def with_masks(infos: Mapping[str, Any], mask: np.ndarray) -> dict[str, Any]:
-    """Return infos as of Gymnasium's vector environments: beside each `name`, `_name` is the mask of valid entries."""
+    """Return infos as of Gymnasium's vector environments: beside each `name`, `_name` is `mask`, True where valid."""
     return {**infos, **{f"_{name}": mask for name in infos}}
 
 

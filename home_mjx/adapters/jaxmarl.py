@@ -89,8 +89,11 @@ class JaxMarlEnv(MultiAgentEnv):
         Args:
             key: Unused: a state carries its key from `reset` on.
             state: State before the step.
-            actions: An element of `action_space` for every agent.
+            actions: An element of `action_space` for every agent; other names are ignored.
             reset_state: State with which to continue after the end of an episode; None: a new episode.
+
+        Raises:
+            ConfigError: The action of an agent is missing.
         """
         if reset_state is not None:
             return super().step(key, state, actions, reset_state)
@@ -99,7 +102,10 @@ class JaxMarlEnv(MultiAgentEnv):
 
     @partial(jax.jit, static_argnums=0)
     def step_env(self, key: Array, state: State, actions: Mapping[str, Array]) -> MarlStepResult:
-        """Apply one control step without automatic reset; `key` is unused, else as `step`."""
+        """Apply one control step without automatic reset; `key` is unused, else as `step`.
+
+        With `final_obs`, `infos["final_obs"]` has the returned observations in every step.
+        """
         del key
         new = self.env.step(state, self._action(actions))
         return self._result(new, new.obs if self.final_obs else None)
@@ -116,7 +122,11 @@ class JaxMarlEnv(MultiAgentEnv):
         return {agent: jnp.ones(self.env.action_size, bool) for agent in self.agents}
 
     def _action(self, actions: Mapping[str, Array]) -> Array:
-        """Return the actions as one array (A, ...); without the agent axis for one agent."""
+        """Return the actions as one array (A, ...), without the agent axis for one agent; ignore unknown agents.
+
+        Raises:
+            ConfigError: The action of an agent is missing.
+        """
         taken = ordered_values({agent: actions[agent] for agent in self.agents if agent in actions}, self.agents)
         return taken[0] if len(taken) == 1 else jnp.stack(taken)
 

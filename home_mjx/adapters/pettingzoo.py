@@ -77,7 +77,11 @@ class PettingZooEnv(ParallelEnv, EzPickle):
         return self.action_spaces[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[dict, dict]:
-        """Start an episode; `seed` and `options`, such as `{"house": i}`, are those of `GymEnv.reset`."""
+        """Start an episode; return observations and infos by agent.
+
+        `seed`, `options` such as `{"house": i}`, and errors are those of `GymEnv.reset`. The option "options" of
+        PettingZoo's API test is ignored.
+        """
         options = {name: value for name, value in (options or {}).items() if name != API_TEST_OPTION}
         obs, info = self.gym.reset(seed=seed, options=options)
         self.agents = list(self.possible_agents)
@@ -92,6 +96,10 @@ class PettingZooEnv(ParallelEnv, EzPickle):
 
         Returns:
             Observations, rewards, terminations, truncations and infos by agent.
+
+        Raises:
+            gymnasium.error.ResetNeeded: There are actions, but no agents: before `reset` or after the end.
+            ConfigError: An agent's action is missing or not in the action space, or an agent is unknown.
         """
         if not self.agents and not actions:
             return {}, {}, {}, {}, {}

@@ -32,7 +32,10 @@ except ModuleNotFoundError as error:
 def default_config(env_id: str = "PointNav-v0") -> ConfigDict:
     """Return the common options of an id, with its defaults, as a config; all others of `home_mjx.make` can be added.
 
-    `action_repeat` must stay 1.
+    `action_repeat` must stay 1; `houses` and `split` are None unless the id sets them.
+
+    Raises:
+        UnknownNameError: No environment has this id.
     """
     plain, options = EnvConfig(), find_spec(env_id).options
     known = {
@@ -97,7 +100,10 @@ class PlaygroundEnv(MjxEnv):
         return _from_brax(self.brax.reset(rng))
 
     def step(self, state: State, action: Array) -> State:
-        """Apply one control step; `done` is termination only: truncation and reset are left to the wrapper."""
+        """Apply one control step; `done` is termination only: truncation and reset are left to the wrapper.
+
+        `info` stays as it was, and so do metrics that wrappers added.
+        """
         given = BraxState(state.data, state.obs, state.reward, state.done, state.metrics, state.info)
         return _from_brax(self.brax.step(given, action))
 
@@ -170,10 +176,12 @@ class PlaygroundEnv(MjxEnv):
 
 
 def _raise_unsupported(name: str, hint: str) -> NoReturn:
+    """Raise the `ConfigError` of an attribute that no household has."""
     raise ConfigError(f"a household has no `{name}`: its houses are arrays in a bank", hint=hint)
 
 
 def _from_brax(state: BraxState) -> State:
+    """Convert Brax's state to Playground's; `pipeline_state` becomes `data`."""
     return State(state.pipeline_state, state.obs, state.reward, state.done, state.metrics, state.info)
 
 

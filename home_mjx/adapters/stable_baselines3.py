@@ -57,7 +57,13 @@ class BatchVecEnv(VecEnv):
         super().__init__(num_envs, self.batch.single_observation_space, self.batch.single_action_space)
 
     def reset(self) -> dict[str, np.ndarray]:
-        """Start an episode in every environment, with the seeds and options of `seed` and `set_options`, used once."""
+        """Start an episode in every environment, with the seeds and options of `seed` and `set_options`, used once.
+
+        Actions of `step_async` are dropped. `reset_infos` has an info per environment.
+
+        Raises:
+            ConfigError: Environments have options of different names, or an option is invalid.
+        """
         seeded = any(seed is not None for seed in self._seeds)
         obs, infos = self.batch.reset(seed=list(self._seeds) if seeded else None, options=_merge_options(self._options))
         self.reset_infos = _infos_of_each(infos, self.num_envs)
@@ -126,7 +132,7 @@ class BatchVecEnv(VecEnv):
         )
 
     def env_is_wrapped(self, wrapper_class: type, indices: int | Iterable[int] | None = None) -> list[bool]:
-        """Return False for each of the `indices` (None: all): none is wrapped."""
+        """Return a list with False for each of the `indices` (None: all): none is wrapped."""
         return [False] * len(self._indices(indices))
 
     def _indices(self, indices: int | Iterable[int] | None) -> list[int]:
@@ -137,7 +143,12 @@ class BatchVecEnv(VecEnv):
 
 
 def _infos_of_each(infos: dict[str, Any], num_envs: int) -> list[dict[str, Any]]:
-    """Return one dictionary per environment, without masks; `is_success` is added if there is a metric `success`."""
+    """Return one dictionary per environment, of Python numbers or lists.
+
+    Names without a mask `_name`, the masks themselves and nested dictionaries such as `final_info` are omitted. Masks
+    are not read, so that entries which they mark as invalid are returned too. `is_success`, whether the metric
+    `success` is above 0, is added if there is this metric.
+    """
     named = {name: value for name, value in infos.items() if f"_{name}" in infos and not isinstance(value, dict)}
     if SUCCESS in named:
         named["is_success"] = named[SUCCESS] > 0

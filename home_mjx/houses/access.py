@@ -13,7 +13,10 @@ from home_mjx.schema.house import BoxNode, House
 
 
 def check_access(subject: ValidationContext) -> None:
-    """Report storeys that agents cannot reach; nothing if the house has one storey, or cannot be read or compiled."""
+    """Report each storey with rooms that agents cannot reach from the ground floor, as `unreachable-storey`.
+
+    Nothing is reported if fewer than two storeys have rooms, or if the house cannot be read or compiled.
+    """
     storeys = [level for level in subject.house.levels if level.rooms]
     if subject.metadata is None or subject.reading.errors or len(storeys) < 2:
         return

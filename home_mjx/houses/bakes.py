@@ -121,7 +121,7 @@ _REGISTRY: dict[str, Callable[[], Bake]] = {}
 
 
 def register_bake(name: str, make_bake: Callable[[], Bake]) -> None:
-    """Register a function without arguments that makes a bake with default options; a name's last one is valid.
+    """Register a function without arguments that makes a bake with default options; it replaces one of the same name.
 
     Raises:
         ConfigError: The name is empty, or `make_bake` is not callable.
@@ -152,6 +152,8 @@ def add_bakes(
     progress: bool | None = None,
 ) -> HouseBank:
     """Return a bank with baked records of all its houses in `bakes`; those not in the store are computed and stored.
+
+    Records of other bakes in the bank stay, those of the same name are replaced.
 
     Args:
         bank: The bank.
@@ -186,7 +188,7 @@ def add_bakes(
 
 
 def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:
-    """Return one or several bakes, given by themselves or by name.
+    """Return one or several bakes, given by themselves or by name, in their order; an instance is returned unchanged.
 
     Raises:
         ConfigError: A value is not a bake.
@@ -201,7 +203,9 @@ def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:
 
 
 def read_record(bake: Bake, house: CompiledHouse) -> Any:
-    """Return one house's record from the store, or that of a substitute; None if it is missing or corrupted.
+    """Return one house's stored record: of the first substitute that has one, else of the bake; None without any.
+
+    Corrupted entries are logged and count as missing.
 
     Args:
         bake: The bake.
@@ -219,7 +223,10 @@ def read_record(bake: Bake, house: CompiledHouse) -> Any:
 
 
 def make_record(bake: Bake, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
-    """Return one house's record, computed now, and store it; arguments as of `Bake.bake_house`."""
+    """Return one house's record, computed even if it is stored, and store it; a failed write is only logged.
+
+    Arguments are as of `Bake.bake_house`.
+    """
     record = bake.bake_house(bank, index, house)
     try:
         write_entry(bake_entry(bake, house), *flatten(record))

@@ -116,7 +116,13 @@ class HouseCache:
         return self._compile(house_id, entry, broken)
 
     def notes(self, house_id: str) -> JsonFields:
-        """Return a compiled house's values that are not arrays, by dotted name; `load` it if it is not cached."""
+        """Return a compiled house's values that are not arrays, by dotted name; `load` it if it is not cached.
+
+        Paths of textures are relative to the dataset if the house was cached, else absolute; see `texture_paths`.
+
+        Raises:
+            DatasetError: The house is unknown or broken.
+        """
         try:
             return read_notes(self.entry_path(house_id))
         except READ_ERRORS:
@@ -137,7 +143,11 @@ class HouseCache:
             return summarize_contents(house.report, house.rooms, house.semantics)
 
     def texture_paths(self, notes: JsonFields) -> list[str]:
-        """Return the absolute path of the texture of each of a house's materials, from its notes; "" for none."""
+        """Return the absolute path of the texture of each of a house's materials, from its notes; "" for none.
+
+        Raises:
+            ValueError: A texture is outside the dataset.
+        """
         return [self._absolute(path) for path in notes["materials.texture"]]
 
     def model(self, key: str) -> Model:
@@ -157,7 +167,10 @@ class HouseCache:
             return None
 
     def _models(self, keys: Iterable[str]) -> dict[str, Model]:
-        """Return models by key, each read and validated once into `library`; one of `READ_ERRORS` if that fails."""
+        """Return models by key, each read and validated once into `library`; one of `READ_ERRORS` if that fails.
+
+        Then none of the models that were read is added to `library`.
+        """
         keys = dict.fromkeys(keys)
         fresh = {key: rebuild(Model, *read_entry(self.model_path(key))) for key in keys if key not in self.library}
         check_models(fresh)
@@ -180,15 +193,23 @@ class HouseCache:
         return self._folder / HOUSES / f"{key}{ENTRY_SUFFIX}"
 
     def entry_name(self, house_id: str, inputs: bytes) -> str:
-        """Return the name of the house's entry, a digest, if its files have the digest `inputs`."""
+        """Return the name of the house's entry, a hexadecimal digest, if its files have the digest `inputs`.
+
+        It has no suffix. The entry need not exist.
+        """
         named = repr((house_id, self.options, self.dataset.fallbacks, self.dataset.reader))
         return hashlib.sha256(named.encode() + inputs).hexdigest()
 
     def _shipped_row(self, house_id: str) -> ShippedHouse | None:
+        """Return the archive's row of a house; None if it is not shipped with these options, or was found damaged."""
         return self._shipped.houses.get(self.entry_name(house_id, self._shipped.inputs))
 
     def _unpack(self, row: ShippedHouse, entry: Path, broken: bool) -> CompiledHouse | None:
-        """Return a shipped house and copy it into the cache; None, after a warning, if the archive is damaged."""
+        """Return a shipped house and copy it and its bakes into the cache; a failed copy is logged.
+
+        None, after a warning, if the archive is damaged; the house then no longer counts as shipped. If `broken`, its
+        models in the cache are not read, but written again.
+        """
         try:
             arrays, notes = self._shipped.read(f"{HOUSES}/{entry.name}")
             fresh = {key: self._unpack_model(key, broken) for key in row.models if key not in self.library}
@@ -210,7 +231,14 @@ class HouseCache:
         return house
 
     def _unpack_model(self, key: str, broken: bool) -> Model:
-        """Return a model of a shipped house, and write it into the cache unless it is there."""
+        """Return a model of a shipped house from the cache; without one, or if `broken`, from the archive.
+
+        It is then written into the cache; a failed write is ignored. Models that the archive lacks are built from the
+        source's library.
+
+        Raises:
+            Exception: The model is corrupted or missing; one of `READ_ERRORS`.
+        """
         path = self.model_path(key)
         with suppress(FileNotFoundError):
             if not broken:
@@ -236,7 +264,10 @@ class HouseCache:
         return self._assemble(house_id, *read_entry(entry))
 
     def _assemble(self, house_id: str, arrays: Arrays, notes: JsonFields) -> CompiledHouse:
-        """Return a house of the arrays and notes of its entry; errors as of `_read`."""
+        """Return a house of the arrays and notes of its entry; errors as of `_read`.
+
+        Two entries of `notes`, `texture_paths` and `fallbacks`, are removed. Paths of textures become absolute.
+        """
         textures = {self._absolute(path): digest for path, digest in notes.pop("texture_paths").items()}
         if any(self._inputs.texture(path) != digest for path, digest in textures.items()):
             raise FileNotFoundError(house_id)
@@ -272,7 +303,11 @@ class HouseCache:
         return replace(compiled, models=models)
 
     def _write(self, house: CompiledHouse, fallbacks: Sequence[Fallback], entry: Path, broken: bool) -> None:
-        """Write the missing ones of the house's models, or all if its entry was `broken`, and then the house."""
+        """Write the missing ones of the house's models, or all if its entry was `broken`, and then the house.
+
+        Raises:
+            OSError: A file cannot be written.
+        """
         create_version_folder(self._folder)
         for key, model in house.models.items():
             path = self.model_path(key)

@@ -26,7 +26,8 @@ class HouseSet:
     Attributes:
         dataset: Root folder, an open dataset, or a name such as `procedural:16?seed=0`; None: the dataset
             that `SUNCG_DATA_DIR` names.
-        ids: House ids, in this order; None: all, in the order of the dataset.
+        ids: House ids, in this order, repeated ones repeatedly; None: all, in the order of the dataset. Unknown ones
+            raise an error when they are compiled, not before.
         split: Restrict to `train`, `val` or `test`; None: all.
         filter: Restrict to houses that this filter accepts; None: all.
         num_houses: Maximum number of houses, taken from the start of the selection; None: all.
@@ -94,7 +95,7 @@ class HouseSet:
 
     @property
     def is_complete(self) -> bool:
-        """True if the set has every house of the dataset's folder: it selects none, and `shares_root` is False."""
+        """True if no field restricts the houses, and the dataset's folder has no others (`shares_root` is False)."""
         return (
             self.ids is None
             and self.split is None
@@ -148,7 +149,7 @@ class HouseSet:
         yield from islice(wanted, self.num_houses)
 
     def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Return `found` unchanged; raise `ConfigError`, which names the selection, if it is empty."""
+        """Return `found` unchanged; raise `ConfigError`, which names split and filter, if it is empty."""
         if not found:
             known = self.resolved_dataset.house_ids
             limits = (f"are in the split `{self.split}`" if self.split else "", "fit the filter" if self.filter else "")

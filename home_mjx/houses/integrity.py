@@ -14,9 +14,9 @@ LEAF_BITS, LEAF_MASK = 4, 15
 
 
 def check_models(models: Mapping[str, Model]) -> None:
-    """Validate that models have the keys they are stored under, trees that match their triangles, and slots >= 0.
+    """Validate that models have the keys they are stored under, valid trees over their triangles, and slots >= 0.
 
-    Keys are not compared with the models' content.
+    Keys are not compared with the models' content. For trees see `check_trees`.
 
     Raises:
         ValueError: A key, tree or material slot is invalid.

@@ -52,9 +52,9 @@ def compile_dataset(
 
     Args:
         root: Folder of the dataset, an open one, or a `HouseSet`; None: the dataset that `SUNCG_DATA_DIR` names.
-        ids: House ids; None: all.
+        ids: House ids, each compiled once even if repeated; None: all.
         split: Restrict to one split; None: all.
-        workers: Number of processes on this machine.
+        workers: Number of processes on this machine; ignored with `scheduler`.
         resume: Skip houses that an earlier report lists as done and that are in the cache, without checking their
             input files again.
         report: File for the outcome of each house; None: a file in the cache folder. Runs over a subset and runs
@@ -128,6 +128,7 @@ def _prepare() -> None:
 def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: str) -> CompileOutcome:
     """Compile a house unless it is in the cache; never raise, but return the outcome with any error.
 
+    A house that was compiled, but could not be written to the cache, has the status `FAILED`.
     Each process checks inputs that houses share once per `run`, the name of the compile job.
     """
     begin = time.perf_counter()

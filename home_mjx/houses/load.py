@@ -43,14 +43,17 @@ def load_bank(
         num_houses: Maximum number of houses; None: all, or 8 generated ones.
         split: Only houses of `train`, `val` or `test`.
         filter: Only houses that pass this filter.
-        options: Compile options; ignored for a `HouseSet` with options other than the default.
+        options: Compile options; ignored for a `HouseSet` with options other than the default. The four choices above
+            are not allowed beside a `HouseSet`.
         progress: Show what happens, on stderr; None: by the rule of `home_mjx.core.progress`.
         bakes: Baked records that the bank gets, or their names; see `add_bakes`.
         texture_size: Edge of the textures [px], a power of two: 128 for small images, 512 for pictures to look at.
 
     Raises:
         DatasetError: The dataset or one of the houses is missing or broken.
-        ConfigError: No house is left, the houses cannot share a bank, or `texture_size` is no power of two.
+        ConfigError: No house is left, the houses cannot share a bank, or `texture_size` is no power of two. A choice is
+            invalid or beside a `HouseSet`, `filter` is given without a dataset, or a value of `bakes` is not a bake.
+        UnknownNameError: No bake has this name.
 
     Example:
         >>> bank = load_bank("procedural:2")  # doctest: +SKIP

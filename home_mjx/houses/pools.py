@@ -19,13 +19,15 @@ CompileTask = Callable[[str], CompileOutcome]
 def run_jobs(
     task: CompileTask, ids: Sequence[str], workers: int, scheduler_address: str | None
 ) -> Iterator[Iterator[CompileOutcome]]:
-    """Yield an iterator over the outcomes of houses, in order of completion.
+    """Yield an iterator over the outcomes of houses, in order of completion; read it within the block.
+
+    In this process a house is compiled only when its outcome is read.
 
     Args:
         task: Compiles the house with an id; it never raises.
         ids: The houses.
         workers: Number of processes on this machine; with 1, or a single house, the task runs in this process.
-        scheduler_address: Address of a Dask scheduler whose workers are used instead.
+        scheduler_address: Address of a Dask scheduler whose workers are used instead; `workers` is then ignored.
 
     Raises:
         ConfigError: The scheduler does not answer, or the extra is not installed.
@@ -40,7 +42,7 @@ def run_jobs(
 
 
 def _completed(executor: Any, task: CompileTask, ids: Sequence[str]) -> Iterator[CompileOutcome]:
-    """Yield outcomes in order of completion; a task whose worker dies has the status `FAILED`."""
+    """Yield outcomes in order of completion; a task that raises, or whose worker dies, has the status `FAILED`."""
     futures = {executor.submit(task, house_id): house_id for house_id in ids}
     for future in as_completed(futures):
         try:
@@ -70,9 +72,11 @@ def _dask(scheduler: str) -> Iterator[Any]:
 
 
 def _in_processes(task: CompileTask, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
-    """Yield outcomes from worker processes; if one dies, retry the first `workers` remaining houses one by one.
+    """Yield outcomes from worker processes in order of completion; repeated ids run once.
 
-    A house whose process dies again, for example by lack of memory, has the status `FAILED`.
+    If a process dies, the pool ends and houses without an outcome remain. The first `workers` of them, in the order of
+    `ids`, run one by one, each in a process of its own; the others continue in a new pool. A house whose own process
+    dies, for example by lack of memory, has the status `FAILED`. Exceptions of the task come through.
     """
     left = dict.fromkeys(ids)
     while left:
@@ -90,7 +94,7 @@ def _in_processes(task: CompileTask, ids: Sequence[str], workers: int) -> Iterat
 
 
 def _retry_alone(task: CompileTask, house_id: str) -> CompileOutcome:
-    """Run a task in a process of its own; if that dies, return an outcome with the status `FAILED`."""
+    """Run a task in a new process; if that dies, return an outcome with the status `FAILED` and a `MemoryError`."""
     with worker_pool(1) as pool:
         try:
             return pool.submit(task, house_id).result()

@@ -73,7 +73,10 @@ def error_record(problem: Exception) -> dict[str, str | None]:
 
 
 def find_done_houses(lines: list[dict[str, Any]]) -> set[str]:
-    """Return the ids whose last line that is not `failed` has an entry that exists and is not truncated."""
+    """Return the ids whose last line that is not `failed` has an entry that exists and is not truncated.
+
+    A later `failed` line of the same id changes nothing.
+    """
     entries = {line["id"]: line.get("entry") for line in lines if line["status"] != FAILED}
     return {house_id for house_id, entry in entries.items() if entry and _is_there(entry)}
 
@@ -87,7 +90,7 @@ def _is_there(entry: str) -> bool:
 
 
 def load_report(path: Path) -> list[dict[str, Any]]:
-    """Return the valid lines of an earlier report; empty if there is no file.
+    """Return the valid lines of an earlier report; empty if there is no file, or only truncated or empty lines.
 
     Raises:
         ConfigError: The file cannot be read, or is not a report and must not be overwritten.
@@ -108,7 +111,10 @@ def _may_be_cut(line: bytes) -> bool:
 
 
 def read_report(path: Path) -> list[dict[str, Any]]:
-    """Return the valid lines of a report, empty if there is no file; skip others, such as one truncated by a kill."""
+    """Return the valid lines of a report, in order, empty if there is no file; skip others, such as truncated ones.
+
+    A valid line is a JSON object with the texts `id` and `status`; its `entry`, if any, is a text or null.
+    """
     lines = path.read_text(encoding="utf-8", errors="replace").splitlines() if path.is_file() else []
     found = []
     for line in lines:

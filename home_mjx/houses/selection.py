@@ -22,7 +22,7 @@ class HouseFilter:
     """Required properties of a house; None allows any value.
 
     Attributes:
-        levels: Number of levels.
+        levels: Number of levels, also those without rooms.
         rooms: Number of rooms, of all levels.
         area: Floor area of all rooms [m^2]; the overlap of nested rooms counts twice.
         categories: Fine or coarse categories; the house must have an object of each.
@@ -81,7 +81,7 @@ def summarize_contents(
 
 
 def _is_range(limits: object) -> bool:
-    """Return whether a value is a pair of numbers in ascending order."""
+    """Return whether a value is a tuple or list of two real numbers, the first at most the second."""
     if not isinstance(limits, tuple | list) or len(limits) != 2 or not all(isinstance(x, Real) for x in limits):
         return False
     return limits[0] <= limits[1]

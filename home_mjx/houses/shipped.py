@@ -92,11 +92,11 @@ class ShippedHouses:
         return decode_arrays(*parse_entry(np.frombuffer(content, np.uint8), Path(member).stem))
 
     def has(self, member: str) -> bool:
-        """Return whether the archive has a member."""
+        """Return whether the archive has a member, even if it does not fit the installed code."""
         return member in self._members
 
     def write_textures(self, paths: Iterable[str], progress: bool = False) -> None:
-        """Write the textures that are missing in the dataset's folder, see `ShippedSource`."""
+        """Write those textures of `paths` that are missing in the dataset's folder, each once, see `ShippedSource`."""
         assert self._source is not None
         self._source.write_textures(tuple(dict.fromkeys(paths)), progress)
 
@@ -106,7 +106,11 @@ class ShippedHouses:
         return self._source.library_model(key)
 
     def unpack_bakes(self, house: ShippedHouse) -> None:
-        """Copy the bakes of a house into the cache, unless they are there."""
+        """Copy the bakes of a house into the cache, except those that are there.
+
+        Raises:
+            Exception: The archive is damaged, or the cache is not writable; one of `READ_ERRORS`.
+        """
         for member in house.bakes:
             path = cache_folder() / member
             if not path.is_file():
@@ -115,11 +119,15 @@ class ShippedHouses:
 
 @functools.lru_cache(maxsize=8)
 def _opened(source: ShippedSource, stamp: tuple[int, int]) -> ShippedHouses:
+    """Return the shipped houses of a source; `stamp`, size and time of its file, is only a part of the cache's key."""
     return ShippedHouses(source)
 
 
 def open_shipped(source: ShippedSource | None) -> ShippedHouses:
-    """Return the shipped houses of a source, opened once per process unless the file changes; empty for None."""
+    """Return the shipped houses of a source, opened once per process unless the file's size or time changes.
+
+    They are empty for None, for a missing or damaged file, and for one of other code.
+    """
     stamp = (0, 0)
     if source is not None:
         with suppress(OSError):
@@ -143,7 +151,7 @@ def write_archive(
         members: Arrays and notes of the entries by member.
 
     Raises:
-        OSError: The file cannot be written.
+        OSError: The file cannot be written; an earlier one then stays.
     """
     rows = {key: asdict(house) for key, house in sorted(houses.items())}
     index = {"compiler": version(), "inputs": source.digest().hex(), "houses": rows}
@@ -171,7 +179,8 @@ def encode_arrays(arrays: Arrays, notes: JsonFields) -> tuple[Arrays, JsonFields
     """Return an entry with arrays that LZMA packs better, exactly: differences of rows, and planes of bytes.
 
     Distance fields, of type uint16, become differences modulo 2**16; they need a sixth of the bytes. Arrays of type
-    float16 become their low bytes and then their high bytes.
+    float16 become their low bytes and then their high bytes. Other arrays, and those with one axis, are unchanged. A
+    note has the types of the coded arrays by name.
     """
     coded = {name: array.dtype.str for name, array in arrays.items() if _is_coded(array)}
     packed = {name: _encode(array) if name in coded else array for name, array in arrays.items()}
@@ -179,23 +188,26 @@ def encode_arrays(arrays: Arrays, notes: JsonFields) -> tuple[Arrays, JsonFields
 
 
 def decode_arrays(arrays: Arrays, notes: JsonFields) -> tuple[Arrays, JsonFields]:
-    """Return the entry that `encode_arrays` coded."""
+    """Return the entry that `encode_arrays` coded; `KeyError` for an entry that it did not code."""
     coded = notes[CODED]
     plain = {name: _decode(array, coded[name]) if name in coded else array for name, array in arrays.items()}
     return plain, {name: note for name, note in notes.items() if name != CODED}
 
 
 def _is_coded(array: np.ndarray) -> bool:
+    """Return whether an array is coded: little-endian float16 or uint16, two or more axes, and not empty."""
     return array.dtype.str in ("<f2", "<u2") and array.ndim > 1 and array.size > 0
 
 
 def _encode(array: np.ndarray) -> np.ndarray:
+    """Return a coded array: uint16 as differences along the first axis, float16 as bytes with a new first axis of 2."""
     if array.dtype.kind == "u":
         return np.diff(array, axis=0, prepend=np.zeros_like(array[:1]))
     return np.ascontiguousarray(np.moveaxis(np.ascontiguousarray(array)[..., None].view(np.uint8), -1, 0))
 
 
 def _decode(array: np.ndarray, dtype: str) -> np.ndarray:
+    """Return the array of type `dtype` that `_encode` coded."""
     if np.dtype(dtype).kind == "u":
         return np.cumsum(array, axis=0, dtype=dtype)
     return np.ascontiguousarray(np.moveaxis(array, 0, -1)).view(dtype)[..., 0]

@@ -51,7 +51,10 @@ class SlotBakes:
     def reserve(
         self, records: Sequence[Records], houses: Sequence[CompiledHouse], bank: HouseBank, capacity_factor: float
     ) -> HouseBank:
-        """Return a bank with the records of its first houses, in shapes into which those of later houses fit.
+        """Return a bank with the records of its first houses, whose shapes later records must have.
+
+        Call it before `pack`. A `SizedBake` pads its records to a capacity, so that larger ones fit; other bakes'
+        records are not padded. The bank's earlier bakes are dropped.
 
         Args:
             records: Records of the bank's houses.
@@ -71,7 +74,8 @@ class SlotBakes:
         """Return the records of a house as the bank has them, with a house axis of length 1.
 
         Raises:
-            CapacityError: A record does not fit.
+            CapacityError: A record exceeds the capacity of its `SizedBake`. Or the structure, a shape or a type of one
+                differs at all, even by being smaller, from the bank's.
         """
         packed = self._stack([records], [house])
         for name, layout in _layout(packed).items():
@@ -81,9 +85,17 @@ class SlotBakes:
         return packed
 
     def _stack(self, records: Sequence[Records], houses: Sequence[CompiledHouse]) -> dict[str, Any]:
+        """Return the houses' records by name of the bake, on the device, each stacked along a first axis of houses.
+
+        Those of a `SizedBake` are padded to the capacity that `reserve` sets.
+
+        Raises:
+            CapacityError: A record does not fit this capacity.
+        """
         return {bake.name: self._stack_one(bake, [own[bake.name] for own in records], houses) for bake in self._bakes}
 
     def _stack_one(self, bake: Bake, records: Sequence[Any], houses: Sequence[CompiledHouse]) -> Any:
+        """Return one bake's records of the houses as `_stack` does."""
         if isinstance(bake, SizedBake):
             return jax.device_put(bake.stack(records, houses, self._bank, self._capacity[bake.name]))
         return jax.device_put(bake.stack(records, houses, self._bank))

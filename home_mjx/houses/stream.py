@@ -72,7 +72,7 @@ class HouseStream:
         capacity_factor: Factor of the capacity over the largest of the first houses. Larger houses are skipped, see
             `skipped`.
         split: Restrict to houses of this split.
-        seed: Seed of the order of houses, which differs in every pass over the dataset.
+        seed: Seed of the order of houses, which is random from the first one and differs in every pass.
         options: Compiler options.
         progress: Show a progress bar while models and textures of all houses are collected.
         filter: Restrict to houses that meet this filter.
@@ -144,6 +144,8 @@ class HouseStream:
     def advance(self, houses: Int[Array, "..."]) -> HouseBank:
         """Replace retired houses that no environment uses and whose successor is ready; call it before every step.
 
+        A house counts as unused if the previous call's `houses` lacked it. No call waits for a successor.
+
         Args:
             houses: House indices of all environments, as in `states.world.house`; empty if no house is in use.
 
@@ -153,6 +155,7 @@ class HouseStream:
         Raises:
             ConfigError: The stream is closed; or the number of indices, unless 0, differs from earlier calls, so that
                 a house in use could be overwritten.
+            Exception: An error of the background thread that is not a `HomeMjxError`; such errors only skip a house.
         """
         if self._closed:
             raise ConfigError("the stream is closed: it exchanges no more houses", hint="Step inside its `with` block.")
@@ -179,7 +182,10 @@ class HouseStream:
             raise ConfigError(message, hint="Pass states.world.house of all; open another stream for another batch.")
 
     def close(self) -> None:
-        """Wait for the background thread to stop; `advance` then raises, while `bank` stays valid."""
+        """Wait for the background thread to stop; `advance` then raises, while `bank` stays valid.
+
+        A house that is being prepared is finished and dropped. A second call does nothing.
+        """
         self._closed = True
         self._worker.shutdown(cancel_futures=True)
 
@@ -215,7 +221,13 @@ class HouseStream:
                     yield house_id
 
     def _first_houses(self, num_slots: int, progress: bool | None) -> tuple[list[CompiledHouse], list[Records]]:
-        """Return the first houses and their baked records; add those that fail to `skipped`."""
+        """Return the first `num_slots` different houses of the order that load, and their baked records.
+
+        Those that fail with a `HomeMjxError` are added to `skipped`, and the next ones are tried.
+
+        Raises:
+            ConfigError: Fewer than `num_slots` houses load.
+        """
         found: dict[str, tuple[CompiledHouse, Records]] = {}
         with ProgressCount(f"loading {plural(num_slots, 'house')}", num_slots, "house", progress) as count:
             for house_id in self._order:
@@ -249,7 +261,10 @@ class HouseStream:
         )
 
     def _exchange(self, item: _Retiring) -> None:
-        """Write the prepared house into a retired slot and retire the next; without one, make the slot active again."""
+        """Write the prepared house into a retired slot and retire the next; without one, make the slot active again.
+
+        An error of the background thread comes through.
+        """
         self._retiring.remove(item)
         prepared = item.house.result()
         if prepared is None:  # no usable house is left, so the slot keeps its house, and resets draw it again
@@ -264,7 +279,7 @@ class HouseStream:
     def _next(self, house_slot: int) -> _Prepared | None:
         """Return the next house that fits, packed for a slot, in the background thread; None if all are in `skipped`.
 
-        Houses that fail or do not fit are added to `skipped`.
+        Houses that fail or do not fit are added to `skipped`. Other errors than `HomeMjxError` come through.
         """
         for house_id in self._order:
             try:
@@ -276,6 +291,7 @@ class HouseStream:
         return None
 
     def _skip(self, house_id: str, error: HomeMjxError) -> None:
+        """Add a house to `skipped`, with the error's text as the reason, and log a warning."""
         self.skipped[house_id] = str(error)
         log.warning("house %s is skipped: %s", house_id, error)
 
@@ -307,5 +323,5 @@ def _write(bank: HouseBank, house: _Prepared) -> HouseBank:
 
 @functools.partial(jax.jit, static_argnums=1)
 def _slots_in_use(houses: Int[Array, "..."], num_slots: int) -> Bool[Array, " h"]:
-    """Return the mask of slots that some environment uses."""
+    """Return the mask of slots that some environment uses; `houses` has any shape, also without entries."""
     return jnp.zeros(num_slots, bool).at[houses.reshape(-1)].set(True)

@@ -51,7 +51,7 @@ def vector_observations(specs: Specs) -> tuple[str, ...]:
 
 
 def join_vectors(obs: Mapping[str, Array], names: tuple[str, ...]) -> Array:
-    """Concatenate the observations `names`, in this order, along the last axis; works on a batch as well."""
+    """Concatenate the observations `names`, in this order, along the last axis, and ignore others; batches too."""
     return jnp.concatenate([obs[name] for name in names], axis=-1)
 
 

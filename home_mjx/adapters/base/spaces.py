@@ -55,7 +55,10 @@ class BoxSpace:
     dtype: Any
 
     def sample(self, key: Array) -> Array:
-        """Sample uniformly; an infinite bound is replaced by 1 from the other one, two infinite bounds by -1 and 0."""
+        """Sample uniformly; an infinite bound is replaced by 1 from the other one, two infinite bounds by -1 and 0.
+
+        Maximum values are included for integers, excluded for floats.
+        """
         low = np.where(np.isfinite(self.low), self.low, np.where(np.isfinite(self.high), self.high - 1.0, -1.0))
         high = np.where(np.isfinite(self.high), self.high, low + 1.0)
         if np.dtype(self.dtype).kind == "f":

@@ -36,7 +36,10 @@ class WalkRecord:
     moments: dict[int, tuple[int, State, dict[str, np.ndarray]]] = field(default_factory=dict)
 
     def add(self, states: State, positions: Float[np.ndarray, "n 3"]) -> None:
-        """Append a step of all environments; replace a moment if its agent now observes more instances."""
+        """Append a step of all environments; replace a moment if its agent now observes more instances.
+
+        At equal numbers the earlier moment stays. The observation `ids/head_instance` is needed.
+        """
         self.positions.append(positions)
         ids = np.asarray(states.obs["ids/head_instance"])
         for i in range(len(ids)):
@@ -66,7 +69,7 @@ def write_contact_sheet(env: Env[HouseholdEnv], walk: WalkRecord, folder: Path) 
 
 
 def _add_inset(view: Picture, observed: Picture) -> Picture:
-    """Return a view with the observed image, enlarged, in its lower right corner."""
+    """Return a copy of a view with the observed, square image, twice as large and framed, in its lower right corner."""
     inset = np.pad(pictures.enlarge(observed, INSET_SCALE * observed.shape[1]), [(2, 2), (2, 2), (0, 0)])
     out, (height, width) = view.copy(), inset.shape[:2]
     out[-height - INSET_MARGIN : -INSET_MARGIN, -width - INSET_MARGIN : -INSET_MARGIN] = inset
@@ -74,7 +77,7 @@ def _add_inset(view: Picture, observed: Picture) -> Picture:
 
 
 def _sensors(env: Env[HouseholdEnv], obs: dict[str, np.ndarray]) -> Picture:
-    """Return the observed depth above the observed categories, in colours."""
+    """Return the observed depth above the observed fine categories, in colours, `HEIGHT` rows together."""
     depth = pictures.colour_depth(obs["pixels/head_depth"][..., 0], env.config.max_depth)
     category = pictures.colour_ids(obs["ids/head_fine"])
     return np.concatenate([pictures.enlarge(image, HEIGHT // 2) for image in (depth, category)])
@@ -83,7 +86,10 @@ def _sensors(env: Env[HouseholdEnv], obs: dict[str, np.ndarray]) -> Picture:
 def _draw_plans(
     env: Env[HouseholdEnv], state: State, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"]
 ) -> list[Picture]:
-    """Return the plan of each storey, lowest first, with the part of the path on it, its end, and the radio."""
+    """Return the plan of each storey, lowest first, with the part of the path on it.
+
+    The end of the path and the radio are only on the plan of their storey.
+    """
     house, scene = int(state.world.house), scene_without_agents(env, state)
     raised = np.array([0.0, 0.0, FLOOR_MARGIN])
     levels = [find_level(env.bank, house, point + raised) for point in (*path, source)]

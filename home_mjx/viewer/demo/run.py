@@ -125,7 +125,10 @@ def _walk_and_search(
 
 
 def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:
-    """Film `num_views` searches of the trained agent; return a dictionary each, or the reason why there is no film."""
+    """Film `num_views` searches of the trained agent; return a dictionary each, or the text of a `ConfigError`.
+
+    The folder must exist. Without the extra `train` there is no film.
+    """
     try:
         return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_views, options.seed)]
     except ConfigError as error:  # without the extra `train` the demo has no film
@@ -179,7 +182,10 @@ def start_batch(env: Env[HouseholdEnv], begin: Any, options: DemoOptions) -> Sta
 def record_walk(
     env: Env[HouseholdEnv], step: Any, states: State, options: DemoOptions, observer: Observer
 ) -> WalkRecord:
-    """Walk environments on their experts' actions with the compiled `step`; return the record of their agents."""
+    """Walk environments `num_steps` on their experts' actions with the compiled `step`; return their record.
+
+    The first action is zero. Positions are those of the feet after each step, without the start.
+    """
     feet = jax.jit(jax.vmap(lambda params, state: env.core.snapshot(params, state).feet[0], (None, 0)))
     walk, actions, unread = WalkRecord(np.asarray(states.world.source)), _no_actions(env, states), states.obs
     for _ in range(options.num_steps):

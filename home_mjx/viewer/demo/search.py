@@ -13,7 +13,7 @@ def film_search(out: Path, suncg: str | Path | None = None, episodes: int = 3, s
     """Film the packaged agent while it searches for a radio; print nothing, return the result of each episode.
 
     Args:
-        out: Folder for `radio.mp4`, with binaural sound, `radio.png` and `radio.jsonl`; it exists.
+        out: Folder for `radio.mp4`, with binaural sound, `radio.png` and `radio.jsonl`; created if missing.
         suncg: Root of a dataset, or its name, of which any houses are used; None: generated houses of the `val` split.
         episodes: Number of episodes, each in another house if there are enough.
         seed: Seed of episodes and actions.

@@ -31,7 +31,9 @@ class EpisodeRunner:
         self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
 
     def run(self, player: Player, number: int, key: Any, row: int | None, observer: Observer) -> EpisodeResult:
-        """Run an episode to its end, or until the player's action is None; return its result.
+        """Run an episode to its end, or until the player's action is None; return its result, even after no step.
+
+        Return and walked distance are those of the first agent.
 
         Args:
             player: Player that chooses the actions.
@@ -109,7 +111,7 @@ def _result(start: EpisodeStart, last: EpisodeStep, walked: float) -> EpisodeRes
 
 
 def format_status(env: Env[HouseholdEnv], step: EpisodeStep, name: str) -> str:
-    """Format agent name, step, action, distance to the goal (if it is a metric) and return as one line of text."""
+    """Format agent name, step, action (none after a reset), distance to the goal (if a metric) and return as a line."""
     parts = [name, f"step {int(step.state.world.step)} of {env.config.episode_length}"]
     if step.action is not None:
         parts.append(describe_action(env, step.action))
@@ -120,7 +122,10 @@ def format_status(env: Env[HouseholdEnv], step: EpisodeStep, name: str) -> str:
 
 
 def describe_action(env: Env[HouseholdEnv], action: Any) -> str:
-    """Return the name of the first agent's action, or its components beyond ±0.05; `nothing` if there are none."""
+    """Return the name of the first agent's discrete action, or names and values of components beyond ±0.05.
+
+    Without such components it is `nothing`.
+    """
     names, own = action_names(env.config), np.asarray(action)
     own = own if env.num_agents == 1 else own[0]
     if env.config.discrete is not None:

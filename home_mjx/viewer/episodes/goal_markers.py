@@ -42,7 +42,10 @@ class GoalMarkers(NamedTuple):
 
 
 def get_instruction(env: Env[HouseholdEnv], state: State) -> Instruction:
-    """Return task, instruction and shortest path length of the episode of one environment's state."""
+    """Return task, instruction and shortest path length of the episode of one environment's state.
+
+    The task is the row's own, else the environment's. A task without rows has its name as text, and an unknown length.
+    """
     task = env.spec.id.rpartition("-v")[0] if env.spec is not None else type(env.task).__name__
     if isinstance(state.task, PointNavState):
         return _asked_of_point(task, env.params.tasks, state)
@@ -65,7 +68,8 @@ def _asked_of_point(task: str, episodes: Episodes | None, state: State) -> Instr
 def get_goal_markers(bank: HouseBank, state: State, boxes: Float[np.ndarray, "i 2 3"]) -> GoalMarkers:
     """Return the goal points and rooms of the current stage's goal; no point and no room if it has none.
 
-    Points are the goal's place, else the centres of its objects. `boxes` are the current bounds of all instances [m].
+    Points are the goal's place, else the centres of all its objects. `boxes` are the current bounds of all instances
+    [m]. PointNav has its goal on the floor and no rooms; other tasks without rows have no goal.
     """
     house = int(state.world.house)
     nothing, nowhere = np.zeros((0, 3)), np.zeros(bank.navigation.room_type.shape[1], bool)

@@ -91,7 +91,10 @@ class KeyboardPlayer:
         """Do nothing; a keyboard player has no state."""
 
     def act(self, state: State | Any) -> Any:
-        """Wait for a key with an action, ignoring others; return all agents' actions, None at the end or on `q`."""
+        """Wait for a key with an action, ignoring others; return all agents' actions, None at the end or on `q`.
+
+        Upper case counts as lower case.
+        """
         for key in self.keys:
             if key.lower() in QUIT_KEYS:
                 return None
@@ -109,7 +112,10 @@ class KeyboardPlayer:
 
 
 def read_keys(source: Any) -> Iterator[str]:
-    """Yield keys of a terminal as they are pressed, or the characters of lines of another stream, until it ends."""
+    """Yield keys of a terminal as they are pressed, or the characters of lines of another stream, until it ends.
+
+    Ends of lines are omitted. A terminal is switched to single keys only while a key is awaited.
+    """
     if not source.isatty():
         for line in source:
             yield from line.rstrip("\r\n")

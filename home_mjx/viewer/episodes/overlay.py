@@ -40,8 +40,8 @@ class TopDownOverlay:
         """Draw the first agent's storey with goals, paths and agents, cropped to the extent of the rooms.
 
         Args:
-            scene: The house without agents, to render again; None: use the previous rendering.
-            sights: All steps so far.
+            scene: The house without agents, to render again; None: use the previous scene, not at the first call.
+            sights: All steps so far, at least one; the last one is the current.
             goals: The current goal.
             shortest: Points on the floor along the shortest path to the goal [m], drawn on their storey; None: no path.
         """
@@ -60,7 +60,10 @@ class TopDownOverlay:
         return top.crop(np.asarray(picture))
 
     def _level(self, pos: Float[np.ndarray, " 3"]) -> int:
-        """Return the storey below a point [m]."""
+        """Return the index of the storey whose floor is below a point [m]; a point on a floor is on the storey beneath.
+
+        It is the lowest for points below all floors, see `find_level`.
+        """
         return find_level(self.bank, self.house, pos)
 
     def _tinted(self, top: TopView, goals: GoalMarkers, level: int) -> UInt8[np.ndarray, "s s 3"]:
@@ -82,7 +85,7 @@ class TopDownOverlay:
     def _draw_shortest(
         self, draw: ImageDraw.ImageDraw, top: TopView, points: Float[np.ndarray, "n 3"], level: int
     ) -> None:
-        """Draw every second point of a path that is on storey `level` as a dot."""
+        """Draw a dot at every second point of a path, from the first, if it is on storey `level`."""
         for point in points[::SHORTEST_STRIDE]:
             if self._level(point + np.array([0, 0, FLOOR_MARGIN])) == level:
                 _dot(draw, top.to_pixel(point), 2 * PLAN_PIXELS / 512, GOAL_COLOUR, GOAL_COLOUR)

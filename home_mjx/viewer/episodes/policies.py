@@ -38,7 +38,7 @@ def make_policy(env: Env[HouseholdEnv], agent: str, checkpoint: Path | None = No
         env: The environment; for the expert one of `add_expert`.
         agent: Name of the agent.
         checkpoint: Checkpoint of `trained`.
-        greedy: Take the most likely action of `trained`.
+        greedy: Take the most likely action of `trained`; ignored for others.
 
     Raises:
         ConfigError: As in `check_agent`; or the checkpoint is for other observations or actions.

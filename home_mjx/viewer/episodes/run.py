@@ -84,11 +84,12 @@ def run_play(
         observers: Further observers of the episodes, or their names. With `out`, each writes its files there.
 
     Returns:
-        Result of each episode. With `out`, its folder gets a film, an image with the last frame of each episode, and
-        the results as JSON lines, named after task and agent. On a full disk none of them is written.
+        Result of each episode. With `out`, its folder, created if missing, gets a film, an image with the last frame of
+        each episode, and the results as JSON lines, named `options.file_name`. On a full disk none of them is written.
 
     Raises:
-        ConfigError: A checkpoint is missing, or for another agent or task; or the task has no expert.
+        ConfigError: A checkpoint is missing, or for another agent or task; the task has no expert; the number of
+            episodes is invalid; or the files cannot be written.
         UnknownNameError: A name in `observers` is unknown.
     """
     check_agent(options.agent, options.checkpoint, AGENT_NAMES)
@@ -128,13 +129,14 @@ def film_checkpoint(
 
     Args:
         checkpoint: Checkpoint of the agent.
-        out: Folder for the film; it exists.
+        out: Folder for the film; created if missing.
         episodes: Number of episodes.
         split: Split of the dataset that houses are from.
         num_houses: Number of houses.
         seed: Seed of episodes and actions.
         greedy: Take the most likely action instead of sampling.
-        episode_file: Use the first episodes of this file, in the houses that it names, instead.
+        episode_file: Use the first episodes of this file, in the houses that it names, instead; again from the first
+            if it has too few.
         dataset: Root of a dataset other than that of training.
 
     Returns:

@@ -121,7 +121,8 @@ def shortest_path(
 ) -> Float[np.ndarray, "n 3"]:
     """Return points on the floor along the shortest path from `feet` to goal rooms, else to the nearest goal point [m].
 
-    There are no points without a goal or a path. `feet` is the agent's lowest point [m].
+    Points are centres of cells; the last is in a goal room, or in the cell nearest to the goal point. There are no
+    points (0, 3) without a goal or a path. `feet` is the agent's lowest point [m].
     """
     graph = CellGraph(bank, house)
     if goals.rooms.any():
@@ -168,7 +169,8 @@ def _facts(core: HouseholdEnv, params: EnvParams, state: State) -> _Facts:
 def _surroundings(core: HouseholdEnv, snapshot: Snapshot) -> tuple[Array, Array]:
     """Return agents' free distances [m] and the semantics of obstacles there, (A, H, D) and (A, H, D, columns).
 
-    Distances are beyond the body, inf over `MAX_GAP`. H is `RAY_HEIGHTS`, D directions counter-clockwise from ahead.
+    Distances are beyond the body, inf over `MAX_GAP`, where semantics are -1; negative within the body's radius. H is
+    `RAY_HEIGHTS`, D directions counter-clockwise from ahead.
     """
     agents = core.config.agents
     half = jnp.array([body.height / 2 for body in agents], jnp.float32)
@@ -222,7 +224,7 @@ def _describe_agent(bank: HouseBank, house: int, facts: _Facts, agent: int) -> l
 
 
 def _describe_room(bank: HouseBank, house: int, facts: _Facts, agent: int) -> str:
-    """Describe the room and storey of an agent."""
+    """Describe the room, or `no room`, and the storey of an agent; both are counted from 0."""
     room, level = int(facts.room[agent]), int(facts.cell[agent][0])
     storey = f"storey {level} of {int(np.isfinite(np.asarray(bank.navigation.floor[house])).sum())}"
     if room < 0:
@@ -231,7 +233,7 @@ def _describe_room(bank: HouseBank, house: int, facts: _Facts, agent: int) -> st
 
 
 def _name_room(bank: HouseBank, house: int, room: int) -> str:
-    """Return number and first type of a room."""
+    """Return a text with the number of a room, from 0, and its first type or `no type`."""
     kind = int(bank.navigation.room_type[house, room])
     return f"room {room} ({ROOM_TYPES[kind] if kind >= 0 else 'no type'})"
 
@@ -248,7 +250,10 @@ def _describe_contact(facts: _Facts, agent: int) -> str:
 
 
 def _describe_surroundings(facts: _Facts, agent: int) -> list[str]:
-    """Return texts on at most `MAX_NEIGHBOURS` obstacles within `MAX_GAP` beyond the body, nearest first."""
+    """Return texts on at most `MAX_NEIGHBOURS` obstacles within `MAX_GAP` beyond the body, nearest first.
+
+    Of obstacles with equal descriptions only the nearest is listed; distances within the body are 0.
+    """
     nearest: dict[str, tuple[float, int]] = {}
     for number in np.argsort(facts.gap[agent], axis=None, kind="stable"):
         at = np.unravel_index(number, facts.gap[agent].shape)
@@ -280,7 +285,7 @@ def _describe_touching_bodies(facts: _Facts, num_agents: int) -> list[str]:
 
 
 def _partner_name(facts: _Facts, row: int) -> str:
-    """Name the other side of a dynamic body's strongest contact."""
+    """Name the other side of a dynamic body's strongest contact: `agent` and its number, or a description."""
     partner = int(facts.partner[row])
     return f"agent {partner}" if 0 <= partner < len(facts.yaw) else _name(facts.other[row])
 

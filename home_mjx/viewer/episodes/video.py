@@ -22,9 +22,10 @@ RgbImage = UInt8[np.ndarray, "_ _ 3"]
 
 
 def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, success: bool | None = None) -> RgbImage:
-    """Compose a frame: `title` above, view beside plan, `status` below; both sides are even.
+    """Compose a frame: `title` above, view left of the plan, `status` below; both sides are even.
 
-    `success` colours the status: True green, False red, None (not ended) neutral.
+    The plan is scaled to fit the size of the view, which keeps its own. `success` colours the background of the status:
+    True green, False red, None (not ended) neutral.
     """
     height, width = view.shape[:2]
     beside = fit_image(plan, width, height)
@@ -44,7 +45,7 @@ def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, succe
 
 
 def fit_image(image: RgbImage, width: int, height: int) -> RgbImage:
-    """Scale an image, aspect ratio kept, to fit a box [px] and centre it there on the background."""
+    """Scale an image up or down, aspect ratio kept, to fit a box [px], and centre it there on the background."""
     scale = min(width / image.shape[1], height / image.shape[0])
     size = max(1, math.floor(image.shape[1] * scale)), max(1, math.floor(image.shape[0] * scale))
     canvas = Image.new("RGB", (width, height), BACKGROUND)
@@ -54,7 +55,11 @@ def fit_image(image: RgbImage, width: int, height: int) -> RgbImage:
 
 
 def _line(draw: ImageDraw.ImageDraw, text: str, top: int, colour: tuple, size: int, width: int) -> None:
-    """Draw text from the left margin at `top` [px]; the font shrinks, down to 8, until the text fits `width` [px]."""
+    """Draw text with its left end at `PANEL_GAP` and its top at `top` [px].
+
+    The font shrinks from `size` until the text fits `width` without a margin of `PANEL_GAP` on both sides. At size 8
+    longer text is cut off.
+    """
     while size > 8 and ImageFont.load_default(size=size).getlength(text) > width - 2 * PANEL_GAP:
         size -= 1
     draw.text((PANEL_GAP, top), text, fill=colour, font=ImageFont.load_default(size=size))
@@ -81,7 +86,10 @@ class VideoWriter:
         return 1 / self.dt if self.sample_rate else max(1 / self.dt, MIN_FPS)
 
     def add(self, picture: RgbImage, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
-        """Add the frame and the sound of a step; None is silence. Without a sample rate, sound is ignored."""
+        """Add the frame and the sound of a step; None is silence. Without a sample rate, sound is ignored.
+
+        All frames have one size. The length of a sound is not checked: it should be that of a step.
+        """
         self.frames.append(picture)
         if self.sample_rate:
             self.sounds.append(np.zeros((2, round(self.sample_rate * self.dt))) if sound is None else sound)
@@ -93,7 +101,13 @@ class VideoWriter:
             self.add(picture)
 
     def write(self, folder: Path, name: str) -> None:
-        """Write `name.mp4`, and `name.png` with last frames in a column; the folder and an ended episode must exist."""
+        """Write `name.mp4`, and `name.png` with last frames in a column, over earlier files.
+
+        The folder must exist, and at least one last frame (`add_final`). Sound is scaled to a peak of 0.9.
+
+        Raises:
+            HomeMjxError: A file cannot be written, such as on a full disk.
+        """
         with tempfile.TemporaryDirectory(prefix="home_mjx_film_") as beside:
             wav = None
             if self.sample_rate:

@@ -23,7 +23,8 @@ MAP_MARGIN = 2  # margin around the rooms [cells]
 def draw_map(found: TopDownMap, size: int = 512) -> UInt8[np.ndarray, "_ _ 3"]:
     """Draw the rooms of a storey from above, north (+y) up; unseen cells are darker, agents are arrows.
 
-    `size` is the approximate length of the longer side [px]; cells have a whole number of pixels.
+    `size` is the approximate length of the longer side [px]; cells have a whole number of pixels, at least 1. The image
+    is cropped to the rooms with `MAP_MARGIN`. The storey must have a room.
 
     Example:
         >>> write_png("map.png", draw_map(found))  # doctest: +SKIP
@@ -90,15 +91,17 @@ def draw_sound_map(
     """Draw values over a floor plan, low ones dark and high ones bright, north (+y) up, with a ring around the source.
 
     Args:
-        values: Values of the cells, row 0 in the south; NaN where unknown, drawn grey in rooms.
-        room: True for cells in a room.
-        source: Row and column of the source, fractions allowed.
-        caption: Name of the quantity; its range is appended.
-        size: Approximate length of the longer side [px]; cells have a whole number of pixels.
+        values: Values of the cells, row 0 in the south; NaN or infinite where unknown, drawn grey in rooms.
+        room: True for cells in a room. Known values of other cells are drawn as well.
+        source: Row and column of the source [cells] from the south-west corner of the first cell. So the centre of
+            that cell is (0.5, 0.5), and its corner (0, 0).
+        caption: Name of the quantity; its range, 0 to 0 if no value is known, is appended.
+        size: Approximate length of the longer side [px] without the caption's 18 rows, which are above. Cells have a
+            whole number of pixels, at least 1, and there is a margin of `SOUND_MAP_MARGIN` cells.
 
     Example:
         >>> values, room = np.array([[1.0, 2.0], [3.0, np.nan]]), np.ones((2, 2), bool)
-        >>> draw_sound_map(values, room, np.zeros(2), "T30 [s]", 64).shape
+        >>> draw_sound_map(values, room, np.array([0.5, 1.5]), "T30 [s]", 64).shape
         (78, 60, 3)
     """
     known = np.isfinite(values)

@@ -14,7 +14,7 @@ from home_mjx.errors import HomeMjxError
 
 
 def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
-    """Write an image as PNG, atomically.
+    """Write an image as PNG, atomically, over an earlier file; the folder must exist.
 
     Raises:
         ConfigError: It cannot be written, such as on a full disk; no partial file is left.
@@ -24,7 +24,9 @@ def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
 
 
 def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -> float:
-    """Write stereo sound as 16 bit PCM, scaled to a peak of 0.9; return the applied gain.
+    """Write stereo sound as 16 bit PCM, scaled up or down to a peak of 0.9; return the applied gain.
+
+    Peaks below 1e-9 count as 1e-9, so that silence stays silent. There must be a sample, and the folder.
 
     Raises:
         ConfigError: It cannot be written, such as on a full disk; no partial file is left.
@@ -40,10 +42,13 @@ def write_wav(path: Path, samples: Float[np.ndarray, "2 n"], sample_rate: int) -
 
 
 def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav: Path | None = None) -> None:
-    """Write an H.264 video of frames with even sides, with the sound of `wav` if it is not None.
+    """Write an H.264 video of frames with even sides, with the sound of `wav` if it is not None, over an earlier file.
+
+    The film is as long as the longer of frames and sound.
 
     Raises:
-        HomeMjxError: ffmpeg failed, such as on a full disk; the message quotes it. No partial file is left.
+        HomeMjxError: ffmpeg failed, such as on a full disk or for odd sides; the message quotes it. No partial file is
+            left.
     """
     _, height, width, _ = frames.shape
     video = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]

@@ -12,7 +12,7 @@ TEXT_COLOUR = (235, 235, 235)
 
 
 def colour_depth(depth: Float[np.ndarray, "h w"], max_depth: float) -> UInt8[np.ndarray, "h w 3"]:
-    """Map depth, in the unit of `max_depth`, to colours: 0 is bright yellow, `max_depth` and more (inf) dark blue."""
+    """Map depth, in the unit of `max_depth`, to colours: 0 or less is bright yellow, `max_depth` or more dark blue."""
     near = 1 - np.clip(depth / max_depth, 0, 1)
     ramp = np.array([[10, 12, 40], [60, 40, 120], [180, 60, 110], [245, 140, 60], [252, 250, 190]], float)
     place = near * (len(ramp) - 1)
@@ -37,7 +37,7 @@ def _id_colour(value: int) -> tuple[int, int, int]:
 
 
 def enlarge(image: UInt8[np.ndarray, "h w 3"], size: int) -> UInt8[np.ndarray, "s s2 3"]:
-    """Scale an image to `size` rows, up or down, by nearest neighbours; the aspect ratio is kept."""
+    """Scale an image to `size` rows, up or down, by nearest neighbours; the width follows, rounded down."""
     height, width = image.shape[:2]
     return np.asarray(Image.fromarray(image).resize((size * width // height, size), Image.Resampling.NEAREST))
 
@@ -52,7 +52,10 @@ def add_caption(image: UInt8[np.ndarray, "h w 3"], text: str) -> UInt8[np.ndarra
 
 
 def compose_sheet(rows: Sequence[Sequence[UInt8[np.ndarray, "_ _ 3"]]], gap: int = 6) -> UInt8[np.ndarray, "_ _ 3"]:
-    """Compose panels in rows, from the top left, on a dark background with `gap` [px] around them; sides are even."""
+    """Compose panels in rows, from the top left, on a dark background with `gap` [px] around them; sides are even.
+
+    Panels of a row are aligned at the top and not scaled. There must be a row, and a panel in each.
+    """
     heights = [max(panel.shape[0] for panel in row) for row in rows]
     widths = [sum(panel.shape[1] + gap for panel in row) for row in rows]
     # H.264 needs even sides.

@@ -46,7 +46,10 @@ def draw_storey_maps(scene: Scene, source: np.ndarray, config: AudioConfig) -> d
 
 
 def reduce_rays(config: AudioConfig) -> AudioConfig:
-    """Return options with fewer rays and bounces, for many receivers; unchanged if late reverberation is not traced."""
+    """Return options with fewer rays and bounces, for many receivers; unchanged if late reverberation is not traced.
+
+    Smaller numbers of rays and bounces stay.
+    """
     if not isinstance(config.late, Traced):
         return config
     rays = min(MAX_RAYS_PER_OCTAVE * config.late.num_groups, config.late.num_rays)
@@ -57,7 +60,8 @@ def reduce_rays(config: AudioConfig) -> AudioConfig:
 def _receiver_grid(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return masks (y, x) of receivers in rooms, of walkable ones, and ears (y, x, 3) [m], on the storey of `source`.
 
-    Rows and columns are cropped to the rooms and about `RECEIVER_SPACING` apart.
+    Rows and columns are cropped to the rooms and about `RECEIVER_SPACING` apart. A source on a floor is on that floor's
+    storey, one below all floors on the lowest.
     """
     navigation, cell = bank.navigation, bank.spec.cell
     floor = np.asarray(navigation.floor[0])

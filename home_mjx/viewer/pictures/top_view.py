@@ -38,7 +38,7 @@ class TopView:
     Args:
         bank: The houses.
         scene: Scene of the environment, for ray casting.
-        pixels: Resolution of the longer side.
+        pixels: Rows and columns of the square image, as long as the house's longer side with margins.
         level: Index of a level with rooms, from the bottom. All levels are framed on the rooms of the lowest one.
     """
 
@@ -55,14 +55,20 @@ class TopView:
     def draw_path(
         self, path: Float[np.ndarray, "t 3"], source: Float[np.ndarray, " 3"], size: int
     ) -> UInt8[np.ndarray, "s s 3"]:
-        """Return the image scaled to `size` [px], with a path [m], its end (green), and the sound source (red)."""
+        """Return the image scaled to `size` [px], with a path [m], its end (green), and the sound source (red).
+
+        The path has at least one point. All is drawn, whatever its storey.
+        """
         image = self.draw_markers([Marker(path[-1], AGENT_COLOUR, 7), Marker(source, SOURCE_COLOUR, 9)], path)
         return np.asarray(Image.fromarray(image).resize((size, size), Image.Resampling.LANCZOS))
 
     def draw_markers(
         self, marks: Sequence[Marker], path: Float[np.ndarray, "t 3"] | None = None
     ) -> UInt8[np.ndarray, "s s 3"]:
-        """Return a copy of the image with a line along the path [m], unless it is one point, and dots over it."""
+        """Return a copy of the image with a line along the path [m], unless it is one point, and dots over it.
+
+        Later dots cover earlier ones.
+        """
         canvas = Image.fromarray(self.image)
         draw, unit = ImageDraw.Draw(canvas), len(self.image) / 512
         if path is not None and len(path) > 1:
@@ -85,7 +91,10 @@ class TopView:
 
 
 def find_level(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"]) -> int:
-    """Return the index of the storey below a point [m]; the lowest for points below all floors."""
+    """Return the index of the highest storey whose floor is below a point [m]; the lowest for points below all floors.
+
+    A point exactly on a floor counts to the storey beneath; raise points on floors by `FLOOR_MARGIN` first.
+    """
     return max(int((pos[2] > np.asarray(bank.navigation.floor[house])).sum()) - 1, 0)
 
 
