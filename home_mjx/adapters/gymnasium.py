@@ -177,7 +177,8 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         """Start an episode in every environment.
 
         Args:
-            seed: Environment i starts as `GymEnv` does with seed + i; or one seed per environment.
+            seed: Environment i starts as `GymEnv` does with seed + i; or one seed per environment, None for those
+                whose random numbers go on.
             options: `house` or `episode`: an index, or one per environment, see `GymEnv.reset`. `reset_mask`: True for
                 environments to reset; others continue.
 
@@ -252,7 +253,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return tuple(self._picture.render(state) for state in states)
 
     def _keys(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
-        """Return raw keys (n, 2), from `seed` as in `reset`, or drawn; raise `ConfigError` if the number differs."""
+        """Return raw keys (n, 2), from `seed` as in `reset`; raise `ConfigError` if the number differs.
+
+        Keys without a seed are drawn from the batch's generator, which one seed per environment seeds as well.
+        """
         if seed is None:
             return np.asarray(self.np_random.integers(0, 2**32, (self.num_envs, 2), np.uint32))
         seed = [seed + i for i in range(self.num_envs)] if isinstance(seed, int) else seed
@@ -261,7 +265,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         for i, one in enumerate(seed):
             if one is not None:
                 check_number(f"seed of environment {i}", one, 0, integer=True)
-        return np.stack([tools.draw_key(np.random.default_rng(one)) for one in seed])
+        if None not in seed:
+            # Spawned, so that a later reset without a seed repeats, but not the episodes of this one.
+            self.np_random = np.random.default_rng(np.random.SeedSequence(seed).spawn(1)[0])
+        return np.stack([tools.draw_key(self.np_random if one is None else np.random.default_rng(one)) for one in seed])
 
     def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:
         """Return the row (n,) with which each environment begins.

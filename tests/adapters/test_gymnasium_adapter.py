@@ -143,6 +143,16 @@ def test_seeds_and_masks_of_single_environments(generated_bank):
         env.reset(seed=[1, 2])
 
 
+@pytest.mark.parametrize(("num", "first", "then"), [(1, 4, None), (2, 4, None), (2, [4, 6], [None, 5])])
+def test_resets_without_a_seed_go_on_as_seeded(generated_bank, num, first, then):
+    """They repeat after the same seeds, but never the episodes of the seeded reset."""
+    env = GymVectorEnv(num, houses=generated_bank, sensors=("state",))
+    before = env.reset(seed=first)[0]["state"]
+    one, other = (env.reset(seed=then)[0]["state"] for _ in range(2) if env.reset(seed=first))
+    np.testing.assert_array_equal(one, other)
+    assert (one != before).any(axis=1).all()
+
+
 def test_one_seed_means_as_many_as_in_gymnasium(generated_bank):
     """Environment i of a batch begins as the environment alone does with seed + i, as in `SyncVectorEnv`."""
     env, alone = (
