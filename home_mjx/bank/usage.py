@@ -31,9 +31,13 @@ class Usage:
 def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
     """Return the bytes that houses, at least one, models and textures would take in a bank, without building it.
 
+    Textures have the default edge `TEXTURE_SIZE`; their files are read, to find cut-outs. Ids must be distinct, or only
+    the last house of an id is listed.
+
     Raises:
         ConfigError: There is no house.
         CapacityError: The houses have too many triangles for one bank.
+        DatasetError: A texture cannot be read.
 
     Example:
         >>> found = bank_usage([compiled])  # doctest: +SKIP
@@ -50,8 +54,8 @@ def bank_usage(houses: Sequence[CompiledHouse]) -> Usage:
 def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
     """Return the bytes of each array of a bank of these houses, at least one, without building it.
 
-    Names are such as "geometry.triangle". The derived layout of the `cuda` backend (`Geometry.gpu`) and the few bytes
-    of `reset_houses` are excluded.
+    Names are such as "geometry.triangle". Textures have the default edge `TEXTURE_SIZE`. The derived layout of the
+    `cuda` backend (`Geometry.gpu`) and the few bytes of `reset_houses` are excluded.
 
     Raises:
         ConfigError: There is no house.

@@ -52,8 +52,10 @@ EXIT_BAD_INPUT = 2
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code.
 
-    Bad input ends with one message on stderr and code 2; a traceback is shown only with `--debug`. Without `argv`, the
-    arguments of this process are used, and an interrupt ends it with code 130; with `argv`, 130 is returned.
+    Bad input ends with one message on stderr and code 2, as does a lack of memory; with `--debug` the exception is
+    raised. Other exceptions come through, and `--help` and `--version` raise `SystemExit`. No command prints the help,
+    with code 2; a closed output pipe gives 0. Without `argv`, the arguments of this process are used, and an interrupt
+    ends it with code 130; with `argv`, 130 is returned.
     """
     is_process = argv is None
     argv = list(sys.argv[1:] if argv is None else argv)
@@ -93,7 +95,7 @@ def _is_out_of_memory(error: Exception) -> bool:
 
 
 def _dispatch(argv: list[str]) -> int:
-    """Parse the arguments and run the command; return its exit code."""
+    """Parse the arguments and run the command; return its exit code, or 2 and print the help if there is none."""
     top = _top_parser()
     args = top.parse_args(argv)
     if args.command is None:

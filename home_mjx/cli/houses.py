@@ -111,7 +111,10 @@ def open_selected_dataset(args: argparse.Namespace) -> "Dataset":
 
 
 def selected_houses(args: argparse.Namespace) -> "HouseSet":
-    """Return the selected house, or all houses of the dataset if `HOUSE` is absent or a dataset."""
+    """Return the selected house, or all houses of the dataset if `HOUSE` is absent or a dataset.
+
+    Errors are those of `open_dataset`; houses are read later.
+    """
     from home_mjx.houses.house_set import HouseSet
 
     ids = None if args.house is None or is_dataset_root(args) else (str(args.house),)
@@ -140,14 +143,20 @@ def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
 
 
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
-    """Load the selected house, not compiled, and its dataset's metadata; errors as in `selected_house`."""
+    """Load the selected house, not compiled, and its dataset's metadata.
+
+    Errors are those of `selected_house`, and `DatasetError` if the house is unknown or broken.
+    """
     dataset, house_id = selected_house(args)
     options = read_options(args)
     return dataset.load_house(house_id, options), dataset.metadata_for(options)
 
 
 def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
-    """Load the selected house compiled, cached if possible; errors as in `selected_house`."""
+    """Load the selected house compiled, from the cache if possible; a house compiled now is added to it.
+
+    Errors are those of `selected_house`, and `DatasetError` if the house is unknown or broken.
+    """
     from home_mjx.houses.house_cache import load_compiled
 
     return load_compiled(*selected_house(args), options=compile_options(args))

@@ -39,7 +39,10 @@ class Viewpoint:
 
 
 def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `HOUSE`, `--dataset`, `--at X Y [Z]` [m] and `--yaw` [degrees]; the last two are None by default."""
+    """Add the optional `HOUSE`, `--dataset`, `--at X Y [Z]` [m] and `--yaw` [degrees from +x].
+
+    `house`, `at` and `yaw` are None by default. `at` is a list of one or more numbers: `place_head` checks the count.
+    """
     add_house_arguments(parser)
     parser.add_argument(
         "--at",

@@ -84,6 +84,8 @@ def rebuild(cls: type[T], arrays: Mapping[str, np.ndarray], notes: JsonFields, p
         prefix: Prefix of the names, which ends with a dot.
         given: Values by field name of the outermost record's skipped fields; not validated.
 
+    Other entries of `arrays` and `notes` are ignored, and types of JSON values are not checked.
+
     Raises:
         KeyError: A field is missing.
         ValueError: An array's dtype or shape differs from the hint, or axes of one name differ within the record.
@@ -227,7 +229,12 @@ def read_notes(path: Path) -> JsonFields:
 
 
 def _content(path: Path) -> np.ndarray:
-    """Return a file's bytes as uint8; `ValueError` if too large or overwritten meanwhile, `OSError` if unreadable."""
+    """Return all bytes of a regular file as a 1-D uint8 array.
+
+    Raises:
+        OSError: The file is missing (`FileNotFoundError`), not a regular file, or cannot be read.
+        ValueError: It has more than twice `MAX_MEMBER_BYTES`, or has become shorter since it was opened.
+    """
     # Entries are small, and seeking takes longer than reading them.
     with open_regular(path) as file:
         size = os.fstat(file.fileno()).st_size

@@ -14,7 +14,10 @@ MAX_VALUE_LENGTH = 200  # maximum length of a value in a message [characters]
 
 
 def check_known(kind: str, names: Iterable[str], known: Iterable[str]) -> None:
-    """Raise `UnknownNameError`, a `ConfigError`, for the first of `names` not in `known`; `kind` is for the message."""
+    """Raise `UnknownNameError`, a `ConfigError`, for the first of `names` not in `known`; `kind` is for the message.
+
+    A bare string counts as its letters; `check_names` rejects it.
+    """
     known = list(known)
     for name in names:
         if name not in known:

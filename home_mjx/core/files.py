@@ -74,10 +74,13 @@ def read_json_lines(
 ) -> Iterator[Row]:
     """Yield `parse(value)` for the JSON value of each line of a file, which is read lazily.
 
+    Nothing is opened, and no error raised, before the first row is requested.
+
     Args:
         path: The file.
         content: Name of the content of a line, for messages.
-        parse: Converts the JSON value of a line to a row; its exceptions become `DatasetError`.
+        parse: Converts the JSON value of a line to a row. Its `ValueError`, `TypeError`, `AttributeError`, and errors
+            of look-up, arithmetic and recursion become `DatasetError`; others come through.
         max_bytes: Maximum accepted size of the file [bytes]; `MAX_BYTES` by default.
 
     Raises:
@@ -248,7 +251,11 @@ def is_folder(path: Path) -> bool:
 
 
 def _check(path: Path, most: int) -> None:
-    """Raise `DatasetError` unless the path is a regular file of at most `most` bytes."""
+    """Raise `DatasetError` if the path is not a regular file, or one of more than `most` bytes; links are followed.
+
+    Errors of `Path.stat` come through: `FileNotFoundError` if nothing is there, other `OSError`s, and `ValueError` for
+    a null byte. `_readable` converts them.
+    """
     status = path.stat()
     if not stat.S_ISREG(status.st_mode):  # reading a pipe might block forever
         raise DatasetError("file cannot be read: it is not a regular file", file=path, hint="Fetch or write it again.")
@@ -378,7 +385,8 @@ def _sync_folder(folder: Path) -> None:
 def write_all_or_none(folder: Path, content: str) -> Iterator[Path]:
     """Yield a temporary folder whose files all move to `folder` when the block ends, or none if it raises.
 
-    Files of the same names are replaced, others of `folder` are kept. `folder` is created if missing.
+    Files of the same names are replaced, others of `folder` are kept. `folder` is created if missing. If moving one
+    file fails, those before it, in order of names, are already in `folder`.
 
     Args:
         folder: Destination.
@@ -439,7 +447,7 @@ def replace_folder(target: Path, files: Mapping[str, bytes]) -> None:
 
     Args:
         target: The folder; created if missing.
-        files: Contents by relative path.
+        files: Contents by relative path; at least one.
 
     Raises:
         OSError: The folder cannot be written; an older folder is unchanged.

@@ -25,7 +25,8 @@ def usable_cores() -> int:
 def map_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """Return the results of a function on items, in their order, computed by as many threads as there are cores.
 
-    That pays off where the function releases the interpreter's lock, as NumPy, Pillow and compiled code do.
+    That pays off where the function releases the interpreter's lock, as NumPy, Pillow and compiled code do. The first
+    exception in the items' order is raised, after all started calls have ended.
 
     Example:
         >>> map_threads(abs, [-1, 2])

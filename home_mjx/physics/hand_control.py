@@ -40,7 +40,7 @@ class HandCommands(Pytree):
 
     pick: Int[Array, " a"]  # movable body to pick; -1 none
     place: Float[Array, "a 3"]  # [m], surface point on which to place the held body; inf: none
-    drop: Bool[Array, " a"]
+    drop: Bool[Array, " a"]  # True drops the held body; a throw has priority
     throw: Float[Array, "a 3"]  # direction of any length; zero or not finite: no throw
     door: Int[Array, " a"]  # door to move; -1 none
     open: Bool[Array, " a"]  # True opens the door, False closes it
@@ -60,7 +60,8 @@ def apply_hand_commands(
 
     An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
     hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight. Agents
-    follow one another by index. Nothing moves yet: only grips, goals and a released body's velocity are set.
+    follow one another by index: a body that one drops, the next may pick; of two commands for a door the last applies.
+    Nothing moves yet: only grips, goals and a released body's velocity are set.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -78,7 +79,8 @@ def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], sta
 
     Hands release bodies within `PLACE_TOLERANCE` of their target, and torn-away ones. A carried body is torn away if it
     gets farther than `MAX_HOLD_DISTANCE` from its grip, or has not come that near after `MAX_PLACE_STEPS` steps. A body
-    not placed within as many steps is carried again. Doors within `DOOR_TOLERANCE` of their goal are no longer driven.
+    not placed within as many steps is carried again. Released bodies get `RELEASE_SPEED` downwards. Doors within
+    `DOOR_TOLERANCE` of their goal, clipped to their range, are no longer driven.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -108,7 +110,8 @@ def _release(
     """Open a hand that holds a body and is commanded to drop or throw it.
 
     The velocity of a thrown body becomes the agent's plus min(`MAX_THROW_SPEED`, `MAX_THROW_IMPULSE` / mass) along the
-    throw's direction, in the world. A dropped body keeps its own.
+    throw's direction, in the world. A dropped body keeps its own. Then `_open_hand` adds `RELEASE_SPEED` downwards to
+    both. A throw has priority over a drop; without a held body nothing changes.
     """
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
@@ -144,7 +147,11 @@ def _set_where(condition: Bool[Array, ""], state: PhysicsState, a: int, **values
 
 
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
-    """Grasp `body` (-1: none), with its orientation to the agent, if the hand is empty and it is free, near, light."""
+    """Grasp `body` if the hand is empty and the body is used, held by nobody, within `reach` and not too heavy.
+
+    The grip is that of carrying, with the body's current orientation to the agent. An index out of range, such as -1,
+    grasps nothing.
+    """
     config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
     _, quat = _body(template, state, own)
     near = _distance(template, bodies, state, a, own) <= jnp.float32(config.reach)
@@ -227,10 +234,11 @@ def _track_place_target(template: Template, bodies: MovableBodies, state: Physic
 
 
 def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
-    """Open the hand if its body is placed or torn away; carry it again after `MAX_PLACE_STEPS` steps of placing.
+    """Open the hand, by `_open_hand`, if its body is placed or torn away; stop placing after `MAX_PLACE_STEPS` steps.
 
-    A carried body is torn away if it is beyond `MAX_HOLD_DISTANCE` after it was once within it.
-    A picked body that never comes that near is torn away after `MAX_PLACE_STEPS` steps; one being placed never is.
+    A hand that stops placing carries its body again. A carried body is torn away if it is beyond `MAX_HOLD_DISTANCE`
+    after it was once within it. A picked body that never comes that near is torn away after `MAX_PLACE_STEPS` steps;
+    one being placed never is.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
@@ -253,7 +261,10 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
 def _command_door(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Set the drive goal of the commanded door to fully open or closed; no effect if out of reach, unused or -1."""
+    """Set the drive goal of the commanded door to fully open or closed; no effect if out of reach, unused or no index.
+
+    Reach counts to the leaf's box at its current coordinate, from the agent's vertical axis.
+    """
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
     middle, quat = jax.tree.map(lambda x: x[door], leaves.pose_at(door_angle(template, state)))

@@ -102,6 +102,8 @@ def mean_band_power(envelope: Float[Array, "k e bands"], power: Float[Array, "w 
 def clip_power(name: str, config: AudioConfig) -> Float[np.ndarray, "bins bands"]:
     """Compute a clip's mean power at 1 m from its source, per time bin and octave; a partial last bin is omitted.
 
+    The array is cached: do not write to it. The name is one of `CLIPS`; another raises `ConfigError`.
+
     Example:
         >>> power = clip_power("tone", AudioConfig())
         >>> power.shape, round(float(power[0].sum()), 3), int(power[0].argmax())

@@ -89,7 +89,7 @@ def pad_paths(paths: Paths, count: int) -> Paths:
     """Keep the first path and the strongest others in their order, or append silent paths (name -1), to `count`.
 
     The strength is the sum of squared gains. Appended paths have length 1 m and direction 0. Without names, paths are
-    named by index.
+    named by index. `departure` must be None, as of `early_paths`.
     """
     more = count - paths.distance.size
     name = jnp.arange(paths.distance.size, dtype=jnp.int32) if paths.name is None else paths.name

@@ -103,10 +103,13 @@ def noise_levels(frequency: Float[np.ndarray, " f"], config: AudioConfig) -> Flo
 
 @functools.cache
 def octave_noise(config: AudioConfig) -> Float[np.ndarray, "*own c bands n"]:
-    """Generate white noises with a fixed seed, of power 1 in each channel's mix, split into independent octaves.
+    """Generate noises with a fixed seed, float32: `num_noises` (c), octaves (bands), samples of a response (n).
 
-    They are periodic with the length of a response, and high-passed at 20 Hz. Arrays have a leading axis of microphones
-    (`own`), whose noises have the coherence of a diffuse field.
+    A channel's mix of the c noises by `noise_mix`, summed over octaves, is white, has power 1 per sample, and is
+    high-passed at 20 Hz. An octave has its share of that power, 0 above half the sample rate. Single noises have the
+    levels of `noise_levels`. Noises and octaves are independent, and periodic with the length of a response. A
+    `MicrophoneArray` has a leading axis of microphones (`own`), whose noises have the coherence of a diffuse field. The
+    array is cached: do not write to it.
     """
     length = config.response_length
     frequency = np.fft.rfftfreq(length, 1 / config.sample_rate)

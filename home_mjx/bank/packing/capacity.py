@@ -73,7 +73,8 @@ def required_lengths(house: CompiledHouse) -> dict[str, int]:
 def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -> dict[str, int]:
     """Return lengths of `AXES`, rounded up to size classes, for houses up to `capacity_factor` times the largest.
 
-    The factor does not apply to axes whose length a compiler option determines.
+    There must be a house. The largest is found per axis. The factor does not apply to axes whose length a compiler
+    option determines.
     """
     found = [required_lengths(house) for house in houses]
     largest = {name: max(counts[name] for counts in found) for name in AXES}

@@ -37,7 +37,11 @@ class Library:
 
     @classmethod
     def from_houses(cls, houses: Sequence[CompiledHouse]) -> "Library":
-        """Collect the houses' models, except architecture, and textures once; agent materials are the first house's."""
+        """Collect the houses' models, except architecture, and textures once; agent materials are the first house's.
+
+        There must be a house. Models are in order of first use, textures sorted by path. Of models of one key, the
+        first is kept.
+        """
         agent = agent_model()
         models = {agent.key: agent}
         for house in houses:
@@ -58,7 +62,10 @@ class Library:
 
     @cached_property
     def cutouts(self) -> frozenset[str]:
-        """Paths of textures with cut-out texels; the first access reads all textures that have alpha."""
+        """Paths of textures with a texel of alpha below `MIN_OPAQUE_ALPHA`, at the files' own sizes.
+
+        The first access reads all texture files and decodes those with alpha; see `has_cut_outs` for its errors.
+        """
         return frozenset(path for path in self.textures if has_cut_outs(Path(path)))
 
     @cached_property

@@ -99,7 +99,7 @@ def pack_house_slots(houses: Sequence[CompiledHouse], library: Library, capacity
     """Pack houses into a bank of exchangeable houses, each with `stride` rows in the concatenated tables.
 
     Args:
-        houses: One house per slot.
+        houses: One house per slot, at least one.
         library: All models and textures of all houses that may ever be exchanged.
         capacity: Lengths of the axes of `AXES`, see `capacity_of`.
         stride: Maximum rows of each kind per house.
@@ -121,8 +121,13 @@ def pack_house_slot(
 ) -> tuple[Arrays, dict[Key, int]]:
     """Pack a house for a slot of a `pack_house_slots` bank: return its own arrays, padded, and first rows, by key.
 
+    Arrays have `stride` rows, and a first axis of 1 instead of houses. The library must have the house's models and
+    textures. Options such as the agent's radius are not compared with the bank's.
+
     Raises:
         CapacityError: The house does not fit `capacity` or `stride`, see `pack_house_slots`.
+        ConfigError: The id is not short ASCII.
+        KeyError: The library lacks a model or texture of the house.
     """
     check_house_fits(house, capacity, stride)
     start = slot_start(library, stride, house_slot)

@@ -76,7 +76,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary") -> None:
-    """Compute bakes of the compiled houses, one house at a time, which limits memory."""
+    """Compute bakes of all houses but those that the summary's report lists as failed, one at a time; print a line.
+
+    One at a time limits memory.
+    """
     from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
     from home_mjx.houses.load import load_bank
     from home_mjx.houses.report import FAILED, read_report

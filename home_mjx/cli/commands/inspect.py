@@ -100,7 +100,7 @@ def _count_joints(dataset: "Dataset", house: "House") -> int:
 
 
 def _category(house: "CompiledHouse", object_id: int) -> str:
-    """Return the fine category of an object."""
+    """Return the fine category of an object; `ValueError` unless exactly one semantic row has this id."""
     from home_mjx.schema.categories import FINE
     from home_mjx.schema.semantic import Semantic
 

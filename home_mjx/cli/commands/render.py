@@ -140,7 +140,9 @@ def _parse_storey(text: str) -> int:
 def _to_colours(kind: str, image: np.ndarray) -> np.ndarray:
     """Convert an image to colours (H, W, 3) uint8: (H, W, c) of rgb, depth and normals, (H, W) of ids.
 
-    A cube map has its faces on one more leading axis; they are stacked vertically.
+    Colours (uint8) are unchanged. Depth is mapped by `colour_depth`, bright at 0 and dark from `DEPTH_MAX` on. A normal
+    component n becomes (n + 1) 127.5, rounded down. All other kinds are ids, mapped by `colour_ids`. A cube map has its
+    faces on one more leading axis; they are stacked vertically.
     """
     if image.ndim > len(IMAGE_AXES.get(kind, "hw")):
         image = np.concatenate(image)

@@ -55,7 +55,7 @@ def import_modules(modules: list[str]) -> None:
     Only an argument may name a module, never a file such as a checkpoint.
 
     Raises:
-        ConfigError: A module cannot be imported.
+        ConfigError: A module cannot be imported. Typed errors of this package that it raises come through.
     """
     here = os.getcwd()
     if modules and here not in sys.path:
@@ -111,7 +111,11 @@ def parse_checkpoint_path(text: str) -> Path:
 
 
 def find_checkpoint(path: Path) -> Path:
-    """Return the path of the checkpoint in the folder of a run, which may not exist; any other path unchanged."""
+    """Return the path of the checkpoint in the folder of a run, which may not exist; any other path unchanged.
+
+    Raises:
+        ConfigError: The extra `train` is not installed.
+    """
     from home_mjx.training import CHECKPOINT_FILE  # raises ConfigError if the extra `train` is not installed
 
     return path / CHECKPOINT_FILE if path.is_dir() else path

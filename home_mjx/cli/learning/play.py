@@ -113,7 +113,10 @@ def _play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
 
 
 def _has_sounds(spec: "EnvSpec") -> bool:
-    """Return whether a task plays sounds of its own, or bodies sound when they touch."""
+    """Return whether a task plays sounds or requires hearing, or bodies sound when they touch.
+
+    False if the entry point is a function, not a `Task`.
+    """
     from home_mjx.env_factory import make_core
 
     hearing = dataclasses.replace(spec, options={**spec.options, "sensors": (*BLIND_SENSORS, "audio")})
@@ -127,6 +130,7 @@ def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[s
     """Return the spec of a checkpoint, else of the named task, with houses and options from the arguments.
 
     `sensors` replaces its sensors; None: unchanged. `--env` overrides `sensors`; `--episode-file` overrides both.
+    Without `--dataset` its own houses stay; their number and split are always those of the arguments.
 
     Raises:
         ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task.

@@ -106,7 +106,11 @@ def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
 
 
 def run_config(args: argparse.Namespace) -> "RunConfig":
-    """Return the configuration of the training run from the arguments."""
+    """Return the configuration of the training run from the arguments; `--start` of a run's folder is its checkpoint.
+
+    Raises:
+        ConfigError: The task or an option is unknown, or a value is invalid.
+    """
     from home_mjx.training import RunConfig
 
     start = None if args.start is None else str(find_checkpoint(args.start))
@@ -114,7 +118,10 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 
 
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
-    """Return the named task's spec with `--sensors` (by default `TRAINED_SENSORS`) and `--env`, for split `train`."""
+    """Return the named task's spec with `--sensors` (by default `TRAINED_SENSORS`) and `--env`, for split `train`.
+
+    `--env` overrides `--sensors`. Houses are those of `--dataset`; without it None, whatever the spec has.
+    """
     import dataclasses
 
     options = {"sensors": args.sensors or TRAINED_SENSORS, **parse_assignments(args.env)}

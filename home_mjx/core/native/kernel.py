@@ -169,6 +169,7 @@ def _call(
 
 
 def _is_cpu_default() -> bool:
+    """Return whether JAX's default device is a CPU: `jax_default_device` if set, else the default backend."""
     device = getattr(jax.config, "jax_default_device")  # noqa: B009 - not among the attributes that types declare
     return (getattr(device, "platform", device) or jax.default_backend()) == "cpu"
 

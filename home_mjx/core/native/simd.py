@@ -95,6 +95,7 @@ _define_all()
 @lower_builtin(operator.invert, FLAGS)
 @no_type_check
 def _lower_invert(context, builder, sig, args):
+    """Emit the logical negation of each lane of a mask."""
     return builder.not_(args[0])
 
 

@@ -28,7 +28,8 @@ def drop_released_bodies(
     `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
     the static boxes, then the movable bodies. One supports a body if the body's centre is over it or at most
     `MAX_SUPPORT_REACH` beside it, and its top at most `MAX_SUPPORT_OVERLAP` above the body's bottom. A body without a
-    support rests on the ground floor.
+    support rests on the ground floor. Tilted boxes, such as ramps, support at the height of their highest corner only.
+    If more bodies were released than there are agents, the fastest drop and the others stay in the air.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)

@@ -33,7 +33,7 @@ def applied_forces(
 
     Returns:
         Forces on the agents, with hand reactions and ramp support: along world x and y [N], torque about z [N m].
-        Forces on all other degrees of freedom, as MuJoCo's `qfrc_applied`.
+        Forces on all other degrees of freedom, as MuJoCo's `qfrc_applied`; 0 for those of agents.
     """
     bodies, leaves, ramps = house
     layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)

@@ -60,7 +60,17 @@ class ExportedTemplate(Template):
 def build_exported_model(
     config: PhysicsSetup, layout: Layout, house: CompiledHouse, collision: str = "box"
 ) -> MujocoHouse:
-    """Build C MuJoCo's model of an exported house with agents; `collision` is `box` or `exact`, as in `to_mjcf`."""
+    """Build C MuJoCo's model of an exported house with frictionless agents, and its index maps to the state.
+
+    Rows of movable bodies and doors are those of the house in its bank; unused rows have no body. Visual geoms are left
+    out, and an unstable state is not reset (`mjDSBL_AUTORESET`).
+
+    Args:
+        config: Options; `friction` and `restitution`, unless None, replace those of all movable bodies.
+        layout: Layout of the state.
+        house: A compiled house.
+        collision: `box` or `exact`, as in `to_mjcf`, whose errors come through.
+    """
     xml, files = to_mjcf(
         house,
         timestep=config.timing.sim_dt,

@@ -89,7 +89,10 @@ class MujocoHouses:
 
 
 def build_house_model(config: PhysicsSetup, layout: Layout, rows: HouseRows) -> MujocoHouse:
-    """Build C MuJoCo's model of a house from its rows, with the index maps between model and state."""
+    """Build C MuJoCo's model of a house from its rows (`house_mjcf`), with the index maps between model and state.
+
+    Static boxes with a negative half extent, and unused bodies and doors, are left out.
+    """
     model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
     bodies = [f"body{k}" if valid else "" for k, valid in enumerate(rows.body_valid)]

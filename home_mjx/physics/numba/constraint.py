@@ -109,10 +109,11 @@ def _write_jacobian(work, n, side, m, sign):
 @compiled
 @no_type_check
 def _write_door_jacobian(work, n, side, m, sign):
-    """Write the Jacobian of a door as `_write_jacobian` does; only the column of its joint rate is nonzero.
+    """Write contact `n`'s Jacobian (3, 6) of door `m` at `side`; only its first column, of the joint rate, is nonzero.
 
-    Along a direction it is (up x arm) for a hinged leaf, or the slide direction for a sliding one. At a joint limit the
-    first row is the rate itself.
+    Row r is `sign` times the scalar product of direction r of the contact's frame with the velocity per joint rate.
+    That velocity is up x arm, with the arm from the hinge to the contact point, or the direction of sliding. At a joint
+    limit, `sign` is ignored: the first row is 1 at the minimum and -1 at the maximum coordinate, the others are 0.
     """
     door = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free))
     x = door[15] * (work.place[4 * n] - door[0]) + door[14]

@@ -138,7 +138,10 @@ def _length(values, first):
 @compiled
 @no_type_check
 def put_to_sleep(work):
-    """Zero velocity and acceleration of islands whose bodies are all calm: they sleep. Once per control step."""
+    """Zero velocity and acceleration of islands whose bodies are all calm: they sleep. Once per control step.
+
+    Islands are those of the last physics step; one with an agent never sleeps. `wakes` is overwritten as scratch.
+    """
     for m in range(work.num_dynamic):
         if work.awake[m] and not work.calm[m]:
             work.wakes[work.island[m]] = 1

@@ -84,7 +84,7 @@ def pack_field(values: dict[str, np.ndarray]) -> LateField:
 def padded_lengths(fields: Sequence[LateField], capacity_factor: float = 1.0) -> dict[str, int]:
     """Return lengths of the axes of `AXIS_PADDING`, padded, for fields up to `capacity_factor` times the largest.
 
-    The factor raises no length above `MAX_LENGTHS`, which no house exceeds.
+    There must be a field. The factor raises no length above `MAX_LENGTHS`, which no house exceeds.
     """
     found = [field.lengths for field in fields]
     lengths: dict[str, int] = {}
@@ -104,6 +104,9 @@ def stack_fields(
         fields: One field per house.
         leaf_rows: For each house, the bank's row of each door leaf.
         lengths: Lengths of the axes, see `padded_lengths`; None: for the largest of these fields.
+
+    Raises:
+        ValueError: A field is longer than `lengths`.
     """
     lengths = padded_lengths(fields) if lengths is None else lengths
     rows = [np.append(row, -1)[field.portal_leaf] for field, row in zip(fields, leaf_rows, strict=True)]

@@ -113,12 +113,15 @@ def list_transfers(
     number: Int[np.ndarray, "g r r"],
     bins: int,
 ) -> Transfer:
-    """List the transfers between portal states, of nonzero energy only.
+    """List the transfers between portal states, of nonzero energy only, by source, then by target.
+
+    A transfer sums the energies of all pairs of rooms with the same next state.
 
     Args:
-        parts: States in ascending order, and their energy from room to room.
-        number: Index of the next state per pair of rooms, for each state.
-        bins: Number of bins of the result.
+        parts: At least one. Indices of some states, ascending through all parts, and their energy from room to room per
+            octave and bin. States in no part have no transfers.
+        number: Index of the next state per pair of rooms, for each state; -1: the energy is left out.
+        bins: Number of bins of the result, at least that of each part, which is padded with zeros.
     """
     sources, targets, energies = [], [], []
     for rows, portal_energy in parts:
