@@ -165,7 +165,11 @@ def _orientation(image: "Image") -> int:
 
 
 def _reduce_to_bytes(image: "Image") -> "Image":
-    """Return the colours without alpha at 8 bits per channel, as an image of mode L, RGB or CMYK."""
+    """Return the colours without alpha at 8 bits per channel, as an image of mode L, RGB or CMYK.
+
+    Images of mode L, RGB or CMYK are unchanged, except CMYK without Adobe's marker, which is inverted. A palette with
+    missing entries raises `_UnsupportedImageError`.
+    """
     from PIL import Image, ImageChops
 
     if image.mode == "CMYK" and "adobe" not in image.info:  # Pillow inverts all CMYK, only Adobe's is stored inverted

@@ -91,7 +91,10 @@ def _plain(value: Any, where: str) -> Any:
 
 
 def _rebuilt(value: Any) -> Any:
-    """Convert parsed JSON back: markers become tuples and dataclass instances, whose `check_trusted` is called."""
+    """Convert parsed JSON back: markers become tuples and dataclass instances, whose `check_trusted` is called.
+
+    Errors of `_dataclass`, of constructors and of `check_trusted` come through.
+    """
     if isinstance(value, list):
         return [_rebuilt(x) for x in value]
     if not isinstance(value, dict):

@@ -52,7 +52,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Compile and print a summary, or write one house as MJCF; return 1 if a house failed, else 0."""
+    """Compile and print a summary, or write one house as MJCF; return 1 if a house failed, else 0.
+
+    An unknown `--collision` or bake raises `ConfigError` before anything is compiled. Bakes are computed last, also if
+    some houses failed.
+    """
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
         return _write_mjcf(args)

@@ -77,7 +77,10 @@ def _extras() -> Iterator[CheckResult]:
 
 
 def _known_bad_pairs() -> Iterator[CheckResult]:
-    """Yield a result for each installed pair of versions that fails at run time; nothing without such a pair."""
+    """Yield a result for each known fault of the installed versions of JAX, and of Brax or Flax with it; else nothing.
+
+    Flax that JAX is too old for is `BROKEN`; the others have a workaround, so they are a `NOTE`.
+    """
     import jax
 
     brax, flax = _version("brax"), _version("flax")
@@ -137,7 +140,10 @@ def _ffmpeg() -> Iterator[CheckResult]:
 
 
 def _caches() -> Iterator[CheckResult]:
-    """Yield whether the cache folder is writable (else `BROKEN`), and JAX's compilation cache."""
+    """Yield whether the cache folder is writable (else `BROKEN`), and JAX's compilation cache; `NOTE` if disabled.
+
+    It enables that cache. A missing folder counts as its nearest parent that exists.
+    """
     folder = cache_folder()
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
     try:
@@ -152,7 +158,7 @@ def _caches() -> Iterator[CheckResult]:
 
 
 def _dataset() -> Iterator[CheckResult]:
-    """Yield the dataset that `$SUNCG_DATA_DIR` names; `BROKEN` if it cannot be read."""
+    """Yield the dataset that `$SUNCG_DATA_DIR` names; `NOTE` if it is not set, `BROKEN` if it cannot be read."""
     from home_mjx.datasets.registry import open_dataset
 
     root = dataset_root()

@@ -56,7 +56,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write `heard.wav`, `response.wav`, maps with `--map`; print paths and room acoustic parameters; return 0."""
+    """Write `heard.wav`, `response.wav`, maps with `--map`; print paths and room acoustic parameters; return 0.
+
+    Raises:
+        ConfigError: The clip is unknown, or the source is in a wall or not above the floor of a room. Or as of
+            `place_head`.
+    """
     import jax
     import jax.numpy as jnp
     import numpy as np

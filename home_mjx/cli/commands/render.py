@@ -70,7 +70,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write `KIND.png` into the folder `--out` for each kind of image, print the paths, and return 0."""
+    """Write `KIND.png` into the folder `--out` for each kind of image, print the paths, and return 0.
+
+    Existing files are replaced; a kind that is named twice is drawn once. With `--top`, walls that the plan cuts are
+    dark grey in `rgb`. An unknown kind or shader raises `ConfigError`.
+    """
     import jax
     import jax.numpy as jnp
 

@@ -51,7 +51,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Evaluate a checkpoint, film episodes with `--films`, print the metrics (JSON with `--json`), and return 0."""
+    """Evaluate a checkpoint, film episodes with `--films`, print the metrics (JSON with `--json`), and return 0.
+
+    Films go to `films` in `--out`, else beside the checkpoint, or in the current folder for `demo`.
+    """
     import_modules(args.modules)
     path = find_checkpoint(args.checkpoint)
     from home_mjx.training import evaluate_checkpoint

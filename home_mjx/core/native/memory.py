@@ -29,7 +29,10 @@ def _lower_pointer(context, builder, signature, args):
 
 @no_type_check
 def stack_of(item: types.Type, count: int) -> Any:
-    """Create an intrinsic `f()` that returns a pointer to `count` uninitialized items on the caller's stack."""
+    """Create an intrinsic `f()` that returns a pointer to `count` uninitialized items on the caller's stack.
+
+    They are valid until the caller returns. A call in a loop yields the same memory each time.
+    """
 
     @intrinsic
     @no_type_check

@@ -112,7 +112,7 @@ class PhysicsConfig:
                 raise ConfigError(f"unknown {name} `{value}`", element=f"PhysicsConfig.{name}", hint=hint)
 
     def _check_numbers(self) -> None:
-        """Raise `ConfigError` unless all numbers are positive.
+        """Raise `ConfigError` unless all numbers are positive and finite; booleans are not numbers.
 
         `WHOLE_NUMBERS` must be integers, and `OPTIONAL_NUMBERS` may be None.
         """

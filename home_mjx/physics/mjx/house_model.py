@@ -43,7 +43,8 @@ class MovableBodies(Pytree):
 def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None) -> MovableBodies:
     """Return a house's movable bodies at authored poses, unused ones parked.
 
-    `scale.mass` multiplies mass and inertia of used bodies; friction is not among the fields.
+    `scale.mass` multiplies mass and inertia of used bodies; friction is not among the fields. Parked bodies are
+    upright, 2 m apart along x at `PARKED_HEIGHT`, with half extents `PARKED_SIZE` and mass `PARKED_MASS`.
     """
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
@@ -186,7 +187,10 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
 
 
 def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Model:
-    """Return the model with a house's door leaves: poses, masses, joint axes, ranges and damping, geoms."""
+    """Return the model with a house's door leaves: poses, masses, joint axes, ranges and damping, geoms.
+
+    `leaves` are those of `house_doors`, so padding is parked. Without doors the model is unchanged.
+    """
     if not layout.num_doors:
         return model
     at, geom, dof = layout.doors, layout.door_geoms, layout.door_qvel

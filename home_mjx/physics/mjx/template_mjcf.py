@@ -128,7 +128,10 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
 
 
 def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> None:
-    """Add contact pairs: agents and bodies with their slots, doors and one another; feet and corners with the floor."""
+    """Add contact pairs: agents and bodies with their slots, doors and one another; feet and corners with the floor.
+
+    Doors touch neither one another nor slots nor the floor. Pairs with an agent are frictionless.
+    """
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]
         others += [f"body{k}" for k in range(layout.num_bodies)] + [f"agent{b}" for b in range(a)]

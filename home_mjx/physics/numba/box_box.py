@@ -294,7 +294,11 @@ def _add_crossings(start, edge, size, points, number):
 @compiled
 @no_type_check
 def _add_covered_corners(corner, edges, size, points, number):
-    """Add the parallelogram's points below corners of the rectangle that it covers; return the new number of points."""
+    """Add the parallelogram's points below corners of the rectangle that it covers; return the new number of points.
+
+    Corners on its border do not count, nor any of a parallelogram without area. Points above z = 0 are left out, see
+    `_add_point`.
+    """
     a, c = edges[0], edges[1]
     b, d = edges[3], edges[4]
     determinant = a * d - b * c

@@ -77,7 +77,11 @@ def wake_touched_bodies(work):
 @compiled
 @no_type_check
 def wake_near_bodies(work, numbers):
-    """Wake sleeping bodies that an agent or a body that is not calm may touch in the next physics step."""
+    """Wake sleeping bodies that an agent or a body that is not calm may touch in the next physics step.
+
+    They are within `WAKE_DISTANCE` plus at least twice the way of its fastest point in a step. Doors do not wake doors.
+    Bodies that are woken here wake no others before the next call.
+    """
     for m in range(work.num_dynamic):
         if work.awake[m] and (m < work.num_agents or not work.calm[m]):
             speed = offset_pointer(work.vel, 6 * m)

@@ -130,7 +130,10 @@ def _approach_rate(numbers, far, fastest):
 @compiled
 @no_type_check
 def _rotation_error(work, a, m, grip):
-    """Return the rotation vector [rad], to first order in a body's frame, from its orientation to its holder's grip."""
+    """Return the rotation vector [rad], to first order in a body's frame, from its orientation to its holder's grip.
+
+    Of both directions of rotation, it is the shorter one.
+    """
     half = work.quat[4 * a] / 2
     c, s = cos(half), sin(half)
     w, x = c * grip[3] - s * grip[6], c * grip[4] - s * grip[5]

@@ -31,7 +31,11 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def solve(work, numbers):
-    """Replace `acc` of awake bodies, the initial guess, by the solution: accelerations with contact forces."""
+    """Replace `acc` of awake bodies, the initial guess, by the solution: accelerations with contact forces.
+
+    Bodies without contacts get `smooth`; sleeping ones are unchanged. `counts[NEWTON_STEPS]` becomes the number of
+    Newton iterations of all islands.
+    """
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
     count = work.counts[NUM_CONTACTS]
