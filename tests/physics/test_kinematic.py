@@ -259,3 +259,15 @@ def test_a_released_body_rests_on_a_seam_of_a_floor(seam):
     state = state.replace(qvel=state.qvel.at[template.layout.body_qvel].set(-1e-3))
     state = physics.step(template, bank, jnp.int32(0), state, jnp.zeros((1, 3)))
     assert_allclose(state.qpos[template.layout.body_qpos].reshape(-1, 7)[0, 2], 1.1, atol=1e-4)
+
+
+def test_a_released_body_does_not_rest_on_a_held_one():
+    """A held body follows its hand, so it supports nothing: the body above it drops to the floor."""
+    bank = make_bank([TinyHouse(movable=[Box((0, 0.5, z), (0.1, 0.1, 0.1), mass=1) for z in (0.5, 0.8)])])
+    template = Template(PhysicsConfig(impl="kinematic"), bank.spec)
+    pos = jnp.array([[-0.5, -0.5, 0.0]], jnp.float32)
+    state = physics.reset(template, bank, jnp.int32(0), pos, jnp.zeros(1))
+    rows = template.layout.body_qvel.start + 6 + jnp.arange(6)
+    state = state.replace(qvel=state.qvel.at[rows].set(-1e-3), held=jnp.zeros(1, jnp.int32))
+    state = physics.step(template, bank, jnp.int32(0), state, jnp.zeros((1, 3)))
+    assert_allclose(state.qpos[template.layout.body_qpos].reshape(-1, 7)[1, 2], 0.1, atol=1e-4)

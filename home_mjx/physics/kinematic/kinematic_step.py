@@ -96,12 +96,15 @@ def _num_substeps(config: PhysicsSetup) -> int:
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Return static boxes, then movable bodies, unused ones too; ramps and held bodies are disabled (`bottom` inf)."""
+    """Return static boxes, then movable bodies, unused ones too; ramps and held bodies are disabled (`bottom` inf).
+
+    Held bodies support nothing either (`top` inf).
+    """
     static = _static_footprints(physics, house, obstacles=True)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.from_boxes(OrientedBoxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
     held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
-    movable = movable.replace(bottom=jnp.where(held, jnp.inf, movable.bottom))
+    movable = movable.replace(**{side: jnp.where(held, jnp.inf, getattr(movable, side)) for side in ("bottom", "top")})
     return jax.tree.map(lambda *x: jnp.concatenate(x), static, movable)
 
 
