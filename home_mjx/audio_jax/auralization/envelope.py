@@ -39,7 +39,8 @@ def energy_envelope(
     """Compute the energy envelope of `impulse_response` from the same paths and rays, without synthesis.
 
     With the same `key` the rays are the same. Energies of paths are added incoherently; paths beyond the last bin are
-    dropped. Interaural leads are those of a rigid sphere (Woodworth), or of the listener's measured head.
+    dropped. Interaural leads are those of a rigid sphere (Woodworth), or of the listener's measured head. Errors are
+    those of `impulse_response`.
 
     Example:
         >>> envelope = energy_envelope(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP

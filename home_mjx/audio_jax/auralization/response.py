@@ -41,6 +41,9 @@ def impulse_response(
     Returns:
         Pressure re the source's free field at 1 m, `config.response_length` samples per channel from emission on.
 
+    Raises:
+        ConfigError: As of `early_paths`, or of `late_energy`. Or `listener.head` does not suit the receiver.
+
     Example:
         >>> source, listener = SoundSource(radio), Listener(ears, quat, body=agent)  # doctest: +SKIP
         >>> response = impulse_response(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
@@ -61,6 +64,9 @@ def late_energy(
     `config.late` selects rays drawn by `key`, baked energies, or zeros. For ambisonics e is 7: the energies of W, Y, Z
     and X, then the cross energies of W with Y, Z and X (intensity). Energies are 0 if the listener's quaternion is not
     of unit length.
+
+    Raises:
+        ConfigError: `config.late` is `Baked` and the bank has no baked sound.
     """
     if isinstance(config.late, NoLate):
         return jnp.zeros((config.num_bins, config.num_late_channels, len(BANDS)), jnp.float32)

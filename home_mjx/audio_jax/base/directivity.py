@@ -26,6 +26,8 @@ class Directivity(Pytree):
 def stack_directivities(patterns: Sequence[Directivity]) -> Directivity:
     """Stack directivities with the same number of angles, one per source, along a new leading axis, for `SoundSources`.
 
+    There must be one; different numbers of angles raise `ValueError`.
+
     Example:
         >>> stack_directivities([talker_directivity(), first_order_directivity(0.0)]).gain.shape
         (2, 181, 7)

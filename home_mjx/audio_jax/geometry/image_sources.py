@@ -51,7 +51,7 @@ def mirror_sequences(num_mirrors: int, order: int) -> Int[np.ndarray, "i k"]:
 def find_image_sources(
     mirrors: Mirrors, source: Float[Array, "3"], listener: Float[Array, "3"], max_order: int
 ) -> ImageSources:
-    """Find image sources of orders 1 to `max_order` and validate their paths backwards from the listener.
+    """Find image sources of orders 1 to `max_order`, at least 1, and validate their paths backwards from the listener.
 
     With m mirrors there are m + m (m - 1) + m (m - 1)² sequences of orders 1, 2 and 3.
 

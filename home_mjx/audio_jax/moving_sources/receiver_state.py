@@ -43,6 +43,9 @@ def render_receiver_state(
     Returns:
         `config.num_paths` early paths, late energies and the noise draw.
 
+    Raises:
+        ConfigError: As of `impulse_response`.
+
     Example:
         >>> heard = render_receiver_state(
         ...     scene, SoundSource(radio), Listener(ears, quat), jax.random.key(0), config

@@ -32,7 +32,8 @@ def survey_floor(
     """Compute level and reverberation time at many world positions [m] from energies, without a waveform.
 
     Microphones are omnidirectional, whatever `config.receiver`. All share `key`; it is unused if late sound is baked.
-    Energy after `config.response_seconds` does not count for the level, which is -280 dB in silence.
+    Energy after `config.response_seconds` does not count for the level, which is -280 dB in silence. Errors are those
+    of `impulse_response`.
 
     Example:
         >>> found = survey_floor(scene, SoundSource(radio), places, jax.random.key(0), config)  # doctest: +SKIP

@@ -50,7 +50,7 @@ def survey_room(
     looked up instead of traced. The default options have enough rays and duration for measurements.
 
     Raises:
-        ConfigError: The receiver is neither `Binaural` nor `Omni`.
+        ConfigError: The receiver is neither `Binaural` nor `Omni`, or as of `impulse_response`.
 
     Example:
         >>> found = survey_room(scene, SoundSource(radio), Listener(ears, quat), jax.random.key(0))  # doctest: +SKIP

@@ -43,7 +43,7 @@ def bake_house(
         index: Index of the house in the bank.
 
     Raises:
-        ConfigError: The house has no room.
+        ConfigError: The house has no room. Without `bank`, errors of `HouseBank.from_compiled` come through as well.
 
     Example:
         >>> field = bake_house(house)  # doctest: +SKIP
