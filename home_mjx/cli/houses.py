@@ -92,7 +92,8 @@ def is_dataset_name(args: argparse.Namespace) -> bool:
 def is_dataset_root(args: argparse.Namespace) -> bool:
     """Return whether `HOUSE` is a dataset; False for None.
 
-    It is if it is a name with a scheme, any path with `/`, or a folder that is no house of `--dataset`.
+    It is if it is a name with a scheme, any path with `/` (which need not exist), `.`, or a folder that is no house of
+    `--dataset`.
     """
     from home_mjx.datasets.registry import has_scheme
 

@@ -82,7 +82,7 @@ def parse_dataset(text: str) -> Path | str:
     """Parse the root of a dataset: a text `scheme:...`, such as `procedural:16?seed=0`, is returned; others as a path.
 
     Whether the scheme is known is not checked, nor whether the path exists. A text `scheme:...` that is an existing
-    path is one, and `C:/houses` is as well. An empty path raises `ArgumentTypeError`, see `parse_path`.
+    path is returned as a path, and so is `C:/houses`. An empty path raises `ArgumentTypeError`, see `parse_path`.
 
     Example:
         >>> parse_dataset("procedural:16"), parse_dataset("houses").name

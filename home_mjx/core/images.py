@@ -272,6 +272,7 @@ def decode_image(data: bytes) -> np.ndarray:
 
     Raises:
         OSError, ValueError, SyntaxError: Pillow cannot decode it.
+        DecompressionBombError: It has more pixels than Pillow's own limit; `MAX_PIXELS` does not apply.
     """
     from PIL import Image
 

@@ -107,7 +107,7 @@ class MujocoModel:
 def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> tuple[Array, ...]:
     """Call a host function of `register_host_call` on environments (e, ...); an empty batch gives zeros without a call.
 
-    `results` are the shapes and types of the results.
+    `results` are the shapes and types of the results. The last operand determines the size of the batch.
     """
     if operands[-1].shape[0] == 0:
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
