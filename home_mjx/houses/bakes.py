@@ -194,7 +194,7 @@ def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:
         ConfigError: A value is not a bake.
         UnknownNameError: No bake has this name.
     """
-    listed = [bakes] if isinstance(bakes, str | Bake) else bakes
+    listed = bakes if isinstance(bakes, Sequence) and not isinstance(bakes, str) else [bakes]
     found = tuple(find_bake(item) if isinstance(item, str) else item for item in listed)
     for item in found:
         if not isinstance(item, Bake):

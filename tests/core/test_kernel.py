@@ -1,6 +1,8 @@
 """Native kernels: registration, availability, and chunks of work on XLA's threads."""
 
+import time
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import jax
 import jax.numpy as jnp
@@ -92,6 +94,36 @@ def test_where_gpus_are_the_default_tracing_compiles_nothing_for_the_cpu(deferre
     looped = jax.jit(lambda x: jax.lax.map(scaled, x))
     for _ in range(2):
         np.testing.assert_array_equal(looped(values), 3 * values)
+    assert len(compilations) == 1
+
+
+def test_a_deferred_kernel_runs_in_its_own_test(deferred):
+    kernel, compilations = deferred
+    values = jnp.ones((2, 3), jnp.float32)
+    own = Kernel(
+        "test_deferred_own",
+        "slower",
+        cpu=kernel.cpu,
+        test=lambda platform: None if scale("test_deferred_own", values)[0, 0] == 3 else "wrong",
+    )
+    assert own.is_usable("cpu")
+    np.testing.assert_array_equal(jax.jit(lambda x: scale(own.name, x))(values), 3 * values)
+    assert len(compilations) == 1
+
+
+def test_threads_that_ask_at_once_start_a_kernel_once():
+    """XLA refuses a second registration, and the kernel would count as broken."""
+    compilations = []
+
+    def compile_slowly():
+        compilations.append(1)
+        time.sleep(0.2)
+        return compile_chunks()
+
+    kernel = Kernel("test_threads", "slower", cpu=compile_slowly)
+    with ThreadPoolExecutor(4) as threads:
+        problems = list(threads.map(lambda _: kernel.find_problem("cpu"), range(4)))
+    assert problems == [None] * 4
     assert len(compilations) == 1
 
 

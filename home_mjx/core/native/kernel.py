@@ -6,6 +6,7 @@ is compiled only when a program is lowered for the CPU: Numba takes a minute, an
 """
 
 import functools
+import threading
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ GRID_AXES = 3
 
 _registered: list[object] = []  # keeps functions alive that XLA may call until the process ends
 _deferred: dict[str, "Kernel"] = {}  # kernels whose CPU version is compiled when a program is lowered for the CPU
+_locks: dict[tuple["Kernel", str], threading.Lock] = {}  # of kernels and platforms: one thread starts each
+_under_test = threading.local()  # `name`: the kernel whose test this thread runs
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +64,8 @@ class Kernel:
         The first call per platform compiles, registers and tests it; later ones return its answer. An exception then
         is also a reason, so that it does not end a program that works without the kernel.
         """
-        return _find_problem(self, platform)
+        with _locks.setdefault((self, platform), threading.Lock()):
+            return _find_problem(self, platform)
 
     def is_usable(self, platform: str) -> bool:
         """Return whether `find_problem` is None; warn once if the kernel has a version for a device here that fails.
@@ -175,7 +179,12 @@ def _is_cpu_default() -> bool:
 
 
 def _compile_deferred(name: str) -> None:
-    """Compile a kernel of `_deferred` for the CPU, unless that is done; raise `BackendError` if it has a fault."""
+    """Compile a kernel of `_deferred` for the CPU, unless that is done; raise `BackendError` if it has a fault.
+
+    It does nothing in the kernel's own test, which runs when the kernel is compiled.
+    """
+    if getattr(_under_test, "name", None) == name:
+        return
     problem = _deferred[name].find_problem("cpu")
     if problem:
         hint = "With JAX_PLATFORMS=cpu, slower operations take over."
@@ -238,5 +247,6 @@ def _start(kernel: Kernel, platform: str) -> str | None:
         kernel.cuda()
     if kernel.test is None:
         return None
+    _under_test.name = kernel.name  # in a thread of its own, see `run_untraced`
     with jax.default_device(local_devices(platform)[0]):
         return kernel.test(platform)
