@@ -47,11 +47,11 @@ def distance_field(
         step_factor: Factor on the length of steps between cells; positive. A step has that of its farther cell from
             the source.
         height: Height of the cells [m], which are joined as in `geometry.geodesic.grid_edges`; None: equal heights.
-        passable: Cells that may be at the corners of a diagonal step; None: `free`.
+        passable: Cells of which both must be beside a diagonal step; None: `free`.
 
     Returns:
-        Distances in plan [m]; inf if there is no path. With a factor of 1 and equal heights, equal to
-        `geometry.geodesic.distance_fields` up to rounding.
+        Distances in plan [m]; inf if there is no path, and in cells that are not free. With a factor of 1 and equal
+        heights, equal to `geometry.geodesic.distance_fields` up to rounding.
 
     Example:
         >>> fields = jax.vmap(distance_field, (None, 0, None))(free, sources, 0.1)  # doctest: +SKIP
@@ -164,6 +164,7 @@ def goal_fields(
         house: Index of the house, not clipped.
         level: Index of the level's grid.
         goals: Points on that level [m]; free cells whose centre is within one cell of it in x and y have distance 0.
+            z is unused.
 
     Returns:
         Distances to each goal [m], over paths on this level only, in any region; inf if there is no path, or no

@@ -28,11 +28,12 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
 
 
 def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
-    """Return which portals an agent can pass: without a door, or with a leaf open wider than the agent.
+    """Return which portals an agent can pass: without a door, or with a leaf open wider than the agent's diameter.
 
-    A hinged leaf of width w at an angle t from closed leaves a gap of 2 w sin(t / 2) to the frame or to another closed
-    leaf. A sliding leaf leaves a gap of its displacement. Gaps of two leaves are not added. `door_angle` has the joint
-    coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
+    A hinged leaf of width w, at an angle t from closed, leaves a gap of 2 w sin(t / 2) to the frame or another closed
+    leaf. A sliding leaf leaves a gap of its displacement, at most its width. Gaps of two leaves are not added: one that
+    is wide enough suffices. `door_angle` has the joint coordinates of the leaves, as from `door_angles` [rad, m for
+    sliding leaves].
 
     Returns:
         One flag per portal; False for padding, and for portals that agents cannot pass with any door state.

@@ -47,7 +47,7 @@ def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]
 def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"]) -> Int[Array, "3"]:
     """Return grid (level), row (y) and column (x) of the cell below a free `point` [m], such as an eye or a source.
 
-    Of the cells above one another, one per level, it is the highest walkable one at most an agent's height below the
+    Of the cells above one another, one per level, it is the highest walkable one less than an agent's height below the
     point: over stairs the ramp, not the opening in the floor above. Else it is the highest one in a room below the
     point, else the highest one below it, else the lowest one. Floors up to `MAX_SHARED_GAP` above the point count as
     below. Points outside of the grid are clipped to it.
@@ -104,7 +104,8 @@ def geodesic_distance(
     """Compute the length of the shortest path from `feet` to one goal, several goals, or all goals (None).
 
     It is the minimum over the 3 × 3 cells around the feet of the cell's distance plus the straight line to its centre.
-    Near obstacles, and where an object was moved away, distances of the home region are extrapolated continuously, see
+    Neighbours across a corner, or closer to obstacles than the cell at the feet, are left out. Near obstacles, and
+    where an object was moved away, distances of the home region are extrapolated continuously, see
     `geometry.extrapolation`. Elsewhere it is the distance of the nearest cell plus the straight line to it.
 
     Args:
@@ -154,16 +155,17 @@ def _neighbourhood(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"
 def continue_levels(
     bank: HouseBank, house: Int[Array, ""], place: Int[Array, "3"], around: Int[Array, "n 3"]
 ) -> Int[Array, "n 3"]:
-    """Return cells near `place` with the level replaced by the one to which floors and ramps lead from there.
+    """Return cells near `place`, each with its own level: the one to which floors and ramps lead from `place`.
 
-    It is the level of the home cell nearest in height to `place`, if the way there is not steeper than `MAX_SLOPE`.
-    Else it is the level of `place`, as in houses of one level. A cell on that level counts as `MAX_SHARED_GAP` nearer.
+    Of a cell's home cells on all levels, that nearest in height to `place` gives the level. A height difference on the
+    level of `place` counts `MAX_SHARED_GAP` less. If the way there, lengthened by one cell, is steeper
+    than `MAX_SLOPE`, or no level has a home cell, the level is that of `place`. Houses of one level return `around`.
 
     Args:
         bank: The houses.
         house: Index of the house, not clipped.
         place: Level (grid), row and column.
-        around: Levels, rows and columns within the grid; all on the level of `place`.
+        around: Levels, rows and columns within the grid; with several levels, the levels given here are unused.
     """
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
     if numbers.shape[0] == 1:
@@ -197,12 +199,18 @@ def _passable_rank(bank: HouseBank) -> int:
 
 
 def is_passable_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Return whether entries of `NavigationArrays.cell` may be at the corners of diagonal steps between home cells."""
+    """Return whether entries of `NavigationArrays.cell` may be at the corners of diagonal steps between home cells.
+
+    Negative entries, which mark unreachable cells, may not.
+    """
     return _rank(bank, house, cell) <= _passable_rank(bank)
 
 
 def is_home_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:
-    """Return whether cell numbers (entries of the house's `NavigationArrays.cell`) are in its home region."""
+    """Return whether cell numbers (entries of the house's `NavigationArrays.cell`) are in its home region.
+
+    Negative numbers, of unreachable cells, are not.
+    """
     return (cell >= 0) & (cell - bank.navigation.first_cell[house] < bank.navigation.num_cells[house])
 
 
@@ -232,8 +240,8 @@ def stored_distance(
 def random_position(bank: HouseBank, house: Int[Array, ""], key: Array, margin: float = 0.05) -> Float[Array, "3"]:
     """Sample a point on the floor [m], uniformly over the cells of the home region.
 
-    It is at most `margin` / 2 [m] from the cell's centre in x and y, where an agent's radius is free of obstacles.
-    `margin` must be the `NavigationOptions.margin` with which the houses were compiled.
+    It is uniform in a square of edge `margin` [m] around the cell's centre, where an agent's radius is free of
+    obstacles. `margin` must be the `NavigationOptions.margin` with which the houses were compiled.
     """
     which, shift = jax.random.split(key)
     navigation, house = bank.navigation, bank.clip_house_index(house)

@@ -35,7 +35,7 @@ def sample_starts(
 
 
 def random_source(bank: HouseBank, house: Int[Array, ""], height: float, key: Array) -> Float[Array, "3"]:
-    """Sample uniformly one of a house's start points, which are on the floor, raised by `height` [m]."""
+    """Sample uniformly one of a house's start points, on the floor, raised by `height` [m]; `house` is not clipped."""
     points = bank.navigation.start[house]
     index = jax.random.randint(key, (), 0, points.shape[0])
     return points[index].at[2].add(jnp.float32(height))

@@ -44,6 +44,8 @@ def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
     """Write the parameters `net` alone, as float16, for `load_net` and `read_config`; a tenth of a checkpoint's size.
 
+    Numbers beyond the range of float16 become inf, which `load_net` refuses.
+
     Raises:
         ConfigError: As in `save_checkpoint`.
     """
@@ -57,7 +59,7 @@ def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
 
 
 def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig) -> None:
-    """Write arrays by name and the configuration."""
+    """Write arrays by name and the configuration, durably; raises as `save_checkpoint`."""
     text = np.array(to_json(config))
     with write_durably(path, "checkpoint", FREE_SPACE_HINT) as file:
         np.savez(file, **{CONFIG_KEY: text}, **arrays)  # pyright: ignore[reportArgumentType]
@@ -72,9 +74,10 @@ def load_checkpoint(path: str | Path, like: Any, config: RunConfig) -> Any:
         config: The configuration to continue with.
 
     Raises:
-        ConfigError: The checkpoint has another configuration; the error names the differences.
+        ConfigError: The checkpoint has another configuration; the error names the differences. Or as in `read_config`.
         MissingFileError: The file does not exist.
-        DatasetError: The file is not a checkpoint, or its arrays have other shapes.
+        DatasetError: The file is not a checkpoint, arrays are missing or have other shapes or types, or parameters are
+            not finite.
     """
     check_same_config(read_config(path), config, path)
     return _load_tree(path, like, "")
@@ -85,7 +88,8 @@ def load_net(path: str | Path, like: Any) -> Any:
 
     Raises:
         MissingFileError: The file does not exist.
-        DatasetError: The file is not a checkpoint, or its parameters have other shapes or are not finite.
+        DatasetError: The file is not a checkpoint, or its parameters are missing, not finite, or have other shapes or
+            types; float16 is accepted for float32.
     """
     return _load_tree(path, like, NET_PREFIX)
 
@@ -103,6 +107,7 @@ def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> t
 
     Raises:
         ConfigError: As in `read_config`.
+        MissingFileError: The file does not exist.
         DatasetError: As in `load_net`, for example for other observations or actions.
 
     Example:
@@ -114,7 +119,12 @@ def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> t
 
 
 def read_updates(path: str | Path) -> int:
-    """Read the number of updates of a checkpoint's run; raise `MissingFileError` or `DatasetError` as `read_config`."""
+    """Read the number of updates of a run so far from its checkpoint, which a file of `save_net` does not have.
+
+    Raises:
+        MissingFileError: The file does not exist.
+        DatasetError: The file is no such checkpoint.
+    """
     (updates,) = _read_checked(path, [".updates"])
     if updates.shape or updates.dtype.kind != "i" or updates < 0:
         message = f"expected a whole number of at least 0, got {updates.dtype} {updates!s:.40}"
@@ -138,7 +148,10 @@ def read_config(path: str | Path) -> RunConfig:
 
 
 def check_same_config(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
-    """Raise `ConfigError`, which names the differences, if a checkpoint has another configuration than this run."""
+    """Raise `ConfigError` if a checkpoint has another configuration than this run.
+
+    The message names at most `MAX_SHOWN_DIFFERENCES` of the options that differ.
+    """
     there, here = (dict(_flat(json.loads(to_json(config)), "")) for config in (theirs, ours))
     wrong = [name for name in {**there, **here} if there.get(name) != here.get(name)]
     if wrong:
@@ -170,9 +183,10 @@ def is_finite(net: Any) -> bool:
 
 
 def _load_tree(path: str | Path, like: Any, below: str) -> Any:
-    """Load a tree with the shapes and types of `like`, whose arrays' names begin with `below`; errors as in `load_net`.
+    """Load a tree with the structure, shapes and types of `like`; `below` begins the names of its arrays in the file.
 
-    Float16 arrays become float32 where `like` has float32. Only parameters must be finite.
+    Raises as `load_net`. Further arrays of the file are ignored. Float16 arrays become float32 where `like` has
+    float32. Only parameters must be finite.
     """
     leaves, structure = jax.tree_util.tree_flatten_with_path(like)
     names = [below + jax.tree_util.keystr(place) for place, _ in leaves]

@@ -39,8 +39,8 @@ def evaluation_spec(
 
     Args:
         spec: Spec that the agent was trained on.
-        split: Split of the dataset; None: the houses of training.
-        num_houses: Number of houses of the split.
+        split: Split of the dataset; None: the houses of training, in the episodes of training if there are such.
+        num_houses: Number of houses of the split; without effect if `split` is None, or with `episode_file`.
         episode_file: Episode file that replaces the split; its episodes name their houses.
         dataset: Root of a dataset other than that of training.
 
@@ -83,7 +83,8 @@ def evaluate(
     """Run episodes to their end and return their metrics.
 
     Episodes are the first rows of the environment's episodes or task bank, cyclically. Without such rows they are
-    sampled with `sample_episodes`. The same seed gives the same episodes to any policy.
+    sampled with `sample_episodes`; a task without columns begins each by a reset with its key. The same seed gives the
+    same episodes to any policy.
 
     Args:
         env: Houses and task; use held-out houses, `split="val"`, to measure generalisation.

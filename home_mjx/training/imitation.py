@@ -65,7 +65,10 @@ class AdvisedPPO(PPO):
 
 
 def advice_loss(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
-    """Return the mean negative log-likelihood of advice, and metrics: this, and the share of modes near the advice."""
+    """Return the mean negative log-likelihood of advice, and metrics: this, and the share of modes near the advice.
+
+    Near is every number of the action within `MAX_AGREEING_DISTANCE`, so that discrete actions must be equal.
+    """
     clone_loss = -jnp.mean(choose.log_prob(params, advice))
     apart = jnp.abs(choose.clip(choose.mode(params)) - advice).reshape(*params.shape[:-1], -1)
     same = jnp.all(apart <= MAX_AGREEING_DISTANCE, axis=-1)
@@ -88,7 +91,11 @@ class BehaviorCloning(AdvisedPPO):
     """
 
     def behavior_policy(self, state: TrainState) -> Policy:
-        """Return a policy that takes its own or, per step and row with a falling probability, the expert's action."""
+        """Return a policy that takes its own or, per step and row with some probability, the expert's action.
+
+        The probability falls linearly from 1 towards 0 at `EXPERT_DECAY_FRACTION` of the updates, but not below
+        `MIN_EXPERT_SHARE`. After `STUDENT_ONLY_AFTER` of the updates it is 0.
+        """
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates
         led = jnp.where(done < STUDENT_ONLY_AFTER, jnp.clip(1 - done / EXPERT_DECAY_FRACTION, MIN_EXPERT_SHARE, 1), 0.0)

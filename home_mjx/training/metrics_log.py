@@ -52,7 +52,10 @@ class MetricsLog(Observer):
         self.lines = [line for line in read_lines(self.path) if line["steps"] <= steps]
 
     def on_run_start(self, start: RunStart) -> None:
-        """Write the file anew with `lines`: lines after the checkpoint from which a run continues are dropped."""
+        """Write the file anew with `lines`: lines after the checkpoint from which a run continues are dropped.
+
+        Raises `ConfigError` if it cannot be written.
+        """
         with write_durably(self.path, "metrics", FREE_SPACE_HINT) as file:
             file.write("".join(f"{json.dumps(line)}\n" for line in self.lines).encode())
 
@@ -210,7 +213,10 @@ def moving_average(values: list[float]) -> list[float]:
 
 
 def _panels(num: int) -> list[Any]:
-    """Return `num` axes of a new figure, up to 4 in a row; without pyplot, which keeps figures and needs a display."""
+    """Return `num` axes of a new figure, up to 4 in a row; `ConfigError` if Matplotlib is not installed.
+
+    It is not made by pyplot, which keeps figures and needs a display.
+    """
     try:
         from matplotlib.figure import Figure
         from matplotlib.ticker import EngFormatter

@@ -101,7 +101,10 @@ class PPO:
         self.update = self.sharding.map(self._update_local, (params, self._specs), (self._specs, REPLICATED))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
-        """Return a state with fresh parameters and reset environments; with `stagger` at random times of an episode."""
+        """Return a state with fresh parameters and reset environments.
+
+        With `stagger` their step counters are at random times of an episode, so that the first ones end early.
+        """
         net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw_key(key)), 3)
         net = self.agent.init_net(net_key)
         actor = self._reset(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
@@ -114,7 +117,10 @@ class PPO:
         return self.sharding.put(state, self._specs)
 
     def _reset_local(self, params: EnvParams, keys: UInt32[Array, "n 2"]) -> RolloutState:
-        """Reset this device's n environments, one key each; with `stagger` at random steps of their episode."""
+        """Reset this device's n environments, one key each; with `stagger` their step counters are random.
+
+        Without weights, rows of the tasks are taken in order, each device beginning at its own.
+        """
         num, config = keys.shape[0], self.core.config
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = env_index(num)  # each device starts at different rows
@@ -184,7 +190,10 @@ class PPO:
         return self.agent.unroll(net, batch.memory, batch.steps.obs, batch.steps.is_first)[1:]
 
     def clipped_loss(self, params: Array, value: Array, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Return clipped policy loss plus weighted value loss minus weighted entropy, and unweighted parts by name."""
+        """Return clipped policy loss plus weighted value loss minus weighted entropy, and unweighted parts by name.
+
+        Advantages are first normalised to mean 0 and deviation 1 over all devices.
+        """
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]
         ratio, clipped = jnp.exp(change), jnp.clip(jnp.exp(change), 1 - config.clip_range, 1 + config.clip_range)
@@ -208,8 +217,11 @@ class PPO:
     ) -> tuple[Any, Any, dict[str, Array]]:
         """Take `num_epochs` passes over minibatches of whole rows, shuffled; call inside `EnvSharding.map` only.
 
+        `num_minibatches` must divide the rows.
+
         Returns:
-            Parameters, the optimizer's state, and the means of the loss's parts and of the gradients' norm.
+            Parameters, the optimizer's state, and means over all steps: the loss's parts as `loss/...`, and `grad_norm`
+            before clipping.
         """
         num_rows = batch.memory.shape[0]
 

@@ -48,7 +48,10 @@ class MetricMeans:
         self.sums = {name: self.sums.get(name, 0.0) + float(x) for name, x in metrics.items()}
 
     def means(self) -> dict[str, float]:
-        """Return means and reset; `episode/x` becomes `x` per episode, omitted if none ended; `episodes` is a count."""
+        """Return means since the last call and reset; `episode/x` becomes `x` per episode, omitted if none ended.
+
+        `episodes` is their number. At least one update must have been added, else `KeyError`.
+        """
         episodes, found = self.sums["episode/episodes"], {}
         for name, x in self.sums.items():
             if not name.startswith("episode/"):

@@ -112,8 +112,8 @@ def _truncation_values(
 ) -> Array:
     """Return the values (r,) of the observations after truncated steps; 0 elsewhere, or if the policy has no values.
 
-    `memory` is that after the step, `last` are the last observations of ended episodes, `late` is True for truncated
-    rows.
+    `memory` is that after the step, `last` has the last observations of ended episodes, `late` is True for truncated
+    rows. Other rows of `last` do not matter.
     """
     nothing, value = jnp.zeros(late.shape, jnp.float32), policy.value
     if value is None:

@@ -104,7 +104,8 @@ def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
     Raises:
         ConfigError: There is a checkpoint but `resume` is False, or its configuration differs; or as in
             `PPOConfig.check_devices`, even without a checkpoint.
-        DatasetError: The checkpoint or `config.start` is broken, or has more updates than the run.
+        DatasetError: The checkpoint is broken, or has more updates than the run; or there is none, and `config.start`
+            is missing or broken.
     """
     core = make_core(config.env)
     for _, options in config.stages:
@@ -132,7 +133,7 @@ class _Stage:
     Attributes:
         ppo: The learner.
         params: Houses and tasks, on the learner's devices.
-        state: Initial state.
+        state: Initial state; with fresh parameters if an earlier stage runs first.
         update: The compiled update.
         first: Updates of the run before this stage.
         last: Updates of the run after it.
@@ -147,7 +148,12 @@ class _Stage:
 
 
 def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
-    """Compile in parallel, and return in order, the stages not complete after `done` updates; at least the last."""
+    """Compile in parallel, and return in order, the stages not complete after `done` updates; at least the last.
+
+    `path` is the run's checkpoint file. A stage in progress has its state as initial state. A new first stage begins
+    with the network of `config.start`, if any. A stage that begins just after the checkpoint has the network of that.
+    Others have fresh parameters, which `_Run.learn` replaces by those of the stage before.
+    """
     found, last = [], 0
     with ThreadPoolExecutor() as pool:
         for number, (algorithm, options) in enumerate(config.stages):
@@ -179,7 +185,10 @@ class _Run:
     clock: RunClock
 
     def learn(self, stage: _Stage, net: Any) -> Any:
-        """Run a stage to its end or the time limit from `net` (None: its own); log, save checkpoints; return net."""
+        """Run a stage to its end or the time limit from `net` (None: its own); log, save checkpoints; return net.
+
+        Raises `ConfigError` before a checkpoint if parameters are not finite.
+        """
         size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, MetricMeans()
         per_line = max(1, num // MIN_LINES_PER_STAGE)
         saved = -MIN_CHECKPOINT_INTERVAL
@@ -232,6 +241,10 @@ def evaluate_checkpoint(
 
     Returns:
         `trained` and `random`, each a `summarize`, and the settings of the evaluation.
+
+    Raises:
+        ConfigError: As in `load_policy`, `evaluate` and `home_mjx.make`.
+        DatasetError: As in `load_policy`; or the houses or `episode_file` cannot be read.
     """
     check_episodes(DEFAULT_EPISODES if num_episodes is None else num_episodes)
     spec = evaluation_spec(read_config(path).env, split, num_houses, episode_file=episode_file, dataset=dataset)

@@ -16,9 +16,10 @@ MIN_PORTAL_DISTANCE = 0.5  # [m], minimum distance from an object on the floor t
 def choose_candidates(
     house: HouseLayout, places: PlacementCandidates, order: Int[np.ndarray, " t"]
 ) -> tuple[BoxSet, Bool[np.ndarray, " k"]]:
-    """Choose the first free candidate of each object; return the boxes of all bodies and which of them have moved.
+    """Choose the first suitable candidate of each object; return the boxes of all bodies and which of them have moved.
 
-    Bodies with indices `order` are moved in that order; those without a free candidate stay. New poses overlap no
+    Suitable is usable and clear of all boxes and door sweeps; on a floor, also as `_home_after_placement` requires.
+    Bodies with indices `order` are moved in that order; those without a suitable candidate stay. New poses overlap no
     initial pose of another body, so each can be restored.
     """
     now, moved, home = house.bodies, np.zeros(len(house.bodies), bool), house.home_region
@@ -59,7 +60,8 @@ def _home_after_placement(
 ) -> Bool[np.ndarray, "l ny nx"] | None:
     """Return the home region `home` less cells within `agent_clearance` of one box.
 
-    None if the box leaves its room, blocks a portal or goal, or splits the region.
+    None if the box leaves its room, is close to a portal or goal, or splits the region into more parts. Close is within
+    `MIN_PORTAL_DISTANCE` of a portal, `agent_clearance` of a goal.
     """
     level = house.level_of(room)
     if (house.room_at(footprint(box, 0), level) != room).any():

@@ -30,7 +30,8 @@ def find_level_candidates(
 ) -> Bool[np.ndarray, "p k n"]:
     """Return which usable candidates have a level visible surface below, and none within the object's bounds.
 
-    The axes are arrangements p, bodies k and candidates n. Objects on furniture must land on `SUPPORT_CATEGORIES`.
+    Only the lowest `MAX_RAY_HEIGHT` of the bounds is checked; all selected objects are absent meanwhile. The axes are
+    arrangements p, bodies k and candidates n. Objects on furniture must land on `SUPPORT_CATEGORIES`.
     """
     used = np.flatnonzero(bank.physics.body_valid[house])
     gone = np.zeros(bank.spec.num_bodies, bool)

@@ -66,8 +66,8 @@ def override_options(records: Records, given: Mapping[str, Any], accepted: Itera
         accepted: Further names that the caller accepts, as suggestions for unknown names.
 
     Raises:
-        ConfigError: A name is unknown (with the closest known one) or matches several fields, or no move fits into the
-            requested `ctrl_dt`.
+        ConfigError: A name is unknown (with the closest known one) or matches several fields, a value is invalid, or
+            no move fits into the requested `ctrl_dt`.
 
     Example:
         >>> override_options({"": EnvConfig()}, {"width": 32, "physics.num_agents": 2, "friction": 0.5})[

@@ -157,7 +157,7 @@ def _static_semantic_rows(
     """Return rows of `bank.semantics` for static contact partners `other` (codes of `BodyContacts`); -1 for others.
 
     `box` has the bounds of each body [m]. Boxes of objects have rows of their own. Others count as floor if their top
-    is at most `MAX_FLOOR_BOX_HEIGHT` above the body's bottom, else as wall, of the room below the body's middle; -1
+    is less than `MAX_FLOOR_BOX_HEIGHT` above the body's bottom, else as wall, of the room below the body's middle; -1
     outdoors.
     """
     physics, number = bank.physics, jnp.maximum(STATIC - other, 0)

@@ -82,12 +82,12 @@ class ArraySpec:
     text: str = ""
 
     def for_agents(self, num_agents: int) -> "ArraySpec":
-        """Return the spec of all agents, with a leading axis if there are several."""
+        """Return the spec of all agents, with a leading axis if there are several; unchanged for one."""
         shape = self.shape if num_agents == 1 else (num_agents, *self.shape)
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
     def for_one_agent(self, num_agents: int) -> "ArraySpec":
-        """Return the spec of one agent; inverse of `for_agents`.
+        """Return the spec of one agent: without the leading axis, which is there for several agents; unchanged for one.
 
         Example:
             >>> ArraySpec((2, 3)).for_one_agent(2).shape

@@ -32,9 +32,10 @@ def impact_sounds(
 ) -> TransientSounds:
     """Return one impact per dynamic body; its gain is the contact impulse [N s] beyond the resting one, 0 if none.
 
-    The resting impulse is that of the previous step, at least that of its weight. An impact of two bodies sounds once.
-    Agents' impacts are softer by `AGENT_IMPACT_GAIN`, and sound as the other side's material. Contacts have no time
-    within a step, so impacts begin in the middle of the frame.
+    It is also 0 up to an impulse of `MIN_IMPULSE` or a change of speed of `MIN_SPEED_CHANGE`, and at most
+    `MAX_IMPACT_GAIN`. The resting impulse is that of the previous step, at least that of its weight. An impact of two
+    bodies sounds once, one of two agents not at all. Agents' impacts are softer by `AGENT_IMPACT_GAIN`, and sound as
+    the other side's material. Contacts have no time within a step, so impacts begin in the middle of the frame.
 
     Args:
         config: Options.
@@ -92,7 +93,8 @@ def sliding_sounds(
     """Return each movable body's row of `SUSTAINED` and its gain: root of friction power [W]; 0 if held or not sliding.
 
     `before` and `pos` are positions of bodies before and after the step [m]. `impulse` is the contact impulse of each
-    dynamic body in the previous step [N s]: a body slides only with contact in both steps.
+    dynamic body in the previous step [N s]. A body slides only with contact in both steps and a horizontal speed above
+    `MIN_SLIDING_SPEED`; speeds above `MAX_SLIDING_SPEED` count as that.
     """
     agents, count = config.num_agents, pos.shape[0]
     part = slice(agents, agents + count)

@@ -47,7 +47,7 @@ def _classes(classes: dict, kinds: dict[str, tuple[str, ...]], other: str) -> np
 
 
 def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
-    """Return the distance between footsteps [m], as drawn for this episode if it varies."""
+    """Return the distance between footsteps [m], as drawn for this episode if it varies; requires contact sounds."""
     assert config.contact_sounds is not None
     drawn = None if snapshot.variation is None else snapshot.variation.footstep_distance
     return jnp.float32(config.contact_sounds.step_length) if drawn is None else drawn
@@ -58,7 +58,8 @@ def footsteps(
 ) -> tuple[TransientSounds, Float[Array, " a"], Bool[Array, ""]]:
     """Return one footstep of each agent in a control step; its gain is the speed [m/s], 0 if the agent took none.
 
-    Of several in one step only the last sounds. `before` are positions of agents before the step [m], `noises` the
+    The speed counts up to `MAX_FOOTSTEP_SPEED`; without a floor within `MAX_FLOOR_DISTANCE` below the agent the gain is
+    0. Of several in one step only the last sounds. `before` are positions of agents before the step [m], `noises` the
     contact sounds before it, `snapshot` is of after it.
 
     Returns:

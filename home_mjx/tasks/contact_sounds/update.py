@@ -22,10 +22,10 @@ from home_mjx.tasks.contact_sounds.footsteps import footsteps
 def update_contact_sounds(
     config: EnvConfig, template: physics.Template, before: PhysicsState, after: PhysicsState, snapshot: Snapshot
 ) -> tuple[ContactSounds, Bool[Array, ""]]:
-    """Return the contact sounds after one control step, and whether any found no slot, see `Status.NOISES`.
+    """Return the contact sounds after one control step, and whether any was lost, see `Status.NOISES`.
 
-    `before` and `after` are physics states of that step. `snapshot` is of after it, with the contact sounds from before
-    it.
+    Lost are sounds that found no slot, and all but the last of several footsteps of an agent. `before` and `after` are
+    physics states of that step. `snapshot` is of after it, with the contact sounds from before it.
     """
     options, noises, audio = config.contact_sounds, snapshot.contact_sounds, config.audio
     assert options is not None

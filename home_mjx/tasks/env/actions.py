@@ -125,7 +125,10 @@ def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
 def override_moves(
     config: EnvConfig, moves: DecodedActions, stopped: Any, mask: Bool[Array, " a"], action: Array
 ) -> DecodedActions:
-    """Return `moves`, with those of masked agents decoded from `action` (of all agents); `is_invalid` stays."""
+    """Return `moves`, with those of masked agents decoded from `action` (of all agents); `is_invalid` stays.
+
+    An action of these that does not exist is idle, and raises no error.
+    """
     own = decode_actions(config, action, stopped).replace(is_invalid=moves.is_invalid)
 
     def pick(led: Array, told: Array) -> Array:

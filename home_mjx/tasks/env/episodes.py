@@ -112,8 +112,9 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
         task: Task of the episodes.
 
     Raises:
+        MissingFileError: The file does not exist.
         DatasetError: A line is malformed or of another task. Or the bank lacks its house, the house lacks its goal, no
-            path leads there, or `length` is not that of the shortest path.
+            path leads there, or `length` is not that of the shortest path. Or the file has no lines.
     """
     file = as_path(path, "episodes")
     check_type("bank", bank, HouseBank)
@@ -191,7 +192,13 @@ def _solvable_and_length(
 
 
 def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
-    """Return house index, start, yaw and columns from a line of a file; `index` maps ids of houses to indices."""
+    """Return house index, start, yaw and columns from a line of a file; `index` maps ids of houses to indices.
+
+    Raises:
+        DatasetError: The line is of another task, or as in `Task.from_json`.
+        UnknownIdError: `index` lacks the house.
+        KeyError, TypeError, ValueError: The line is malformed.
+    """
     name = type(task).__name__
     if line.get("task", name) not in [kind.__name__ for kind in type(task).__mro__]:
         message = f"the episode is one of {line['task']!s:.100}, not of {name}"
@@ -204,5 +211,5 @@ def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int],
 
 
 def _as_scalar(value: Any) -> Any:
-    """Return an integer as int32, another number as float32."""
+    """Return a Python integer as int32, any other number as float32."""
     return np.int32(value) if isinstance(value, int) else np.float32(value)

@@ -155,6 +155,10 @@ class HouseholdEnv:
 
         Returns:
             A state with its first observation, zero reward, neither terminated nor truncated.
+
+        Raises:
+            ConfigError: `house` is given although `params.tasks` has rows, or `episode` although it has none; or `key`
+                is not one key.
         """
         self._announce_compile("reset", key)
         state, snapshot = self._init(params, key, house, episode)
@@ -313,11 +317,14 @@ class HouseholdEnv:
         return self._select_acting(obs | self._extra_observations(state, snapshot))
 
     def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
-        """Return observations that a subclass adds, each with a leading axis of all agents; none here."""
+        """Return observations that a subclass adds, by name, each with a leading axis of all agents; none here."""
         return {}
 
     def _observation_spec(self) -> Specs:
-        """Return specs of sensors and of those task observations that `config.sensors` names, for acting agents."""
+        """Return specs by name of sensors and of those task observations that `config.sensors` names.
+
+        They are for the acting agents: with a leading axis of these if there are several, without it for one.
+        """
         own = {name: spec for sensor in self.sensors for name, spec in sensor.spec(self.acting_config).items()}
         offered = self.task.observation_spec
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}

@@ -137,7 +137,10 @@ def resolve_turns(
 
 
 def _turn_direction(snapshot: Snapshot) -> Float[Array, " a"]:
-    """Return the direction of agents' turns in the last action: 1 to the left, -1 to the right, 0 neither."""
+    """Return the direction of agents' turns in the last action: 1 to the left, -1 to the right, 0 neither.
+
+    Continuous turns are rounded, so that those up to half the maximum rate count as neither.
+    """
     names, action = action_names(snapshot.config), snapshot.action
     if snapshot.config.discrete is None:
         return jnp.round(action[:, names.index("turn_left")])

@@ -129,6 +129,8 @@ def descend_window(
 ) -> Int[Array, "k 2"]:
     """Return row and column of the next cells down a window's distances, relative to its centre, which is first.
 
+    At a minimum the last cell is repeated.
+
     Args:
         far: The distances [m].
         height: Height of each cell [m].

@@ -39,6 +39,9 @@ def attribute_text(word: Attribute, value: int) -> str:
 def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
     """Return a noun phrase for objects with these attribute values; "thing" without a category.
 
+    The fine category is the noun if there is one, else the coarse one. Attributes other than size, colour, material and
+    type of room are left out.
+
     Example:
         >>> noun_phrase({Attribute.COARSE: 11, Attribute.SIZE: 3, Attribute.ROOM_TYPE: 1})
         'the large chair in the kitchen'

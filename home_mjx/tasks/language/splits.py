@@ -53,6 +53,9 @@ def mask_new_combinations(tasks: TaskBank, fraction: float = 0.2, seed: int = 0)
         fraction: Fraction of all combinations to hold out, from 0 to 1.
         seed: Seed of the choice of combinations.
 
+    Raises:
+        ConfigError: `fraction` or `seed` is out of range.
+
     Example:
         >>> held_out = mask_new_combinations(tasks)  # doctest: +SKIP
         >>> train, test = tasks.where(~held_out), tasks.where(held_out)  # doctest: +SKIP
@@ -63,7 +66,10 @@ def mask_new_combinations(tasks: TaskBank, fraction: float = 0.2, seed: int = 0)
 def mask_new_descriptors(
     descriptors: Int[np.ndarray, "t d words"], fraction: float = 0.2, seed: int = 0
 ) -> Bool[np.ndarray, " t"]:
-    """Return the mask of `mask_new_combinations` from the descriptors of rows (columns `Attribute`)."""
+    """Return the mask of `mask_new_combinations` from the descriptors of rows (columns `Attribute`).
+
+    Each combination is held out with probability `fraction`, by a hash. Raises `ConfigError` for numbers out of range.
+    """
     check_number("fraction", fraction, 0, 1)
     check_number("seed", seed, *SEED_RANGE, integer=True)
     said = descriptors[..., list(COMBINED_ATTRIBUTES)]

@@ -14,7 +14,10 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 def chance_accuracy(tasks: TaskBank) -> float:
-    """Return the accuracy of guessing uniformly among each question's answers in `tasks`; `ConfigError` without any."""
+    """Return the accuracy of guessing uniformly among each question's answers in `tasks`; `ConfigError` without any.
+
+    Rows without a question do not count.
+    """
     texts, answers = _questions_and_answers(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)
     for text, answer in zip(texts, answers.tolist(), strict=True):
@@ -26,7 +29,7 @@ def prior_accuracy(train_tasks: TaskBank, test_tasks: TaskBank) -> float:
     """Return the accuracy on `test_tasks` of the best agent that reads questions but observes nothing else.
 
     It gives each question its most frequent answer in `train_tasks`, and an unseen question the most frequent answer of
-    all.
+    all; of equally frequent ones the first. Rows without a question do not count.
 
     Raises:
         ConfigError: One of them has no questions.

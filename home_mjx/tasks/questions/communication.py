@@ -68,7 +68,10 @@ class Communication(NavigationTask):
         return 2
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows about room types of the house, endlessly in random order; none if all have the same rooms."""
+        """Yield rows about room types of the house, endlessly in random order.
+
+        Yields none unless two types have different rooms.
+        """
         rooms = view.rooms_by_type
         types = np.array(list(rooms), int)
         while len(set(rooms.values())) > 1:

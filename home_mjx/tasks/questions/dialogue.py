@@ -56,7 +56,10 @@ class Dialogue(NavigationTask):
         return ("reply",)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows, endlessly, about objects that only the oracle's replies identify; none if there are none."""
+        """Yield rows, endlessly, about objects that only the oracle's replies identify; none if there are none.
+
+        Their category alone does not identify them, and all others of it are more than twice `success_distance` away.
+        """
         things = askable_objects(view.objects)
         found = [
             (thing, words) for thing in things for words in identifying_words(view.objects, thing)[:1] if len(words) > 1
@@ -103,7 +106,10 @@ def reply_word(thing: HouseObject, word: Attribute) -> str:
 
 
 def support_word(things: Sequence[HouseObject], thing: HouseObject) -> str:
-    """Return the category of the object that supports `thing`, else the surface's name; `UNKNOWN` if not known."""
+    """Return the category of the object that supports `thing`, else the surface's name; `UNKNOWN` if not known.
+
+    The surface's name is also returned if that object is not in `things`.
+    """
     support = thing.semantic(Semantic.SUPPORT)
     if support < 0:
         return UNKNOWN

@@ -56,7 +56,10 @@ class QuestionTask(GeneratorTask):
         return tuple(f"answer:{word}" for word in answers_to(self.kinds))
 
     def select_rows(self, drawn: list[FeasibleRow], num_tasks: int, random: np.random.Generator) -> list[FeasibleRow]:
-        """Select at most `num_tasks` rows per house, so that a question occurs equally often with each answer."""
+        """Select at most `num_tasks` rows per house, so that a question occurs equally often with each answer.
+
+        Raises as `balance_rows`.
+        """
         return balance_rows(drawn, num_tasks, random)
 
 

@@ -45,7 +45,8 @@ def attribute_questions(
 ) -> Iterator[Question]:
     """Yield questions about an attribute of single objects, or about the room they are in.
 
-    Objects with several main colours have no question about colour, those in rooms of several labels none about place.
+    There is one for each smallest set of words that identifies an object. Objects whose value is unknown have none,
+    those with several main colours none about colour, and those in rooms of several labels none about place.
 
     Args:
         things: Objects among which a phrase must identify one.
@@ -107,7 +108,11 @@ def count_questions(view: HouseView) -> Iterator[Question]:
 
 
 def comparison_questions(view: HouseView) -> Iterator[Question]:
-    """Yield yes-no questions that compare two `unique_objects`, by clearly different volume or by main colour."""
+    """Yield yes-no questions that compare two `unique_objects`, by clearly different volume or by main colour.
+
+    Volumes differ by a factor of at least `MIN_VOLUME_RATIO`, and both orders are asked. Colours are compared, once,
+    only if both objects have exactly one.
+    """
     own = unique_objects(view.objects)
     for a, b in permutations(own, 2):
         ratio = volume(a) / volume(b)
@@ -128,7 +133,11 @@ def comparison_questions(view: HouseView) -> Iterator[Question]:
 
 
 def relation_questions(view: HouseView) -> Iterator[Question]:
-    """Yield questions on what an object carries, and whether two `unique_objects` are near; not for doubtful gaps."""
+    """Yield questions on what an object carries, and whether two `unique_objects` are near; not for doubtful gaps.
+
+    Near is a gap up to `MAX_GAP_NEXT_TO`, not near one from `MIN_GAP_AWAY` on. Objects that carry nothing are not asked
+    about.
+    """
     bearers = {thing.semantic(Semantic.SUPPORTER) for thing in view.objects}
     for thing in askable_objects(view.objects):
         if thing.object_id in bearers:
@@ -145,7 +154,11 @@ def relation_questions(view: HouseView) -> Iterator[Question]:
 
 
 def _support_questions(view: HouseView, thing: HouseObject, words: dict[Attribute, int]) -> Iterator[Question]:
-    """Yield questions on what is on an object that `words` identify; none unless all that it carries is visible."""
+    """Yield questions what is on an object, and whether each of `SMALL_CATEGORIES` is on it.
+
+    The first is asked only if all that it carries is of one category, one of `NOUNS`. `words` identify the object in
+    the text. Yields none if something that it carries is not visible from beside it.
+    """
     carried = [other for other in view.objects if is_on(other, thing)]
     if not all(view.is_visible(other) for other in carried):
         return

@@ -93,6 +93,8 @@ def view_questions(
 ) -> Iterator[Question]:
     """Yield questions about the presence or number of a category's objects, unless one of them is hardly in view.
 
+    Numbers are asked only if they are 1 to `MAX_COUNT`.
+
     Args:
         kind: "existence" or "count".
         nouns: Categories to ask about.

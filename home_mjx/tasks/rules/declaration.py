@@ -164,7 +164,10 @@ def pack_items(record: type[Pytree], axis: str, items: Sequence[Mapping[str, Any
 
 
 def extract(record: type[R], columns: Mapping[str, Array]) -> R:
-    """Extract a record from the columns, by key, of one or many rows; further columns are ignored."""
+    """Extract a record from the columns, by key, of one or many rows; further columns are ignored.
+
+    Raises `KeyError` if one is missing.
+    """
     return record(**{name: columns[column.key] for name, column in columns_of(record).items()})
 
 

@@ -135,6 +135,8 @@ def _selected(conditions: Sequence[Condition], bits: int) -> tuple[Condition, ..
 def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str, np.ndarray]:
     """Pack sounds into the columns of `SoundEvents`.
 
+    Whether the descriptor of an emitter can emit sound is not checked.
+
     Raises:
         ConfigError: There are more than `NUM_SOUNDS`, or one refers to a missing descriptor.
 

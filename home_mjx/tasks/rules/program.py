@@ -172,7 +172,8 @@ def check_success(stages: Sequence[TaskStage]) -> None:
 def evaluate_conditions(program: TaskProgram, table: Float[Array, "feature a d d"]) -> Bool[Array, " c"]:
     """Return which conditions of a program hold, from the values of `FeatureValues`.
 
-    A condition tests its agent's value, with agent -1 that of any agent; both limits are inclusive.
+    A condition tests its agent's value, with agent -1 that of any agent; both limits are inclusive. Numbers beyond the
+    last agent count as the last one.
     """
     first, second = jnp.maximum(program.first, 0), jnp.maximum(program.second, 0)
     value = table[program.feature, :, first, second]  # (c, a)

@@ -153,7 +153,7 @@ class RowTask(Task):
         }
 
     def task_bank(self, bank: HouseBank) -> TaskBank:
-        """Build a task bank for these houses."""
+        """Build a task bank for these houses; raises as `build_task_bank`."""
         limits = self.min_length, self.max_length
         return build_task_bank(bank, self.generators, self.num_tasks, self.task_seed, *limits)
 

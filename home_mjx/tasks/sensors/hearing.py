@@ -225,7 +225,7 @@ def clip_names(config: EnvConfig) -> tuple[str, ...]:
 
 
 def clip_indices(config: EnvConfig, snapshot: Snapshot) -> Int[Array, " e"]:
-    """Return the index into `clip_names` of each source's clip; -1 silence."""
+    """Return the index into `clip_names` of each source's clip; -1 for silence, voices and other clips."""
     names, clip = clip_names(config), snapshot.sounds.clip
     row = jnp.array([names.index(name) if name in names else -1 for name in CLIPS], jnp.int32)
     return jnp.where(clip < 0, -1, row[jnp.maximum(clip, 0)])

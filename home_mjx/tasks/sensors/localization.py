@@ -88,7 +88,8 @@ class Lidar(Sensor):
 class LocalMap(Sensor):
     """`local_map` (32, 32): walkable cells around the agent, which is at the centre and faces up.
 
-    1 in cells that agents can reach, 0 elsewhere; from the house as compiled, on the agent's level.
+    1 in walkable cells, also of regions that the agent cannot reach, 0 elsewhere; from the house as compiled, on the
+    agent's level.
     """
 
     name = "local_map"
@@ -100,7 +101,10 @@ class LocalMap(Sensor):
         }
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
-        """Return `local_map`: 1 where a cell's centre is walkable; row 0 is the farthest ahead, column 0 leftmost."""
+        """Return `local_map`: 1 where a cell's centre is walkable; row 0 is the farthest ahead, column 0 leftmost.
+
+        Cells beyond the house's grid are 0.
+        """
         bank, house = snapshot.bank, snapshot.house
         steps = (jnp.arange(MAP_SIZE) - (MAP_SIZE - 1) / 2) * jnp.float32(MAP_CELL)
         ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")

@@ -194,7 +194,10 @@ class Rearrange(ManipulationTask):
                     yield ObjectPlacement(portable, words, thing, others)
 
     def _combine_pairs(self, pairs: list[ObjectPlacement], count: int, random: np.random.Generator) -> TaskRow | None:
-        """Return at most `count` pairs without conflicts as one row; None if its instruction exceeds `NUM_TOKENS`."""
+        """Return the first `count` pairs without conflicts, in their order, as one row; they may be fewer.
+
+        The first pair is always one of them. None if the instruction exceeds `NUM_TOKENS`.
+        """
         chosen: list[ObjectPlacement] = []
         for pair in pairs:
             if len(chosen) < count and not any(_conflict(pair, other) for other in chosen):

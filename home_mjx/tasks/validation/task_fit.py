@@ -79,7 +79,11 @@ def check_tasks(config: EnvConfig, task: Task, bank: HouseBank, tasks: Any) -> N
 
 
 def _check_columns(task: Task, tasks: Episodes | TaskBank, rows: Episodes) -> None:
-    """Raise `ConfigError` unless rows have the task's columns, of the declared shapes and dtypes, one entry per row."""
+    """Raise `ConfigError` unless rows have the task's columns, each with one entry per row.
+
+    Columns of `RowStart` must also have their declared shape, and for a `RowTask` all columns of a row shape and dtype.
+    For a `RowTask`, `tasks`, which has these rows, must be a `TaskBank`.
+    """
     name, own = type(task).__name__, row_columns(RECORDS) if isinstance(task, RowTask) else {}
     if own and not isinstance(tasks, TaskBank):
         hint = "Give a `TaskBank`, such as task.task_bank(bank) or load_tasks(path, bank)."

@@ -93,6 +93,8 @@ class RecurrentAgent(nn.Module):
     ) -> "RecurrentAgent":
         """Build the agent for observations and actions, both of one agent.
 
+        Observations of the kind `none`, see `encoder_kind`, are left out.
+
         Raises:
             ConfigError: No observation can be encoded, or the action spec has no distribution.
         """
@@ -127,7 +129,10 @@ class RecurrentAgent(nn.Module):
     def unroll(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
     ) -> tuple[Float[Array, "n m"], Float[Array, "t n p"], Float[Array, "t n"]]:
-        """Apply the network with parameters `net` to T steps; return last memory, distribution parameters, values."""
+        """Apply the network with parameters `net` to T steps; return last memory, distribution parameters, values.
+
+        The memory is reset before each step for which `begins` is True; see `__call__`.
+        """
         applied: Any = self.apply(net, memory, obs, begins)
         return applied
 

@@ -97,7 +97,7 @@ class Gaussian:
         return jnp.clip(action, jnp.asarray(self.low), jnp.asarray(self.high))
 
     def _mean_and_scale(self, params: Array) -> tuple[Array, Array]:
-        """Return means and standard deviations."""
+        """Return means, then standard deviations: exponentials of the last half of `params`, clipped to -5 .. 0.5."""
         mean, log_scale = jnp.split(params, 2, axis=-1)
         return mean, jnp.exp(jnp.clip(log_scale, -5.0, 0.5))
 
@@ -128,7 +128,7 @@ class Categorical:
         )
 
     def mode(self, params: Float[Array, "*b p"]) -> Array:
-        """Return the most likely option, an int32 from 0, of each choice."""
+        """Return the most likely option, an int32 from 0, of each choice; the first one of equals."""
         return self._stack_choices([jnp.argmax(x, axis=-1) for x in self._logits(params)])
 
     def log_prob(self, params: Float[Array, "*b p"], action: Array) -> Float[Array, "*b"]:

@@ -30,12 +30,12 @@ ID_CHANNELS = 12
 def encoder_kind(name: str, spec: ArraySpec) -> str:
     """Return the kind of network that encodes an observation of one agent.
 
-    - `image`: rank 3, and rank 2 except integers and sound.
-    - `ids`: rank 2 integers, `ids/*`.
+    - `image`: rank 3, and rank 2 except int16, int32 and sound.
+    - `ids`: rank 2 of int16 or int32, `ids/*`.
     - `sound`: `audio` (2, samples).
     - `spectra`: `log_mel` (2, windows, bands).
     - `scan`: `lidar` (rays,).
-    - `words`: rank 1 integers, such as tokens of an instruction.
+    - `words`: rank 1 of int16 or int32, such as tokens of an instruction.
     - `vector`: all other numbers.
     - `none`: `camera/*`, the camera poses, and `expert`, the advice; neither is encoded.
 
@@ -60,7 +60,10 @@ def encoder_kind(name: str, spec: ArraySpec) -> str:
 
 
 def to_image(spec: ArraySpec, x: Array) -> Float[Array, "*b h w c"]:
-    """Convert to float32, channels last even if first in `spec`; divide by its maximum, or `squash` if infinite."""
+    """Convert to float32 (h, w, c), divided by the maximum of `spec`; if that is infinite, by `squash` instead.
+
+    Images without an axis of channels get one. A first axis smaller than the last one counts as channels.
+    """
     if len(spec.shape) == 2:
         x = x[..., None]
     elif spec.shape[0] < spec.shape[-1]:  # such as spectrograms of both ears

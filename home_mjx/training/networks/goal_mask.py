@@ -22,7 +22,7 @@ NO_TOKEN = -1  # token of an id without a name
 
 @functools.cache
 def name_tokens(column: Semantic) -> Int[np.ndarray, " n"]:
-    """Return the token of the word for each name of a vocabulary, by id.
+    """Return for each id of a vocabulary the token of the word for its name; cached, so do not change it.
 
     Example:
         >>> name_tokens(Semantic.SIZE).tolist() == [
@@ -63,7 +63,7 @@ def mark_named_pixels(
     """Mark pixels named by a text with two channels: 1, and a weight from 1 (first word) to 1 / n (last); else 0.
 
     Args:
-        ids: Ids of a vocabulary; -1 is a miss.
+        ids: Ids of a vocabulary; -1 is a miss, as are ids beyond the vocabulary.
         column: The vocabulary.
         said: Tokens of the text.
 

@@ -65,7 +65,10 @@ def read_metadata(folder: Path) -> dict[str, Any]:
 
 @contextmanager
 def wrap_metadata_errors(path: Path) -> Iterator[None]:
-    """Convert errors of the block, except `HomeMjxError`, to a `DatasetError` that names the metadata file."""
+    """Convert errors of malformed content in the block to a `DatasetError` that names the metadata file.
+
+    `HomeMjxError`, `OSError` and other kinds pass unchanged.
+    """
     try:
         yield
     except HomeMjxError:

@@ -86,7 +86,8 @@ class Trajectories:
 
         Raises:
             IndexError: The index is out of range.
-            DatasetError: Its file is broken.
+            MissingFileError: The episode has no metadata file.
+            DatasetError: Its file is missing or broken.
         """
         if not -len(self) <= index < len(self):
             raise IndexError(f"expected an episode from 0 to {len(self) - 1}, got {index}")
@@ -104,7 +105,10 @@ class Trajectories:
             raise DatasetError(f"episode cannot be read: {error}", file=path, hint=hint) from None
 
     def _episode(self, batch: pa.RecordBatch, notes: dict[str, Any]) -> Trajectory:
-        """Convert an episode's table; its last row has only an observation."""
+        """Convert an episode's table and `notes`; its last row has only an observation.
+
+        Observations that the dataset's metadata do not name are left out.
+        """
         seen = batch.column("observations")
         ends = {name: batch.column(name).slice(0, len(seen) - 1) for name in Trajectory._fields[1:-1]}
         return Trajectory(

@@ -39,7 +39,8 @@ def record(
     """Record at least `num_steps` steps of complete episodes, in Minari's format.
 
     Once there are enough steps, no new episode starts and running ones are played to their end. Otherwise short
-    episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics.
+    episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics. Rewards
+    are means of agents.
 
     Args:
         env: The environment; its `sensors=` are recorded, including images, sound and tokens.
@@ -179,7 +180,7 @@ class _RunningEpisode:
         self.actions, self.rewards, self.terminated, self.truncated = [], [], [], []
 
     def see(self, obs: dict[str, np.ndarray], i: int) -> None:
-        """Append a copy of row `i` of each observation, because the batch's memory is reused."""
+        """Append a copy of row `i` of each observation, by name: the batch's memory is reused."""
         for name, values in obs.items():
             self.seen.setdefault(name, []).append(values[i].copy())
 

@@ -98,7 +98,10 @@ class TrajectoryWriter:
                 shutil.rmtree(left) if left.is_dir() else left.unlink()
 
     def _update(self) -> None:
-        """Wait for pending writes, raise their errors, and write the metadata with new counts and size [MB]."""
+        """Wait for pending writes, raise their errors, and write the metadata with new counts and size [MB].
+
+        The size is an estimate: that of episode 0 times the number of episodes.
+        """
         waiting, self._waiting = self._waiting, []
         for done in waiting:
             _reraise(done)
@@ -147,7 +150,10 @@ def _make_metadata(env: Env[HouseholdEnv], agent: str, without: tuple[str, ...])
 
 
 def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict[str, Any]) -> None:
-    """Write an episode to a temporary folder, then rename it to its number, which makes it valid."""
+    """Write an episode to a temporary folder, then rename it to its number, which makes it valid.
+
+    `OSError` passes, such as for a folder of that name that is not empty. `notes` are its metadata.
+    """
     beside, place = data / f".{number}.new", data / str(number)
     beside.mkdir()
     batch = to_record_batch(episode)
@@ -161,7 +167,10 @@ def _write_episode(data: Path, number: int, episode: dict[str, Any], notes: dict
 
 
 def to_record_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
-    """Convert an episode to Minari's layout: one row per observation; other columns of the last row are 0."""
+    """Convert an episode to Minari's layout: one row per observation; other columns of the last row are 0.
+
+    The episode must have at least one step. Arrays of several axes become flat lists, see `_to_column`.
+    """
     seen: dict[str, np.ndarray] = episode["observations"]
     columns = {"observations": pa.StructArray.from_arrays([_to_column(x) for x in seen.values()], names=list(seen))}
     for name in ("actions", "rewards", "terminations", "truncations"):
@@ -171,7 +180,10 @@ def to_record_batch(episode: Mapping[str, Any]) -> pa.RecordBatch:
 
 
 def _to_column(values: np.ndarray) -> pa.Array:
-    """Convert an array to an Arrow column, one row per element of the first axis; further axes become flat lists."""
+    """Convert an array to an Arrow column, one row per element of the first axis; further axes become flat lists.
+
+    Booleans in such lists become int8.
+    """
     values = values.astype(np.int8) if values.dtype == bool and values.ndim > 1 else values
     if values.ndim == 1:
         return pa.array(values)
