@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from home_mjx.audio_jax.auralization.clips import CLIPS
+from home_mjx.core.checks import check_number
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.rules.declaration import check_count, columns_of, pack, pack_items
 from home_mjx.tasks.rules.enums import ALL_AGENTS, ANY, FAILURE, MAX_AGENTS, NO_WORD, NUM_STAGES, Attribute, Feature
@@ -110,7 +111,9 @@ def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
         TaskStage(tuple(_transitions(conditions, ways)), guide)
         for guide, *ways in zip(values["guide"], *(values[name] for name in names), strict=True)
     ]
-    return selectors, [stage for stage in stages if stage.transitions]
+    while stages and not stages[-1].transitions:
+        stages.pop()
+    return selectors, stages
 
 
 def _selector(words: Sequence[int], place: Sequence[float]) -> Selector:
@@ -173,7 +176,8 @@ def pack_speech(
     """Pack the speech of a row into the columns of `SpeechColumns`; see `TaskRow` for the arguments.
 
     Raises:
-        ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `num_identifying_questions`.
+        ConfigError: There are more than `NUM_REPLIES` questions, or fewer than `num_identifying_questions`. Or an agent
+            is not a whole number from 0 to `MAX_AGENTS` - 1.
 
     Example:
         >>> pack_speech(instructed_agents=(1,))["instructed_agents"].tolist()
@@ -184,6 +188,8 @@ def pack_speech(
         raise ConfigError(message, hint="Give more questions, or a smaller `num_identifying_questions`.")
     values: dict[str, Any] = {"answer": answer, "num_identifying_questions": num_identifying_questions}
     everyone = instructed_agents is None
+    for agent in instructed_agents or ():
+        check_number("instructed_agents", agent, 0, MAX_AGENTS - 1, integer=True)
     values["instructed_agents"] = ALL_AGENTS if everyone else sum(1 << agent for agent in set(instructed_agents))
     return pack(SpeechColumns, values | {"oracle": oracle})
 

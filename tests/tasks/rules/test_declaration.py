@@ -86,6 +86,18 @@ def test_too_many_transitions_are_named():
         pack_program([], [TaskStage((Transition(SUCCESS),))] * (NUM_STAGES + 1))
 
 
+def test_stages_without_transitions_keep_their_number():
+    stages = [TaskStage((Transition(2),)), TaskStage(()), TaskStage((Transition(SUCCESS),))]
+    assert unpack_program(pack_program([], stages))[1] == stages
+    assert unpack_program(pack_program([], [stages[2], TaskStage(())]))[1] == stages[2:]
+
+
+@pytest.mark.parametrize("agent", [-1, 15, 40, 0.5])
+def test_agents_beyond_the_mask_are_refused(agent):
+    with pytest.raises(ConfigError, match="instructed_agents"):
+        pack_speech(instructed_agents=(0, agent))
+
+
 def test_what_is_packed_is_unpacked(rng):
     selectors = [
         Selector.objects(coarse=3, on=1),
