@@ -9,7 +9,7 @@ import jax
 import numpy as np
 
 from home_mjx.core.files import as_path, read_arrays, write_durably
-from home_mjx.core.jsonable import from_json, to_json
+from home_mjx.core.jsonable import TUPLE, from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.config import RunConfig
@@ -164,12 +164,15 @@ def check_same_config(theirs: RunConfig, ours: RunConfig, path: str | Path) -> N
 
 
 def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
-    """Yield dotted names, after `name`, and values of all leaves of nested dicts and lists, as of JSON."""
+    """Yield dotted names, after `name`, and values of all leaves of nested dicts and lists, as of `to_json`.
+
+    Items of lists and tuples have their index as name; empty ones yield nothing.
+    """
     if not isinstance(value, dict | list):
-        yield name.removesuffix(".__tuple__"), value
+        yield name, value
         return
     for key, x in value.items() if isinstance(value, dict) else enumerate(value):
-        yield from _flat(x, f"{name}.{key}".removeprefix("."))
+        yield from _flat(x, name if key == TUPLE else f"{name}.{key}".removeprefix("."))
 
 
 def is_finite(net: Any) -> bool:

@@ -107,7 +107,7 @@ def test_another_configuration_is_refused_by_name(tmp_path: Path):
         "`env.num_houses` is 2 there, 8 here": dataclasses.replace(
             CONFIG, env=dataclasses.replace(CONFIG.env, num_houses=8)
         ),
-        "`env.options.sensors.__tuple__.1` is goal there, None here": dataclasses.replace(
+        "`env.options.sensors.1` is goal there, None here": dataclasses.replace(
             CONFIG, env=dataclasses.replace(CONFIG.env, options=OPTIONS | {"sensors": ("state",)})
         ),
     }
