@@ -51,7 +51,8 @@ def record(
         num_envs: Number of environments in the batch.
         seed: Seed of episodes and actions.
         agent: Name of the policy, for the metadata.
-        only_success: Omit episodes whose metric `success` is 0; episodes without that metric are kept.
+        only_success: Omit episodes whose metric `success` is 0; episodes without that metric are kept. A policy that
+            never succeeds is then recorded without end.
         resume: Continue the dataset in the folder, with other episodes.
         progress: Show a progress bar; None: in a terminal.
 
@@ -78,7 +79,8 @@ def record(
             return writer.steps
         batch = _RecordingBatch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
         while batch.running.any():
-            if writer.steps + batch.num_running_steps >= num_steps:
+            expected = 0 if only_success else batch.num_running_steps  # running episodes may still fail
+            if writer.steps + expected >= num_steps:
                 batch.stop_resets()
             for episode, notes in batch.step():
                 if not only_success or notes.get("success", 1.0) > 0:

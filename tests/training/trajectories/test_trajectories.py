@@ -16,7 +16,8 @@ import home_mjx
 from home_mjx.cli import main
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.tasks.env.env import Env
-from home_mjx.training.trajectories import Trajectories
+from home_mjx.training.rollout import Policy
+from home_mjx.training.trajectories import Trajectories, recording
 from home_mjx.training.trajectories.minari_format import count_complete_episodes
 from home_mjx.training.trajectories.writer import TrajectoryWriter
 
@@ -134,6 +135,30 @@ def test_mistakes_are_refused(env: Env, written, tmp_path: Path):
     (folder / "data" / "1" / "part-0.arrow").write_bytes(b"ARROW1")
     with pytest.raises(DatasetError, match="cannot be read"):
         Trajectories(folder)[1]
+
+
+def test_enough_successful_steps_are_recorded(
+    env: Env, rng: np.random.Generator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Episodes that run when the last ones begin may still fail, so their steps do not count."""
+
+    class Alternating:
+        """A batch of one environment, in which every second episode of 3 steps succeeds."""
+
+        num_running_steps = 3
+
+        def __init__(self, *_: object, **__: object) -> None:
+            self.running, self.count = np.ones(1, bool), 0
+
+        def stop_resets(self) -> None:
+            self.running = ~self.running
+
+        def step(self) -> list[tuple[dict, dict]]:
+            self.count += 1
+            return [(drawn(env, rng, 3), {"success": float(self.count % 2 == 0)})]
+
+    monkeypatch.setattr(recording, "_RecordingBatch", Alternating)
+    assert recording.record(env, tmp_path, Policy(lambda *_: _), num_steps=6, only_success=True) == 6
 
 
 @pytest.mark.slow
