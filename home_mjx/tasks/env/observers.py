@@ -187,7 +187,7 @@ class ObserverGroup(Observer):
                 raise
 
     def on_run_start(self, start: RunStart) -> None:
-        """Call `on_run_start` of all observers, in order."""
+        """Call `on_run_start` of all observers, in order; an exception of one passes, and later ones are not called."""
         for observer in self.observers:
             observer.on_run_start(start)
 

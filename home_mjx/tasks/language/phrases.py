@@ -29,6 +29,8 @@ ADJECTIVE_ORDER = (Attribute.SIZE, Attribute.COLOR, Attribute.MATERIAL)
 def attribute_text(word: Attribute, value: int) -> str:
     """Return the word of the tasks' language for a value (index in its vocabulary) of an attribute.
 
+    The value must be known: -1 has no word, but raises no error.
+
     Example:
         >>> attribute_text(Attribute.SIZE, 3)
         'large'

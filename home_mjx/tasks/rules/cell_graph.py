@@ -145,10 +145,11 @@ class CellGraph:
         return storey[order], away[order]
 
     def floor_beside(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"]) -> float:
-        """Return the height of the floor or ramp beside a box, not above its top [m]; -inf if there is none.
+        """Return the height of the floor or ramp beside a box, below its top [m]; -inf if there is none.
 
-        Of the cells nearest in plan it is the one nearest in height to the bottom of the box: objects upstairs are not
-        measured from downstairs.
+        Of the cells up to `MAX_BESIDE_DISTANCE` farther in plan than the nearest it is the one nearest in height to the
+        bottom of the box: objects upstairs are not measured from downstairs. Cells more than `MAX_RISE` above the
+        bottom count only if there is no other.
         """
         below = self.place[self.place[:, 2] < high[2]]
         away = _plan_gaps(below, low, high)

@@ -90,6 +90,8 @@ class SoundEvents(Pytree):
 def clip_name(number: int) -> str:
     """Return the name of a clip by its number in `SoundEvents`: an index into CLIPS, or `VOICE_CLIP_NUMBER`.
 
+    The number must be one of these: -1, silence, has no name, but raises no error.
+
     Example:
         >>> clip_name(0), clip_name(VOICE_CLIP_NUMBER)
         ('radio', 'voice')
