@@ -265,9 +265,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         for i, one in enumerate(seed):
             if one is not None:
                 check_number(f"seed of environment {i}", one, 0, integer=True)
-        if None not in seed:
+        given = [one for one in seed if one is not None]
+        if len(given) == self.num_envs:
             # Spawned, so that a later reset without a seed repeats, but not the episodes of this one.
-            self.np_random = np.random.default_rng(np.random.SeedSequence(seed).spawn(1)[0])
+            self.np_random = np.random.default_rng(np.random.SeedSequence(given).spawn(1)[0])
         return np.stack([tools.draw_key(self.np_random if one is None else np.random.default_rng(one)) for one in seed])
 
     def _next_rows(self, seed: int | Sequence[int | None] | None) -> np.ndarray:

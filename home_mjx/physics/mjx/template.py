@@ -32,7 +32,7 @@ class Template:
 
     Example:
         >>> from home_mjx.bank.records import BankSpec
-        >>> spec = BankSpec(64, 8, 8, 64, 64, 16, 4, 0.1, 0.1, 1.6)
+        >>> spec = BankSpec(64, 8, 8, 16, 4, 0.1, 0.1, 1.6)
         >>> Template(PhysicsConfig(), spec).model.nv
         60
     """
