@@ -11,17 +11,26 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import transform_bounds
-from home_mjx.physics.hand_control import CARRY_CLEARANCE
+from home_mjx.physics.hand_control import CARRY_CLEARANCE, CARRY_HEIGHT_BELOW_EYES
+from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.schema.categories import COARSE, room_types_in
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.cell_graph import CellGraph, EndCells
 from home_mjx.tasks.rules.enums import Purpose, TargetKind
-from home_mjx.tasks.sensors.reachability import can_pick_from, can_place_from, carry_gaps, plan_radius
+from home_mjx.tasks.sensors.reachability import (
+    can_pick_from,
+    can_place_from,
+    carry_gaps,
+    carry_obstacles,
+    plan_radius,
+)
 from home_mjx.tasks.sensors.visibility import is_visible_from, visible_ids
 
 MAX_HAND_REACH = 0.93  # [m] maximum reach from a cell centre: below `AgentBody.reach`, as agents stop beside the centre
 NUM_CELLS = 64  # number of cells tested per instance, nearest first
 CELLS_PER_BATCH = 1024  # number of cells per batch of clearance queries
+CARRY_HEIGHT_TOLERANCE = 0.02  # [m] tolerance of the heights by which obstacles of carried objects are chosen
+MIN_OBSTACLES = 256  # minimum number of boxes of a clearance query, with padding
 CELL_STRIDE = 4  # stride of the cells within hand reach that are tested
 MAX_EXTRA_DISTANCE = 0.3  # [m] paths to an object may end this much farther from it than the nearest cell
 MAX_HEIGHT_ABOVE_TOP_FLOOR = 2.0  # [m] height above the highest floor; objects entirely above it are out of reach
@@ -201,14 +210,28 @@ class HouseView:
     def _carry_gaps(self, instance: int, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
         """Return the plan gap from floor points to the nearest other box at the height of a carried instance [m]."""
         half = np.float32(np.diff(self._boxes[instance, :, 2]).item() / 2)
-        own, eyes = jnp.int32(self.bank.geometry.instance_object[self.house, instance]), self._eyes(places)
+        eyes = self._eyes(places)
+        boxes = self._obstacles_at(eyes, float(half), int(self.bank.geometry.instance_object[self.house, instance]))
         blocks = np.full((-len(eyes) % CELLS_PER_BATCH + len(eyes), 3), np.inf, np.float32)
         blocks[: len(eyes)] = eyes
-        parts = [
-            carry_gaps(self._device, self._number, jnp.asarray(part), half, own)
-            for part in blocks.reshape(-1, CELLS_PER_BATCH, 3)
-        ]
+        parts = [carry_gaps(boxes, jnp.asarray(part), half) for part in blocks.reshape(-1, CELLS_PER_BATCH, 3)]
         return np.concatenate([np.zeros(0), *parts])[: len(eyes)]
+
+    def _obstacles_at(self, eyes: Float[np.ndarray, "n 3"], half: float, carried: int) -> Footprints:
+        """Return the boxes that an object could touch which is carried below any of `eyes` [m]; see `carry_gaps`.
+
+        `half` is half of the object's height [m], `carried` its id. Their number is padded to a power of two, as every
+        size is compiled separately.
+        """
+        boxes = jax.tree.map(np.asarray, carry_obstacles(self._device, self._number, jnp.int32(carried)))
+        middle = np.unique(np.round(eyes[:, 2] - CARRY_HEIGHT_BELOW_EYES, 2))[:, None]
+        reach = half + CARRY_HEIGHT_TOLERANCE
+        met = np.flatnonzero(((boxes.top > middle - reach) & (boxes.bottom < middle + reach)).any(axis=0))
+        rows = np.zeros(max(1 << max(len(met) - 1, 0).bit_length(), MIN_OBSTACLES), np.intp)
+        rows[: len(met)] = met
+        unused = np.arange(len(rows)) >= len(met)
+        boxes = jax.tree.map(lambda x: x[rows], boxes)
+        return boxes.replace(bottom=np.where(unused, np.float32(np.inf), boxes.bottom))
 
     def put_cells(self, instance: int, radius: float) -> EndCells:
         """Return the cells from which a hand can put an object of some radius [m] on an instance; may be empty."""

@@ -70,7 +70,7 @@ def _filter_supported(
         other = descriptor[:, word]
         carries = (rows[:, None, Semantic.OBJECT_ID] == rows[None, :, column]) & (rows[None, :, column] != ANY)
         chosen = jnp.take(fits, jnp.clip(other, 0, NUM_DESCRIPTORS - 1), axis=0)  # targets of that descriptor
-        carried = jnp.any(chosen[:, :, None] & carries[None], axis=1)
+        carried = jnp.matmul(chosen.astype(jnp.float32), carries.astype(jnp.float32)) > 0  # sums of 0 and 1
         found = found & ((other[:, None] == ANY) | carried)
     return found
 

@@ -180,14 +180,17 @@ def can_pick_from(
 
 
 @jax.jit
-def carry_gaps(
-    bank: HouseBank, house: Int[Array, ""], eyes: Float[Array, "n 3"], half: Float[Array, ""], carried: Int[Array, ""]
-) -> Float[Array, " n"]:
-    """Return plan distances of eyes to the nearest box at carrying height [m]; inf if none. Initial house, doors open.
+def carry_obstacles(bank: HouseBank, house: Int[Array, ""], carried: Int[Array, ""]) -> Footprints:
+    """Return footprints of the initial house with open doors, without those of object id `carried`."""
+    return obstacle_footprints(make_open_scene(bank, house), carried)
 
-    `half` is half the height of the carried object [m], `carried` its object id.
+
+@jax.jit
+def carry_gaps(boxes: Footprints, eyes: Float[Array, "n 3"], half: Float[Array, ""]) -> Float[Array, " n"]:
+    """Return plan distances of eyes to the nearest box at carrying height [m]; inf if none.
+
+    `half` is half the height of the carried object [m], `boxes` are the `carry_obstacles`.
     """
-    boxes = obstacle_footprints(make_open_scene(bank, house), carried)
     middle = eyes[:, 2:] - jnp.float32(CARRY_HEIGHT_BELOW_EYES)
     meets = (boxes.top > middle - half) & (boxes.bottom < middle + half)
     return jnp.min(jnp.where(meets, box_distances(boxes, eyes[:, :2]), jnp.inf), axis=1)
