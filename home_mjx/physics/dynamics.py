@@ -39,7 +39,7 @@ def reset(
     Args:
         template: Model of the bank's capacity.
         bank: Houses.
-        house: Index of the house.
+        house: Index of the house, clipped to the bank.
         agent_pos: Position of each agent's feet in the world, on the floor [m].
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
@@ -52,6 +52,7 @@ def reset(
         ConfigError: Positions or angles do not have one row per agent or door.
     """
     _check_initial_poses(template.layout, agent_pos, agent_yaw, door_angle)
+    house = bank.clip_house_index(house)
     layout, bodies = template.layout, movable_bodies(bank.physics, house)
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
     agents = jnp.concatenate([agent_pos.at[:, 2].add(half), agent_yaw[:, None]], axis=-1)
@@ -125,7 +126,7 @@ def step_checked(
     whole control step.
     """
     check_shape("action", jnp.shape(action), (template.layout.num_agents, 3))
-    return STEPS[template.config.impl](template, bank.physics, house, state, action)
+    return STEPS[template.config.impl](template, bank.physics, bank.clip_house_index(house), state, action)
 
 
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
@@ -161,7 +162,7 @@ def is_out_of_bounds(
     Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
     ground floor. Bodies that fell through an upper floor only are not reported, nor NaN poses (see `is_unstable`).
     """
-    physics, agents = bank.physics, agent_pose(template, state)[0]
+    physics, agents, house = bank.physics, agent_pose(template, state)[0], bank.clip_house_index(house)
     pos, quat = body_pose(template, state)
     upward = jax.vmap(quat_matrix)(quat)[:, 2]
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)

@@ -271,3 +271,23 @@ def test_a_released_body_does_not_rest_on_a_held_one():
     state = state.replace(qvel=state.qvel.at[rows].set(-1e-3), held=jnp.zeros(1, jnp.int32))
     state = physics.step(template, bank, jnp.int32(0), state, jnp.zeros((1, 3)))
     assert_allclose(state.qpos[template.layout.body_qpos].reshape(-1, 7)[1, 2], 0.1, atol=1e-4)
+
+
+@pytest.mark.parametrize("impl", ["kinematic", "fused"])
+def test_physics_of_a_house_that_is_none_is_that_of_the_nearest_one(impl):
+    """As of rays: JAX counts negative indices from the end."""
+    crate = Box((0.8, 0, 0.2), (0.2, 0.2, 0.2), mass=2)
+    bank = make_bank(
+        [TinyHouse(movable=[crate]), TinyHouse(static=[crate], movable=[Box((0, 2, 0.3), (0.3,) * 3, mass=9)])]
+    )
+    template = Template(PhysicsConfig(impl=impl), bank.spec)
+
+    @jax.jit
+    def moved(house):
+        pos = jnp.array([[0.0, 0.0, RADIUS + HALF]], jnp.float32)
+        state = physics.reset(template, bank, house, pos, jnp.zeros(1))
+        state = physics.step(template, bank, house, state, jnp.array([[1.0, 0, 0]]))
+        return state.qpos, physics.is_out_of_bounds(template, bank, house, state)
+
+    for asked, given in ((-1, 0), (9, 1)):
+        jax.tree.map(assert_array_equal, moved(jnp.int32(asked)), moved(jnp.int32(given)))

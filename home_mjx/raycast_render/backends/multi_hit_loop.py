@@ -22,7 +22,9 @@ def cast_multi_hit_by_loop(
 ) -> RawHit:
     """Return successive hits (e r steps) of rays (e r ...), found with one closest-hit `cast` (`RayBackend`) per step.
 
-    `query` has the number of hits and the offset behind each; see `cast_multi_hit`.
+    A ray ignores the last object that it hit until it hits another one; at first, its `exclude`. Each hit's t is from
+    the ray's origin, and all entries from a ray's first miss on are misses. `query` has the number of hits and the
+    offset behind each; see `cast_multi_hit`.
     """
     whole, objects = (
         rays.expanded(),

@@ -33,9 +33,10 @@ class AppearanceOverrides(Pytree):
 def scale_lamps(
     look: AppearanceOverrides | None, light: Vec, daylight: Bool[Array, "*#n"], room: Int[Array, "*#n"]
 ) -> Vec:
-    """Scale lights by the episode's factors: `look.daylight` where `daylight`, else `look.lamps` by room (-1: none).
+    """Scale lights by the episode's factors: `look.daylight` where `daylight`, else `look.lamps[room + 1]`.
 
-    A factor that is None, or no `look`, leaves them unchanged.
+    Lamps outside rooms have room -1, so their factor is `look.lamps[0]`. Indices are clipped. A factor that is None, or
+    no `look`, leaves them unchanged.
     """
     if look is not None and look.lamps is not None:
         lamps = take(look.lamps, jnp.clip(room + 1, 0, look.lamps.shape[0] - 1))

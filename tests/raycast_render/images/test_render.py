@@ -13,7 +13,7 @@ from home_mjx.navigation.grid import geodesic_distance, random_position, room_be
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_valid_camera
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
-from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.scene.scene import make_open_scene, make_scene
 from home_mjx.raycast_render.shaders import texture
 from home_mjx.schema.semantic import Semantic
 
@@ -77,7 +77,7 @@ def test_known_things_are_where_they_should_be(bank, look):
 
 def test_a_house_that_is_none_is_the_nearest_one_everywhere():
     """A negative index would count from the end, and for rays it does not: an image of two houses."""
-    two = HouseBank.from_compiled([shoebox(furniture=[Furniture((0.0, 1.5))]), shoebox((8.0, 7.0, 2.5))])
+    two = HouseBank.from_compiled([shoebox(furniture=[Furniture((0.0, 1.5), mass=2.0)]), shoebox((8.0, 7.0, 2.5))])
     camera = Camera(jnp.array([0.0, -1.0, 1.5]), jnp.asarray(LEVEL, jnp.float32), jnp.float32(np.pi / 2))
 
     @jax.jit
@@ -89,7 +89,7 @@ def test_a_house_that_is_none_is_the_nearest_one_everywhere():
         pos = random_position(two, number, jax.random.key(0))
         hit = cast(place(two, house=number), camera.pos, jnp.array([0.0, 1.0, 0.0]))
         room, ids = room_below(two, number, pos), two.semantics_of(number, jnp.arange(3), Semantic.FINE)
-        return pos, geodesic_distance(two, number, None, pos), room, ids, hit.t
+        return pos, geodesic_distance(two, number, None, pos), room, ids, hit.t, make_open_scene(two, number).moving
 
     for asked, given in ((-1, 0), (-2, 0), (9, 1)):
         for found, expected in ((images(asked), images(given)), (others(asked), others(given))):
