@@ -69,9 +69,10 @@ def random_arrangement(
 def _distance_to_box(
     height: Float[Array, ""], point: Float[Array, "3"], pose: Float[Array, "7"], half: Float[Array, "3"]
 ) -> Float[Array, ""]:
-    """Return the distance [m] from the vertical segment of length `height` above a point to an upright box.
+    """Return the distance [m] from the vertical segment of length `height` above a point to a box; 0 if they meet.
 
-    The box has the `pose` (xyz, quaternion wxyz) and the half extents `half` [m].
+    The box has the `pose` (xyz, quaternion wxyz) and the half extents `half` [m]. The distance is exact if one of its
+    axes is vertical; for tilted boxes it is an upper bound.
     """
     nearest = point.at[2].set(jnp.clip(pose[2], point[2], point[2] + height))
     local = jnp.matmul(nearest - pose[:3], quat_matrix(pose[3:]), precision="highest")

@@ -93,10 +93,11 @@ def _broadcast_channels(energy: Float[Array, "k d bands"], config: AudioConfig) 
 def baked_energy(
     scene: Scene, source: SoundSource, listener: Listener, config: AudioConfig
 ) -> tuple[Float[Array, "k e bands"], Float[Array, "3"]]:
-    """Return baked late energy per bin, channel and octave, and its mean direction of incidence (world, length <= 1).
+    """Return baked late energy per time bin, channel and octave, and its mean direction of incidence over all bins.
 
-    In each time span, the length of the mean direction (0 .. 1) is the share of energy from that direction; the rest is
-    isotropic. Energies include the source's directivity; channels are those of `late_energy`.
+    The mean direction is in the world, weighted by energy, of length at most 1. Energies are computed with a direction
+    per time span instead. Its length is the share of energy from there; the rest is isotropic. Energies include the
+    source's directivity, and are re its free field at 1 m. Channels are those of `late_energy`.
     """
     late = lookup_late_sound(scene, source.pos, listener.pos, config)
     late = late.replace(energy=late.energy * late_directivity_gain(source, late))

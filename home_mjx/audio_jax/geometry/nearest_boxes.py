@@ -68,7 +68,11 @@ def _by_xla(
     bodies: Int[Array, "2"],
     count: int,
 ) -> Int[Array, " k"]:
-    """Compute `nearest_boxes` with XLA operations; `ends`: source, then listener."""
+    """Compute `nearest_boxes`, over which the path from source to listener is shortest, with XLA operations.
+
+    `ends` is the source, then the listener [m]. `count` must not exceed the number of boxes, n + m. Boxes of `bodies`
+    and those without exposed edges come last.
+    """
     owner = jnp.concatenate([fixed_owner[house], moving_owner])
     excluded = (owner <= WITHOUT_EDGES) | ((owner >= 0) & jnp.any(owner[:, None] == bodies[None], axis=1))
     length = _path_lengths(jnp.concatenate([fixed[house], moving], axis=1), ends[:3], ends[3:])

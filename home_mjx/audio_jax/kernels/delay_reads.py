@@ -88,7 +88,10 @@ def filter_history(config: AudioConfig) -> int:
 
 
 def read_margin(config: AudioConfig) -> int:
-    """Return the number of samples that interpolation and ear delays read on each side of a path's delayed sample."""
+    """Return a margin on each side of a path's delayed sample that covers interpolation and ear delays [samples].
+
+    It is an upper bound: `NUM_READ` half samples count as whole ones. What upsampling reads is not included.
+    """
     return NUM_READ + math.ceil(config.max_lead_seconds * config.sample_rate)
 
 

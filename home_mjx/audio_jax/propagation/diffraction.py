@@ -207,10 +207,14 @@ def _select_edge_paths(scene: Scene, source: SoundSource, listener: Listener, co
 def _direct_field(
     straight: StraightLine, found: EdgePaths, is_visible: Bool[Array, " k"], config: AudioConfig
 ) -> _DirectField:
-    """Sum the fields of the strings in the mask `is_visible`, once with the straight path and once without it.
+    """Compute energies of direct sound by the strings in the mask `is_visible`, with and without the straight path.
+
+    With it, `straight` is their sum. Without it, `bent` has each string's incoherent rest. The leading string also has
+    the energy of the coherent sum, including sound past the ends of edges. It is the shortest string with a share above
+    `MIN_LEADING_SHARE`.
 
     Amplitudes add with weights exp(-(phase / π)²), and the rest of each string's energy adds incoherently. Phases are
-    re the straight path, or without it re the leading string: the shortest with a share above `MIN_LEADING_SHARE`.
+    re the straight path, or without it re the leading string.
     """
     frequency = np.array(BANDS)[:, None] * 2.0 ** np.array(OCTAVE_SAMPLES)
     wavenumber = jnp.asarray(2 * np.pi * frequency.ravel() / config.speed_of_sound, jnp.float32)

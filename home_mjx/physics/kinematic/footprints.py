@@ -105,8 +105,9 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
     """Return a point's horizontal signed distance from each box [m], negative inside, and outward unit u, v.
 
-    u and v are a unit vector's components along the box's own axes, away from the nearest side or corner. Both are 0 if
-    the point is inside, exactly half-way between the nearest sides.
+    u and v are the components of the distance's gradient along the box's own axes. It points away from the nearest side
+    or corner, but from inside towards the nearest side. Both are 0 if the point is inside, exactly half-way between
+    the nearest sides.
     """
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
     u, v = boxes.cos * x + boxes.sin * y, boxes.cos * y - boxes.sin * x

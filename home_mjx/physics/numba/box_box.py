@@ -69,9 +69,11 @@ def sum3(x, y, z, end, start):
 def _least_overlap(between, cosine, half1, half2, axis):
     """Find the axis of least overlap; return its code and that of the best face, both -1 if the boxes are apart.
 
-    Codes 0..2 are faces of the first box, 3..5 of the second one, `EDGE` + 3 i + j edges i and j. An edge axis is
-    written to `axis`, towards the second box. `axis` and `between`, the second box's centre, are in the first box's
-    frame; `cosine` (3, 3) has the scalar products of axis i of the first box and j of the second one.
+    Faces are preferred: near the best face's normal, an edge axis needs below `ALIGNED_OVERLAP_RATIO` of its overlap.
+    Codes 0..2 are faces of the first box, 3..5 of the second one, `EDGE` + 3 i + j edges i and j. The best edge axis,
+    if any, is written to `axis`, towards the second box, also if a face is returned. `axis` and `between`, the second
+    box's centre, are in the first box's frame. `cosine` (3, 3) has the scalar products of axis i of the first box and j
+    of the second one.
     """
     least, code = np.inf, -1
     for i in range(3):

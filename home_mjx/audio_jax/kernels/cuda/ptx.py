@@ -29,7 +29,10 @@ def compile_kernels() -> None:
 
 
 def ptx_of(sources: tuple[Path, ...], size: int) -> str:
-    """Return PTX of `sources` for all GPUs here; `size` (macro SIZE): transform size, number of noises or 0 (none)."""
+    """Return PTX of `sources` for all GPUs of this process, with the macro SIZE defined as `size`, also if it is 0.
+
+    `size` is the transform size or the number of noises; 0 for sources without the macro.
+    """
     return compile_sources(*sources, SIZE=size)
 
 
