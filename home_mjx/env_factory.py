@@ -151,7 +151,11 @@ def _load(
     image_edge: int,
     progress: bool,
 ) -> "HouseBank":
-    """Return the bank of the houses, or of those that a file of episodes names; a `HouseBank` is returned unchanged."""
+    """Return the bank of the houses, or of those that a file of episodes names; a `HouseBank` is returned unchanged.
+
+    With a file, ids come from it, and the spec's `num_houses`, `split` and `filter` have no effect. A `HouseSet` is
+    loaded whole, also with a file. Errors are those of `load_bank` and `read_house_ids`.
+    """
     from home_mjx.bank.bank import HouseBank
     from home_mjx.bank.packing.texture_layers import texture_size_for
     from home_mjx.houses.load import load_bank

@@ -39,7 +39,8 @@ class HouseBank(BankArrays):
             texture_size: Edge of the textures [px], a power of two; see `texture_size_for`.
 
         Raises:
-            ConfigError: There is no house, the houses cannot share a bank, or the size is no power of two.
+            ConfigError: There is no house, the houses cannot share a bank, an id is not short ASCII, or the size is no
+                power of two.
             CapacityError: The houses have too many triangles for one bank.
             DatasetError: A texture cannot be read.
         """
@@ -76,12 +77,12 @@ class HouseBank(BankArrays):
         """Look up a semantic column for object ids, such as the pixels of an instance image.
 
         Args:
-            house: Index of the house in the bank.
+            house: Index of the house in the bank, clipped.
             object_id: Object ids; agent a has the id `spec.num_instances` + a. All ids from there on count as agents.
             column: One of `schema.semantic.Semantic`; `schema.vocabulary.vocabularies()` has the names of its values.
 
         Returns:
-            Values; -1 if the id is unknown (the architecture is -1) or the object has no value in this column.
+            Values; -1 for unknown ids, for the id -1 of the architecture, and where an object has no value.
 
         Example:
             >>> sizes = bank.semantics_of(0, images["instance"], Semantic.SIZE)  # doctest: +SKIP

@@ -72,7 +72,10 @@ def parse_seed_range(text: str) -> range:
 
 
 def parse_path(text: str) -> Path:
-    """Parse a path, which may not exist; raise `ArgumentTypeError` if it is empty, such as an unset shell variable."""
+    """Parse a path, which may not exist; `~` is not expanded.
+
+    A blank text, such as an unset shell variable, or one with a null byte raises `ArgumentTypeError`.
+    """
     if not text.strip() or "\0" in text:
         raise argparse.ArgumentTypeError(f"expected a path, got {text!r}")
     return Path(text)
@@ -82,7 +85,8 @@ def parse_dataset(text: str) -> Path | str:
     """Parse the root of a dataset: a text `scheme:...`, such as `procedural:16?seed=0`, is returned; others as a path.
 
     Whether the scheme is known is not checked, nor whether the path exists. A text `scheme:...` that is an existing
-    path is returned as a path, and so is `C:/houses`. An empty path raises `ArgumentTypeError`, see `parse_path`.
+    path is returned as a path, and so is `C:/houses`. In a path `~` is not expanded; a blank one, or one with a null
+    byte, raises `ArgumentTypeError`, see `parse_path`.
 
     Example:
         >>> parse_dataset("procedural:16"), parse_dataset("houses").name

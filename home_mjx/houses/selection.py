@@ -49,7 +49,7 @@ class HouseFilter:
         return self.matches(summarize_contents(house.report, house.rooms, house.semantics))
 
     def matches(self, contents: "HouseContents") -> bool:
-        """Return whether contents meet all requirements, limits included; see `accepts`."""
+        """Return whether contents meet all requirements; minima and maxima are inclusive. See `accepts`."""
         sizes = ((contents.levels, self.levels), (contents.rooms, self.rooms), (contents.area, self.area))
         met = all(limits is None or limits[0] <= size <= limits[1] for size, limits in sizes)
         return met and set(self.categories) <= contents.categories

@@ -100,7 +100,7 @@ def evaluate(
         `distance` it also gets `soft_spl` (Datta et al., arXiv:2009.03231).
 
     Raises:
-        ConfigError: `num_episodes` or `max_batch` is not a whole number, or is out of range.
+        ConfigError: `num_episodes` or `max_batch` is not a whole number, or is out of range; or as `sample_episodes`.
 
     Example:
         >>> results = evaluate(held_out, ppo.policy, state.net)  # doctest: +SKIP
@@ -125,7 +125,10 @@ def check_episodes(num: object) -> None:
 
 
 def with_episodes(env: Env[HouseholdEnv], num: int, seed: int = 0) -> Env[HouseholdEnv]:
-    """Return a copy with `num` sampled episodes; the environment itself if it has some or its task has no columns."""
+    """Return a copy with `num` sampled episodes; the environment itself if it has some or its task has no columns.
+
+    Episodes are those of `sample_episodes`, with its default path lengths and errors.
+    """
     if env.params.tasks is not None or not env.task.columns:
         return env
     return env.with_tasks(sample_episodes(env.bank, num, seed, task=env.task))
@@ -219,7 +222,10 @@ def _shortest_lengths(params: EnvParams, numbers: Int[Array, " n"]) -> Float[Arr
 
 
 def _path_metrics(figures: dict[str, Array], length: Array | None) -> dict[str, Array]:
-    """Compute `spl`, and `soft_spl` given `distance`; empty without lengths or `success`, or if the task has `spl`."""
+    """Compute `spl`, and `soft_spl` given `distance`, from the figures `success` and `walked` [m], which is required.
+
+    The result is empty without lengths or `success`, or if the task has `spl` itself.
+    """
     if length is None or "success" not in figures or "spl" in figures:
         return {}
     found = path_scores(figures["success"], length, figures["walked"], figures.get("distance", length))

@@ -130,7 +130,7 @@ class CurvesPlot(Observer):
         self.log = log
 
     def on_checkpoint(self, path: Path, steps: int) -> None:
-        """Draw `curves.png` beside `metrics.jsonl` from all lines; arguments are unused."""
+        """Draw `curves.png` beside `metrics.jsonl` from all lines; arguments are unused. Raises as `draw_curves`."""
         draw_curves(self.log.path.with_name("curves.png"), self.log.lines)
 
 

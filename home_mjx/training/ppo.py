@@ -182,7 +182,7 @@ class PPO:
         return self.loss
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Compute PPO's loss and its parts by name; the network is applied to the whole sequence again."""
+        """Compute `clipped_loss` and its parts by name; the network is applied to the whole sequence again."""
         return self.clipped_loss(*self.apply_net(net, batch), batch)
 
     def apply_net(self, net: Any, batch: TrainBatch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
@@ -192,7 +192,11 @@ class PPO:
     def clipped_loss(self, params: Array, value: Array, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
         """Return clipped policy loss plus weighted value loss minus weighted entropy, and unweighted parts by name.
 
-        Advantages are first normalised to mean 0 and deviation 1 over all devices.
+        `params` (t, r, p) and `value` (t, r) are the network's outputs for the batch. Advantages are first normalised
+        to mean 0 and deviation 1 over all devices, so call it inside `EnvSharding.map` only.
+
+        Two further parts have no effect on the loss: `kl`, from the policy that acted; and `clipped`, the fraction of
+        steps whose ratio differs from 1 by more than `clip_range`.
         """
         config, steps = self.config, batch.steps
         change = self.agent.distribution.log_prob(params, steps.action) - steps.outputs["log_prob"]

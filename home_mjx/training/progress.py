@@ -13,7 +13,10 @@ MIN_SCALED_TOTAL = 1000  # totals from here are shown as 1.5k
 
 
 class RunClock:
-    """Time of a run, without compilation; continues from `last`, its last line of metrics ({}: a new run)."""
+    """Time of a run, without compilation; continues from `last`, its last line of metrics ({}: a new run).
+
+    Compilation lasts from construction to `start`, which `elapsed` and `lap` require.
+    """
 
     def __init__(self, last: dict[str, Any]) -> None:
         self.begun = time.perf_counter()
@@ -43,7 +46,10 @@ class MetricMeans:
         self.count, self.sums = 0, {}
 
     def add(self, metrics: dict[str, Any]) -> None:
-        """Add the scalar metrics of an update; this blocks until they are computed."""
+        """Add the scalar metrics of an update; this blocks until they are computed.
+
+        Names should be those of earlier updates: sums under other names are dropped.
+        """
         self.count += 1
         self.sums = {name: self.sums.get(name, 0.0) + float(x) for name, x in metrics.items()}
 

@@ -132,7 +132,10 @@ def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
 
 
 def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, int]]:
-    """Return each house's first row by table, for houses one after another from `first` on; `rows` has their counts."""
+    """Return each house's first row by table, for houses one after another from `first` on; `rows` has their counts.
+
+    Tables that `first` lacks are left out.
+    """
     starts, at = [], dict(first)
     for counts in rows:
         starts.append(dict(at))
@@ -141,7 +144,7 @@ def cumulative_starts(first: Counts, rows: Iterable[Counts]) -> list[dict[str, i
 
 
 def size_class(count: int, smallest: int) -> int:
-    """Return the smallest `smallest * 2**n`, n >= 0, of at least `count`.
+    """Return the smallest `smallest * 2**n`, n >= 0, of at least `count`; `smallest` must be at least 1.
 
     Example:
         >>> size_class(44, 32), size_class(3, 8)
@@ -155,6 +158,8 @@ def size_class(count: int, smallest: int) -> int:
 
 def ragged_class(count: int) -> int:
     """Return the capacity of a concatenated table: `count` rounded up to a multiple of 64, by at most 25 % from 256 on.
+
+    It is at least 64.
 
     Example:
         >>> ragged_class(1000), ragged_class(102_076)

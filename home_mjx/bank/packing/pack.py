@@ -98,6 +98,8 @@ def plan_bank(houses: Sequence[CompiledHouse], texture_size: int = TEXTURE_SIZE)
 def pack_house_slots(houses: Sequence[CompiledHouse], library: Library, capacity: Counts, stride: Counts) -> PackedBank:
     """Pack houses into a bank of exchangeable houses, each with `stride` rows in the concatenated tables.
 
+    Textures have the default edge `TEXTURE_SIZE`.
+
     Args:
         houses: One house per slot, at least one.
         library: All models and textures of all houses that may ever be exchanged.
@@ -107,6 +109,7 @@ def pack_house_slots(houses: Sequence[CompiledHouse], library: Library, capacity
     Raises:
         CapacityError: A house needs more, or there are more triangles than leaf codes can address.
         ConfigError, DatasetError: As in `pack_bank`.
+        KeyError: The library lacks a model or texture of a house.
     """
     for house in houses:
         check_house_fits(house, capacity, stride)

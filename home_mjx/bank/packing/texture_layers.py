@@ -61,7 +61,7 @@ def cutout_bits(layers: TextureArray, size: int) -> UInt32[np.ndarray, "l s w"]:
 
 
 def cutout_shape(size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Return the number of rows of one layer of `cutout_bits`, and of 32-bit words per row."""
+    """Return the number of rows of one layer of `cutout_bits`, which is `size`, and of 32-bit words per row."""
     return size, -(-size // WORD_BITS)
 
 

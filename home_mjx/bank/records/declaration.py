@@ -92,7 +92,7 @@ class Declaration:
         return int(np.prod(self.shape(sizes), dtype=np.int64)) * self.dtype.itemsize
 
     def values(self, owner: Any) -> np.ndarray:
-        """Return the rows of one owner, unpadded; for `HOUSE_AXIS` they get a first axis of length 1."""
+        """Return the rows of one owner, unpadded and in the source's dtype; `HOUSE_AXIS` adds a first axis of 1."""
         path = isinstance(self.source, str)
         found = np.asarray(attrgetter(self.source)(owner.record) if path else self.source(owner))  # type: ignore
         return found[None] if self.kind == HOUSE_AXIS else found
@@ -102,7 +102,7 @@ class Declaration:
 
         Args:
             parts: Pairs of first row and values; padding fills all other rows and the rest of shorter axes.
-                With `REPEAT_ROWS`, values are repeated along the second axis.
+                With `REPEAT_ROWS`, values are repeated, or cut, along the second axis.
             sizes: Axis lengths of the bank.
 
         Raises:
@@ -129,5 +129,5 @@ class Declaration:
 
 
 def _cycled(rows: np.ndarray, size: int) -> np.ndarray:
-    """Repeat each house's entries, along the second axis, in turn up to `size` of them."""
+    """Repeat each house's entries, at least one, along the second axis, in turn up to `size`; more are cut."""
     return rows[:, np.arange(size) % rows.shape[1]]

@@ -23,7 +23,7 @@ def texture_layer(at: HouseOwner) -> list[int]:
 
 
 def material_kind(at: HouseOwner) -> list[int]:
-    """Return the index of each material's kind in `MATERIAL_KINDS`; -1 unknown."""
+    """Return the index of each material's kind in `MATERIAL_KINDS`; -1 for "", unknown. Raise `KeyError` for others."""
     return [KIND_INDEX[name] for name in at.record.materials.kind]
 
 

@@ -24,7 +24,7 @@ def num_cells(at: HouseOwner) -> int:
 
 
 def num_free_cells(at: HouseOwner) -> int:
-    """Count the cells of a house's home region and the extrapolated cells that are free as authored."""
+    """Count all cells of a house's home region, plus those of its extrapolated cells that are free as authored."""
     return num_cells(at) + at.house.navigation.extrapolated.num_free
 
 
@@ -52,7 +52,10 @@ def cell_heights(at: HouseOwner) -> Float[np.ndarray, " c"]:
 
 
 def goal_fields(at: HouseOwner) -> UInt16[np.ndarray, "c g"]:
-    """Return cells' geodesic distances to the goals [FIELD_UNIT]; goals repeat in turn up to the bank's number."""
+    """Return geodesic distances [FIELD_UNIT] from home cells, then extrapolated ones, as `cell_coords`, to the goals.
+
+    `FIELD_UNREACHABLE` stands for no path. Goals repeat in turn up to the bank's number; more are cut.
+    """
     navigation = at.house.navigation
     field = np.concatenate([navigation.field, navigation.extrapolated.field])
     return field[:, np.arange(at.sizes["goals"]) % field.shape[1]]
@@ -76,7 +79,10 @@ def _first(
 
 
 def portal_leaves(at: HouseOwner) -> Int[np.ndarray, "p 2"]:
-    """Return the rows in the bank's doors of the leaves that close each portal; -1 none."""
+    """Return the rows, along the house's own `doors` axis, of the leaves that close each portal; -1 none.
+
+    Rows are those of `HouseOwner.door_row`.
+    """
     row = np.append(at.door_row, -1)
     return row[at.house.navigation.portals.leaf]
 

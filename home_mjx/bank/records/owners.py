@@ -66,7 +66,7 @@ class HouseOwner:
 
     @property
     def door_row(self) -> Int[np.ndarray, " n"]:
-        """Row of each leaf of the house among the bank's doors, whose last rows slide."""
+        """Row of each leaf along the house's own padded `doors` axis: hinged from 0, sliding in the last `slides`."""
         return self.house.doors.bank_rows(self.sizes["doors"], self.sizes["slides"])
 
 

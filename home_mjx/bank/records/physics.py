@@ -22,7 +22,10 @@ def is_body(at: HouseOwner) -> Bool[np.ndarray, " k"]:
 
 
 def box_inertias(at: HouseOwner) -> Float[np.ndarray, "k 3"]:
-    """Return the bodies' principal inertias as solid boxes [kg m^2], from mass and size rounded to float32."""
+    """Return the bodies' principal inertias as solid boxes [kg m^2], about their own axes.
+
+    They are computed from mass and half extents that are first rounded to float32.
+    """
     bodies = at.house.bodies
     return box_inertia(bodies.mass.astype(np.float32), bodies.size.astype(np.float32))
 
@@ -47,14 +50,17 @@ def ramp_rows(at: HouseOwner) -> Float[np.ndarray, "r 8"]:
 
 
 def is_door(at: HouseOwner) -> Bool[np.ndarray, " doors"]:
-    """Return the mask of rows of the bank's doors that hold a leaf of the house."""
+    """Return the mask of rows of the house's padded `doors` axis that hold a leaf, see `HouseOwner.door_row`."""
     valid = np.zeros(at.sizes["doors"], bool)
     valid[at.door_row] = True
     return valid
 
 
 def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
-    """Return slide directions in plan by the bank's door row: 0 for hinged leaves, (1, 0) in unused sliding rows."""
+    """Return unit slide directions in plan along the house's padded `doors` axis, see `HouseOwner.door_row`.
+
+    They are 0 in hinged rows, and (1, 0) in unused sliding rows.
+    """
     axes = np.zeros((at.sizes["doors"], 2))
     axes[at.sizes["doors"] - at.sizes["slides"] :] = [1.0, 0.0]
     axes[at.door_row] = at.house.doors.slide
@@ -62,13 +68,13 @@ def slide_axes(at: HouseOwner) -> Float[np.ndarray, "doors 2"]:
 
 
 def door_source(field: str, fill: Any = 0) -> Callable[[HouseOwner], np.ndarray]:
-    """Return a function of an owner that lists a field of its doors by row of the bank's `doors` axis.
+    """Return a function of an owner that lists a field of its doors along the house's padded `doors` axis.
 
-    Rows without a door are `fill`.
+    Rows are those of `HouseOwner.door_row`; rows without a leaf are `fill`.
     """
 
     def rows(at: HouseOwner) -> np.ndarray:
-        """Return the field by row of the bank's doors."""
+        """Return the field along the house's padded `doors` axis."""
         values = getattr(at.house.doors, field)
         padded = np.empty((at.sizes["doors"], *values.shape[1:]), values.dtype)
         padded[...] = fill

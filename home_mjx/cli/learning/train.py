@@ -120,7 +120,8 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
     """Return the named task's spec with `--sensors` (by default `TRAINED_SENSORS`) and `--env`, for split `train`.
 
-    `--env` overrides `--sensors`. Houses are those of `--dataset`; without it None, whatever the spec has.
+    `--env` overrides `--sensors`. `num_houses` is that of `--houses`. `houses` is that of `--dataset`; without it None,
+    whatever the spec has.
     """
     import dataclasses
 

@@ -171,6 +171,7 @@ def read_house_ids(path: str | Path) -> tuple[str, ...]:
     """Return the ids of the houses in a file of episodes or tasks, each once, in order.
 
     Raises:
+        MissingFileError: The file does not exist.
         DatasetError: A line is malformed, or the file has no lines.
     """
     found = read_json_lines(as_path(path, "episodes"), "episode", lambda line: str(line["house"]), MAX_FILE_BYTES)

@@ -303,7 +303,11 @@ class HouseholdEnv:
         return state.replace(world=state.world.replace(sensor_states=kept), status=lost)
 
     def _observations(self, state: State, snapshot: Snapshot, *, cast_rays: bool = True) -> dict[str, Array]:
-        """Return the observations of sensors and task; without `cast_rays`, sensors that cast rays are left out."""
+        """Return the acting agents' observations by name; without an agent axis if one agent acts.
+
+        They are of sensors, task and `_extra_observations`. Those of the task that `observation_spec` lacks are
+        dropped. Without `cast_rays`, sensors that cast rays are left out.
+        """
         obs: dict[str, Array] = {}
         own, config = snapshot.select_agents(self.num_agents), self.acting_config
         for sensor in self.sensors:

@@ -192,7 +192,10 @@ def _edge_positions(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Arr
 
 
 def cell_cost_factors(snapshot: Snapshot) -> Float[Array, "levels rows columns"]:
-    """Return the `cost_factors` of all cells of the house's grids, for no particular agent."""
+    """Return the `cost_factors` of all cells of the house's grids, from door leaves only.
+
+    Agents and carried objects do not count. Cells without a number have the height of the nearest numbered one.
+    """
     bank, house = snapshot.bank, snapshot.house
     levels, rows, columns = bank.navigation.room.shape[1:]
     y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) for n in (rows, columns))

@@ -408,7 +408,10 @@ def _interleave_houses(drawn: list[FeasibleRow]) -> list[FeasibleRow]:
 def pack_task_bank(
     bank: HouseBank, rows: list[dict], fields: dict[int, UInt16[np.ndarray, "c g"]], names: tuple[str, ...]
 ) -> TaskBank:
-    """Pack rows (columns by key) and distance fields (by house index) into a task bank with generators `names`."""
+    """Pack rows (columns by key) and distance fields (by house index) into a task bank with generators `names`.
+
+    There must be a row, and a field array for each house of the rows. Cells of other houses are `FIELD_UNREACHABLE`.
+    """
     arrays = {name: jnp.asarray(np.stack([row[name] for row in rows])) for name in rows[0]}
     count = max(1, *(f.shape[1] for f in fields.values()))  # at least one column, even if no row has a field
     whole = np.full((bank.navigation.field.shape[0], count), FIELD_UNREACHABLE, np.uint16)

@@ -179,7 +179,12 @@ class HouseView:
         return round(float(plan_radius(size, quat)) + 0.005, 2)
 
     def take_cells(self, instance: int) -> EndCells:
-        """Return the cells from which a hand can take an instance and carry it away; empty if there are none."""
+        """Return cells from which a hand can take an instance and carry it away.
+
+        Only every `CELL_STRIDE`-th cell within `MAX_HAND_REACH` is tested, at most `NUM_CELLS`: if the result is empty,
+        others may exist. In these cells an agent that holds the instance has room for a half turn. The largest
+        connected set of cells where it fits is within `MAX_TURN_DISTANCE`.
+        """
 
         def there(eyes: Array) -> Array:
             box = jnp.asarray(self._boxes[instance], jnp.float32)
@@ -234,7 +239,10 @@ class HouseView:
         return boxes.replace(bottom=np.where(unused, np.float32(np.inf), boxes.bottom))
 
     def put_cells(self, instance: int, radius: float) -> EndCells:
-        """Return the cells from which a hand can put an object of some radius [m] on an instance; may be empty."""
+        """Return cells from which a hand can put an object of some plan radius [m] on an instance; may be empty.
+
+        As in `take_cells`, only a sample of cells is tested, so others may exist.
+        """
 
         def there(eyes: Array) -> Array:
             box, size = jnp.asarray(self._boxes[instance], jnp.float32), jnp.float32(radius)

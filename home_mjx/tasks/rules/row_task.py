@@ -308,7 +308,8 @@ def _pass_goal(
 ) -> Float[Array, ""]:
     """Return `later_legs` [m], the path length beyond the goal of the new stage; unchanged if the goal is the same.
 
-    A later stage takes off the distance to its goal, an earlier one adds that to the old goal again; 0 on success.
+    A later stage takes off the distance to its goal, an earlier one adds that to the old goal again. Distances are
+    those of the nearest agent; an infinite one changes nothing. The result is at least 0, and 0 on success.
     """
     leg, old_leg = jnp.min(distance[:, goal]), jnp.min(distance[:, state.goal])
     change = jnp.where(stage > state.stage, -leg, old_leg)

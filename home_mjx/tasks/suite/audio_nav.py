@@ -42,7 +42,8 @@ class AudioNav(NavigationTask):
 
     Attributes:
         success_distance: Maximum distance to the source on success [m].
-        emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object.
+        emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object. With
+            `moving_source` it is always a place.
         schedule: "always", "intermittent" (for `duration` of every `period` seconds) or "once" (for `duration` at the
             start).
         period: Period [s].
@@ -110,7 +111,10 @@ class AudioNav(NavigationTask):
                 yield self._row([found[i] for i in order[at : at + count]], random)
 
     def _emitters(self, view: HouseView, random: np.random.Generator) -> list[Selector]:
-        """Return candidate emitters: objects of categories that can be goals, or `NUM_PLACES` cells off door leaves."""
+        """Return candidate emitters: objects of categories that can be goals, or `NUM_PLACES` cells off door leaves.
+
+        Objects are only for the option "object" without `moving_source`. There may be fewer cells.
+        """
         if self.emitter == "object" and not self.moving_source:
             things = [
                 thing for thing in view.objects if COARSE[thing.semantic(Semantic.COARSE)] not in EXCLUDED_CATEGORIES

@@ -77,7 +77,10 @@ class Fetch(ManipulationTask):
         check_known("place", self.destinations, DESTINATIONS)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows of objects and random destinations, endlessly; none if no object can be identified."""
+        """Yield rows of objects and random destinations, endlessly.
+
+        None if no object to carry, or no object as destination, can be identified; the latter for all `destinations`.
+        """
         told = self._describe_portables(view, random)
         goals = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
         named = identify_objects(view.objects, goals, random)

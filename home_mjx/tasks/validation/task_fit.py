@@ -140,7 +140,7 @@ def find_infeasible(
     """Return the violation of the first infeasible row of a house; None if all are feasible.
 
     Feasible: the house has its targets, an agent can stand at its start, and paths lead close enough to its targets.
-    `rows` have their columns with `field`, `fields` is from `add_fields`.
+    `rows`, at least one, have their columns with `field`; `fields` is from `add_fields`.
     """
     descriptor = np.stack([row["descriptor"] for row in rows])
     means = resolve_targets_on_host(bank, view.house, descriptor)

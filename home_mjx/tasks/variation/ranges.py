@@ -101,7 +101,7 @@ class Variation(Pytree):
 
         Args:
             **ranges: A probability for `lamps` and `textures`. Names of sounds, or their weights by name, for `clips`.
-                For all others (minimum, maximum), or one number that is the same in all episodes.
+                For all others (minimum, maximum), or one number that is the same in all episodes. None: not varied.
 
         Raises:
             ConfigError: A name is unknown, with the closest known one, or a range is empty or out of limits.
@@ -133,7 +133,10 @@ RANGE_NAMES = tuple(Variation.__dataclass_fields__)
 
 
 def normalize_ranges(given: Any) -> dict[str, Any]:
-    """Return ranges in any form that `to_variation` takes, validated, as plain numbers by name; {} for None.
+    """Return ranges in any form that `to_variation` takes, validated, in the form of `to_dict`; {} for None.
+
+    They are plain numbers by name, rounded to 6 decimals; `clips` are positive weights by name. Fields that do not vary
+    are left out. Raises as `to_variation`.
 
     Example:
         >>> normalize_ranges({"lamps": 0.5, "volume": 2})

@@ -43,7 +43,10 @@ MOVE_NOISE, IMAGE_NOISE = range(2)  # kinds of noise, for `VariationSample.noise
 
 
 def sample_variation(variation: Variation | None, key: Array, num_lamps: int) -> VariationSample | None:
-    """Sample one episode from the ranges; None if there are none.
+    """Sample one episode's values, uniformly from their ranges; None without ranges.
+
+    Values that do not vary are None. Angles become radians. Lamps of a group are on with the probability `lamps`, else
+    0, times `lamp_gain`. The clip is an index into `CLIPS`, sampled by weight. `textures` stays a probability.
 
     Args:
         variation: Ranges; None: nothing varies.

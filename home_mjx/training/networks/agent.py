@@ -80,7 +80,8 @@ class RecurrentAgent(nn.Module):
 
     Example:
         >>> agent = RecurrentAgent.from_specs(core.observation_spec, core.action_spec)  # doctest: +SKIP
-        >>> memory, params, value = agent.read(net, memory, obs, begins)  # doctest: +SKIP
+        >>> net, memory = agent.init_net(jax.random.key(0)), agent.initial_memory(64)  # doctest: +SKIP
+        >>> memory, params, value = agent.unroll_step(net, memory, obs, begins)  # doctest: +SKIP
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]

@@ -34,7 +34,7 @@ class Distribution(Protocol):
         ...
 
     def mode(self, params: Array) -> Array:
-        """Return the most likely action, not yet clipped."""
+        """Return the most likely action of parameters (..., p), not yet clipped; leading axes are kept."""
         ...
 
     def log_prob(self, params: Array, action: Array) -> Array:

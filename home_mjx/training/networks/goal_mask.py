@@ -46,7 +46,10 @@ def id_column(observation: str) -> Semantic | None:
 
 
 def observed_tokens(observation: str, words: Int[Array, "*b n"]) -> Int[Array, "*b n"]:
-    """Return tokens of a word observation; vocabulary ids in `goal_words` become tokens of their names, -1 if none."""
+    """Return tokens of a word observation; vocabulary ids in `goal_words` become tokens of their names, -1 if none.
+
+    Ids beyond a vocabulary count as its last one.
+    """
     if observation != "goal_words":
         return words.astype(jnp.int32)
     said = jnp.full(words.shape, NO_TOKEN, jnp.int32)

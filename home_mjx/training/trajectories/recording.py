@@ -61,7 +61,8 @@ def record(
 
     Raises:
         ConfigError: The folder contains a dataset and `resume` is False, or a dataset of another environment; or it
-            cannot be written.
+            cannot be written. Or `num_steps` or `num_envs` is not a whole number of at least 1.
+        DatasetError: Metadata of the dataset to resume are broken.
 
     Example:
         >>> record(add_expert(env), "data/RoomNav", num_steps=1_000_000, num_envs=1024)  # doctest: +SKIP

@@ -49,6 +49,7 @@ class TrajectoryWriter:
 
     Raises:
         ConfigError: The folder contains a dataset and `resume` is False, or a dataset of other observations or actions.
+        DatasetError: Metadata of the dataset to resume are broken.
     """
 
     def __init__(

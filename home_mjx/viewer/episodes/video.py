@@ -88,7 +88,8 @@ class VideoWriter:
     def add(self, picture: RgbImage, sound: Float[np.ndarray, "2 n"] | None = None) -> None:
         """Add the frame and the sound of a step; None is silence. Without a sample rate, sound is ignored.
 
-        All frames have one size. The length of a sound is not checked: it should be that of a step.
+        All frames must have one size, else `write` raises `ValueError`; it is not checked here. Nor is the length of a
+        sound, which should be that of a step.
         """
         self.frames.append(picture)
         if self.sample_rate:
