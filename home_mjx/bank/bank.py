@@ -64,6 +64,7 @@ class HouseBank(BankArrays):
         """Return a 32-bit number by which states identify their house: a hash of id, grid origin, cell counts, goals.
 
         Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
+        Indices are clipped.
         """
         house, navigation = self.clip_house_index(house), self.navigation
         places = jnp.concatenate([navigation.origin[house], navigation.goal[house].ravel()])

@@ -106,7 +106,7 @@ def load_policy(path: str | Path, core: HouseholdEnv, greedy: bool = False) -> t
         A function from parameters to a policy, and the parameters: the arguments of `evaluate`.
 
     Raises:
-        ConfigError: As in `read_config`.
+        ConfigError: As in `read_config`, or the environment's observations or actions have no network, see `PPO`.
         MissingFileError: The file does not exist.
         DatasetError: As in `load_net`, for example for other observations or actions.
 

@@ -140,7 +140,7 @@ def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
     low, high = spec.bounds()
 
     def draw(key: Array) -> Array:
-        """Draw one action."""
+        """Draw one action of one agent, uniformly within the bounds; maxima of integers are included."""
         if spec.dtype == "int32":
             return jax.random.randint(key, spec.shape, low, high + 1)
         return jax.random.uniform(key, spec.shape, minval=low, maxval=high)
@@ -176,7 +176,10 @@ def summarize(results: Results) -> dict[str, dict[str, float]]:
 def _run_batch(
     core: HouseholdEnv, policy: Policy, params: EnvParams, keys: UInt32[Array, "n 2"], numbers: Int[Array, " n"]
 ) -> dict[str, Float[Array, " n"]]:
-    """Run n episodes to their end, row `numbers[i]` with key `keys[i]`; return final metrics, path metrics included."""
+    """Run n episodes to their end, row `numbers[i]` with key `keys[i]`; return final metrics, path metrics included.
+
+    Numbers count the rows of `params.tasks` cyclically; without rows, episodes depend on the keys alone.
+    """
     num, agents = keys.shape[0], core.num_agents
     reset_keys, row_keys = split_keys(keys)
     rows = jax.vmap(lambda key: jax.random.split(key, agents))(row_keys).reshape(-1, 2)

@@ -65,8 +65,9 @@ class AdvisedPPO(PPO):
 
 
 def advice_loss(choose: Distribution, params: Array, advice: Array) -> tuple[Array, dict[str, Array]]:
-    """Return the mean negative log-likelihood of advice, and metrics: this, and the share of modes near the advice.
+    """Return the mean negative log-likelihood of advice, and metrics.
 
+    These are `clone`, the same, and `agreement`, the fraction of clipped modes near the advice.
     Near is every number of the action within `MAX_AGREEING_DISTANCE`, so that discrete actions must be equal.
     """
     clone_loss = -jnp.mean(choose.log_prob(params, advice))

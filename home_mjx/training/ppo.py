@@ -160,11 +160,14 @@ class PPO:
         return self.policy(state.net)
 
     def policy(self, net: Any, greedy: bool = False) -> Policy:
-        """Return the network with parameters `net` as a policy that samples actions; `greedy`: the most likely ones."""
+        """Return the network with parameters `net` as a policy that samples actions; `greedy`: the most likely ones.
+
+        Its other outputs are `log_prob` and `value` (R,) of each row.
+        """
         choose = self.agent.distribution
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:
-            """Apply one step of the network."""
+            """Apply one step of the network; return memory, unclipped actions, and `log_prob` and `value`."""
             memory, params, value = self.agent.unroll_step(net, memory, obs, begins)
             action = choose.mode(params) if greedy else jax.vmap(choose.sample)(params, keys)
             return memory, action, {"log_prob": choose.log_prob(params, action), "value": value}

@@ -82,7 +82,7 @@ def rollout(
     agents = batch.core.num_agents
 
     def step(actor: RolloutState, _: None) -> tuple[RolloutState, tuple[Transitions, dict[str, Array]]]:
-        """Take one step of all environments."""
+        """Take one step of all environments; return the carry, the transitions, and sums over episodes that ended."""
         obs, (keys, now) = to_rows(actor.env.obs, agents), split_keys(actor.keys)
         memory, action, outputs = policy.act(actor.memory, obs, actor.is_first, now)
         env = batch.step(params, actor.env, to_envs(policy.clip(action), agents))

@@ -18,7 +18,7 @@ GOAL_SPEC = ArraySpec(
 
 
 def observe_goal(snapshot: Snapshot, goal: Float[Array, "3"]) -> Float[Array, "a 4"]:
-    """Return a goal point on a floor relative to each agent, as `GOAL_SPEC` describes.
+    """Return a goal point on a floor, in world coordinates [m] and finite, relative to each agent, see `GOAL_SPEC`.
 
     It is the distance in the plane [m], cosine and sine of the bearing (left positive), and height above the feet [m]:
     0 on the agent's own storey, about 2.8 m one storey up.

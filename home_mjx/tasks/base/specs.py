@@ -97,7 +97,10 @@ class ArraySpec:
         return ArraySpec(shape, self.dtype, self.low, self.high, self.text)
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return minimum and maximum of every element, broadcast to the spec's shape and type."""
+        """Return minimum and maximum of every element, broadcast to the spec's shape and type.
+
+        Integer types need finite bounds, else NumPy raises `OverflowError`.
+        """
         low, high = (np.broadcast_to(np.asarray(x, self.dtype), self.shape) for x in (self.low, self.high))
         return low, high
 

@@ -75,7 +75,10 @@ def body_centers(config: EnvConfig, snapshot: Snapshot) -> tuple[Float[Array, "m
 
 
 def carried_masses(config: EnvConfig, snapshot: Snapshot) -> Float[Array, " m"]:
-    """Return the masses of agents, movable bodies, then doors [kg] that rest on contacts; 0 for doors, as they hang."""
+    """Return the masses of agents, movable bodies, then doors [kg] that rest on contacts; 0 for doors, as they hang.
+
+    Those of movable bodies are times the factor sampled for the episode.
+    """
     bodies = snapshot.bank.physics.body_mass[snapshot.house]
     if snapshot.body_scale is not None and snapshot.body_scale.mass is not None:
         bodies = bodies * snapshot.body_scale.mass

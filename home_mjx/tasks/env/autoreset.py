@@ -56,7 +56,10 @@ class AutoReset:
         self.bakes = core.bakes
 
     def bind(self, params: EnvParams | HouseBank) -> "Env[AutoReset]":
-        """Return the batch with its parameters: `reset(keys)`, `step(states, actions)`; a bank alone has no `tasks`."""
+        """Return the batch with its parameters: `reset(keys)`, `step(states, actions)`; a bank alone has no `tasks`.
+
+        Raises `ConfigError` as `Env`, such as for a `RowTask` without `tasks`.
+        """
         return Env(self, params if isinstance(params, EnvParams) else EnvParams(params))
 
     def template(self, bank: HouseBank) -> Template:

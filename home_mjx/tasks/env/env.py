@@ -87,6 +87,10 @@ class Env(Generic[C]):
         params: Houses and episodes.
         spec: The environment's spec from `make`; None if it was built by hand.
 
+    Raises:
+        ConfigError: Houses, tasks, sounds or variation do not fit the options, see `check_bank`, `check_tasks`,
+            `check_sounds` and `check_variation`.
+
     Example:
         >>> env = home_mjx.make("PointNav-v0")  # doctest: +SKIP
         >>> states = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 64))  # doctest: +SKIP

@@ -49,7 +49,8 @@ def sample_episodes(
         same_storey: Sample start and goal on the same storey. False: as the option of PointNav has it.
 
     Raises:
-        ConfigError: No path of such a length was found for one of them, or `same_storey` is True for another task.
+        ConfigError: No path of such a length was found for one of them, or `same_storey` is True for another task. Or
+            `num` is not a whole number of at least 1.
 
     Example:
         >>> episodes = sample_episodes(env.bank, 1000, min_length=2.0)  # doctest: +SKIP

@@ -130,7 +130,8 @@ class HouseholdEnv:
         """Return the environment with its parameters; for a bank, with the rows of the task's `task_bank`.
 
         Raises:
-            ConfigError: The houses were compiled for another body, see `check_bank`.
+            ConfigError: The houses were compiled for another body, see `check_bank`; or as the task's `task_bank`. Or
+                tasks, sounds or variation do not fit the environment, see `check_tasks`.
         """
         return Env(self, bank if isinstance(bank, EnvParams) else EnvParams(bank, self.task.task_bank(bank)))
 
@@ -172,7 +173,8 @@ class HouseholdEnv:
             state: The state before.
             action: (4,), or (A, 4) for several acting agents: forward, left, turn left, look up in [-1, 1]. Other
                 values are clipped and NaN counts as 0, so that one bad output of a policy does not corrupt an
-                environment for good. Discrete: an integer, or (A,); an invalid one does nothing. `status` flags both.
+                environment for good. Discrete: an integer, or (A,); inside `jit` or `vmap` an invalid one does nothing.
+                `status` flags both.
             observe: If False, no sensor runs and observations stay those of `state`; `observe(params, state,
                 update=True)` renews them.
 
@@ -183,7 +185,9 @@ class HouseholdEnv:
             ends with reward 0 and the flag `OTHER_HOUSE`.
 
         Raises:
-            ConfigError: The state is of another bank, as far as shapes or, outside of `jit` and `vmap`, values tell.
+            ConfigError: The state is of another bank, as far as shapes or, outside of `jit` and `vmap`, values tell. Or
+                the action has another shape or type.
+            OutOfRangeError: A discrete action does not exist, outside of `jit` and `vmap`.
         """
         self._announce_compile("step", state.status)
         state, snapshot = self._advance(params, state, action)
@@ -243,7 +247,11 @@ class HouseholdEnv:
         return state, snapshot.replace(sounds=sounds)
 
     def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, Snapshot]:
-        """Return the next state, with observations and sensor states of the last one, and its snapshot."""
+        """Return the next state, with observations and sensor states of the last one, and its snapshot.
+
+        A step to a pose that is not finite is undone. This, or a state of another house, ends the episode with reward
+        0. The step that reaches `episode_length` is truncated, unless it is terminated.
+        """
         bank, template = params.bank, self.template(params.bank)
         check_state(template.layout, params, state)
         moves, start = self._apply_action(params, state, action)

@@ -41,6 +41,9 @@ class MemoryEstimate:
 def estimate_memory(env: Env, num_envs: int) -> MemoryEstimate:
     """Estimate the memory of `num_envs` environments on the device; nothing is allocated.
 
+    Raises:
+        ConfigError: `num_envs` is not a whole number of at least 1.
+
     Example:
         >>> print(estimate_memory(env, 4096))  # doctest: +SKIP
         1.7 GiB: bank 49.3 MiB, states 2 x 850.1 MiB (212.5 KiB each)

@@ -75,7 +75,10 @@ def _expert_action(task: Task, snapshot: Snapshot, state: object) -> Array:
 
 
 def _point_nav_action(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:
-    """Return actions along the shortest path past door leaves; `stop` well within the success radius."""
+    """Return actions along the shortest path past door leaves; `stop` well within the success radius.
+
+    Only the task's option `stop` leads to `stop`; without it agents walk on.
+    """
     field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:

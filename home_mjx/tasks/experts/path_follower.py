@@ -246,7 +246,8 @@ def to_actions(
 ) -> Array:
     """Return actions that turn left by `error`, tilt up by `tilt` [rad] and, unless `hold` or `stop`, walk forward.
 
-    A discrete action is the first that is needed: `stop`, a turn, a look (only with `hold`), or `move_forward`.
+    A discrete action is the first that is needed: `stop`, a turn, a look (only with `hold`), or `move_forward`. Turns
+    and looks of less than half a step are not needed. With `hold` but nothing to turn or look at, it is `move_forward`.
     Continuous actions do not move with `stop`.
     """
     if config.discrete is None:

@@ -57,7 +57,10 @@ def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
 
 
 def select_matching(things: Sequence[HouseObject], meant: dict[Attribute, int]) -> list[HouseObject]:
-    """Select the objects that have all of these attribute values, in their order; all objects if `meant` is empty."""
+    """Select the objects that have all of these attribute values, in their order; all objects if `meant` is empty.
+
+    Attributes are those of `SEMANTIC_COLUMN`; others raise `KeyError`.
+    """
     table = _semantic_table(things)
     having = np.logical_and.reduce([np.ones(len(things), bool), *(_have(table, *word) for word in meant.items())])
     return [thing for thing, is_meant in zip(things, having, strict=True) if is_meant]

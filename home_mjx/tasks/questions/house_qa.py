@@ -79,7 +79,10 @@ class HouseQA(QuestionTask):
         check_number("look_distance", self.look_distance, 0.5)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row for each question, at most `MAX_CANDIDATES` a kind; a hash prefers equal texts in all houses."""
+        """Yield a row for each question, at most `MAX_CANDIDATES` a kind; a hash prefers equal texts in all houses.
+
+        Of several questions of one kind and text, only the last is asked.
+        """
         for kind in dict.fromkeys(self.kinds):
             known = {question.texts[0]: question for question in QUESTION_GENERATORS[kind](view)}
             for text in sorted(known, key=lambda text: crc32(text.encode()))[:MAX_CANDIDATES]:

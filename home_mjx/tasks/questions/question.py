@@ -62,7 +62,10 @@ def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
 
 
 def noun(thing: HouseObject) -> str:
-    """Return the name of an object's coarse category, as in `COARSE`."""
+    """Return the name of an object's coarse category, as in `COARSE`.
+
+    The category must be known: for -1 the result is the last name of `COARSE`.
+    """
     return COARSE[thing.semantic(Semantic.COARSE)]
 
 

@@ -50,7 +50,10 @@ class VQA(QuestionTask):
         return KINDS
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield rows of all questions about `num_views` views, from random cells in random directions."""
+        """Yield rows of all questions about `num_views` views, from random cells in random directions.
+
+        Cells are off door leaves, and may repeat.
+        """
         cells = random.choice(np.flatnonzero(~view.graph.at_leaf), self.num_views)
         places = view.graph.place[cells]
         yaws = random.uniform(-np.pi, np.pi, self.num_views)

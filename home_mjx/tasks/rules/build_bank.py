@@ -75,7 +75,10 @@ class TaskGenerator(Protocol):
         ...
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield the tasks of one house in random order, all or endlessly: the caller takes as many as it needs."""
+        """Yield the tasks of one house in random order, all or endlessly: the caller takes as many as it needs.
+
+        The caller waits for every row, so a generator must end where the house has no further one.
+        """
         ...
 
 
@@ -171,7 +174,10 @@ def _check_generated(
     drawn: list[FeasibleRow],
     limits: tuple[float, float],
 ) -> None:
-    """Raise `ConfigError` if no task is feasible; log the generators of a mix that add no task."""
+    """Raise `ConfigError` if no task is feasible; log the generators of a mix that add no task.
+
+    `generated` has the number of rows that each generator yielded, `drawn` the feasible ones of all.
+    """
     houses = f"{bank.num_houses} house{'s' * (bank.num_houses > 1)}"
     silent = [name for name, count in zip(names, generated, strict=True) if not count]
     if len(silent) == len(names):
@@ -379,7 +385,10 @@ def _draw_start(
 
 
 def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
-    """Return the sum of path lengths from each of `stops` (columns of `fields`) to the next [m]; 0 for a single one."""
+    """Return the sum of path lengths from each of `stops` (columns of `fields`) to the next [m]; 0 for a single one.
+
+    Each leg begins at the home cell with the least distance to its stop.
+    """
     ends = [int(np.argmin(fields[:, stop])) for stop in stops]
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))
 

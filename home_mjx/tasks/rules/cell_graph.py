@@ -134,9 +134,9 @@ class CellGraph:
     def nearest_cells(self, low: Float[np.ndarray, " 3"], high: Float[np.ndarray, " 3"], most: int) -> EndCells:
         """Return the home cells (indices) nearest in plan to a box on its storey, and plan distances [m], ascending.
 
-        They are at most `most`, on floors below the box's top and less than `MAX_HEIGHT_ON_STOREY` below its bottom.
-        Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object behind
-        it.
+        They are at most `most`, on floors not above the box's top, and less than `MAX_HEIGHT_ON_STOREY` below its
+        bottom. Cells at the leaf of an open door are excluded: an agent may push the leaf, which then hides the object
+        behind it.
         """
         here = (self.place[:, 2] <= high[2]) & (self.place[:, 2] > low[2] - MAX_HEIGHT_ON_STOREY)
         storey = np.flatnonzero(here & ~self.at_leaf)

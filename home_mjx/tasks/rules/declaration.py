@@ -85,6 +85,7 @@ class Column:
 
         Raises:
             ConfigError: There are more values than the capacity of an axis.
+            OverflowError: A Python integer does not fit the dtype.
         """
         row = self.empty()
         if len(self.axes) < 2:

@@ -20,7 +20,7 @@ MAX_RISE_ON_STOREY = 1.0  # [m] places farther above or below the feet, and agen
 
 
 def current_boxes(snapshot: Snapshot) -> Float[Array, "i 2 3"]:
-    """Return the current world bounds (minimum, maximum) of all instances of the house [m]."""
+    """Return the current world bounds (minimum, maximum) of all instances of the house [m]; of padding, any."""
     scene, geometry = snapshot.scene, snapshot.bank.geometry
     model = jnp.maximum(geometry.instance_model[scene.house], 0)
     placed = jax.vmap(transform_bounds)(geometry.instance_pose[scene.house], geometry.model_box[model])
@@ -44,7 +44,10 @@ def compute_features(
     field: UInt16[Array, "cell f"],
     stage_steps: Int[Array, ""],
 ) -> FeatureValues:
-    """Compute all `Feature` values of all agents and descriptors; `stage_steps` is the number of steps of the stage."""
+    """Compute all `Feature` values of all agents and descriptors; `stage_steps` is the number of steps of the stage.
+
+    Truth values are 0 or 1. A feature that does not depend on an axis (agent, i, j) is repeated along it.
+    """
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
     boxes = current_boxes(snapshot)
     straight, nearest = nearest_targets(snapshot, program, means, boxes)
@@ -203,7 +206,10 @@ def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[A
 
 
 def door_openings(snapshot: Snapshot, means: ResolvedTargets) -> Float[Array, " d"]:
-    """Return the widest opening of each descriptor's doors, as a fraction: 0 closed or no door, 1 wide open."""
+    """Return the widest opening of each descriptor's doors, as a fraction: 0 closed or no door, 1 wide open.
+
+    It is the distance from the closed angle, or shift, re that of wide open; it is not clipped.
+    """
     physics, house = snapshot.bank.physics, snapshot.house
     closed, wide = physics.door_closed[house], physics.door_fully_open[house]
     part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)

@@ -69,7 +69,7 @@ class HouseView:
     """Geometry, semantics and reachability of one house, for task generators.
 
     Args:
-        bank: The houses, with arrays on the host.
+        bank: The houses, with geometry, navigation and semantics on the host.
         house: Index of the house.
         boxes: World bounds of its instances [m].
         device_bank: The same houses on the device, for ray casting.
@@ -88,7 +88,10 @@ class HouseView:
 
     @cached_property
     def objects(self) -> tuple[HouseObject, ...]:
-        """Objects in the house and on its lot, without trees, roofs and neighbouring buildings out of reach."""
+        """Objects in rooms, and those on the lot, without trees, roofs and neighbouring buildings out of reach.
+
+        Those on the lot overlap the fence rectangle, and begin below `MAX_HEIGHT_ABOVE_TOP_FLOOR` above the top floor.
+        """
         low, high = np.asarray(self.bank.physics.fence_rectangle[self.house])
         floors = np.asarray(self.bank.navigation.floor[self.house])
         top = floors[np.isfinite(floors)].max() + MAX_HEIGHT_ABOVE_TOP_FLOOR
@@ -101,7 +104,7 @@ class HouseView:
 
     @cached_property
     def all_objects(self) -> tuple[HouseObject, ...]:
-        """All rendered objects; a door's frame and leaves are one object."""
+        """All rendered objects, in the order of their ids; a door's frame and leaves are one object."""
         geometry = self.bank.geometry
         ids, rows = geometry.instance_object[self.house], geometry.instance_semantic[self.house]
         semantics, found = np.asarray(self.bank.semantics), []
@@ -138,7 +141,8 @@ class HouseView:
         """Return the end cells of paths to a descriptor's targets, and the distance from each to its target [m].
 
         A descriptor of the given `kind` has target instances, rooms or a `place` [m]. To PUT an object of a plan
-        `radius` [m] on an instance, or to TAKE one, other cells are needed than to LOOK at it.
+        `radius` [m] on an instance, or to TAKE one, other cells are needed than to LOOK at it. A cell is repeated if it
+        serves several instances.
         """
         if kind == TargetKind.PLACE:
             return self.graph.nearest_cell(place)
@@ -297,7 +301,10 @@ class HouseView:
         return any(len(self.view_cells(part)[0]) for part in parts.tolist())
 
     def image_fractions(self, places: Float[np.ndarray, "n 3"], yaw: Float[np.ndarray, " n"]) -> list[dict[int, float]]:
-        """Render level views at floor points [m] and headings [rad]; return image fractions by visible object id."""
+        """Render level views at floor points [m] and headings [rad]; return image fractions by visible object id.
+
+        There is a dictionary per view, without the architecture and misses (-1).
+        """
         images = visible_ids(self._device, self.house, self._eyes(places), yaw)
         found = [np.unique(image[image >= 0], return_counts=True) for image in images]
         return [dict(zip(ids.tolist(), (counts / images[0].size).tolist(), strict=True)) for ids, counts in found]
@@ -308,7 +315,10 @@ class HouseView:
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:
-    """Return a `HouseView` of each house, in the order of the bank; their arrays are on the host."""
+    """Return a `HouseView` of each house, in the order of the bank.
+
+    Its geometry, navigation and semantics are on the host; other arrays stay where they are.
+    """
     geometry = bank.geometry
     boxes = np.asarray(_instance_boxes(geometry.instance_pose, geometry.instance_model, geometry.model_box))
     host = bank.replace(geometry=bank.geometry.replace(gpu=None))

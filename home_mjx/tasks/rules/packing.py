@@ -37,7 +37,7 @@ def pack_program(selectors: Sequence[Selector], stages: Sequence[TaskStage]) -> 
 
     Raises:
         ConfigError: A row has no space for all of them, there is no stage, or a number refers to a missing descriptor
-            or stage.
+            or stage. Or a selector has an unknown attribute.
 
     Example:
         >>> there = Condition(Feature.DISTANCE, 0, maximum=0.2), Condition(Feature.STOPPED, minimum=1)

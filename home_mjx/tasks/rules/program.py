@@ -88,6 +88,8 @@ class Selector:
     def objects(cls, **words: int) -> "Selector":
         """Select the objects that have all of these values, by `Attribute` name in lower case; all without any.
 
+        Names are checked by `pack_program`, here not yet.
+
         Example:
             >>> Selector.objects(coarse=3, color=1).attributes["coarse"]
             3

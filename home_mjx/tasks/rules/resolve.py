@@ -76,7 +76,10 @@ def _filter_supported(
 
 
 def _has_label(labels: Int[Array, "..."], kind: Int[Array, "..."]) -> Bool[Array, "..."]:
-    """Return whether bit masks of `schema.categories.room_labels` have label number `kind`; 0 and -1 have none."""
+    """Return whether bit masks of `schema.categories.room_labels` have label number `kind`; 0 and -1 have none.
+
+    A negative `kind` counts as 0.
+    """
     return (labels > 0) & ((labels >> jnp.maximum(kind, 0)) & 1 == 1)
 
 

@@ -158,7 +158,11 @@ class RowTask(Task):
         return build_task_bank(bank, self.generators, self.num_tasks, self.task_seed, *limits)
 
     def init(self, snapshot: Snapshot, key: Array, columns: dict[str, Array] | None) -> RowState:
-        """Return the state at the first stage of the row's program; `ConfigError` without a task bank."""
+        """Return the state at the first stage of the row's program; `ConfigError` without a task bank.
+
+        No transition is taken yet, but `is_fulfilled_at_start` is True if success holds already. `later_legs` is the
+        row's length less the distance to the first goal, or 0 if no other stage has another guide.
+        """
         if columns is None or not isinstance(snapshot.tasks, TaskBank):
             hint = "Write EnvParams(bank, tasks=task.task_bank(bank)), or core.bind(bank)."
             raise ConfigError(f"{type(self).__name__} needs a task bank", hint=hint)
@@ -240,7 +244,10 @@ class RowTask(Task):
         return row_sources(snapshot, state.sound_events, point, body, snapshot.tasks.field, state.program.field)
 
     def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
-        """Return the observations of `observation_spec`; uninstructed agents have no goal and no instruction."""
+        """Return the observations of `observation_spec`; uninstructed agents have no goal and no instruction.
+
+        `goal` leads to the point of the first descriptor, and is 0 if that is not a point. `goal_words` are its values.
+        """
         pose, place = snapshot.pose, state.program.place[0]
         known = jnp.all(jnp.isfinite(place))
         goal = observe_goal(snapshot, jnp.where(known, place, 0.0))

@@ -87,7 +87,10 @@ class Exploration(Task):
         )
 
     def update(self, snapshot: Snapshot, state: ExplorationState) -> ExplorationState:
-        """Add the tiles that agents cover now, and collisions; `gained` is each agent's newly covered area [m^2]."""
+        """Add the tiles that agents cover now, and collisions; `gained` is each agent's newly covered area [m^2].
+
+        A tile that several agents cover first in the same step counts for each of them.
+        """
         near = self._near(snapshot, state.room)
         cells = jnp.sum(state.free[None] * (near & ~state.covered[None]), axis=(1, 2, 3))
         return state.replace(
@@ -112,7 +115,7 @@ class Exploration(Task):
         }
 
     def _near(self, snapshot: Snapshot, room: Int[Array, "levels ty tx"]) -> Bool[Array, "a levels ty tx"]:
-        """Return which tiles each agent covers: those of its room within `cover_radius`."""
+        """Return which tiles each agent covers: centres in its room within `cover_radius`; none outside rooms."""
         bank, house = snapshot.bank, snapshot.house
         edge = jnp.float32(_cells_per_edge(bank) * bank.spec.cell)
         levels, rows, columns = room.shape

@@ -84,7 +84,7 @@ class EarLevels(Sensor):
         return select_bakes(config)
 
     def init(self, config: EnvConfig) -> EarLevelsState:
-        """Return a silent state."""
+        """Return the state before the first step: power, lead and time are 0, no word was said."""
         agents = config.num_agents
         return EarLevelsState(
             time=jnp.zeros((), jnp.int32),

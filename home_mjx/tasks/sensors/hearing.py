@@ -81,7 +81,7 @@ class Hearing(Sensor):
         return select_bakes(config)
 
     def init(self, config: EnvConfig) -> HearingState:
-        """Return a silent state."""
+        """Return the state before the first step: responses, frames and times are 0, and no word was said."""
         agents, audio = config.num_agents, config.audio
         nothing = (
             silent_state(audio)

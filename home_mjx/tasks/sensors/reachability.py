@@ -101,7 +101,10 @@ def free_spots(
 
 
 def obstacle_footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
-    """Return present footprints of static boxes, movable bodies and leaves, without object id `carried` (-1 none)."""
+    """Return present footprints of static boxes, movable bodies and leaves, without object id `carried` (-1 none).
+
+    Bodies and leaves have their upright world bounds. Padding and the carried object are boxes far away.
+    """
     physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
     parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
     count = bank.spec.num_bodies + bank.spec.num_doors
@@ -132,7 +135,8 @@ def check_placement(
     """Return at which positions a box supports an object that is put there, and at which it would touch no box.
 
     The object must be inside the box's edges if the box is large enough. Hands release objects up to 3 cm from a spot,
-    and an object with its centre near an edge slides off.
+    and an object with its centre near an edge slides off. Boxes that end at the surface, or begin `HEADROOM` above it,
+    are not touched.
 
     Args:
         boxes: Footprints of all obstacles.

@@ -29,6 +29,7 @@ def word_tones(token: Int[Array, "*n"]) -> Int[Array, "*n groups"]:
     """Return the indices of a word's tones, one of each group; any two words differ in at least two of them.
 
     They are the base-4 digits of its token, the last one first, and a check digit that makes their sum a multiple of 4.
+    Tokens are from 0 to 4^5 - 1; further digits are dropped.
 
     Example:
         >>> word_tones(jnp.array([0, 1, 27])).tolist()

@@ -189,7 +189,10 @@ def _check_range(name: str, value: Any) -> tuple[float, float]:
 
 
 def _clip_weights(value: Any) -> list[float]:
-    """Return a weight for each of `CLIPS`, from names (1 each) or weights by name; 0 for others."""
+    """Return a weight for each of `CLIPS`, from names (1 each) or weights by name; 0 for others.
+
+    Raises `ConfigError` for other types, unknown names, negative weights, or if no weight is positive.
+    """
     names = [value] if isinstance(value, str) else value
     if not isinstance(names, Iterable) or not all(isinstance(name, str) for name in names):
         hint = 'Write clips=("radio", "bell"), or {"radio": 1, "bell": 3}.'

@@ -105,7 +105,10 @@ class Encoder(nn.Module):
 
     @nn.compact
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
-        """Encode observations by name to one vector; leading axes, such as time and agents, are kept."""
+        """Encode observations by name to one vector; leading axes, such as time and agents, are kept.
+
+        Each of `specs` must be there; further observations are ignored.
+        """
         said = [observed_tokens(name, obs[name]) for name, spec in self.specs if encoder_kind(name, spec) == "words"]
         said = jnp.concatenate(said, axis=-1) if said and self.goal_mask else None
         images: dict[tuple[int, ...], list[Array]] = defaultdict(list)

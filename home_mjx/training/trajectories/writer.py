@@ -77,6 +77,8 @@ class TrajectoryWriter:
     def add(self, episode: Mapping[str, Any], notes: Mapping[str, Any]) -> None:
         """Queue an episode for writing; wait for the queue after every `EPISODES_PER_METADATA_UPDATE` episodes.
 
+        Threads write it later, so its arrays must not change.
+
         Args:
             episode: T + 1 `observations` by name; T `actions`, `rewards`, `terminations` and `truncations`.
             notes: Additional metadata of the episode.
