@@ -80,12 +80,14 @@ class Fetch(ManipulationTask):
         """Yield rows of objects and random destinations, endlessly.
 
         None if no object to carry, or no object as destination, can be identified; the latter for all `destinations`.
+        None, too, if no object has a destination: those on the same spot or in the same type of room are none.
         """
         told = self._describe_portables(view, random)
         goals = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
         named = identify_objects(view.objects, goals, random)
         if not named:
             return
+        told = [item for item in told if self._has_destination(view, item[0], [goal for goal, _ in named])]
         while told:
             for at in random.permutation(len(told)).tolist():
                 thing, words = told[at]
@@ -97,9 +99,26 @@ class Fetch(ManipulationTask):
                 else:
                     yield self._to_start(view, words, random)
 
+    def _has_destination(self, view: HouseView, thing: PortableObject, goals: Sequence[HouseObject]) -> bool:
+        """Return whether any of `destinations` is possible for an object; `goals` are the objects to bring it to."""
+        return (
+            "start" in self.destinations
+            or ("room" in self.destinations and bool(self._other_rooms(view, thing)))
+            or ("object" in self.destinations and any(self._is_apart(thing, goal) for goal in goals))
+        )
+
+    def _is_apart(self, thing: PortableObject, goal: HouseObject) -> bool:
+        """Return whether an object is farther from another one than twice `success_distance`; not from itself."""
+        return bool(box_gap(thing.object, goal) > 2 * self.success_distance)
+
+    def _other_rooms(self, view: HouseView, thing: PortableObject) -> list[int]:
+        """Return the types of rooms in the house that an object's room does not have; none if it is unknown."""
+        own = thing.object.room_types
+        return [kind for kind in view.rooms_by_type if kind not in own] if own else []
+
     def _to_thing(self, thing: PortableObject, words: Words, goal: tuple[HouseObject, Words]) -> Iterator[TaskRow]:
         """Yield the row to bring an object to another one; none if they are within twice `success_distance` already."""
-        if box_gap(thing.object, goal[0]) > 2 * self.success_distance:  # also excludes the object itself
+        if self._is_apart(thing, goal[0]):
             near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
             yield self._row(words, Selector.objects_with(goal[1]), near, f"to {noun_phrase(goal[1])}")
 
@@ -107,9 +126,8 @@ class Fetch(ManipulationTask):
         self, view: HouseView, thing: PortableObject, words: Words, random: np.random.Generator
     ) -> Iterator[TaskRow]:
         """Yield the row to bring an object into another type of room; none without one, or if its own is unknown."""
-        own = thing.object.room_types
-        others = [kind for kind in view.rooms_by_type if kind not in own]
-        if others and own:
+        others = self._other_rooms(view, thing)
+        if others:
             kind = others[int(random.integers(len(others)))]
             inside = Condition(Feature.INSIDE, 1, minimum=1)
             yield self._row(

@@ -401,3 +401,11 @@ def test_ids_have_hands(env_id, bank):
     assert dataclasses.asdict(env.core.task)["stop"]
     state = jax.eval_shape(env.reset, jax.random.key(0))
     assert set(state.obs) == {"state", "instruction"}
+
+
+def test_without_any_destination_there_are_no_rows(views):
+    """The generator ends instead of drawing for ever."""
+    far = {"success_distance": 1000.0}  # [m], within which every object is of every other
+    random = np.random.default_rng(0)
+    assert next(Fetch(destinations=("object",), **far).rows(views[0], random), None) is None
+    assert next(Fetch(destinations=("object", "start"), **far).rows(views[0], random), None) is not None
