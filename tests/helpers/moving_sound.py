@@ -51,7 +51,7 @@ def some_reads(rng, sources: int, config: AudioConfig) -> DelayReads:
     pairs = [match_paths(a, b, q[0], q[1], max_path_change(config)) for a, b, q in zip(old, new, quats, strict=True)]
     past = config.memory_length - 1
     signal = jnp.float32(rng.normal(size=(sources, past + config.frame + config.num_lookahead)))
-    reads = [early._reads(s, past, p, config, None) for s, p in zip(signal, pairs, strict=True)]
+    reads = [early._source_reads(s, past, p, config, None) for s, p in zip(signal, pairs, strict=True)]
     return jax.tree.map(lambda *x: jnp.stack(x), *reads)
 
 
