@@ -2,8 +2,9 @@
 
 import os
 from functools import cache
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import entry_points
 from pathlib import Path
+from typing import Any
 
 CACHE_VARIABLE = "HOME_MJX_CACHE"
 ROOT_VARIABLE = "SUNCG_DATA_DIR"
@@ -27,6 +28,6 @@ def dataset_root() -> Path | None:
 
 
 @cache
-def installed(group: str) -> dict[str, EntryPoint]:
-    """Return the installed entry points of a group by name; cached."""
+def installed(group: str) -> dict[str, Any]:
+    """Return the installed entry points of a group by name, in the type of the importlib that finds them; cached."""
     return {point.name: point for point in entry_points(group=group)}

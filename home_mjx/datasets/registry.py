@@ -153,7 +153,7 @@ def find_format(scheme: str) -> DatasetFormat:
     return _FORMATS[scheme]
 
 
-def _installed() -> dict[str, EntryPoint]:
+def _installed() -> dict[str, Any]:
     """Return the entry points of installed datasets by scheme, including `suncg`."""
     return {SUNCG.name: SUNCG, **installed(GROUP)}
 

@@ -23,6 +23,7 @@ class Mirrors(Pytree):
     u: Float[Array, "m 3"]  # [m], half extent vectors
     v: Float[Array, "m 3"]
     valid: Bool[Array, " m"]
+    material: Int[Array, " m"] | None = None  # row of the material table; -1 or None: that of the surface hit by rays
 
 
 class ImageSources(Pytree):

@@ -35,7 +35,7 @@ DUPLICATE_TOLERANCE = 1e-3  # [m], and per unit of direction: tolerance within w
 def house_mirrors(scene: Scene) -> Mirrors:
     """Return the mirror rectangles of the environment's house: walls, floors and ceilings; padding is not valid.
 
-    Their materials are those of the surfaces that rays hit.
+    They have no material: it is that of the surface that rays hit.
     """
     planes = scene.bank.acoustics
     flat = planes.plane_center, planes.plane_normal, planes.plane_u, planes.plane_v, planes.plane_valid

@@ -95,11 +95,10 @@ def _interpolate_spans(
     both = start.weight[:, None] * end.weight[None]
     energy = both[..., None, None] * jnp.exp(late.level[pair].astype(jnp.float32))
     ways = jnp.concatenate([late.comes_from[pair], late.comes_from[back]], axis=-1).astype(jnp.float32) / 127
-    ways = jnp.concatenate([jnp.ones((*ways.shape[:-1], 1), jnp.float32), ways], axis=-1)
-    sums = jnp.einsum("ijsb,ijsx->sbx", energy, ways, precision="highest")  # one product is faster than three
-    whole = jnp.sum(sums, axis=1)
-    mean = whole[:, 1:] / jnp.maximum(whole[:, :1], MIN_ENERGY)
-    return sums[..., 0], mean[:, :3], mean[:, 3:]
+    level = jnp.sum(energy, axis=(0, 1))  # no product, whose last bits depend on the size of the bank
+    intensity = jnp.einsum("ijs,ijsx->sx", jnp.sum(energy, axis=3), ways, precision="highest")
+    mean = intensity / jnp.maximum(jnp.sum(level, axis=1, keepdims=True), MIN_ENERGY)
+    return level, mean[:, :3], mean[:, 3:]
 
 
 def _interpolate_decay(
