@@ -52,7 +52,7 @@ def reset(
         ConfigError: Positions or angles do not have one row per agent or door.
     """
     _check_initial_poses(template.layout, agent_pos, agent_yaw, door_angle)
-    house = _clip_house(bank, house)
+    house = bank.clip_house_index(house)
     layout, bodies = template.layout, movable_bodies(bank.physics, house)
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)
     agents = jnp.concatenate([agent_pos.at[:, 2].add(half), agent_yaw[:, None]], axis=-1)
@@ -80,11 +80,6 @@ def reset(
         contact_partner=jnp.full(layout.num_dynamic, NOTHING, jnp.int32),
         scale=scale,
     )
-
-
-def _clip_house(bank: HouseBank, house: Int[Array, ""] | int) -> Int[Array, ""]:
-    """Return the index of a house, clipped to those of the physics; JAX would count negative ones from the end."""
-    return jnp.clip(jnp.int32(house), 0, bank.physics.floor.shape[0] - 1)
 
 
 def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, door_angle: Array | None) -> None:
@@ -131,7 +126,7 @@ def step_checked(
     whole control step.
     """
     check_shape("action", jnp.shape(action), (template.layout.num_agents, 3))
-    return STEPS[template.config.impl](template, bank.physics, _clip_house(bank, house), state, action)
+    return STEPS[template.config.impl](template, bank.physics, bank.clip_house_index(house), state, action)
 
 
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
@@ -167,7 +162,7 @@ def is_out_of_bounds(
     Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
     ground floor. Bodies that fell through an upper floor only are not reported, nor NaN poses (see `is_unstable`).
     """
-    physics, agents, house = bank.physics, agent_pose(template, state)[0], _clip_house(bank, house)
+    physics, agents, house = bank.physics, agent_pose(template, state)[0], bank.clip_house_index(house)
     pos, quat = body_pose(template, state)
     upward = jax.vmap(quat_matrix)(quat)[:, 2]
     half = jnp.array([body.height / 2 for body in template.config.agents], jnp.float32)

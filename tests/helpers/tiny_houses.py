@@ -154,6 +154,6 @@ def make_bank(houses: Sequence[TinyHouse], num_bodies: int = NUM_BODIES) -> Hous
     slides = any(door.slides for house in houses for door in house.doors)
     tables = [_physics(house, num_bodies) | _doors(house, slides) for house in houses]
     physics = Physics(**{name: jnp.asarray(np.stack([t[name] for t in tables])) for name in tables[0]})
-    bank = HouseBank.from_compiled([shoebox()])
+    bank = HouseBank.from_compiled([shoebox()] * len(houses))  # as many, since indices are clipped to the bank's
     counts = {"num_bodies": num_bodies, "num_doors": NUM_DOORS, "num_slides": int(slides)}
     return bank.replace(physics=physics, spec=bank.spec.replace(**counts))

@@ -60,8 +60,8 @@ class TaskBank(Pytree):
     def pick(self, index: Int[Array, "..."]) -> "TaskBank":
         """Return a bank with some rows, such as those of a split, and all fields; raises as `Episodes.pick` does."""
         numbers = resolve_rows(index, len(self))
-        weights = None if self.weights is None else self.weights[numbers]
-        return self.replace(rows=self.rows.pick(numbers), weights=weights)
+        rows, weights = jax.tree.map(lambda x: x[numbers], (self.rows, self.weights))
+        return self.replace(rows=rows, weights=weights)
 
     def with_weights(self, weights: Any) -> "TaskBank":
         """Return the same rows with weights for drawing; inside `jit` only the number of weights is checked.

@@ -87,7 +87,8 @@ class Fetch(ManipulationTask):
         named = identify_objects(view.objects, goals, random)
         if not named:
             return
-        told = [item for item in told if self._has_destination(view, item[0], [goal for goal, _ in named])]
+        goals = [goal for goal, _ in named]
+        told = [item for item in told if self._has_destination(view, item[0], goals)]
         while told:
             for at in random.permutation(len(told)).tolist():
                 thing, words = told[at]

@@ -74,7 +74,7 @@ def lookup_late_sound(
     # `arrival` is rounded down to whole bins, so a straight path is half a bin longer on average.
     first = jnp.sum(both * late.arrival[house, start.cell[:, None], end.cell[None]].astype(jnp.float32))
     first = jnp.maximum(first, jnp.linalg.norm(source - listener) / metres - 0.5)
-    level, comes_from, leaves_to = _interpolate_spans(late, house, start, end)
+    level, comes_from, leaves_to = _interpolate_spans(late, house, start.cell, end.cell, both)
     member = jnp.asarray(np.eye(len(SPAN_STARTS), dtype=np.float32)[span_index(bins)])
     energy = jnp.matmul(member, level, precision="highest")
     energy = energy * _interpolate_decay(late, house, start, end, bins)
@@ -84,16 +84,20 @@ def lookup_late_sound(
 
 
 def _interpolate_spans(
-    late: LateReverb, house: Int[Array, ""], start: _CellWeights, end: _CellWeights
+    late: LateReverb,
+    house: Int[Array, ""],
+    start: Int[Array, " i"],
+    end: Int[Array, " j"],
+    weight: Float[Array, "i j"],
 ) -> tuple[Float[Array, "spans bands"], Float[Array, "spans 3"], Float[Array, "spans 3"]]:
     """Return the energy of each span, and its mean directions of arrival and emission, interpolated between cells.
 
-    A mean direction is the sum of intensities of all pairs of cells, divided by the sum of their energies.
+    `start` and `end` are the cells around source and listener, `weight` is the weight of each pair. A mean direction is
+    the sum of intensities of all pairs of cells, divided by the sum of their energies.
     """
-    pair = house, start.cell[:, None], end.cell[None]
-    back = house, end.cell[None], start.cell[:, None]
-    both = start.weight[:, None] * end.weight[None]
-    energy = both[..., None, None] * jnp.exp(late.level[pair].astype(jnp.float32))
+    pair = house, start[:, None], end[None]
+    back = house, end[None], start[:, None]
+    energy = weight[..., None, None] * jnp.exp(late.level[pair].astype(jnp.float32))
     ways = jnp.concatenate([late.comes_from[pair], late.comes_from[back]], axis=-1).astype(jnp.float32) / 127
     level = jnp.sum(energy, axis=(0, 1))  # no product, whose last bits depend on the size of the bank
     intensity = jnp.einsum("ijs,ijsx->sx", jnp.sum(energy, axis=3), ways, precision="highest")
