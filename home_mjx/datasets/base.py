@@ -29,7 +29,7 @@ class ReadOptions:
     Args:
         people: Keep models of the coarse category `person`: dense, static meshes.
         plants: Keep models of the coarse category `plant`: foliage of many thousand triangles.
-        backdrops: Keep boxes of 20 m and more uncut. By default they are cut to the extent of the level.
+        backdrops: Keep boxes over 20 m uncut. By default they are cut to the extent of the level.
         strict: Reject a house with a missing texture, model, room mesh or metadata row, instead of using fallbacks.
             None: strict for generated datasets, tolerant for all others.
 
@@ -97,7 +97,7 @@ class ShippedSource(Protocol):
         ...
 
     def write_textures(self, paths: Sequence[str], progress: bool = False) -> None:
-        """Write the missing ones of some textures; paths are relative to the dataset."""
+        """Write some textures unless they exist; paths are relative to the dataset."""
         ...
 
 
@@ -217,7 +217,9 @@ class Dataset(ABC):
         return self.metadata
 
     def model_info(self, model_id: str, category: str) -> ModelInfo:
-        """Return a metadata row without size for a model of the dataset's own category, a key of `categories`.
+        """Return a metadata row without size for a model whose category is a key of `categories`.
+
+        The front is the default; whether the model exists is not checked.
 
         Raises:
             UnknownNameError: `categories` lacks the category, or maps it to a name outside `FINE`, `COARSE` or `NYU40`.

@@ -57,6 +57,8 @@ def find_model(key: str) -> Model | None:
 def kept_result(kind: type[T], inputs: bytes, compute: Callable[[], T]) -> T:
     """Return the result kept in the store of `keep_results`, or compute and keep it; compute only if there is no store.
 
+    A broken entry is computed again, with a warning. A result that cannot be written is still returned.
+
     Args:
         kind: Dataclass of the result, of arrays and JSON values; see `core.array_store.flatten`.
         inputs: Everything that determines the result, apart from the compiler's code.

@@ -134,7 +134,11 @@ def _walls(
     openings: Sequence[WallOpening],
     height: float,
 ) -> Mesh:
-    """Build one wall per side of a counter-clockwise outline (x right, z up): it has the room on its interior side."""
+    """Build the walls of room `room` as one mesh: one wall per side of its outline, with the openings that are in it.
+
+    `corners` are (x, z), counter-clockwise in a plot with x right and z up, so inner faces look into the room. Inner
+    faces have the material `inside`, cut faces `CUT_MATERIAL` and outer faces `PLASTER`: three slots per wall.
+    """
     pieces: list[MeshPiece] = []
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)
@@ -146,8 +150,8 @@ def _walls(
 def _hole(opening: WallOpening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:
     """Return (left, right, low, high) of an opening, from `start` and the floor [m], cut to the wall's ends.
 
-    None if an end is farther than half the wall's depth from its centre line, or if less than `MIN_OPENING_WIDTH` is
-    left.
+    Its heights are unchanged. None if an end is farther than half the wall's depth from its centre line, or if less
+    than `MIN_OPENING_WIDTH` is left.
     """
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length

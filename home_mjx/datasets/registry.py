@@ -85,6 +85,8 @@ def has_scheme(name: object) -> bool:
 def open_dataset(name: str | Path | None = None) -> Dataset:
     """Open a dataset by its folder or its name.
 
+    A folder belongs to the first registered dataset that recognizes it, else it is read as SUNCG's.
+
     Args:
         name: Folder of a dataset, or a scheme and what follows it, such as `procedural:16?seed=0`; None: the folder
             that the environment variable `SUNCG_DATA_DIR` names.
@@ -159,7 +161,7 @@ def _installed() -> dict[str, Any]:
 
 
 def _loaded(point: Any) -> Any:
-    """Import the object of an entry point; raise `ConfigError` if that fails."""
+    """Import the object of an entry point; raise `ConfigError` if its module or attribute cannot be imported."""
     try:
         return point.load()
     except (ImportError, AttributeError) as error:

@@ -12,7 +12,8 @@ SPLITS: Mapping[str, float] = {"train": 0.8, "val": 0.1, "test": 0.1}
 def split_of(house_id: str, fractions: Mapping[str, float] = SPLITS) -> str:
     """Return the split of a house, which depends only on its id and the fractions, in their order.
 
-    The first 64 bits of the id's SHA-256, as a fraction of 2**64, are compared with the cumulative fractions.
+    The first 64 bits of the id's SHA-256 are a fraction of 2**64. The first split whose cumulative fraction exceeds it
+    is returned.
 
     Args:
         house_id: Id of the house.

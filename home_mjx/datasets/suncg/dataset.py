@@ -117,7 +117,9 @@ class SuncgDataset(Dataset):
         return read_metadata(self.root / "metadata", tolerant=True)
 
     def load_model(self, key: str) -> Mesh:
-        """Read one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
+        """Return one library model, such as `122` or its variants `122_0` (closed) and, in v2, `122_2` (frame only).
+
+        It is read once; later calls and houses share the mesh. Missing files are errors in every dataset.
 
         Raises:
             DatasetError: Its OBJ, an MTL or a texture is missing or broken.

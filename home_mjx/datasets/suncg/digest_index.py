@@ -69,7 +69,7 @@ class DigestIndex:
     def facts(self, name: str, stamp: Stamp, read: Callable[[], FileFacts]) -> FileFacts:
         """Return the indexed facts of a file; call `read` and add its result if no entry has this name and stamp.
 
-        Facts of a file that was changed within `MIN_AGE_SECONDS` are not added to the index.
+        Facts of a file that changed at most `MIN_AGE_SECONDS` before this call, or in the future, are not added.
 
         Args:
             name: Name of the file, in a constant form.
@@ -87,7 +87,10 @@ class DigestIndex:
         return facts
 
     def save(self) -> None:
-        """Add new facts to the index on disk; a failed write raises nothing and only costs time later."""
+        """Add new facts to the entries of the file on disk; do nothing without new ones.
+
+        A failed write raises nothing, and these facts are not written later.
+        """
         if not self.unsaved:
             return
         self.unsaved = 0

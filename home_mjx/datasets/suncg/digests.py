@@ -43,9 +43,9 @@ class SuncgDigests:
         self._saved = 0.0
 
     def house(self, house_id: str) -> bytes:
-        """Return the digest of a house's files, its models and the tables; files that are missing change it.
+        """Return the digest of a house's files, its models and the tables; a missing folder counts as empty.
 
-        Textures and `UNUSED_TABLES` are not included. New digests are saved to the index.
+        Textures and `UNUSED_TABLES` are not included. New digests are saved to the index. The id is not checked.
         """
         own = DigestIndex(self._folder / "houses" / f"{house_id}.json")
         digest = hashlib.sha256()
@@ -60,7 +60,10 @@ class SuncgDigests:
         return digest.digest()
 
     def texture(self, path: str) -> str:
-        """Return the hexadecimal digest of the image at an absolute path, read once; "" if it does not exist."""
+        """Return the hexadecimal digest of the image at an absolute path; "" if it does not exist.
+
+        The first result for a path is returned by later calls, whatever happens to the file.
+        """
         if path not in self._textures:
             found = os.path.isfile(path)
             self._textures[path] = (
@@ -69,7 +72,10 @@ class SuncgDigests:
         return self._textures[path]
 
     def has_texture(self, name: str) -> bool:
-        """Return whether the image of a texture, named without extension, that a house lacked now exists."""
+        """Return whether the image of a texture, named without extension, that a house lacked now exists.
+
+        Each object looks up a name once. False for a name that leads out of the dataset.
+        """
         textures = self._assets.textures
         return resolve_below(self.root, textures.folder, name) is not None and textures.find(name) is not None
 
@@ -113,7 +119,7 @@ class SuncgDigests:
         )
 
     def _model_ids(self, document: Path, index: DigestIndex) -> tuple[str, ...]:
-        """Return the sorted model ids in a house.json that are valid file names; () if the file is missing."""
+        """Return the `_model_names` of a house.json, from the index if it is unchanged; () if the file is missing."""
         if not document.is_file():
             return ()
         return self._facts(str(document), file_stamp(document.stat()), index).names
@@ -127,7 +133,10 @@ class SuncgDigests:
 
 @functools.lru_cache(maxsize=8)
 def _shared_index(path: Path) -> DigestIndex:
-    """Return the index of files shared by the houses of a dataset, one for all `SuncgDigests` of a process."""
+    """Return the index of files shared by the houses of a dataset, one for all `SuncgDigests` of a process.
+
+    Those of the last eight datasets are kept.
+    """
     return DigestIndex(path)
 
 
@@ -156,7 +165,11 @@ def _libraries_elsewhere(data: bytes) -> tuple[str, ...]:
 
 
 def _model_names(document: Path) -> tuple[str, ...]:
-    """Return the distinct model ids in a house.json that are valid file names, sorted; () if it is unreadable."""
+    """Return the distinct model ids in a house.json that can be names of files, sorted; () if it is unreadable.
+
+    They are the strings behind every `"modelId":` of the text, of hidden nodes too; the text need not be valid JSON.
+    Omitted are "", `.` and `..`, ids of 256 characters and more, and those with a slash, backslash or NUL.
+    """
     try:
         text = read_text(document)
     except DatasetError:
@@ -175,7 +188,10 @@ def _decoded(literal: str) -> str:
 
 
 def _files(folder: Path) -> list[tuple[str, str, Stamp]]:
-    """Return name, path and stamp of the regular files in a folder, sorted by name; [] if there is no folder."""
+    """Return name, path and stamp of the files in a folder, sorted by name; [] if there is no folder.
+
+    Links count as the files that they lead to; folders are left out.
+    """
     try:
         with os.scandir(folder) as entries:
             return sorted((e.name, e.path, file_stamp(e.stat())) for e in entries if e.is_file())
@@ -184,11 +200,14 @@ def _files(folder: Path) -> list[tuple[str, str, Stamp]]:
 
 
 def clear_shared_indices() -> None:
-    """Drop the shared indices of this process, as in a new process; for measurements."""
+    """Drop the shared indices of this process with their unsaved facts, as in a new process; for measurements."""
     _shared_index.cache_clear()
 
 
 def delete_digest_indices(root: Path) -> None:
-    """Delete the indices of the dataset at an absolute root, so that its files are all read again."""
+    """Delete the indices of the dataset at an absolute root, so that new `SuncgDigests` read all its files again.
+
+    Errors of deletion are ignored. Existing `SuncgDigests` keep what they know.
+    """
     clear_shared_indices()
     shutil.rmtree(index_folder(root), ignore_errors=True)

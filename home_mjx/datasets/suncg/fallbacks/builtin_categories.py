@@ -54,7 +54,8 @@ UNKNOWN_CATEGORY = ModelInfo("").coarse
 def add_builtin_categories(tables: SuncgMetadata) -> SuncgMetadata:
     """Return tables with the built-in categories of SUNCG's doors, windows and similar models added.
 
-    Rows of `tables` that have a category take precedence; those without keep their sizes.
+    Rows of `tables` that have a category take precedence. Rows without one, of variants too, get the built-in category
+    and keep all else.
 
     Example:
         >>> add_builtin_categories(SuncgMetadata({})).info("122_0").coarse

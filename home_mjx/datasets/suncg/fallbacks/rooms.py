@@ -124,7 +124,10 @@ def slab_mesh(
 def _walls(
     shape: RoomShape, room_id: str, path: Path, gaps: Sequence[OpeningSpan], materials: Sequence[Material]
 ) -> Mesh:
-    """Build the walls of a room with holes at `gaps`; without holes if these would remove all walls."""
+    """Build the walls of a room with holes at `gaps`; without holes if these would remove all walls.
+
+    Inner faces have the first of `materials`, outer ones the third; all have plaster if there are fewer than three.
+    """
     plain = Material("", PLASTER_COLOR, None, 1.0)
     inside, outside = (materials[0], materials[2]) if len(materials) > 2 else (plain, plain)
     pieces: list[MeshPiece] = []
@@ -145,7 +148,7 @@ def _hole(
     """Return (left, right, low, high) of an opening, from `start` and the wall's base [m]; None if not in this wall.
 
     It is `HOLE_INSET` smaller on each side and may reach beyond the wall. In this wall means: both ends at most
-    `MAX_OPENING_OFFSET` from its line, and at least `MIN_OPENING_WIDTH` between its ends.
+    `MAX_OPENING_OFFSET` from its line, at least `MIN_OPENING_WIDTH` between its ends, and partly between base and top.
     """
     length = float(np.linalg.norm(end - start))
     way = (end - start) / length
@@ -228,8 +231,8 @@ def _meeting(a: tuple[np.ndarray, float], b: tuple[np.ndarray, float]) -> Float[
 def _box_lines(bbox: Float[np.ndarray, "2 3"], gaps: Sequence[OpeningSpan]) -> Polygon:
     """Return the rectangle of wall centre lines in a bounding box; sides near a parallel gap are moved to it.
 
-    Near means at most `WALL_OUTER_EXTENT` outside of a side, or `MAX_LEAF_SWING` more than that inside. Of several gaps
-    the outermost is taken.
+    Near means at most `WALL_OUTER_EXTENT` outside of a side, or `MAX_LEAF_SWING` more than that inside, with the gap's
+    middle between the two other sides. Of several gaps the outermost is taken.
     """
     low, high = bbox[0, [0, 2]] + WALL_OUTER_EXTENT, bbox[1, [0, 2]] - WALL_OUTER_EXTENT
     for axis in (0, 1):

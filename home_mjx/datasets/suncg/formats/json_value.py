@@ -103,9 +103,9 @@ class JsonValue(Location):
         return self.data
 
     def name(self) -> str:
-        """Return a string that is a plain file name, without separators and of at most `MAX_NAME_BYTES`.
+        """Return a string that is a plain file name of at most `MAX_NAME_BYTES`; raise `DatasetError` for other values.
 
-        Raise `DatasetError` for other values.
+        A plain name is not "", `.` or `..`, and has no slash, backslash or NUL.
         """
         text = self.text()
         if text in ("", ".", "..") or any(c in text for c in "/\\\0"):
@@ -140,7 +140,7 @@ class JsonValue(Location):
         return number
 
     def flag(self, default: bool = False) -> bool:
-        """Return a flag written as 0, 1, "0", "1", true or false, else raise `DatasetError`; `default` if absent."""
+        """Return a flag written as 0, 1, "0", "1", true or false, else raise `DatasetError`; `default` if null."""
         if not self.has_value:
             return default
         if self.data in (0, "0"):
@@ -188,7 +188,10 @@ class JsonValue(Location):
 
 
 def read_json(path: Path) -> JsonValue:
-    """Read the JSON document in a file.
+    """Read the JSON document in a file; NaN and Infinity are accepted, as Python's reader does.
+
+    Raises:
+        DatasetError: The file is missing or larger than `MAX_JSON_BYTES`, not UTF-8, or not JSON (with line and column).
 
     Raises:
         DatasetError: The file is missing, not UTF-8, or not JSON (with line and column).

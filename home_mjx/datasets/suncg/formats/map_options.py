@@ -56,6 +56,9 @@ class PlacedMap:
 def read_color_map(text: str, place: Location, is_known: Callable[[str], bool]) -> PlacedMap:
     """Read the arguments of a `map_Kd`.
 
+    Of an option given twice the last counts. The file name loses its quotes and a comment behind it, unless it is
+    known.
+
     Args:
         text: Options and file name, which may contain spaces.
         place: Line of the MTL, for errors.

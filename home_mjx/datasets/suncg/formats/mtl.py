@@ -100,7 +100,10 @@ def _numbers(text: str, count: int, place: Location, largest: float = 1.0) -> li
 
 
 def _color(text: str, place: Location) -> tuple[float, float, float]:
-    """Return three numbers, or one three times: green and blue are as red if they are left out."""
+    """Return an sRGB colour, clipped to 0..1, from its first three numbers; one number is a grey.
+
+    Raise `DatasetError` for two or no numbers, and for broken ones. A comment is ignored.
+    """
     words = text.partition("#")[0].split()
     red, green, blue = _numbers(text, 3, place) if len(words) != 1 else _numbers(text, 1, place) * 3
     return red, green, blue

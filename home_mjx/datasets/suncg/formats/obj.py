@@ -147,7 +147,10 @@ def scan_obj(text: str, path: Path) -> dict[str, Rows]:
 
 
 def _scan_plain(text: str, rows: dict[str, Rows]) -> None:
-    """Add the statements of a text without continued lines to `rows`, in place; fast for numbers behind one space."""
+    """Add the statements of a text without backslashes and carriage returns to `rows`, in place.
+
+    Lines with a keyword of numbers and one space are not split further, which is fast.
+    """
     numeric = {keyword: rows[keyword] for keyword in ("v", "vt", "vn", "f")}
     for number, line in enumerate(text.split("\n"), 1):
         keyword, _, rest = line.partition(" ")
@@ -242,7 +245,10 @@ def _materials(
 
 
 def _slots(names: Sequence[str]) -> Mapping[str, int]:
-    """Map each name, and it without comment and quotes, to its position; whole, then earlier names take precedence."""
+    """Map each name, and it without comment and quotes, to its position in `names`.
+
+    Whole names take precedence over shortened ones, then earlier names over later ones.
+    """
     slots: dict[str, int] = {}
     for name, slot in (*((n, i) for i, n in enumerate(names)), *((bare_name(n), i) for i, n in enumerate(names))):
         slots.setdefault(name, slot)
@@ -262,8 +268,8 @@ def _read_library(library: Path, place: Location, textures: TextureLookup) -> tu
 def missing_materials(used: Rows, known: Sequence[Material], library: str) -> tuple[Material, ...]:
     """Create grey materials for the names of `used` (rows of `usemtl`) that no material in `known` has.
 
-    They continue SUNCG's order `material_0`, `material_1`, ..., where slots are positions; other names follow. Each
-    records `library`, with `.mtl`, as its missing file.
+    They continue SUNCG's order `material_0`, `material_1`, ..., where slots are positions, so unused numbers below the
+    highest are filled. Other names follow. Each records `library`, with `.mtl`, as its missing file.
     """
     defined = _slots([material.name for material in known])
     names = dict.fromkeys(name for _, rest in used if (name := rest.strip()))
@@ -288,7 +294,10 @@ def find_libraries(rows: Rows, path: Path, textures: TextureLookup) -> dict[Path
 
 
 def _libraries(row: tuple[int, str], path: Path, textures: TextureLookup) -> list[tuple[Path, Location]]:
-    """Return path and line of the files of a `mtllib`, one with spaces in its name or several; they may not exist.
+    """Return path and line of each file that a `mtllib` row names; they may not exist.
+
+    The whole text is one name if that file exists. Otherwise its words are names if all these files exist, else it is
+    split by `split_library_names`.
 
     Raises:
         DatasetError: A path leads out of the dataset, or there is no name and the lookup is not tolerant.

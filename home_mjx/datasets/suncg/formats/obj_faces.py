@@ -24,6 +24,9 @@ def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 
     """Return one-based v, vt and vn indices of every corner (0 if none), and the number of corners of each face.
 
     Raises:
+        DatasetError: There are more than about `MAX_CORNERS` corners, a face is malformed, or an index is out of range.
+
+    Raises:
         DatasetError: There are too many corners, a face is malformed, or an index is out of range.
     """
     count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
@@ -69,7 +72,7 @@ def _words(text: str) -> list[str]:
 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
-    """Return v, vt and vn indices of all corners as in the file (0 if absent); None if a corner is malformed."""
+    """Return v, vt and vn indices of all corners as in the file (0 if absent); None for no corner or a malformed one."""
     corners = [corner for words in faces for corner in words]
     text = " ".join(corners)
     if not text.isascii() or "_" in text:  # Python would read `1_0`
@@ -123,9 +126,9 @@ def _absolute(
 def split_faces(
     points: Float[np.ndarray, "c 3"], sides: Int[np.ndarray, " f"], rows: Rows, path: Path, tolerant: bool = False
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    """Split faces into triangles by `triangulate_faces`: corner indices, and the face of each triangle.
+    """Split faces into triangles by `triangulate_faces`: indices into `points`, and the face of each triangle.
 
-    `sides` has the number of corners of each face. `rows` and `path` locate errors.
+    `sides` has the number of corners of each face. `tolerant` is as there. `rows` and `path` locate errors.
 
     Raises:
         DatasetError: A polygon crosses itself, or has too many corners.
@@ -140,10 +143,11 @@ def split_faces(
 def smooth_normals(
     rows: Rows, index: Int[np.ndarray, "f 3"], triangles: Float[np.ndarray, "f 3 3"]
 ) -> Float[np.ndarray, "f 3 3"] | None:
-    """Return the unit `vn` of each corner; None if one is missing or not finite, or if all equal the face normals.
+    """Return the `vn` of each corner of the triangles by `keep_smooth_normals`; None if they are useless.
 
-    `index` has one-based indices into `rows`, the lines of `vn`; 0 for none. Broken normals do not invalidate a model:
-    exporters write them for faces without area.
+    They are useless if a triangle corner has none, if a line of `rows`, used or not, lacks three finite numbers, or if
+    all equal the face normals. No error is raised, since exporters write broken ones for faces without area. `index` is
+    one-based into `rows`, the lines of `vn`; 0 for none.
     """
     table = _numbers(rows)
     if table is None or (index == 0).any():
@@ -154,9 +158,10 @@ def smooth_normals(
 def keep_smooth_normals(
     normals: Float[np.ndarray, "c 3"], triangles: Float[np.ndarray, "f 3 3"]
 ) -> Float[np.ndarray, "f 3 3"] | None:
-    """Return normals per corner as unit vectors; None if all equal their face normals within `MIN_NORMAL_DEVIATION`.
+    """Return normals per corner as unit vectors; None if all equal their face normals.
 
-    Faces without area are not compared; vectors of length 0 stay 0.
+    Equal means within `MIN_NORMAL_DEVIATION` in each component; faces without area are not compared. Vectors of length
+    1e-12 and less become 0.
 
     Args:
         normals: Vectors of the corners of all faces, in order.

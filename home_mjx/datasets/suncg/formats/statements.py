@@ -53,10 +53,11 @@ def read_statement_lines(path: Path, hint: str | None = None, tolerant: bool = F
 
 
 def split_statements(text: str) -> Iterator[tuple[int, str, str]]:
-    """Yield line number, keyword in lower case and arguments of every statement; comment lines are left out.
+    """Yield line number, keyword in lower case and arguments of every statement; blank and comment lines are left out.
 
-    A backslash at the end of a line continues it on the next one; the number is that of the first. Comments, and
-    names of materials and groups, are not continued by a backslash at their end: paths of Windows may have one there.
+    A backslash at the end of a line continues it on the next one; the number is that of the first. Comments, and names
+    of materials and groups, are not continued by a backslash at their end: paths of Windows may have one there. A
+    comment behind a statement remains in its arguments.
 
     Example:
         >>> next(split_statements("Kd 1 0 0"))
@@ -71,13 +72,17 @@ def split_statements(text: str) -> Iterator[tuple[int, str, str]]:
 
 
 def _logical_lines(text: str) -> Iterable[tuple[int, str]]:
-    """Return (number, line) from 1 for any line ending, continued lines joined."""
+    """Return (line number, text) of all lines, blank ones and comments too; lines end with LF, CR or both.
+
+    A line continued by a backslash, see `_is_continued`, is joined to the next ones by spaces. Its number, from 1, is
+    that of its first line, so numbers may have gaps.
+    """
     lines = (text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text).split("\n")
     return _join_continued(lines) if "\\" in text else enumerate(lines, 1)
 
 
 def _join_continued(lines: list[str]) -> Iterator[tuple[int, str]]:
-    """Yield lines joined by a space with those they continue; the number is that of the first."""
+    """Yield lines joined by spaces with those that continue them, without the backslashes, and the number of the first."""
     parts: list[str] = []
     for number, line in enumerate(lines, 1):
         is_continued = _is_continued(line)

@@ -46,7 +46,8 @@ class TextureLookup:
     def find(self, name: str) -> Path | None:
         """Return the image of a texture named without extension, in any case; None if missing.
 
-        A tolerant lookup searches for a missing image at each call, others once.
+        A tolerant lookup searches for a missing image at each call, others once. Names that lead out of the dataset are
+        not rejected.
         """
         if self._known.get(name) is None and (self.tolerant or name not in self._known):
             self._known[name] = self._find(name)

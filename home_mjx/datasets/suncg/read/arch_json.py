@@ -37,7 +37,9 @@ class Architecture:
     note: Note
 
     def mesh(self, kind: str, node_id: str) -> Mesh | None:
-        """Build the `Wall`, `Floor`, `Ceiling` or `Ground` of a room or ground [m, Y up]; None if the file has none.
+        """Build the `Wall`, `Floor`, `Ceiling` or `Ground` of a room or ground [m, Y up].
+
+        None if the file has no such element, or only ones without faces.
 
         Raises:
             DatasetError: An element is broken.
@@ -99,7 +101,10 @@ class Architecture:
         )
 
     def _measure(self, value: JsonValue, kind: str, key: str, default: float, least: float = 1e-3) -> float:
-        """Return a length of an element in units of the file; else that of `defaults`, else `default` [m]."""
+        """Return a length of an element in units of the file; else that of `defaults`, else `default` [m], converted.
+
+        Raise `DatasetError` if it is below `least` units.
+        """
         own = value.member(key)
         return self._length(own if own.has_value else self._default(kind, key), default, least)
 

@@ -74,7 +74,8 @@ class HingeTable:
 def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3 3"]) -> tuple[Hinge, ...]:
     """Find the leaves of a door with their motion from the pose in `shown` to that in `other` (triangles, Z up [m]).
 
-    Empty if no part turns or slides, or if a variant is too large for a door.
+    Leaves whose motion is not found are left out. Empty if no part turns or slides, if a variant is too large for a
+    door, or if more than `MAX_PARTS` components moved.
 
     Example:
         >>> find_hinges(open_door, closed_door)[0].displacement  # doctest: +SKIP
@@ -95,7 +96,10 @@ def find_hinges(shown: Float[np.ndarray, "t 3 3"], other: Float[np.ndarray, "s 3
 
 
 def _is_small_enough(triangles: Float[np.ndarray, "t 3 3"]) -> bool:
-    """Return whether a variant is small enough to be sampled; a wrong unit would need billions of points."""
+    """Return whether a variant has an estimated number of sample points below `MAX_POINTS`.
+
+    A wrong unit of length would need billions of points.
+    """
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
     return bool(((edge / TARGET_SPACING + 1) ** 2).sum() / 2 < MAX_POINTS)
 
@@ -117,7 +121,10 @@ def _moved_parts(
 def _leaves(
     triangles: Float[np.ndarray, "t 3 3"], part: Int[np.ndarray, " t"], moved: Bool[np.ndarray, " t"]
 ) -> Iterator[Bool[np.ndarray, " t"]]:
-    """Yield a mask of triangles per leaf: moved components within `MAX_PART_DISTANCE`, such as panel and handles."""
+    """Yield a mask of triangles per leaf: moved components linked by gaps of at most `MAX_PART_DISTANCE`.
+
+    Handles thus belong to their panel.
+    """
     names = np.unique(part[moved])
     trees = [KDTree(_sample(triangles[part == name], MAX_PART_DISTANCE / 2)) for name in names]
     group = np.arange(len(names))
@@ -132,9 +139,12 @@ def _leaves(
 def _move_onto(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> tuple[Float[np.ndarray, "2"], float, Float[np.ndarray, "2"]] | None:
-    """Return pivot, displacement and slide (see `Hinge`) that move a leaf onto a surface; None if it does not fit.
+    """Return pivot, displacement and slide (see `Hinge`) that move a leaf onto a surface; None if no motion fits.
 
-    A translation takes precedence over rotations that fit as well. Of several pivots, the nearest to the leaf is taken.
+    Each guess is refined. A motion fits if the share of the leaf's points on the surface is at least `MIN_FIT_SHARE`
+    and at most `TIE_TOLERANCE` below the best. If one fits that turns by less than `MIN_TURN`, before and after
+    refinement, the leaf can only slide: by the shortest shift of such guesses, or None if `_slide` rejects it.
+    Otherwise it turns about the pivot that is nearest to the leaf in plan.
     """
     points, tree = _sample(leaf, SAMPLE_SPACING), KDTree(_sample(target, TARGET_SPACING))
     guesses = list(_guesses(leaf, target))
@@ -173,9 +183,11 @@ def _slide(
 def _guesses(
     leaf: Float[np.ndarray, "t 3 3"], target: Float[np.ndarray, "s 3 3"]
 ) -> Iterator[tuple[float, Float[np.ndarray, "2"]]]:
-    """Yield initial (rotation about +z [rad], shift after it [m]) from the leaf's largest component to similar ones.
+    """Yield initial motions of a leaf in plan: rotation about the origin in -pi..pi [rad], then shift [m].
 
-    Boxes of similar height are matched in the four orientations that differ by quarter turns.
+    Each moves the box (`narrowest_box`) of the leaf's largest component onto that of a component of `target`, so that
+    centres coincide and edges are parallel: four quarter turns per component. Components are left out whose box differs
+    by `SAMPLE_SPACING` or more in half height or in the height of its centre.
     """
     big = _largest(leaf)
     source = narrowest_box(big.reshape(-1, 3))

@@ -55,7 +55,10 @@ def house_path(house_id: str, assets: AssetLibrary) -> Path:
 
 
 def build_house(document: JsonValue, reading: ReaderState) -> House:
-    """Build the house that a house.json describes; `reading` records problems, and errors if it collects them."""
+    """Build the house that a house.json describes; `reading` records problems.
+
+    Errors are raised, or recorded if `reading` collects them; then broken levels and nodes are left out.
+    """
     reading.materials = document.member("materials")
     reading.scale = reading.attempt(_scale, document.member("scaleToMeters")) or 1.0
     reading.attempt(_check_header, document, reading)
@@ -109,7 +112,7 @@ def _check_header(document: JsonValue, reading: ReaderState) -> None:
 def read_level(level: JsonValue, index: int, reading: ReaderState) -> Level | None:
     """Read one storey, number `index` in the file; None if its `valid` is 0.
 
-    Repeated nodes are left out, and backdrops cut.
+    Repeated nodes are left out, and backdrops cut. If the assets are tolerant, missing meshes of rooms get fallbacks.
     """
     if not level.member("valid").flag(default=True):
         return None
@@ -139,7 +142,10 @@ def read_level(level: JsonValue, index: int, reading: ReaderState) -> Level | No
 
 
 def _hidden(values: Sequence[JsonValue], level: int, shown: Collection[int]) -> tuple[UnknownNode, ...]:
-    """Return the empty and disabled nodes that are not in `shown`, kept because they occupy positions in the list."""
+    """Return the empty and disabled JSON objects of a level that are not in `shown`, as `UnknownNode`s.
+
+    They are kept because they occupy positions in the list.
+    """
     found = [(i, value) for i, value in enumerate(values) if i not in shown and isinstance(value.data, dict)]
     off = [(i, value) for i, value in found if not value.data or value.data.get("valid", 1) in (0, "0", False)]
     return tuple(UnknownNode(f"{level}_{i}", i, value.element, None, data=value.data) for i, value in off)
@@ -151,7 +157,10 @@ def _of_type(nodes: Sequence[Node], kind: type[N]) -> tuple[N, ...]:
 
 
 def _read_node(value: JsonValue, default_id: str, index: int, reading: ReaderState) -> Node | None:
-    """Read node `index` of a level; None if it is empty, which is noted, or disabled by `valid`."""
+    """Read node `index` of a level; None if it is empty, which is noted, disabled, or left out by its reader.
+
+    A node of an unknown type is noted and kept as `UnknownNode`.
+    """
     if not value.data:
         reading.note(value, "empty-node", "empty node: left out")
         return None

@@ -178,7 +178,7 @@ def _transform(node: JsonValue, reading: ReaderState) -> Float[np.ndarray, "4 4"
 def _state(value: JsonValue, model_id: str, reading: ReaderState) -> int | None:
     """Read the state of an object; None if null, and 0, with a note, if the model lacks its variant.
 
-    A tolerant reader keeps the state if the base model is missing as well.
+    A tolerant reader keeps the state if the base model is missing as well. A negative state is a `DatasetError`.
     """
     if not value.has_value:
         return None

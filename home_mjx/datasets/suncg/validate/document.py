@@ -56,7 +56,10 @@ def _check_members(subject: ValidationContext, nodes: list[JsonValue]) -> None:
 
 
 def _members(node: JsonValue, count: int) -> list[int]:
-    """Return the members of a node below `count`; [] if it is hidden. The reader reports all other values."""
+    """Return the members of a node from 0 to `count` - 1, as listed; [] if it is hidden.
+
+    The reader reports all other values.
+    """
     listed = node.data.get("nodeIndices") if _shown(node) else None
     if not isinstance(listed, list):
         return []

@@ -79,7 +79,10 @@ def _wall_edges(walls: Sequence[Mesh]) -> Float[np.ndarray, "e 2 2"]:
 
 
 def _check_category(subject: ValidationContext, item: ObjectNode, edges: Float[np.ndarray, "e 2 2"]) -> None:
-    """Report an object without a category, and a door, window or arch whose origin is far from the walls."""
+    """Report an object without a category, and a door, window or arch whose origin is far from the walls.
+
+    Far means more than `MAX_WALL_DISTANCE` in plan. Nothing is reported without metadata.
+    """
     if subject.metadata is None:
         return
     info = subject.metadata.info(item.model_id)

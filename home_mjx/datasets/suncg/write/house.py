@@ -199,7 +199,7 @@ def _write_folder(
 ) -> None:
     """Fill a temporary folder and rename it, so that `folder` appears complete; raise `DatasetError` if that fails.
 
-    An existing folder is kept; with `mend`, its files that differ are rewritten one by one.
+    An existing folder is kept as it is; with `mend`, its missing or different `files` are written one by one.
     """
     target = root / folder
     try:
@@ -268,7 +268,10 @@ def _architecture(level: Level) -> Iterable[Mesh]:
 
 
 def house_document(house: House) -> dict[str, Any]:
-    """Return the content of house.json as JSON values, in SUNCG's order of keys, with boxes from the geometry."""
+    """Return the content of house.json as JSON values, in SUNCG's order of keys, with boxes from the geometry.
+
+    Fields of `house.extra` are last and replace others of the same name.
+    """
     levels = [_level(level, house) for level in house.levels]
     return {
         "version": house.version,

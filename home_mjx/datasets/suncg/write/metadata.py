@@ -112,7 +112,7 @@ def lights_json(models: Sequence[LibraryModel]) -> str:
 
 
 def _light(light: Light, model_id: str) -> dict[str, Any]:
-    """Convert a light to JSON values, those without a value omitted."""
+    """Convert a light to JSON values; those without a value, and a dropoff of 0, are omitted."""
     entry: dict[str, Any] = {
         "type": f"{light.kind.capitalize()}Light",
         "modelId": model_id,
