@@ -47,7 +47,10 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
 def _voxels(
     points: Float[np.ndarray, "p 3"], low: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"], counts: np.ndarray
 ) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
-    """Return a mask of cells with points, and the points' min and max in each cell (inf and -inf in empty cells)."""
+    """Return a mask of cells with points, and the points' min and max in each cell (inf and -inf in empty cells).
+
+    Points outside the grid count for the nearest cell.
+    """
     index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
     flat = np.asarray(np.ravel_multi_index(tuple(index.T), tuple(counts)))
     order = np.argsort(flat)
@@ -96,7 +99,11 @@ def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupi
 
 
 def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
-    """Return points on triangles, including corners; neighbours on a triangle are at most `spacing` [m] apart."""
+    """Return points on triangles, at least one, such that neighbours on a triangle are at most `spacing` [m] apart.
+
+    Each triangle is divided into n^2 similar ones, n = ceil(longest edge / `spacing`), and has all their corners.
+    Points are in order of n, then of the triangles; those on common edges are repeated.
+    """
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
     steps = np.maximum(np.ceil(edge / spacing), 1).astype(int)
     samples = []
@@ -109,7 +116,10 @@ def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Flo
 
 
 def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]:
-    """Cover exactly the occupied cells with disjoint boxes, given by their first cell and one past their last."""
+    """Cover exactly the occupied cells with disjoint boxes, given by their first cell and one past their last.
+
+    Boxes are grown greedily from the first cell in C order, along z, then y, then x.
+    """
     left, boxes = occupied.copy(), []
     for start in np.argwhere(occupied):
         if left[tuple(start)]:
@@ -166,7 +176,10 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
 
 def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
-    """Return each triangle's connected component, from 0; corners in one cell of `WELD_DISTANCE` count as one point."""
+    """Return each triangle's connected component, from 0, for at least one triangle.
+
+    Triangles are connected that share a point; corners in one grid cell of `WELD_DISTANCE` count as one point.
+    """
     corner = unique_cells(np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64))[1].reshape(-1, 3)
     count = int(corner.max()) + 1
     links = coo_matrix(

@@ -69,7 +69,10 @@ def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
 
 
 def unique_boxes(boxes: BoxSet) -> BoxSet:
-    """Return the boxes without later exact duplicates (centre, half extents and yaw), in their order."""
+    """Return the boxes without later exact duplicates (centre, half extents and yaw), in their order.
+
+    Without duplicates it is the same object.
+    """
     first: dict[tuple[float, ...], int] = {}
     for row, values in enumerate(np.c_[boxes.center, boxes.half, boxes.yaw].tolist()):
         first.setdefault(tuple(values), row)

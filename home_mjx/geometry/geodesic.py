@@ -38,7 +38,7 @@ def distance_fields(
         free: Mask of walkable cells, by grid, row and column.
         goals: Grid, row and column of each goal; must be free.
         cell: Cell size [m].
-        links: Two-way connections between cells; ignored if an end is not free.
+        links: Two-way connections between cells, no two of the same pair; ignored if an end is not free.
         height: Floor height of each cell [m]; None: flat.
         passable: Cells at the corners of diagonal steps, see `grid_edges`; None: `free`.
 

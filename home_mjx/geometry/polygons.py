@@ -191,13 +191,17 @@ def _crossings(polygon: Float[np.ndarray, "n 2"], y: float) -> list[tuple[float,
 
 
 def _open_edges(triangles: Int[np.ndarray, "t 3"]) -> list[Edge]:
-    """Return the directed edges of triangles without an opposite edge: their boundary."""
+    """Return the directed edges of triangles without an opposite edge, each once, in any order: their boundary."""
     edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
     return [(a, b) for a, b in edges if a != b and (b, a) not in edges]
 
 
 def _cut_edges(edges: list[Edge], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
-    """Cut edges at the ends of others on them and drop opposite pairs; unchanged above `MAX_CUT_PAIRS` pairs."""
+    """Cut edges at the ends of others that lie on them, see `_pieces`; then drop repeated pieces and pairs of opposite ones.
+
+    `corners` are in units of `MERGE_DISTANCE`. If there are more than `MAX_CUT_PAIRS` pairs of edges and ends, the
+    edges are returned unchanged.
+    """
     ends = np.unique(np.array(edges, np.int64))
     if len(edges) * len(ends) > MAX_CUT_PAIRS:
         return edges
@@ -206,7 +210,10 @@ def _cut_edges(edges: list[Edge], corners: Int[np.ndarray, "n 2"]) -> list[Edge]
 
 
 def _pieces(edge: Edge, ends: Int[np.ndarray, " e"], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
-    """Return the pieces of an edge between the corners `ends` within `MERGE_DISTANCE` of it."""
+    """Return an edge as its pieces between those of the corners `ends` that are on it, from its start.
+
+    On it means between its own ends and at most `MERGE_DISTANCE`, the unit of `corners`, from its line.
+    """
     a, b = edge
     way, away = (corners[c].astype(float) - corners[a] for c in (b, ends))
     along, square = away @ way, float(way @ way)
@@ -248,7 +255,8 @@ def _straighten(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
     """Return a polygon without corners within `MAX_BEND` of the rest; unchanged if fewer than 3 would remain.
 
     Each corner is compared with the sides that remain (Douglas and Peucker 1973), so that an arc keeps its shape
-    however finely it is divided. It begins with the corner farthest from the centroid, and the one farthest from that.
+    however finely it is divided. The corner farthest from the centroid, and the one farthest from that, always remain.
+    The order is kept.
     """
     if len(polygon) <= 3:
         return polygon

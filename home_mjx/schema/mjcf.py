@@ -74,7 +74,10 @@ def add_agent(world: ET.Element, shape: AgentBody, name: str, **capsule: str) ->
 
 
 def add_motors(actuator: ET.Element, name: str) -> None:
-    """Add motors for the x, y and yaw joints of agent `name`: force along world x and y [N], torque about z [N m]."""
+    """Add motors for the x, y and yaw joints of agent `name`: force along world x and y [N], torque about z [N m].
+
+    They have no limits.
+    """
     for joint in ("x", "y", "yaw"):
         ET.SubElement(actuator, "motor", name=f"{name}_{joint}", joint=f"{name}_{joint}")
 
@@ -82,10 +85,23 @@ def add_motors(actuator: ET.Element, name: str) -> None:
 def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, Any, Any, Any]:
     """Return contact parameters: stiffness [1/s^2], damping [1/s], minimum impedance and transition width [m].
 
+    For a time constant T they are 1 / T^2 and 2 z / T, where z is the damping ratio. For z < 1, the minimum impedance
+    is z^2 / 2 and the width `IMPEDANCE_WIDTH_RATE * timestep**2`, at least that of `SOLIMP`; otherwise both are those
+    of `SOLIMP`.
+
     Each has the shape of `ratio`. Stiffness and damping, negated, are `solref` in MuJoCo's direct format. For a contact
     of two movable objects, MuJoCo mixes these by maximum damping, so the object with less restitution dominates. In its
     other format (time constant and damping ratio), it would take the means, and a ball would sink into a cushion.
     Impedances are always averaged.
+
+    Args:
+        ratio: Damping ratio as an array of floats, see `schema.contact_materials.damping_ratio`; 1: no restitution.
+        timestep: Length of a physics step [s]; T is `max(TIME_CONSTANT, 2 * timestep)`.
+        xp: `numpy` or `jax.numpy`.
+
+    Example:
+        >>> [float(x) for x in contact_parameters(np.ones(()), 0.01)]  # a time constant of 0.02 s
+        [2500.0, 100.0, 0.9, 0.001]
 
     Args:
         ratio: Damping ratio, see `schema.contact_materials.damping_ratio`; 1: no restitution.
@@ -144,7 +160,8 @@ def add_leaf(
 ) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
     """Add the body of a door leaf with its inertia and box geom, on a hinge through its origin or on a rail.
 
-    The joint is limited to the leaf's range and damped; the geom collides with movable objects.
+    The joint is limited to the leaf's range and damped. The geom collides with agents and movable objects, not with
+    static geoms and other leaves.
 
     Args:
         world: The `worldbody` element.

@@ -72,7 +72,7 @@ def _words(text: str) -> list[str]:
 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
-    """Return v, vt and vn indices of all corners as in the file (0 if absent); None for no corner or a malformed one."""
+    """Return v, vt and vn indices of all corners as in the file (0 if absent); None if one is malformed or none exists."""
     corners = [corner for words in faces for corner in words]
     text = " ".join(corners)
     if not text.isascii() or "_" in text:  # Python would read `1_0`
@@ -145,9 +145,9 @@ def smooth_normals(
 ) -> Float[np.ndarray, "f 3 3"] | None:
     """Return the `vn` of each corner of the triangles by `keep_smooth_normals`; None if they are useless.
 
-    They are useless if a triangle corner has none, if a line of `rows`, used or not, lacks three finite numbers, or if
-    all equal the face normals. No error is raised, since exporters write broken ones for faces without area. `index` is
-    one-based into `rows`, the lines of `vn`; 0 for none.
+    They are useless if a corner has none, if any of `rows` lacks three finite numbers, or if all equal the face
+    normals. No error is raised, since exporters write broken ones for faces without area. `index` is one-based into
+    `rows`, the lines of `vn`; 0 for none.
     """
     table = _numbers(rows)
     if table is None or (index == 0).any():
