@@ -197,7 +197,7 @@ def _open_edges(triangles: Int[np.ndarray, "t 3"]) -> list[Edge]:
 
 
 def _cut_edges(edges: list[Edge], corners: Int[np.ndarray, "n 2"]) -> list[Edge]:
-    """Cut edges at the ends of others that lie on them, see `_pieces`; then drop repeated pieces and pairs of opposite ones.
+    """Cut edges at the ends of others that lie on them, see `_pieces`; drop repeated pieces and pairs of opposite ones.
 
     `corners` are in units of `MERGE_DISTANCE`. If there are more than `MAX_CUT_PAIRS` pairs of edges and ends, the
     edges are returned unchanged.

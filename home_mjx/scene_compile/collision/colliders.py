@@ -195,7 +195,7 @@ def select_passable_leaves(
 
 
 def exposed_mask(boxes: BoxSet) -> Bool[np.ndarray, " n"]:
-    """Return a mask of the boxes that no other box contains; the first of equal boxes counts as exposed."""
+    """Return a mask of the boxes that no other box contains, within 1e-6 m; the first of equal boxes is exposed."""
     kept = np.ones(len(boxes), bool)
     corners = np.array([footprint(boxes, i) for i in range(len(boxes))]).reshape(-1, 4, 2)
     bottom, top, (low, high) = boxes.bottom, boxes.top, (corners.min(axis=1), corners.max(axis=1))

@@ -91,7 +91,10 @@ def place_on_supports(
 def _has_loads_on_top(
     carrier: MovableCandidate, loads: Mapping[int, Sequence[int]], height: Mapping[int, float], reach: float
 ) -> bool:
-    """Return whether all loads of an object, if any, are candidates (keys of `height`, undersides [m]) on its top."""
+    """Return whether all loads of an object are candidates (keys of `height`, undersides [m]) within `reach` of its top.
+
+    True for an object without loads.
+    """
     top = float(carrier.item.box.top[0])
     return all(abs(height.get(i, np.inf) - top) <= reach for i in loads.get(carrier.item.object_id, ()))
 
@@ -142,7 +145,7 @@ def find_support(box: BoxSet, obstacles: BoxSet, reach: float) -> float | None:
 
 
 def _over(boxes: BoxSet, points: Float[np.ndarray, "p 2"]) -> Bool[np.ndarray, "n p"]:
-    """Return whether each point is in the footprint of each box."""
+    """Return whether each point is in or on the edge of the footprint of each box."""
     away = points - boxes.center[:, None, :2]
     c, s = np.cos(boxes.yaw)[:, None], np.sin(boxes.yaw)[:, None]
     along, across = c * away[..., 0] + s * away[..., 1], c * away[..., 1] - s * away[..., 0]

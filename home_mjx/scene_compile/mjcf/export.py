@@ -117,7 +117,22 @@ def to_mjcf(
 
 
 def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = None, collision: str = "box") -> Path:
-    """Write a house to `<folder>/<house id>/house.xml`, with meshes and textures, atomically.
+    """Write the result of `to_mjcf` to `<folder>/<name>/house.xml`, with meshes and textures beside it, atomically.
+
+    The name is the house's id by `safe_name`. Options that are no argument here have their defaults.
+
+    Args:
+        house: A compiled house.
+        folder: Created if missing. A folder of that name in it is replaced with all its files if it has a `house.xml`.
+        agent: As in `to_mjcf`.
+        collision: As in `to_mjcf`.
+
+    Returns:
+        Path of the MJCF file.
+
+    Raises:
+        ConfigError: The target exists and is not an export, or it cannot be written; or as in `to_mjcf`.
+        DatasetError: A texture cannot be read.
 
     Args:
         house: A compiled house.

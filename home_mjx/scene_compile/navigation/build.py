@@ -157,7 +157,10 @@ def _fringe(
 
 
 def _quantize_distances(distance: Float[np.ndarray, "c g"]) -> UInt16[np.ndarray, "c g"]:
-    """Return distances [m] in steps of `FIELD_UNIT`, clipped at 163 m; `FIELD_UNREACHABLE` for infinite ones."""
+    """Return distances [m] in steps of `FIELD_UNIT`, rounded to the nearest; `FIELD_UNREACHABLE` for infinite ones.
+
+    Finite ones are clipped at `FIELD_UNREACHABLE - 1` steps, 163.835 m.
+    """
     steps = np.minimum(np.round(distance / FIELD_UNIT), FIELD_UNREACHABLE - 1)
     return np.where(np.isfinite(distance), steps, FIELD_UNREACHABLE).astype(np.uint16)
 

@@ -57,15 +57,14 @@ def make_doors(
 def find_motion_range(
     leaf: PlacedLeaf, static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
 ) -> tuple[float, float]:
-    """Return the range of motion of a leaf, from closed to the first obstacle.
+    """Return the range of motion of a leaf, from closed to the first obstacle, in steps of `TURN_STEP` or `SLIDE_STEP`.
 
     When closed, a leaf has the frame and the wall beside it within its clearance. Compared to the closed pose, it may
-    penetrate such boxes further by its own thickness, since turning about a hinge at its edge requires it.
-    If the leaf is free in its initial pose, the range includes that pose, regardless of obstacles in between.
-    A sliding leaf moves at most as far as in its model's open variant. Neither walls nor boxes that it touches when
-    closed, such as its frame, stop it.
-    Movable objects are pushed away until the leaf is wide open. Beyond that, the range ends at the first one, since it
-    would stop the leaf. The range also must not depend on the selection of bodies.
+    penetrate such boxes further by its own thickness, since turning about a hinge at its edge requires it. If the leaf
+    is free in its initial pose, the range includes that pose, regardless of obstacles in between. A sliding leaf moves
+    at most as far as in its model's open variant. Neither walls nor boxes that it touches when closed, such as its
+    frame, stop it. Movable objects are pushed away until the leaf is wide open. Beyond that, the range ends at the
+    first one, since it would stop the leaf. The range also must not depend on the selection of bodies.
 
     Args:
         leaf: The leaf; its initial pose is coordinate 0.

@@ -140,7 +140,7 @@ def _texels(path: str, uv: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 4"]
 
 
 def texture_digest(path: str) -> bytes:
-    """Return the SHA-256 digest of an image file; empty if it does not exist."""
+    """Return the SHA-256 digest of an image file, cached by modification time; empty if it does not exist."""
     return _file_digest(path, Path(path).stat().st_mtime_ns) if Path(path).is_file() else b""
 
 
@@ -211,7 +211,10 @@ def texture_kind(texture: str) -> str:
 
 
 def area_shares(names: Sequence[str], area: Float[np.ndarray, " n"]) -> dict[str, float]:
-    """Return each name's share of the total area, equal names added up; surfaces named "" count only in the total."""
+    """Return each name's share of the total area, equal names added up; surfaces named "" count only in the total.
+
+    Names without area are left out. The total must not be 0.
+    """
     covered: dict[str, float] = {}
     for name, part in zip(names, (area / area.sum()).tolist(), strict=True):
         if name and part > 0:

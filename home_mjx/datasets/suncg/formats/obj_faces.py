@@ -72,7 +72,10 @@ def _words(text: str) -> list[str]:
 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
-    """Return v, vt and vn indices of all corners as in the file (0 if absent); None if one is malformed or none exists."""
+    """Return v, vt and vn indices of all corners as in the file (0 if absent); None if one is malformed or none is.
+
+    `faces` has the corners of each face as words such as `1/2/3`.
+    """
     corners = [corner for words in faces for corner in words]
     text = " ".join(corners)
     if not text.isascii() or "_" in text:  # Python would read `1_0`

@@ -82,7 +82,7 @@ def _logical_lines(text: str) -> Iterable[tuple[int, str]]:
 
 
 def _join_continued(lines: list[str]) -> Iterator[tuple[int, str]]:
-    """Yield lines, each joined by spaces with those that continue it, without the backslashes, and its line number."""
+    """Yield each line, joined by spaces with those that continue it, without the backslashes, and its line number."""
     parts: list[str] = []
     for number, line in enumerate(lines, 1):
         is_continued = _is_continued(line)

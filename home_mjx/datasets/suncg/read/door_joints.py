@@ -93,7 +93,7 @@ def _joint(door: DoorVariants, name: str, hinge: Hinge, order: Int[np.ndarray, "
 
 
 def _runs(faces: Int[np.ndarray, " n"]) -> tuple[tuple[int, int], ...]:
-    """Return the first and last index, inclusive, of each run of consecutive indices in `faces`, ascending, not empty."""
+    """Return the first and last index, inclusive, of each run of consecutive ones in `faces`: ascending, not empty."""
     ends = np.flatnonzero(np.diff(faces) > 1)
     first, last = faces[np.r_[0, ends + 1]], faces[np.r_[ends, len(faces) - 1]]
     return tuple(zip(first.tolist(), last.tolist(), strict=True))
