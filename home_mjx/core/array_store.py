@@ -198,7 +198,7 @@ def pack_entry(path: Path, arrays: Arrays, notes: JsonFields) -> bytes:
 
 
 def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
-    """Return the arrays by name, views of one buffer, and the notes of an entry.
+    """Return the arrays by name and the notes of an entry; arrays are writable views of one buffer.
 
     Raises:
         FileNotFoundError: There is no such entry.
@@ -208,7 +208,17 @@ def read_entry(path: Path) -> tuple[Arrays, JsonFields]:
 
 
 def parse_entry(content: np.ndarray, name: str) -> tuple[Arrays, JsonFields]:
-    """Return the arrays and the notes of an entry's bytes; errors as of `read_entry`.
+    """Return the arrays and the notes of an entry's bytes, both verified by their checksums.
+
+    Arrays are views of `content`, so they are writable if it is. Entries of older versions are not aligned; theirs are
+    views of a copy.
+
+    Args:
+        content: All bytes of the file, as `uint8`.
+        name: Name of the entry, which must be the one stored in it.
+
+    Raises:
+        Exception: The bytes are corrupted, or belong to another entry; one of `READ_ERRORS`.
 
     Args:
         content: All bytes of the file, as `uint8`.

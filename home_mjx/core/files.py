@@ -420,6 +420,8 @@ def convert_write_errors(content: str, path: Path, hint: str | None = None) -> I
 def as_path(path: object, content: str) -> Path:
     """Convert a user's file name, text or a path, to a `Path`; `content` is the name of the file's content.
 
+    The file need not exist, and `~` is not expanded.
+
     Raises:
         ConfigError: `path` is neither.
     """
@@ -431,6 +433,9 @@ def as_path(path: object, content: str) -> Path:
 
 def write_error(content: str, path: Path, error: OSError, hint: str | None = None) -> ConfigError:
     """Return, without raising it, the `ConfigError` for a failed write of `content` to `path`.
+
+    Its reason is the system's text of `error`, else the message. `hint` is the remedy; None: free space or another
+    folder.
 
     Example:
         >>> print(write_error("film", Path("out.mp4"), OSError(28, "No space left on device")))

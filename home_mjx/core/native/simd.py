@@ -70,7 +70,7 @@ def _compare(method: str, sign: str) -> Callable[..., Any]:
 
 
 def _define_all() -> None:
-    """Define arithmetic for `FLOATS`, comparisons for all types, `&` and `|` for `FLAGS` and `INTS`."""
+    """Define arithmetic for `FLOATS`, comparisons except `!=` for all types, `&` and `|` for `FLAGS` and `INTS`."""
     build = ir.IRBuilder
     for operation, emit in {
         operator.add: build.fadd,

@@ -91,9 +91,9 @@ def place_on_supports(
 def _has_loads_on_top(
     carrier: MovableCandidate, loads: Mapping[int, Sequence[int]], height: Mapping[int, float], reach: float
 ) -> bool:
-    """Return whether all loads of an object are candidates (keys of `height`, undersides [m]) within `reach` of its top.
+    """Return whether all loads of an object are candidates, the keys of `height`, and within `reach` of its top [m].
 
-    True for an object without loads.
+    `height` has their undersides [m]. True for an object without loads.
     """
     top = float(carrier.item.box.top[0])
     return all(abs(height.get(i, np.inf) - top) <= reach for i in loads.get(carrier.item.object_id, ()))
