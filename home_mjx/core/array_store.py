@@ -219,10 +219,6 @@ def parse_entry(content: np.ndarray, name: str) -> tuple[Arrays, JsonFields]:
 
     Raises:
         Exception: The bytes are corrupted, or belong to another entry; one of `READ_ERRORS`.
-
-    Args:
-        content: All bytes of the file, as `uint8`.
-        name: Name of the entry.
     """
     notes, data = _members(content)
     head, numbers = _head(_sound(content, notes), name), _sound(content, data)

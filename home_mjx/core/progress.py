@@ -64,6 +64,8 @@ def is_progress_shown(progress: bool | None = None) -> bool:
 def say(text: str, progress: bool | None = None) -> bool:
     """Write a line to stderr, above any progress bar, if progress is shown; return whether it was written.
 
+    Nothing is written within `silence`.
+
     Args:
         text: Task that begins, and how long it takes if that is long, such as "compiling reset (once)".
         progress: As for `is_progress_shown`.

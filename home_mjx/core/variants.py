@@ -33,7 +33,7 @@ def variants_of(record: Any, name: str) -> Variants:
 def check_variants(record: Any) -> None:
     """Raise `ConfigError` unless each field of an instance that has variants holds one of their record types.
 
-    A word is rejected as well.
+    None is valid only if it is a variant; a word is rejected.
     """
     for field in dataclasses.fields(record):
         kinds, value = field.metadata.get(KEY, {}), getattr(record, field.name)

@@ -99,7 +99,10 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
 
 
 def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-    """Return a mask of the first, third, ... True of each run in a ring, so that no two neighbours are True."""
+    """Return a mask of the first, third, ... True of each run, counted from index 0, so that no two neighbours are True.
+
+    The mask is a ring: its last entry is left out if the first one is True.
+    """
     count = np.arange(len(mask))
     place = count - np.maximum.accumulate(np.where(mask, -1, count))  # place in its run, from 1
     return mask & (place % 2 == 1) & ~(np.roll(mask, -1) & (count == len(mask) - 1))

@@ -102,15 +102,6 @@ def contact_parameters(ratio: Any, timestep: float, xp: Any = np) -> tuple[Any, 
     Example:
         >>> [float(x) for x in contact_parameters(np.ones(()), 0.01)]  # a time constant of 0.02 s
         [2500.0, 100.0, 0.9, 0.001]
-
-    Args:
-        ratio: Damping ratio, see `schema.contact_materials.damping_ratio`; 1: no restitution.
-        timestep: Length of a physics step [s]; the time constant is `max(TIME_CONSTANT, 2 * timestep)`.
-        xp: `numpy` or `jax.numpy`.
-
-    Example:
-        >>> [float(x) for x in contact_parameters(np.ones(()), 0.01)]  # a time constant of 0.02 s
-        [2500.0, 100.0, 0.9, 0.001]
     """
     constant = max(TIME_CONSTANT, 2 * timestep)  # the minimum that MuJoCo allows
     rate = xp.full_like(ratio, 1 / constant)  # natural frequency; equal for all ratios, stable up to damping 2 rate

@@ -133,19 +133,6 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = No
     Raises:
         ConfigError: The target exists and is not an export, or it cannot be written; or as in `to_mjcf`.
         DatasetError: A texture cannot be read.
-
-    Args:
-        house: A compiled house.
-        folder: Created if missing; an older export of the same house is replaced.
-        agent: As in `to_mjcf`.
-        collision: As in `to_mjcf`.
-
-    Returns:
-        Path of the MJCF file.
-
-    Raises:
-        ConfigError: The target exists and is not an export, or it cannot be written; or as in `to_mjcf`.
-        DatasetError: A texture cannot be read.
     """
     xml, files = to_mjcf(house, agent=agent, collision=collision)
     target = Path(folder) / safe_name(house.id)

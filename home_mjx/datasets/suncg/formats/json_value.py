@@ -191,10 +191,7 @@ def read_json(path: Path) -> JsonValue:
     """Read the JSON document in a file; NaN and Infinity are accepted, as Python's reader does.
 
     Raises:
-        DatasetError: The file is missing or larger than `MAX_JSON_BYTES`, not UTF-8, or not JSON (with line and column).
-
-    Raises:
-        DatasetError: The file is missing, not UTF-8, or not JSON (with line and column).
+        DatasetError: The file is missing, larger than `MAX_JSON_BYTES`, not UTF-8, or not JSON (with line and column).
     """
     text = read_text(path, max_bytes=MAX_JSON_BYTES)
     place = Location(path)

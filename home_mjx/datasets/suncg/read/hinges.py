@@ -214,9 +214,9 @@ def _largest(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "l 3 3"
 def _refine(
     points: Float[np.ndarray, "p 3"], tree: KDTree, angle: float, shift: Float[np.ndarray, "2"], rounds: int = 20
 ) -> tuple[float, float, Float[np.ndarray, "2"]]:
-    """Refine a motion of `points` onto those of `tree` by iterated closest points in the plan (Besl and McKay, 1992).
+    """Refine a motion of `points` in the plan onto those of `tree` by iterated closest points (Besl and McKay, 1992).
 
-    At most `rounds` iterations are made.
+    Closest points are searched in space. The end is when they no longer change, or after `rounds` iterations.
 
     Returns:
         Share of points within `SAMPLE_SPACING` / 2 of those of `tree`, rotation about the origin [rad], and shift after

@@ -102,7 +102,10 @@ def _file_name(text: str) -> str:
 
 
 def _clamped_values(text: str) -> dict[str, int]:
-    """Return the first line of each numeric property of an MTL with a value outside of its range."""
+    """Return the first line of each numeric property of an MTL with a value outside of its range, by name, such as `Kd`.
+
+    Words that are no numbers are ignored.
+    """
     seen: dict[str, int] = {}
     for line, keyword, rest in split_statements(text):
         if keyword in VALUES:
