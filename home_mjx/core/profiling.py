@@ -41,6 +41,7 @@ def steps_per_second(
     turns = itertools.cycle(actions)
 
     def advance() -> Any:
+        """Make one step with the next action, and return the new state."""
         nonlocal state
         state = step(state, next(turns))
         return state

@@ -95,6 +95,7 @@ def _unflattener(cls: type[T]) -> Any:
     """Return the function that rebuilds a record from static values and leaves, without checks."""
 
     def unflatten(meta: tuple, data: tuple) -> T:
+        """Return the record of static values and leaves."""
         values = dict(zip(_names(cls, False), data, strict=True))
         return _build(cls, values | dict(zip(_names(cls, True), meta, strict=True)))
 

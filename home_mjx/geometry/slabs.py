@@ -99,7 +99,7 @@ def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
 
 
 def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
-    """Return a mask of the first, third, ... True of each run, counted from index 0, so that no two neighbours are True.
+    """Return a mask of the first, third, ... True of each run, from index 0, so that no two neighbours are True.
 
     The mask is a ring: its last entry is left out if the first one is True.
     """

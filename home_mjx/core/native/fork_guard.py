@@ -42,6 +42,7 @@ def forbid_after_fork(function: Callable[..., T], action: str) -> Callable[..., 
 
     @functools.wraps(function)
     def checked(*args: Any) -> T:
+        """Call `function` unless this process is a forked child."""
         if os.getpid() != made_in:
             message = f"cannot {action} in a forked child of the process that made the environment"
             raise BackendError(message, hint=HINT)

@@ -55,6 +55,7 @@ def _build_task(digest: int) -> Any:
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def task(job):
+        """Run a job on a thread of XLA."""
         _ = digest
         ffi.run_task(job)
         return 0

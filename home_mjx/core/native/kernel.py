@@ -198,6 +198,7 @@ def _compile_at_lowering() -> Any:
     from jax.interpreters import batching, mlir
 
     def compile_kernel(operand: Any, *, name: str) -> Any:
+        """Return the operand after compiling the kernel."""
         _compile_deferred(name)
         return operand
 

@@ -16,6 +16,7 @@ def pointer_to(item: types.Type) -> Any:
     @intrinsic
     @no_type_check
     def pointer(typing_context, address):
+        """Cast an integer address to a pointer."""
         return types.CPointer(item)(types.intp), _lower_pointer
 
     return pointer
@@ -37,8 +38,11 @@ def stack_of(item: types.Type, count: int) -> Any:
     @intrinsic
     @no_type_check
     def array(typing_context):
+        """Return a pointer to memory on the caller's stack."""
+
         @no_type_check
         def lower(context, builder, signature, args):
+            """Emit the allocation at the function's entry."""
             return cgutils.alloca_once(builder, context.get_value_type(item), ir.Constant(ir.IntType(64), count))
 
         return types.CPointer(item)(), lower
@@ -53,6 +57,7 @@ def address_of(typing_context, pointer) -> Any:
 
     @no_type_check
     def lower(context, builder, signature, args):
+        """Emit the conversion of a pointer to an integer."""
         return builder.ptrtoint(args[0], ir.IntType(64))
 
     return types.intp(pointer), lower
@@ -65,6 +70,7 @@ def fetch_add(typing_context, address, amount) -> Any:
 
     @no_type_check
     def lower(context, builder, signature, args):
+        """Emit the sequentially consistent atomic addition."""
         return builder.atomic_rmw("add", builder.inttoptr(args[0], ir.IntType(64).as_pointer()), args[1], "seq_cst")
 
     return types.intp(types.intp, types.intp), lower
@@ -77,6 +83,7 @@ def call(typing_context, function, argument) -> Any:
 
     @no_type_check
     def lower(context, builder, signature, args):
+        """Emit the indirect call."""
         word = ir.IntType(64)
         return builder.call(builder.inttoptr(args[0], ir.FunctionType(word, [word]).as_pointer()), [args[1]])
 
@@ -92,6 +99,7 @@ def symbol_address(typing_context, name) -> Any:
 
     @no_type_check
     def lower(context, builder, signature, args):
+        """Emit the address of an external function with the symbol's name."""
         word = ir.IntType(64)
         kind, symbol = ir.FunctionType(word, [word]), signature.args[0].literal_value
         return builder.ptrtoint(cgutils.get_or_insert_function(builder.module, kind, symbol), word)
@@ -106,6 +114,7 @@ def unlikely(typing_context, condition) -> Any:
 
     @no_type_check
     def lower(context, builder, signature, args):
+        """Emit LLVM's intrinsic that marks a condition."""
         bit = ir.IntType(1)
         expect = cgutils.get_or_insert_function(builder.module, ir.FunctionType(bit, [bit, bit]), "llvm.expect.i1")
         return builder.call(expect, [args[0], ir.Constant(bit, 0)])
@@ -120,6 +129,7 @@ def offset_pointer(typing_context, pointer, count) -> Any:
 
     @no_type_check
     def lower(context, builder, signature, args):
+        """Emit the address of item `count`."""
         return builder.gep(args[0], [args[1]])
 
     return pointer(pointer, types.intp), lower

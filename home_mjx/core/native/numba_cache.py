@@ -61,6 +61,7 @@ def verify_cache_once(function: Callable[..., T]) -> Callable[..., T]:
 
     @functools.wraps(function)
     def first_checked(*args: Any) -> T:
+        """Call `function`, with verified cache files until a call has succeeded."""
         if done:
             return function(*args)
         made = checked(*args)

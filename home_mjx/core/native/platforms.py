@@ -53,6 +53,7 @@ def with_fallback_gradient(
 
     @jax.custom_jvp
     def run(*given: Any) -> Array:
+        """Return the result of the platform's kernel, or of `fallback`."""
         return select_at_lowering(fallback, kernels, *given) if kernels else fallback(*given)
 
     @run.defjvp

@@ -56,6 +56,7 @@ def _define(operation, emit, kind, result) -> None:
         @lower_builtin(operation, *case)
         @no_type_check
         def lower(context, builder, sig, args):
+            """Emit the operation after broadcasting a scalar operand."""
             return emit(builder, *(_spread(builder, x) for x in args))
 
     infer_global(operation)(
@@ -115,6 +116,7 @@ def select(typing_context, mask, a, b) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit a selection after broadcasting a scalar operand."""
         return builder.select(args[0], *(_spread(builder, x) for x in args[1:]))
 
     return kind(mask, *(x if isinstance(x, Lanes) else kind.item for x in (a, b))), lower
@@ -127,8 +129,11 @@ def _extreme(sign: str) -> Any:
     @intrinsic
     @no_type_check
     def extreme(typing_context, a, b):
+        """Return `b` where it compares to `a`, else `a`."""
+
         @no_type_check
         def lower(context, builder, sig, args):
+            """Emit an ordered comparison, false for NaN, and a selection."""
             a, b = (_spread(builder, x) for x in args)
             return builder.select(builder.fcmp_ordered(sign, b, a), b, a)
 
@@ -148,6 +153,7 @@ def absolute(typing_context, x) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit LLVM's `fabs`."""
         kind = ir.FunctionType(args[0].type, [args[0].type])
         return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.fabs.v{LANES}f32"), args)
 
@@ -161,6 +167,7 @@ def multiply_add(typing_context, a, b, c) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit LLVM's `fmuladd` after broadcasting scalar operands."""
         a, b, c = (_spread(builder, x) for x in args)
         kind = ir.FunctionType(c.type, [c.type] * 3)
         function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{LANES}f32")
@@ -176,6 +183,7 @@ def sum_lanes(typing_context, x) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit four additions of halves."""
         value, width = args[0], LANES
         while width > 1:
             width //= 2
@@ -203,6 +211,7 @@ def count_lanes(typing_context, mask) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit a count of the mask's bits."""
         bits = builder.bitcast(args[0], ir.IntType(LANES))
         return builder.zext(builder.ctpop(bits), ir.IntType(32))
 
@@ -216,6 +225,7 @@ def any_lane(typing_context, mask) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit a comparison of the mask's bits with 0."""
         bits = builder.bitcast(args[0], ir.IntType(LANES))
         return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
 
@@ -230,6 +240,7 @@ def load(typing_context, pointer, index) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit a load that needs an alignment of four bytes only."""
         return builder.load(_vector_at(context, builder, kind, *args), align=4)
 
     return kind(pointer, types.intp), lower
@@ -242,6 +253,7 @@ def store(typing_context, pointer, index, value) -> Any:
 
     @no_type_check
     def lower(context, builder, sig, args):
+        """Emit a store that needs an alignment of four bytes only."""
         builder.store(args[2], _vector_at(context, builder, value, *args[:2]), align=4)
         return context.get_dummy_value()
 

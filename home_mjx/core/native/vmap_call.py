@@ -32,6 +32,7 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
 
     @custom_vmap
     def step(*operands: Array) -> tuple[Array, ...]:
+        """Run the partitioned step function."""
         return spread(*operands)
 
     @step.def_vmap

@@ -107,6 +107,7 @@ def _fit_shape(shape: _Shape, sill: float | None, most: int) -> tuple[BoxSet, tu
     """Return at most `most` boxes of a shape, and one per open leaf, as `door_boxes`; `sill` None: not a door."""
 
     def fit() -> _FittedBoxes:
+        """Compute the boxes of the frame and of the leaves."""
         if sill is None:
             return _FittedBoxes(fit_boxes(shape.triangles, 0.0, most), empty_boxes())
         frame, leaves = door_boxes(shape.triangles, sill, most)

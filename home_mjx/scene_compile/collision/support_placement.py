@@ -48,6 +48,7 @@ def sort_carriers_first(
     depth: dict[int, int] = {}
 
     def depth_of(object_id: int) -> int:
+        """Return the length of the longest chain of objects below an object; 0 if nothing carries it."""
         if object_id not in depth:
             depth[object_id] = 0  # ends the recursion for two objects inside each other
             depth[object_id] = 1 + max((depth_of(i) for i in carriers.get(object_id, ())), default=-1)

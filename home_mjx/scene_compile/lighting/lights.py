@@ -155,7 +155,12 @@ def _cutoff(light: Light) -> float:
 
 
 def _daylight(item: PlacedObject, rooms: RoomTable) -> Iterator[LightSource]:
-    """Yield the daylight source of a window's or door's glass, in its model's frame, if between a room and outdoors."""
+    """Yield the daylight source of a window's or door's glass, in its model's frame, if between a room and outdoors.
+
+    Glass is all triangles of slots with opacity below 1. The source is the rectangle around them, in the middle of
+    their thinner horizontal extent, and shines into the room. Its flux is pi times its area, times the tint of the
+    first of them.
+    """
     if {item.info.fine, item.info.coarse}.isdisjoint(DAYLIGHT_CATEGORIES):
         return
     surfaces = item.surfaces

@@ -64,7 +64,7 @@ def _onto_floor(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> Float[
 
 
 def _lowest(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> float:
-    """Return the height of the lowest corner of a body's solid geoms [m]."""
+    """Return the height of the lowest vertex of a body's solid geoms, meshes or boxes [m]; inf without any."""
     low = np.inf
     for geom in _solid_geoms(model, body):
         turn, mesh = data.geom_xmat[geom].reshape(3, 3), model.geom_dataid[geom]

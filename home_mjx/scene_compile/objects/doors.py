@@ -139,7 +139,7 @@ def place_leaf(leaf: LeafPart, pose: Float[np.ndarray, "3 4"], instance: int) ->
 
 
 def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
-    """Return the narrowest box around the connected piece of a leaf with the largest box, without handles, in the world.
+    """Return the narrowest box, in the world, of the connected piece of a leaf whose box is largest, without handles.
 
     A leaf without thickness has a box of 2 mm.
     """

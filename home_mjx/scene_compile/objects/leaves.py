@@ -82,6 +82,7 @@ def find_motion_range(
     allowed = np.where(closed > -CLEARANCE, np.maximum(closed, 0) + further, -CLEARANCE)
 
     def is_free(ways: Float[np.ndarray, " w"]) -> Bool[np.ndarray, " w"]:
+        """Return for each coordinate whether the leaf stays within the allowed penetration of all boxes there."""
         return np.asarray((penetration_depth(leaf.boxes_at(ways), near) <= allowed).all(axis=1))
 
     opens, most = (

@@ -211,6 +211,7 @@ def _obstacles(
     )
 
     def free_area(around: BoxSet) -> float:
+        """Return the area [m^2] of the largest free region between boxes, guards of stairs and raised floors."""
         return _space(site, concat_boxes([around, sides]), rooms, navigation).free.sum() * navigation.cell**2
 
     obstacles = find_obstacles(boxes, moving, free_area)

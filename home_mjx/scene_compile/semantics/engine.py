@@ -100,6 +100,7 @@ class _AppearanceCache:
         surfaces, stretch = item.surfaces, (item.pose[:, :3].T @ item.pose[:, :3]).round(6)  # determines the areas
 
         def skin() -> TexturedTriangles:
+            """Return the object's triangles with their areas and surfaces."""
             return TexturedTriangles(surface_areas(item.triangles), item.model.uv, item.model.slot, surfaces)
 
         key = (item.model.key, surfaces, stretch.tobytes())

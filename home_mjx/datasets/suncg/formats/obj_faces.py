@@ -25,9 +25,6 @@ def read_corners(rows: dict[str, Rows], path: Path) -> tuple[Int[np.ndarray, "c 
 
     Raises:
         DatasetError: There are more than about `MAX_CORNERS` corners, a face is malformed, or an index is out of range.
-
-    Raises:
-        DatasetError: There are too many corners, a face is malformed, or an index is out of range.
     """
     count = sum(rest.count(" ") + rest.count("\t") + 1 for _, rest in rows["f"])
     if count > MAX_CORNERS:

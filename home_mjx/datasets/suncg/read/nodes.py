@@ -109,7 +109,10 @@ def read_room(node: JsonValue, common: dict[str, Any], reading: ReaderState) -> 
 
 
 def _members(values: JsonValue, reading: ReaderState) -> tuple[int, ...]:
-    """Read indices of nodes, also from strings, as exports of deep-synth and PlanIT write them; note those."""
+    """Read indices of nodes, also from strings, as exports of deep-synth and PlanIT write them; note those.
+
+    Other values than integers raise `DatasetError`; the range is not checked.
+    """
     entries = values.entries()
     if any(isinstance(entry.data, str) and TEXT_INDEX.fullmatch(entry.data) for entry in entries):
         reading.note(values, "text-member", "indices are written as strings: read as numbers")

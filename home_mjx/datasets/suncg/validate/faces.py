@@ -102,7 +102,7 @@ def _file_name(text: str) -> str:
 
 
 def _clamped_values(text: str) -> dict[str, int]:
-    """Return the first line of each numeric property of an MTL with a value outside of its range, by name, such as `Kd`.
+    """Return the first line of each numeric property of an MTL with a value outside of its range, by its name (`Kd`).
 
     Words that are no numbers are ignored.
     """

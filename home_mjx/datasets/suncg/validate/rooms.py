@@ -47,7 +47,10 @@ def footprint(node: RoomNode | GroundNode) -> Triangles | None:
 def _check_overlap(
     subject: ValidationContext, rooms: Sequence[tuple[RoomNode, Triangles]], raster: FootprintGrid
 ) -> None:
-    """Report rooms that share an area wider than the overlap of two floors' outsets."""
+    """Report rooms that share an area wider than the overlap of two floors' outsets, with the first room that has it.
+
+    Shared cells count if all four neighbours of one of them are shared with that room too.
+    """
     owner = np.full(raster.shape, -1)
     for number, (room, area) in enumerate(rooms):
         mask = raster.mask(area)
