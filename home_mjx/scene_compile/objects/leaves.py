@@ -100,7 +100,7 @@ def find_motion_range(
 
 
 def _clip_to_movables(leaf: PlacedLeaf, end: float, movable: BoxSet) -> float:
-    """Return `end` of the range, or an earlier end at the first movable object met beyond the wide-open pose."""
+    """Return `end` of the range, or the last end before a movable object is met beyond the wide-open pose."""
     beyond, opens = (
         abs(end - leaf.closed) - abs(leaf.wide_open - leaf.closed),
         float(np.sign(leaf.wide_open - leaf.closed)),

@@ -200,7 +200,10 @@ def _head_gap(path: StraightFlights | CurvedFlight, width: float) -> Float[np.nd
 
 
 def _exits_under(below: Staircase, above: Staircase) -> bool:
-    """Return whether stairs end on the level where others begin, under the last slope of the others."""
+    """Return whether stairs end on the level where others begin, under the last slope of the others.
+
+    That includes `ROOM_PROBE_DISTANCE` beyond the head of the others.
+    """
     last, head = below.slopes[-1], above.slopes[-1]
     way = last.foot + last.run * last.up - head.foot
     along, aside = float(way @ head.up), abs(float(way @ np.array([-head.up[1], head.up[0]])))

@@ -10,13 +10,15 @@ MAX_SLOTS = 1_000  # maximum slots of one model; SUNCG has at most 18
 def read_materials(node: JsonValue, shared: JsonValue | None, textures: TextureLookup) -> tuple[Material, ...]:
     """Read the material overrides of a node, by slot position; empty if it has none.
 
+    Of two lists, `materials` takes precedence and the other is ignored.
+
     Args:
         node: Node with `materials`, with `materialIndices` into the house's list, or with neither.
         shared: Material list of the house.
         textures: Texture lookup of the dataset.
 
     Raises:
-        DatasetError: A texture is missing, or a value has the wrong type.
+        DatasetError: A texture is missing, an index is out of range, or a value has the wrong type.
     """
     values = node.member("materials")
     if values.has_value:
