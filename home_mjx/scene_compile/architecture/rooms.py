@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.errors import DatasetError
-from home_mjx.geometry.meshes import to_z_up
+from home_mjx.geometry.meshes import to_z_up, triangles_z_up
 from home_mjx.geometry.polygons import bounding_outline, outline
 from home_mjx.schema.categories import room_labels, room_type_index
 from home_mjx.schema.compiled import RoomTable
@@ -20,7 +20,7 @@ def ground_floor_height(rooms: RoomTable) -> float:
 
 def world_triangles(mesh: Mesh, offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "f 3 3"]:
     """Return the triangles of a mesh, Y up as in the file, in the world frame: Z up, moved by `offset` [m]."""
-    return to_z_up(mesh.vertices.astype(np.float64))[mesh.faces] + offset
+    return triangles_z_up(mesh) + offset
 
 
 def house_rooms(house: House) -> list[tuple[int, RoomNode]]:

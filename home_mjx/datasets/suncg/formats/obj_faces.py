@@ -69,7 +69,7 @@ def _words(text: str) -> list[str]:
 
 
 def _indices(faces: list[list[str]]) -> Int[np.ndarray, "c 3"] | None:
-    """Return v, vt and vn indices of all corners as in the file, 0 if absent; None for a malformed corner or no corners.
+    """Return v, vt and vn indices of all corners as in the file, 0 if absent; None for a malformed one or none at all.
 
     `faces` has the corners of each face as words such as `1/2/3`.
     """

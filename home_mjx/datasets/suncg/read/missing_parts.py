@@ -15,12 +15,12 @@ from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
 from home_mjx.datasets.suncg.formats.variants import SuncgMetadata, other_variant
 from home_mjx.datasets.suncg.read.reader_state import ReaderState
+from home_mjx.datasets.suncg.read.room_meshes import MESH_SUFFIX
 from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import Fallback, GroundNode, House, Material, ModelInfo, Node, ObjectNode, RoomNode
 
 OPENING_CATEGORIES = ("door", "window", "arch", "garage_door")
 MESH_FIELD = {"Floor": "floor", "Ceiling": "ceiling", "Wall": "walls"}
-MESH_SUFFIX = {"Floor": "f", "Ceiling": "c", "Wall": "w", "Ground": "f"}
 GROUND_MATERIAL = Material("", (0.45, 0.55, 0.35), None, 1.0)
 
 

@@ -6,15 +6,13 @@ import numpy as np
 from jaxtyping import Float
 from scipy import ndimage
 
+from home_mjx.datasets.suncg.read.missing_parts import OPENING_CATEGORIES
 from home_mjx.datasets.suncg.validate.context import ValidationContext
-from home_mjx.datasets.suncg.validate.footprint import FootprintGrid, upward_faces
+from home_mjx.datasets.suncg.validate.footprint import FootprintGrid, Triangles, upward_faces
 from home_mjx.schema.house import GroundNode, Level, Mesh, ObjectNode, RoomNode
 
 MAX_WALL_DISTANCE = 0.15  # [m], maximum distance: one and a half wall thicknesses
 MAX_EDGES = 20_000  # maximum edges of a level's walls; real levels have a few hundred
-OPENING_CATEGORIES = ("door", "window", "arch", "garage_door")
-
-Triangles = Float[np.ndarray, "_ 3 2"]  # (x, z) [m]
 
 
 def check_rooms(subject: ValidationContext) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.suncg.read.joints import COLUMNS
 from home_mjx.schema.house import Joint, Light, Mesh, ModelInfo
 
 # Rows 0..4 of every ModelCategoryMapping.csv.
@@ -31,7 +32,6 @@ _CATEGORY_COLUMNS = (
     "wnsynsetkey",
 )
 _SIZE_COLUMNS = ("id", "front", "nmaterials", "minPoint", "maxPoint", "aligned.dims", "index", "variantIds")
-_JOINT_COLUMNS = ("id", "part", "kind", "axis", "point", "range", "faces")
 _STRUCTURE = ("partition", "stairs", "column")  # fine classes of structure, not of objects
 
 
@@ -83,11 +83,11 @@ def joints_csv(models: Sequence[LibraryModel]) -> str:
 
     `Joint.closed` is not written: it is read as 0.
     """
-    return _csv(_JOINT_COLUMNS, (_joint_row(joint) for model in models for joint in model.joints))
+    return _csv(COLUMNS, (_joint_row(joint) for model in models for joint in model.joints))
 
 
 def _joint_row(joint: Joint) -> tuple[str, ...]:
-    """Return a joint's cells in the order of `_JOINT_COLUMNS`."""
+    """Return a joint's cells in the order of `read.joints.COLUMNS`."""
     runs = " ".join(f"{first}-{last}" for first, last in joint.face_ranges)
     axis, point = (_triple(np.asarray(values)) for values in (joint.axis, joint.point))
     return joint.model_id, joint.part, joint.kind, axis, point, f"{joint.low}, {joint.high}", runs
