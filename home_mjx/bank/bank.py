@@ -63,7 +63,7 @@ class HouseBank(BankArrays):
     def fingerprint(self, house: Int[Array, ""] | int) -> UInt32[Array, ""]:
         """Return a 32-bit number by which states identify their house: a hash of id, grid origin, cell counts, goals.
 
-        Houses of equal id that were generated or compiled differently have different numbers, up to chance (2^-32).
+        Houses that differ in any of these have different numbers, up to chance (2^-32); other differences do not count.
         Indices are clipped.
         """
         house, navigation = self.clip_house_index(house), self.navigation
@@ -96,7 +96,10 @@ class HouseBank(BankArrays):
 
 
 def to_bank(packed: PackedBank) -> HouseBank:
-    """Transfer packed houses to the device; resets of the bank draw any house. On GPUs it includes `gpu_geometry`."""
+    """Copy packed houses to the default device; resets draw every house equally often, and nothing is baked.
+
+    If the default backend is a GPU, the bank includes `gpu_geometry`.
+    """
     record_process()
     # One transfer of all arrays; `jnp.asarray` per array would compile a program for each.
     tables = group_by_record(jax.device_put(packed.arrays, may_alias=False))

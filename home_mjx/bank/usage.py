@@ -66,7 +66,10 @@ def planned_bytes(houses: Sequence[CompiledHouse]) -> dict[str, int]:
 
 
 def bank_bytes(bank: BankArrays) -> int:
-    """Return the size of all arrays of a bank, or of a bank of `jax.ShapeDtypeStruct`s [bytes]."""
+    """Return the size of all arrays of a bank, or of a bank of `jax.ShapeDtypeStruct`s [bytes].
+
+    Bakes and `Geometry.gpu` are included.
+    """
     return sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(bank))
 
 

@@ -38,7 +38,10 @@ class CapacityAxis:
     optional: bool = False
 
     def round_up(self, count: int) -> int:
-        """Return the length of this axis for `count` items: a size class or whole blocks; 0 if optional and empty."""
+        """Return the length of this axis for `count` items: a size class, or the next multiple of `block` if set.
+
+        For no items it is 0 if the axis is optional or has blocks, else `smallest`.
+        """
         if self.optional and not count:
             return 0
         return size_class(count, self.smallest) if self.block is None else -(-count // self.block) * self.block
@@ -83,16 +86,19 @@ def capacity_of(houses: Sequence[CompiledHouse], capacity_factor: float = 1.0) -
 
 
 def axis_lengths(capacity: Sizes) -> dict[str, int]:
-    """Return `capacity`, the lengths of `AXES`, with `FIXED_LENGTHS`, `doors` and `rooms_and_none` (rooms + 1) added.
+    """Return a copy of `capacity`, the lengths of `AXES`, with `FIXED_LENGTHS`, `doors` and `rooms_and_none` added.
 
-    Doors are hinged leaves and slides. Numbers of rows and houses are not included.
+    Doors are hinged leaves plus slides; `rooms_and_none` is rooms + 1. Numbers of rows and houses are not included.
     """
     doors = capacity["hinged_leaves"] + capacity["slides"]
     return {**FIXED_LENGTHS, **capacity, "doors": doors, "rooms_and_none": capacity["rooms"] + 1}
 
 
 def house_rows(house: CompiledHouse) -> dict[str, int]:
-    """Count a house's own rows in each of `ROW_KINDS`; of models, only its architecture, which is private."""
+    """Count a house's own rows in each of `ROW_KINDS`; of models, only its architecture, which is private.
+
+    Nodes include those of its top-level BVH; cells, the extrapolated ones.
+    """
     own = house.models[house.instances.model[ARCHITECTURE]]
     return model_rows([own]) | {
         "node": len(own.tree.child) + len(house.top_bvh.child),
@@ -115,14 +121,20 @@ def shared_rows(models: Iterable[Model], materials: MaterialTable, semantics: np
 
 
 def slot_stride(houses: Sequence[CompiledHouse], capacity_factor: float) -> dict[str, int]:
-    """Return the rows by kind reserved per house: `capacity_factor` times the largest, as `ragged_class`; 1 `model`."""
+    """Return the rows by kind reserved per house: `ragged_class` of `capacity_factor` times the largest, rounded down.
+
+    There must be a house. The largest is found per kind; `model` is always 1.
+    """
     found = [house_rows(house) for house in houses]
     largest = {kind: max(rows[kind] for rows in found) for kind in found[0]}
     return {k: 1 if k == "model" else ragged_class(int(n * capacity_factor)) for k, n in largest.items()}
 
 
 def check_fits(house_id: str, needed: Counts, available: Counts) -> None:
-    """Raise `CapacityError` for the first row kind or axis of which a house needs more than is available."""
+    """Raise `CapacityError` for the first row kind or axis of which a house needs more than is available.
+
+    `available` must have every key of `needed`; equal numbers fit.
+    """
     for kind, count in needed.items():
         if count > available[kind]:
             raise CapacityError(
@@ -157,9 +169,9 @@ def size_class(count: int, smallest: int) -> int:
 
 
 def ragged_class(count: int) -> int:
-    """Return the capacity of a concatenated table: `count` rounded up to a multiple of 64, by at most 25 % from 256 on.
+    """Return the capacity of a concatenated table: `count` rounded up to a multiple of a step, at least one.
 
-    It is at least 64.
+    The step is the smallest 64 * 2**n that is at least `count` / 8, so at most 25 % are added from 256 on.
 
     Example:
         >>> ragged_class(1000), ragged_class(102_076)

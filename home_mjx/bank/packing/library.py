@@ -74,7 +74,10 @@ class Library:
         return shared_rows(self.models.values(), self.agent_materials, agent_semantics())
 
     def owners(self, sizes: Sizes) -> Owners:
-        """Return the owners, by kind, of the rows from 0 on: models, and the agent's materials and semantics."""
+        """Return the owners, by kind, of the shared rows, which begin at 0: models, agents' materials and semantics.
+
+        Textures are not included, see `shared_owners`.
+        """
         models = list(self.models.values())
         sizes_of = [{"node": len(m.tree.child), "triangle": len(m.triangle)} for m in models]
         starts = cumulative_starts({"node": 0, "triangle": 0}, sizes_of)
@@ -95,7 +98,10 @@ class Library:
         return {SHARED: [SharedOwner(SharedArrays(layers.view("<u4")[..., 0], cutout_bits(layers, texture_size)))]}
 
     def house_owners(self, house: CompiledHouse, start: Counts, sizes: Sizes) -> Owners:
-        """Return the owners of a house's private rows, by kind; `start` has its first row of each kind."""
+        """Return the owners of a house's private rows, by kind; `start` has its first row of each of `ROW_KINDS`.
+
+        These are its architecture, top-level BVH, materials, semantics, cells, and its row along `HOUSE_AXIS`.
+        """
         own = house.models[house.instances.model[ARCHITECTURE]]
         found = model_owners(own, start)
         found["node"].append(TreeOwner(house.top_bvh, start["node"] + len(own.tree.child), 0))  # leaves hold instances
@@ -123,7 +129,10 @@ def agent_semantics() -> Int[np.ndarray, "1 columns"]:
 
 
 def _capsule() -> Float[np.ndarray, "t 3 3"]:
-    """Build a capsule of `RADIUS` and total `HEIGHT` [m], along z, centred; triangles counter-clockwise outwards."""
+    """Build a capsule of `RADIUS` and total `HEIGHT` [m], along z, centred; triangles counter-clockwise from outside.
+
+    Triangles without an area, at the poles, are left out.
+    """
     angle = np.linspace(-np.pi / 2, 0, RINGS + 1)
     radius = RADIUS * np.cos(np.concatenate([angle, -angle[::-1]]))
     shift = np.repeat([-1, 1], RINGS + 1) * (HEIGHT / 2 - RADIUS)

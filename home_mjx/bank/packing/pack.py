@@ -124,8 +124,9 @@ def pack_house_slot(
 ) -> tuple[Arrays, dict[Key, int]]:
     """Pack a house for a slot of a `pack_house_slots` bank: return its own arrays, padded, and first rows, by key.
 
-    Arrays have `stride` rows, and a first axis of 1 instead of houses. The library must have the house's models and
-    textures. Options such as the agent's radius are not compared with the bank's.
+    Concatenated tables have `stride` rows; others, a first axis of 1 instead of houses. Indices in them count the rows
+    of the bank. Arrays shared by all houses are left out. Options such as the agent's radius are not compared with the
+    bank's.
 
     Raises:
         CapacityError: The house does not fit `capacity` or `stride`, see `pack_house_slots`.
@@ -147,13 +148,13 @@ def slot_start(library: Library, stride: Counts, house_slot: int) -> dict[str, i
 
 
 def check_house_fits(house: CompiledHouse, capacity: Counts, stride: Counts) -> None:
-    """Raise `CapacityError` if a house needs longer axes than `capacity` or more rows than `stride`."""
+    """Raise `CapacityError` if a house needs longer axes than `capacity` or more rows than `stride`; equal ones fit."""
     check_fits(house.id, required_lengths(house), capacity)
     check_fits(house.id, house_rows(house), stride)
 
 
 def check_triangles(count: int) -> None:
-    """Raise `CapacityError` if leaf codes cannot address this number of triangles."""
+    """Raise `CapacityError` for `MAX_TRIANGLES` triangles or more, which leaf codes cannot address."""
     if count >= MAX_TRIANGLES:
         raise CapacityError(
             f"the bank's models have {count} triangles, at most {MAX_TRIANGLES - 1} fit",
@@ -162,7 +163,7 @@ def check_triangles(count: int) -> None:
 
 
 def common_options(houses: Sequence[CompiledHouse]) -> dict[str, float]:
-    """Return the values of `COMMON_OPTIONS`, which all houses, at least one, must share.
+    """Return the values of `COMMON_OPTIONS` in the first of the houses, which must agree to 9 decimals.
 
     Raises:
         ConfigError: The houses were compiled with different options.
@@ -193,14 +194,17 @@ def _sizes(num_houses: int, library: Library, capacity: Counts, rows: Counts, te
 
 
 def _fill(declarations: Iterable[Declaration], parts: Sequence[_Part], sizes: Sizes) -> Arrays:
-    """Return every declared array, filled with the rows of its owners and elsewhere with padding, on all cores."""
+    """Build every declared array by key, with the rows of its owners, elsewhere padding; arrays run in parallel."""
     declared = list(declarations)
     packed = map_threads(lambda d: d.pack(_placed(d, parts), sizes), declared)
     return {d.key: array for d, array in zip(declared, packed, strict=True)}
 
 
 def _placed(declaration: Declaration, parts: Sequence[_Part]) -> list[tuple[int, np.ndarray]]:
-    """Return (first row, values) of each owner of an array, as `Declaration.pack` takes them."""
+    """Return (first row, values) of each owner of an array, as `Declaration.pack` takes them.
+
+    Within a part, the rows of owners follow one another from the part's `start`, or 0 if it has none for the kind.
+    """
     found, kind = [], declaration.kind
     for part in parts:
         row = part.start.get(kind, 0)

@@ -19,7 +19,7 @@ LINEAR = decode_srgb(np.arange(256) / 255.0)  # linear light of each sRGB value
 
 
 def texture_size_for(edge: int) -> int:
-    """Return the edge of texture layers that suits images with an edge [px]: a power of two, 128 to 512.
+    """Return the edge of texture layers for images with this edge [px], rounded up to 128, 256 or 512, the maximum.
 
     Example:
         >>> texture_size_for(64), texture_size_for(240), texture_size_for(1080)
@@ -29,7 +29,9 @@ def texture_size_for(edge: int) -> int:
 
 
 def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArray:
-    """Load images on all cores as sRGB and alpha layers (layer, texel, 4) with mip levels; later layers are white.
+    """Load images in parallel as sRGB and alpha layers (layer, texel, 4) with mip levels, in the order of `paths`.
+
+    The number of layers is that of `texture_shape`; layers without an image are opaque white.
 
     Args:
         paths: Image files, which are resized to squares.
@@ -44,6 +46,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
     layers = np.full((*texture_shape(len(paths), size), 4), 255, np.uint8)
 
     def fill(number: int) -> None:
+        """Write the mip levels of one image into its layer."""
         layers[number] = mip_levels(read_texture(Path(paths[number]), size, "lanczos"))
 
     map_threads(fill, range(len(paths)))
@@ -53,7 +56,7 @@ def load_textures(paths: Sequence[str], size: int = TEXTURE_SIZE) -> TextureArra
 def cutout_bits(layers: TextureArray, size: int) -> UInt32[np.ndarray, "l s w"]:
     """Return a bit per texel of the largest mip level (edge `size` [px]), lowest bit first; 1: cut out.
 
-    Rows are padded to whole words.
+    Texels with an alpha below `MIN_OPAQUE_ALPHA` are cut out. Rows are padded with 0 to whole words of 32 bits.
     """
     holes = layers[:, : size * size, 3].reshape(-1, size, size) < MIN_OPAQUE_ALPHA
     padded = np.pad(holes, ((0, 0), (0, 0), (0, -size % WORD_BITS)))
@@ -78,8 +81,8 @@ def mip_sizes(size: int) -> list[int]:
 def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
     """Return a texture's mip levels, largest first, row by row; its edge is a power of two.
 
-    A texel is the mean of four in linear light, weighted by opacity, so that colours of transparent texels do not
-    bleed into visible ones.
+    The first level is the image itself. A texel is the mean of four in linear light, weighted by opacity, so that
+    colours of transparent texels do not bleed into visible ones. Its alpha is their plain mean.
     """
     color, alpha = LINEAR[image[..., :3]], image[..., 3:] / 255.0
     levels = [image.reshape(-1, 4)]
@@ -93,13 +96,16 @@ def mip_levels(image: UInt8[np.ndarray, "s s 4"]) -> UInt8[np.ndarray, "p 4"]:
 
 
 def _halved(values: Float[np.ndarray, "s s c"]) -> Float[np.ndarray, "s2 s2 c"]:
-    """Return the means of 2 x 2 blocks."""
+    """Return the means of 2 x 2 blocks; the edge must be even."""
     size = len(values) // 2
     return values.reshape(size, 2, size, 2, -1).mean(axis=(1, 3))
 
 
 def texture_shape(count: int, size: int = TEXTURE_SIZE) -> tuple[int, int]:
-    """Return the layers for `count` images, a power of two, and the texels per layer of edge `size` with mip levels."""
+    """Return the layers for `count` images, the next power of two (at least 1), and texels per layer in all mip levels.
+
+    `size` is the edge of the largest level [px].
+    """
     return size_class(count, 1), sum(mip_sizes(size))
 
 

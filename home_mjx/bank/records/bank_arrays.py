@@ -101,13 +101,16 @@ def _declarations(records: tuple[tuple[str, type], ...]) -> tuple[Declaration, .
 
 
 def get_array(bank: BankArrays, key: Key) -> Array:
-    """Return the array of a bank with the key (record, field); record "" is the bank itself."""
+    """Return the array of a bank, not a copy, with the key (record, field); record "" is the bank itself."""
     record, field = key
     return getattr(getattr(bank, record) if record else bank, field)
 
 
 def group_by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
-    """Group arrays by record, then by field; each record of `RECORDS` has an entry, empty if it has no arrays."""
+    """Group arrays by record, then by field; each record of `RECORDS` has an entry, empty if it has no arrays.
+
+    Raise `KeyError` for other records; fields are not checked.
+    """
     tables: dict[str, dict[str, Any]] = {name: {} for name in RECORDS}
     for (record, field), values in arrays.items():
         tables[record][field] = values
@@ -115,7 +118,10 @@ def group_by_record(arrays: Mapping[Key, Any]) -> dict[str, dict[str, Any]]:
 
 
 def replace_arrays(bank: Bank, arrays: Mapping[Key, Array]) -> Bank:
-    """Return a bank with the arrays of these keys (record, field) replaced; the given bank is unchanged."""
+    """Return a bank with the arrays of these keys (record, field) replaced; the given bank is unchanged.
+
+    Other arrays are shared with it. Shapes and dtypes are not compared with those replaced.
+    """
     tables = group_by_record(arrays)
     own = tables.pop("")
     records = {name: getattr(bank, name).replace(**fields) for name, fields in tables.items() if fields}

@@ -59,7 +59,10 @@ class Declaration:
     def from_field(
         cls, key: Key, annotation: Any, doc: str, source: Source, fill: Any = 0, dtype: type | None = None
     ) -> "Declaration":
-        """Create a declaration from a field's annotation and notes; `dtype` overrides that of the annotation."""
+        """Create a declaration from a field's annotation and notes; `dtype` overrides that of the annotation.
+
+        Annotations without a width have the dtype of `DTYPES`, such as float32 for `Float`.
+        """
         kind = np.dtype(dtype or DTYPES.get(annotation.dtype) or annotation.dtypes[0])
         return cls(*key, doc, tuple(annotation.dim_str.split()), kind, source, fill)
 
@@ -92,7 +95,10 @@ class Declaration:
         return int(np.prod(self.shape(sizes), dtype=np.int64)) * self.dtype.itemsize
 
     def values(self, owner: Any) -> np.ndarray:
-        """Return the rows of one owner, unpadded and in the source's dtype; `HOUSE_AXIS` adds a first axis of 1."""
+        """Return the rows of one owner, unpadded and in the source's dtype; `HOUSE_AXIS` adds a first axis of 1.
+
+        They may share memory with the owner's record.
+        """
         path = isinstance(self.source, str)
         found = np.asarray(attrgetter(self.source)(owner.record) if path else self.source(owner))  # type: ignore
         return found[None] if self.kind == HOUSE_AXIS else found
@@ -102,11 +108,12 @@ class Declaration:
 
         Args:
             parts: Pairs of first row and values; padding fills all other rows and the rest of shorter axes.
-                With `REPEAT_ROWS`, values are repeated, or cut, along the second axis.
+                With `REPEAT_ROWS`, values are repeated, or cut, along the second axis, and other rows are 0. Where
+                parts overlap, the last counts.
             sizes: Axis lengths of the bank.
 
         Raises:
-            CapacityError: Values do not fit the declared axes.
+            CapacityError: Values have another number of axes than declared, or end beyond one.
         """
         shape = self.shape(sizes)
         out = np.empty(shape, self.dtype)
@@ -119,7 +126,7 @@ class Declaration:
         return out
 
     def _check(self, values: np.ndarray, start: int, shape: tuple[int, ...]) -> None:
-        """Raise `CapacityError` unless values from row `start` on fit the shape."""
+        """Raise `CapacityError` unless values from row `start` on have the shape's axes and end within each."""
         ends = (start + len(values), *values.shape[1:]) if values.ndim else ()
         if len(ends) != len(shape) or any(end > most for end, most in zip(ends, shape, strict=True)):
             raise CapacityError(

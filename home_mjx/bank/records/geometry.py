@@ -69,7 +69,10 @@ def ray_mask(at: HouseOwner) -> Int[np.ndarray, " r"]:
 
 
 def semantic_by_object(at: HouseOwner) -> Int[np.ndarray, " o"]:
-    """Return the row in the bank's semantic table of each object id, up to the largest; -1 for unused ids."""
+    """Return the row in the bank's semantic table of each object id, from 0 to the largest; -1 for unused ids.
+
+    The architecture is left out. Of instances with one id, the last counts.
+    """
     ids = at.house.instances.object_id[ARCHITECTURE + 1 :]
     rows = np.full(1 + ids.max(initial=-1), -1, np.int32)
     rows[ids] = first_semantic(at)[ARCHITECTURE + 1 :]

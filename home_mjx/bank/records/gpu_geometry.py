@@ -52,7 +52,7 @@ def pack_instances(
 
 
 def to_center_half(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Float[Array, "*n 6"]:
-    """Convert boxes to centre and half size, rounded up; the half size of inverted boxes and of NaN is -inf."""
+    """Convert boxes to centre, then half size, rounded up. Boxes inverted in any axis, or with NaN, get 0 and -inf."""
     good = jnp.all(low <= high, axis=-1, keepdims=True)
     center = jnp.where(good, low / 2 + high / 2, 0)
     half = jnp.where(good, jnp.maximum(high - center, center - low) * HALF_SIZE_FACTOR, -jnp.inf)

@@ -29,7 +29,10 @@ def num_free_cells(at: HouseOwner) -> int:
 
 
 def cell_numbers(at: HouseOwner) -> Int[np.ndarray, "levels grid_rows grid_columns"]:
-    """Return the row in the bank of each home or extrapolated cell; elsewhere and in padding, ~ that of the nearest."""
+    """Return the row in the bank of each home or extrapolated cell; elsewhere, ~ that of the nearest such cell.
+
+    In padding it is ~ the row of the nearest cell to the closest grid point of the house.
+    """
     navigation = at.house.navigation
     nearest, own = navigation.extrapolated.nearest_cell, navigation.home_mask
     own[tuple(navigation.extrapolated.coords.T)] = True
