@@ -22,7 +22,8 @@ def cast_multi_hit_by_loop(
 ) -> RawHit:
     """Return successive hits (e r steps) of rays (e r ...), found with one closest-hit `cast` (`RayBackend`) per step.
 
-    A ray ignores the last object that it hit until it hits another one; at first, its `exclude`. Each hit's t is from
+    A ray ignores the last object that it hit until it hits another one; at first, its `exclude`. Hits of the
+    architecture, which has no id, change nothing in that. Each hit's t is from
     the ray's origin, and all entries from a ray's first miss on are misses. `query` has the number of hits and the
     offset behind each; see `cast_multi_hit`.
     """
@@ -32,6 +33,7 @@ def cast_multi_hit_by_loop(
     )
 
     def step(ahead: tuple[Array, Array, Array], _: None) -> tuple[tuple[Array, Array, Array], RawHit]:
+        """Return the interval and excluded object of the next cast, and the hits of this one."""
         start, end, exclude = ahead
         hit = cast(geometry, house, moving, rays.replace(t_min=start, t_max=end, exclude=exclude), CLOSEST_HIT)
         met = hit.instance >= 0

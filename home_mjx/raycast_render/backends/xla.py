@@ -76,6 +76,7 @@ def cast_xla(
     count = -(-total // chunk)
 
     def split(x: Array, fill: float = 0) -> Array:
+        """Reshape rays (e r ...) to whole chunks (chunk ray ...), padded with `fill`."""
         flat = x.reshape(total, *x.shape[2:])
         widths = [(0, count * chunk - total)] + [(0, 0)] * (flat.ndim - 1)
         return jnp.pad(flat, widths, constant_values=fill).reshape(count, chunk, *flat.shape[1:])
@@ -107,6 +108,7 @@ def _start(world: _Operands) -> _State:
     alive = rays.t_min <= rays.t_max
 
     def add(slot: Any, carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Push a moving instance onto the stacks of the rays that hit its box."""
         slot = jnp.asarray(slot, jnp.int32)  # a Python number if jit is disabled
         near = _slab(world.moving.box[world.env, slot].reshape(n, 6), rays.origin, rays.direction, rays.t_min)
         meets = alive & (near <= rays.t_max) & (world.moving.instance[world.env, slot] >= 0)
@@ -199,6 +201,7 @@ def _enter(world: _Operands, state: _State) -> _State:
     moves = index >= geometry.instance_model.shape[1]
 
     def pick(moved: Array, static: Array) -> Array:
+        """Return each ray's row of `moved` or `static`, by the kind of its instance."""
         chosen = moves.reshape(-1, *[1] * (moved.ndim - 2))
         return jnp.where(chosen, moved[world.env, slot], static[house, fixed])
 
@@ -229,7 +232,10 @@ def _apply(matrix: Float[Array, "n 3 4"], vector: Float[Array, "n 3"]) -> Float[
 
 
 def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, " n"]]:
-    """Return the codes of both children of each ray's node, nearer first; `EMPTY_LEAF` if missed or behind its hit."""
+    """Return the codes of both children of each ray's node, nearer first, in a tie child 0.
+
+    Children that are missed or behind the ray's hit, and nodes that do not come after their parent, are `EMPTY_LEAF`.
+    """
     box, child = world.geometry.node_box[node], world.geometry.node_child[node]
     limits = world.rays.t_min, state.best.t
     a, b = (_slab(box[:, side], state.origin, state.direction, limits[0]) for side in range(2))
@@ -242,7 +248,10 @@ def _children(world: _Operands, state: _State, node: Int[Array, " n"]) -> tuple[
 def _slab(
     box: Float[Array, "n 6"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"], t_min: Float[Array, " n"]
 ) -> Float[Array, " n"]:
-    """Return t at which rays enter boxes (minimum, maximum), one box per ray, at least t_min; infinity on a miss."""
+    """Return t at which rays enter boxes (minimum, maximum), one box per ray, at least t_min; infinity on a miss.
+
+    A box that is only touched is hit.
+    """
     safe = jnp.where(jnp.abs(direction) < TINY, jnp.where(direction < 0, -TINY, TINY), direction)
     low, high = (box[:, :3] - origin) / safe, (box[:, 3:] - origin) / safe
     near = jnp.maximum(jnp.max(jnp.minimum(low, high), axis=1), t_min)
@@ -251,7 +260,10 @@ def _slab(
 
 
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
-    """Return the best hits updated with `count` triangles from `first`, four at most, unless masked or cut out."""
+    """Return the best hits updated with `count` triangles from `first`, four at most, unless masked or cut out.
+
+    Hits count from t_min on. At equal t, the lower instance and then the lower triangle counts.
+    """
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]
     triangle = jnp.minimum(first[:, None] + step, geometry.triangle.shape[0] - 1)
@@ -268,6 +280,7 @@ def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], co
     nearest = jnp.argmin(jnp.where(valid, t, jnp.inf), axis=1, keepdims=True)
 
     def take(x: Array) -> Array:
+        """Return each ray's value for its nearest triangle."""
         return jnp.take_along_axis(x, nearest, axis=1)[:, 0]
 
     found = _Best(take(t), state.instance, take(triangle), take(u), take(v), take(front))
@@ -285,11 +298,15 @@ def _is_cut_out(
     v: Float[Array, "n k"],
     layer: Int[Array, "n k"],
 ) -> Bool[Array, "n k"]:
-    """Return whether the nearest texel at weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped."""
+    """Return whether the texel around weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped.
+
+    Texture coordinates outside [0, 1) repeat.
+    """
     uv, edge = geometry.triangle_uv[triangle], geometry.cutout.shape[1]
     weight = jnp.stack([1 - u - v, u, v], axis=-1)
 
     def texel(axis: int) -> Int[Array, "n k"]:
+        """Return the texel index, 0 .. edge - 1, along u (axis 0) or v (1)."""
         x = jnp.sum(weight * uv[..., axis], axis=-1)
         place = (x - jnp.floor(x)) * edge
         return jnp.where(place >= 0, jnp.minimum(place.astype(jnp.int32), edge - 1), 0)  # NaN is texel 0
@@ -302,7 +319,7 @@ def _is_cut_out(
 def _intersect(
     triangle: Float[Array, "n k 3 3"], origin: Float[Array, "n 3"], direction: Float[Array, "n 3"]
 ) -> tuple[Float[Array, "n k"], Float[Array, "n k"], Float[Array, "n k"], Bool[Array, "n k"]]:
-    """Intersect k triangles per ray.
+    """Intersect k triangles per ray, from both sides; edges count, triangles parallel to the ray do not.
 
     Returns:
         t (infinity on a miss, maybe negative); weights of corners 1, 2 and whether the front was hit (miss: undefined).

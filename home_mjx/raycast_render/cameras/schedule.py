@@ -13,7 +13,7 @@ T = TypeVar("T")
 
 
 def render_every(interval: int, step: Int[Array, ""], render_images: Callable[[], T], last: T) -> T:
-    """Return `render_images()` on every `interval`-th step, else the last images at no cost.
+    """Return `render_images()` if `step` is 0 or another multiple of `interval`, else the last images at no cost.
 
     Call it outside of `vmap`, with a step shared by all environments: under `vmap` JAX computes both branches.
 
@@ -40,8 +40,9 @@ def render_some(envs: Int[Array, " n"], render_images: Callable[..., T], last: T
     """Render images of some environments of a batch; the others keep their last images at no cost.
 
     Args:
-        envs: Indices of the environments; indices out of range are ignored, so that the list can be padded.
-        render_images: Renders the images of one environment.
+        envs: Indices of the environments. Those out of range, negative ones too, change nothing, so that the list can
+            be padded, but cost a rendering.
+        render_images: Renders the images of one environment from its entries of `batched`.
         last: Images of all environments, with a leading axis.
         batched: Arguments of `render_images`, with the same leading axis.
 

@@ -28,16 +28,19 @@ def flat_cast(backend: str | None, query: RayQuery) -> BatchedCast:
     run = find_backend(backend)
 
     def cast_whole(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
+        """Cast on one device."""
         return run(geometry, house, moving, rays, query)
 
     spread = partition_kernel(cast_whole, _leading_axes)
 
     @custom_vmap
     def cast(geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> RawHit:
+        """Cast on all devices of the operands' sharding."""
         return spread(geometry, house, moving, rays)
 
     @cast.def_vmap
     def fold(size: int, batched: Any, geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays) -> Any:
+        """Cast a batch of `size` as more environments, or as more rays if only rays are batched."""
         geometry_batched, house_batched, moving_batched, rays_batched = batched
         if size == 0:
             hits = _no_hits(cast, tuple(batched), (geometry, house, moving, rays))
@@ -76,6 +79,7 @@ def _cast_sequentially(run: RayBackend, query: RayQuery, size: int, batched: Any
     """Return hits (size e r ...) of batch elements with geometries of their own, cast one after another."""
 
     def one(args: tuple[Geometry, Array, DynamicInstances, Rays]) -> RawHit:
+        """Cast one element of the batch."""
         geometry, house, moving, rays = args
         return run(geometry, house, moving, rays, query)
 
@@ -90,6 +94,7 @@ def _fold_rays(size: int, rays: Rays, batched: Any) -> Rays:
     count = max(x.shape[2 if b else 1] for x, b in zip(jax.tree.leaves(rays), jax.tree.leaves(batched), strict=True))
 
     def merge(x: Array, is_batched: bool) -> Array:
+        """Fold one field."""
         if not is_batched and x.shape[1] == 1:
             return x
         x = x if is_batched else x[None]

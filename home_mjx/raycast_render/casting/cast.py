@@ -74,6 +74,8 @@ def occluded(
 ) -> Bool[Array, "*rays"]:
     """Return whether anything blocks the rays in [t_min, t_max]; cheaper than `cast`, same arguments (mask: LIGHT).
 
+    Rays with t_max < t_min are not occluded.
+
     Example:
         >>> offset = lamp - point  # doctest: +SKIP
         >>> lit = ~occluded(scene, point, offset, t_min=1e-3, t_max=1.0)  # doctest: +SKIP
@@ -123,13 +125,15 @@ def _hit(scene: Scene, rays: Rays, hits: tuple[Array, ...]) -> Hit:
 
 
 def _rays(origin: Array, direction: Array, t_min: Distance, t_max: Distance, exclude: Id, mask: Id) -> Rays:
-    """Build rays with all fields broadcast to the leading shape that origins and directions have in common.
+    """Build rays with all fields broadcast to the leading shape of origins and directions, broadcast together.
 
+    The other arguments cannot extend that shape.
     `width` is the last axis of that shape; 0 if it has fewer than two axes.
     """
     shape = jnp.broadcast_shapes(origin.shape, direction.shape)[:-1]
 
     def fill(value: Any, dtype: Any) -> Array:
+        """Broadcast one value, or one per ray, to the leading shape."""
         return jnp.broadcast_to(jnp.asarray(value, dtype), shape)
 
     return Rays(

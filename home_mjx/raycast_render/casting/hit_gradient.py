@@ -18,7 +18,10 @@ def attach_gradient(
     u: Float[Array, " n"],
     v: Float[Array, " n"],
 ) -> Coordinates:
-    """Return t, u and v unchanged, but differentiable by the rays, flattened to n, and by `scene.moving.pose`."""
+    """Return t, u and v unchanged, but differentiable by the rays, flattened to n, and by `scene.moving.pose`.
+
+    Which triangle is hit counts as constant; derivatives of misses are 0.
+    """
     pose = _pose(scene, instance)
     corners = scene.geometry.triangle[jnp.maximum(triangle, 0)]
     origin, direction = rays.origin.reshape(-1, 3), rays.direction.reshape(-1, 3)

@@ -21,8 +21,8 @@ def kinect_depth(
     """Apply the noise of a structured-light depth sensor: shifted edges, noisy and quantised disparities.
 
     Each pixel reads the depth at a Gaussian offset of half a pixel, rounded to whole pixels and clipped to the image.
-    `near` and `far` apply to that. Its disparity, 351.3 m over the depth, gets Gaussian noise of a sixth of a step and
-    is rounded to whole steps. Errors therefore grow with the square of the distance.
+    `near` and `far`, inclusive, apply to that. Its disparity, 351.3 m over the depth, gets Gaussian noise of a sixth of
+    a step and is rounded to whole steps, at least one. Errors therefore grow with the square of the distance.
 
     Source: J. T. Barron and J. Malik, "Intrinsic scene properties from a single RGB-D image", CVPR 2013,
     as used by A. Handa et al., "A benchmark for RGB-D visual odometry, 3D reconstruction and SLAM", ICRA 2014.

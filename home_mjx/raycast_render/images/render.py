@@ -43,9 +43,10 @@ def render(
 
     * rgb: uint8 (H, W, 3), sRGB, by the shader: "fast" is textured albedo under a light at the camera; "lit", or a
       `LitShader` with options, uses the lights of the house; see `register_shader` for others.
-    * albedo: float32 (H, W, 3), linear light.
+    * albedo: float32 (H, W, 3), linear light; the colour of the sky on a miss.
     * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
-      cameras, along the ray for others. distance: along the ray [m]. Both are inf on a miss, unless clipped.
+      cameras, along the ray for others. distance: along the ray [m]. Both are clipped to `depth_max`, which is also
+      the value on a miss; inf if None.
     * normal: float32 (H, W, 3), unit, world, facing the camera; zero on a miss.
     * instance: int32 (H, W), object ids, I + a for agent a; -1 for the architecture and on a miss.
     * fine, coarse, nyu40, room, level, partition, room_type, size, color (of 16): int32 (H, W), columns of
@@ -117,7 +118,7 @@ class _LazyImages:
         return self._clip(self._rays.hit.t * jnp.linalg.norm(self._rays.direction, axis=-1))
 
     def _clip(self, distance: Float[Array, "*image"]) -> Array:
-        """Clip to at most `depth_max`, unless None, and add a channel axis; a miss without clipping is inf."""
+        """Clip to at most `depth_max`, unless None, and add a channel axis; a miss is `depth_max`, or inf if None."""
         return (distance if self._depth_max is None else jnp.minimum(distance, self._depth_max))[..., None]
 
     def _instance(self) -> Array:

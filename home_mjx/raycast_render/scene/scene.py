@@ -40,10 +40,10 @@ def make_scene(
         body_quat: Orientation of every movable body as unit quaternion (w, x, y, z); other quaternions make the scene
             invalid.
         agent_pos: Centre of every agent's capsule [m].
-        agent_quat: Orientation of every agent as unit quaternion (w, x, y, z).
+        agent_quat: Orientation of every agent, as `body_quat`.
         backend: Executor of all rays in the scene, see `cast`.
         door_angle: Rotation of every door about +z from its authored pose [rad], or displacement of a sliding door [m].
-            None: the authored pose.
+            Joint limits are not applied. None: the authored pose.
         agent_size: Radius and height of every agent [m]; None: those of a default `AgentBody`.
         appearance: Appearance overrides of the episode; None: none.
 
@@ -153,7 +153,10 @@ def _agents(
 def _moving(
     geometry: Geometry, instance: Int[Array, " d"], model: Int[Array, " d"], pose: Float[Array, "d 3 4"], **rows: Array
 ) -> DynamicInstances:
-    """Build dynamic instances with inverse poses and world bounds [m]; bounds of `instance` -1 are inverted."""
+    """Build dynamic instances with inverse poses and world bounds [m], enlarged by `BOX_MARGIN` on each side.
+
+    Bounds of `instance` -1 are inverted, min inf and max -inf.
+    """
     never = jnp.array([[jnp.inf] * 3, [-jnp.inf] * 3], jnp.float32)
     box = jax.vmap(transform_bounds)(pose, geometry.model_box[model]) + jnp.array(
         [[[-BOX_MARGIN], [BOX_MARGIN]]], jnp.float32

@@ -55,7 +55,10 @@ def unit_normals(scene: Scene, direction: Vec, hit: Hit) -> Vec:
 
 
 def area_vectors(scene: Scene, direction: Vec, hit: Hit) -> Vec:
-    """Return normals in the world, facing the rays, as long as twice the triangle's area [m^2]; arbitrary on a miss."""
+    """Return normals in the world, facing the rays, as long as twice the triangle's area [m^2]; arbitrary on a miss.
+
+    Normals perpendicular to their ray keep the side of counter-clockwise corners.
+    """
     a, b, c = (take_vec(scene.geometry.triangle, jnp.maximum(hit.triangle, 0), k) for k in range(3))
     area = area_to_world(scene, (b - a).cross(c - a), hit)
     return select(area.dot(direction) > 0, -area, area)

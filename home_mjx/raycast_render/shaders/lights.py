@@ -71,6 +71,7 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
     """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps.
 
     `sky` is the radiance of the sky, which windows emit [W/m^2/sr]. Intensities include the factors of `scale_lamps`.
+    Padding has `instance` -1 and intensity 0.
     """
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
     instance = lights.instance[house]
@@ -79,6 +80,7 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
     columns = [Vec.unpack(pose[:, :, i]) for i in range(4)]
 
     def turned(vectors: Float[Array, "l 3"]) -> Vec:
+        """Rotate vectors from the frames of their instances to the world."""
         local = Vec.unpack(vectors)
         return columns[0] * local.x + columns[1] * local.y + columns[2] * local.z
 
@@ -136,6 +138,7 @@ def lamp_light(
     blocked = occluded(scene, start.pack(), way.pack(), t_max=reach, exclude=light.object_id)
 
     def arriving(share: Float[Array, "k *rays"]) -> Vec:
+        """Return the sum over lights of intensity times share, without occluded ones."""
         return (light.intensity * jnp.where(blocked, 0.0, share)).map(lambda x: jnp.sum(x, axis=0))
 
     return IncidentLight(arriving(strength), arriving(gloss))
@@ -144,7 +147,8 @@ def lamp_light(
 def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[Array, "k *rays"]:
     """Select the lights with the highest estimated irradiance at each point, without occlusion, brightest first.
 
-    Those of other rooms are weighted by `OTHER_ROOM_WEIGHT`; a lamp has high priority on its own surfaces.
+    Those of other rooms are weighted by `OTHER_ROOM_WEIGHT`; a lamp has high priority on its own surfaces. Of lights
+    equal but for the lowest `INDEX_BITS` bits of irradiance, the one with the higher index comes first.
 
     Returns:
         `count` keys, or one per light if fewer: the light's index in the lowest `INDEX_BITS` bits, its irradiance in
@@ -154,10 +158,12 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
     lines = -(-total // LIGHTS_PER_STEP)
 
     def lines_of(column: Array) -> Array:
+        """Reshape a column to lines of `LIGHTS_PER_STEP`, padded with -1."""
         padding = lines * LIGHTS_PER_STEP - total
         return jnp.pad(column, (0, padding), constant_values=-1).reshape(lines, LIGHTS_PER_STEP)
 
     def compare(best: list[Array], line: tuple[PlacedLights, Array]) -> tuple[list[Array], None]:
+        """Insert the keys of one line of lights into the best keys, which are in descending order."""
         for i in range(LIGHTS_PER_STEP):
             light, number = jax.tree.map(lambda column, i=i: column[i], line)
             key = _light_key(light, number, point)
@@ -222,7 +228,8 @@ def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tupl
 def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
     """Compute the normalised Blinn-Phong BRDF [1/sr], (n + 8) / (8 pi) * cos^n of the half vector.
 
-    `toward` is the unit direction to the light; neither reflectance nor cosine of incidence is included.
+    `toward` is the unit direction to the light; neither reflectance nor cosine of incidence is included. Cosines of the
+    half vector, to the shading normal, are at least 1e-4.
 
     Source: T. Akenine-Möller et al., "Real-Time Rendering", on the normalised Blinn-Phong reflectance.
     """

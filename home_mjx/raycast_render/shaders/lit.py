@@ -179,7 +179,10 @@ def auto_exposure(light: Vec) -> Float[Array, ""]:
 
 
 def sky_radiance(direction: Vec, options: LitShader) -> Vec:
-    """Return the sky's radiance [W/m^2/sr] in world directions of any length; below the horizon, the bare ground's."""
+    """Return the sky's radiance [W/m^2/sr] in world directions of any length; below horizontal, the bare ground's.
+
+    Both are proportional to `options.sky`.
+    """
     up = direction.z * direction.inverse_norm()
     high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
     horizon = lights.mix_colors(HORIZON_COLOR, DUSK_COLOR, sun_redness(options.sun_elevation))

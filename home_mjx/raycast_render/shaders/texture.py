@@ -66,6 +66,7 @@ def linear_approx(texel: UInt32[Array, "*rays"]) -> Vec:
     """Decode packed sRGB texels to linear light within 6e-6, without a table look-up per channel; alpha is ignored."""
 
     def decode(byte: Int[Array, "*rays"]) -> Float[Array, "*rays"]:
+        """Decode one channel."""
         value = byte.astype(jnp.float32) * (1 / 255)
         curve = jnp.full_like(value, SRGB_TO_LINEAR_POLYNOMIAL[0])
         for power in SRGB_TO_LINEAR_POLYNOMIAL[1:]:

@@ -49,12 +49,14 @@ def compile_chunks() -> tuple[Any, Any]:
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def count(frame):
+        """Return the number of chunks of a call, `CHUNK` packets each, the last maybe fewer."""
         _ = digest
         return -(-_num_packets(frame) // CHUNK)
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def work(job):
+        """Cast chunks of a job until none is left; return 0."""
         _ = digest
         ffi.run_chunks(job, _cast_chunk)
         return 0
@@ -65,7 +67,7 @@ def compile_chunks() -> tuple[Any, Any]:
 @compiled
 @no_type_check
 def _cast_chunk(frame, chunk):
-    """Cast the `CHUNK` packets of one chunk."""
+    """Cast the packets of the chunk with this index: `CHUNK`, or those that are left for the last."""
     operands, counts, results = operand_words(), ray_words(), result_words()
     for i in range(NUM_OPERANDS):
         operands[i] = ffi.data(frame, ffi.OPERANDS, i)

@@ -21,7 +21,9 @@ weights, flags = stack_of(types.float32, 2 * LANES), stack_of(types.int32, 2 * L
 @njit(error_model="numpy")  # rarely called, too large to inline
 @no_type_check
 def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
-    """Return the lanes of `wins` without rays that pass through a cut-out texel of a triangle; sound rays never pass.
+    """Return the lanes of `wins` without rays that pass through a cut-out texel of a triangle.
+
+    Rays whose `mask` shares `RayKind.SOUND` with `stops` never pass.
 
     `stops` is the triangle's entry of `Geometry.material_mask`: `RayKind` bits, and the cut-out layer above them.
     `mask` has the rays' `RayKind` bits; `u` and `v` are barycentric weights of corners 1 and 2 at their hits.
@@ -42,7 +44,7 @@ def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
 @njit(error_model="numpy")
 @no_type_check
 def _is_cut_out(world, triangle, layer, u, v):
-    """Return whether the nearest texel at weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped."""
+    """Return whether the texel around weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped."""
     edge = world.sizes.edge
     column = _texel(world.triangle_uv, 6 * triangle, u, v, edge)
     row = edge - 1 - _texel(world.triangle_uv, 6 * triangle + 1, u, v, edge)
@@ -55,7 +57,10 @@ def _is_cut_out(world, triangle, layer, u, v):
 @njit(error_model="numpy")
 @no_type_check
 def _texel(uv, at, u, v, edge):
-    """Return the texel index, 0 .. edge - 1 (NaN: 0), at weights u, v of corners 1, 2; `uv[at + 2 k]` is corner k's."""
+    """Return the texel index, 0 .. edge - 1 (NaN: 0), at weights u, v of corners 1, 2; `uv[at + 2 k]` is corner k's.
+
+    Texture coordinates outside [0, 1) repeat.
+    """
     x = (ONE - u - v) * uv[at] + u * uv[at + 2] + v * uv[at + 4]
     place = (x - np.floor(x)) * np.float32(edge)
     return min(np.int64(place), edge - 1) if place >= ZERO else np.int64(0)

@@ -58,7 +58,10 @@ class BestHits(NamedTuple):
 @compiled
 @no_type_check
 def intersect_box(box, index, ray):
-    """Return t, at least t_min, at which rays enter box `index` (6 numbers: minimum, maximum); infinity on a miss."""
+    """Return t, at least t_min, at which rays enter box `index` (6 numbers: minimum, maximum); infinity on a miss.
+
+    A box that is only touched is hit; `t_max` is not tested.
+    """
     at = 6 * index
     x0, x1 = (box[at] - ray.ox) * ray.ix, (box[at + 3] - ray.ox) * ray.ix
     y0, y1 = (box[at + 1] - ray.oy) * ray.iy, (box[at + 4] - ray.oy) * ray.iy
@@ -94,7 +97,10 @@ def _inverse(x):
 @compiled
 @no_type_check
 def transform_rays(inverse, index, ray, sees):
-    """Transform rays by matrix `index` of the flat (n, 3, 4) `inverse`; lanes not in `sees` get t_min = inf."""
+    """Transform rays by matrix `index` of the flat (n, 3, 4) `inverse`; lanes not in `sees` get t_min = inf.
+
+    Directions are not normalised, so that t keeps its unit.
+    """
     at = 12 * index
     ox = inverse[at] * ray.ox + inverse[at + 1] * ray.oy + inverse[at + 2] * ray.oz + inverse[at + 3]
     oy = inverse[at + 4] * ray.ox + inverse[at + 5] * ray.oy + inverse[at + 6] * ray.oz + inverse[at + 7]
@@ -121,7 +127,10 @@ class ShearedRays(NamedTuple):
 @compiled
 @no_type_check
 def shear_rays(ray):
-    """Return the rays with axes permuted for `test_triangle`, in the same frame; see `ShearedRays`."""
+    """Return the rays with axes permuted for `test_triangle`, in the same frame; see `ShearedRays`.
+
+    Of equally long axes, the first counts.
+    """
     x, y, z = absolute(ray.dx), absolute(ray.dy), absolute(ray.dz)
     along_x = (x >= y) & (x >= z)
     along_y = ~along_x & (y >= z)
@@ -158,8 +167,8 @@ def _corner(triangle, at, shear):
 def test_triangle(world, instance, triangle, ray, shear, reaches, best):
     """Return `best`, replaced by triangle `triangle` in lanes of `reaches` that hit it nearer.
 
-    A triangle that is masked or cut out does not count. At equal t, the lower instance and then the lower triangle
-    counts. Any-hits get t = -inf, which ends their ray.
+    Both sides and all edges of a triangle count, at t >= t_min. One that is masked, cut out or parallel to the ray does
+    not. At equal t, the lower instance and then the lower triangle counts. Any-hits get t = -inf, which ends their ray.
     """
     at = 9 * np.int64(triangle)
     ax, ay, az = _corner(world.triangle, at, shear)

@@ -94,7 +94,10 @@ def assign_lanes(tiles, packet, rows):
 @compiled
 @no_type_check
 def read_packet(operands, counts, env, rows):
-    """Return rays `rows`, see `assign_lanes`, of `env`: t_max at most `MISS`; t_min infinity in lanes with row -1."""
+    """Return rays `rows`, see `assign_lanes`, of `env`, with t_max clipped to at most `MISS`.
+
+    Lanes with row -1 have t_min infinity, and the other fields of ray 0.
+    """
     origin, direction = float_pointer(operands[FIRST_RAY_OPERAND]), float_pointer(operands[FIRST_RAY_OPERAND + 1])
     t_min, t_max = float_pointer(operands[FIRST_RAY_OPERAND + 2]), float_pointer(operands[FIRST_RAY_OPERAND + 3])
     exclude, mask = int_pointer(operands[FIRST_RAY_OPERAND + 4]), int_pointer(operands[FIRST_RAY_OPERAND + 5])

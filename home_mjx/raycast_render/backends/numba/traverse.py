@@ -169,7 +169,7 @@ def _cast(world, env, ray, exclude, best, codes, enters):
 @compiled
 @no_type_check
 def _is_visible(object_id, exclude):
-    """Return the lanes whose rays do not exclude an object."""
+    """Return the lanes whose `exclude` is negative, none, or another object id."""
     return (exclude < np.int32(0)) | ~(exclude == object_id)
 
 
@@ -200,7 +200,8 @@ def _cast_model(world, instance, ray, best, codes, enters):
 def _open_node(world, node, ray, limit, codes, enters, size):
     """Visit a BVH node: push the child that most rays enter later; return the other's code and entry t, and stack size.
 
-    A child that no ray enters at t <= `limit` (t of its best hit) is not pushed, or has the code `EMPTY_LEAF`.
+    In a tie the second child is pushed. A child that no ray enters at t <= `limit` (t of its best hit) is not pushed,
+    or returned as `EMPTY_LEAF`. A full stack drops the child.
     """
     at = 2 * clip_row(node, world.sizes.nodes)
     near, far = world.node_child[at], world.node_child[at + 1]
