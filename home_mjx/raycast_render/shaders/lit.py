@@ -130,9 +130,9 @@ class LitShader(Shader):
         sample = self._light_sample(rays)
         path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
         row = jnp.maximum(material_rows(scene, path.hit), 0)
-        corner = _hit_frame(scene, path)
-        point = _shading_point(scene, path, corner, row)
-        color = _diffuse_reflectance(scene, path, corner, row, growth)
+        frame = _hit_frame(scene, path)
+        point = _shading_point(scene, path, frame, row)
+        color = _diffuse_reflectance(scene, path, frame, row, growth)
         # The barrier prevents recomputation of the surface for every light.
         point, color, row = jax.lax.optimization_barrier((point, color, row))
         placed = lights.place_lights(scene, self.sky)
@@ -190,14 +190,14 @@ def sky_radiance(direction: Vec, options: LitShader) -> Vec:
     return select(up >= 0, above, Vec(*GROUND_COLOR)) * options.sky
 
 
-def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
+def _hit_frame(scene: Scene, path: PathState) -> HitFrame:
     """Return area normals, as long as twice the area [m^2], and unit smooth normals of hits, in the world.
 
     Area normals face the rays. Smooth normals are on their side, so that near a silhouette they may face away from the
     rays. Without a stored smooth normal, the area normal is used, scaled to length 1. Both are arbitrary on a miss.
     """
-    hit = sight.hit
-    area = area_vectors(scene, sight.direction, hit)
+    hit = path.hit
+    area = area_vectors(scene, path.direction, hit)
     a, b, c = (take_vec(scene.bank.finish.normal, jnp.maximum(hit.triangle, 0), k) for k in range(3))
     smooth = area_to_world(scene, a * (1 - hit.u - hit.v) + b * hit.u + c * hit.v, hit)
     side = smooth.dot(area)
@@ -205,33 +205,33 @@ def _hit_frame(scene: Scene, sight: PathState) -> HitFrame:
     return HitFrame(area, select(smooth.dot(smooth) > 0, smooth, area).unit())
 
 
-def _shading_point(scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"]) -> lights.ShadingPoint:
+def _shading_point(scene: Scene, path: PathState, frame: HitFrame, row: Int[Array, "*rays"]) -> lights.ShadingPoint:
     """Gather position, normals, view direction, shininess of material `row`, instance and room at the ends of paths."""
     return lights.ShadingPoint(
-        pos=sight.end,
-        normal=corner.area.unit(),
-        shading=corner.shading,
-        view=-sight.direction.unit(),
+        pos=path.end,
+        normal=frame.area.unit(),
+        shading=frame.shading,
+        view=-path.direction.unit(),
         shininess=take(scene.bank.finish.shininess, row),
-        instance=sight.hit.instance,
-        room=semantics(scene, sight.hit, Semantic.ROOM),
+        instance=path.hit.instance,
+        room=semantics(scene, path.hit, Semantic.ROOM),
     )
 
 
 def _diffuse_reflectance(
-    scene: Scene, sight: PathState, corner: HitFrame, row: Int[Array, "*rays"], growth: Float[Array, ""]
+    scene: Scene, path: PathState, frame: HitFrame, row: Int[Array, "*rays"], growth: Float[Array, ""]
 ) -> Vec:
     """Return the material's colour times its texture, filtered over a footprint that grows by `growth` [m] per t.
 
     The episode's overrides of colours and textures are included. Arbitrary on a miss.
     """
-    hit, materials, textures = sight.hit, scene.bank.materials, scene.bank.materials.textures
+    hit, materials, textures = path.hit, scene.bank.materials, scene.bank.materials.textures
     u, v = texture_corners(scene, hit)
     texels = (u.y - u.x) * (v.z - v.x) - (v.y - v.x) * (u.z - u.x)
     texels = jnp.abs(texels) * texture.texture_edge(textures) ** 2
-    inverse = corner.area.inverse_norm()
-    facing = jnp.abs(corner.area.dot(sight.direction)) * inverse * sight.direction.inverse_norm()
-    width = sight.footprint + growth * jnp.where(hit.instance < 0, 0.0, hit.t)
+    inverse = frame.area.inverse_norm()
+    facing = jnp.abs(frame.area.dot(path.direction)) * inverse * path.direction.inverse_norm()
+    width = path.footprint + growth * jnp.where(hit.instance < 0, 0.0, hit.t)
     footprint = width * width / jnp.maximum(facing, 0.05)
     level = texture.mip_level(footprint * texels * jnp.minimum(inverse, 1e12))
     layer = swap_textures(scene.appearance, take(materials.texture, row), row, materials.texture)

@@ -67,7 +67,7 @@ def trace_specular(
 
 def _extend_path(
     scene: Scene,
-    sight: PathState,
+    path: PathState,
     growth: Float[Array, ""],
     exclude: Int[Array, ""] | int,
 ) -> PathState:
@@ -75,17 +75,17 @@ def _extend_path(
 
     Other rays are unchanged. The new segment passes all translucent glass, also behind a mirror.
     """
-    hit, bank = sight.hit, scene.bank
+    hit, bank = path.hit, scene.bank
     row = jnp.maximum(material_rows(scene, hit), 0)
     seen = hit.instance >= 0
     mirror = seen & take(bank.finish.mirror, row)
     glass = (take(bank.materials.kind, row) == GLASS) & (take(bank.materials.albedo, row, 3) < 1)
     on = mirror | (seen & glass)
-    normal = unit_normals(scene, sight.direction, hit)
-    bent = sight.direction - normal * (2 * sight.direction.dot(normal))
-    direction = select(mirror, bent, sight.direction)
+    normal = unit_normals(scene, path.direction, hit)
+    bent = path.direction - normal * (2 * path.direction.dot(normal))
+    direction = select(mirror, bent, path.direction)
     # Offset the origin from a mirror, since float32 rounding may put the hit point behind it.
-    pos = select(on, select(mirror, sight.end + normal * HIT_EPSILON, sight.end), sight.origin)
+    pos = select(on, select(mirror, path.end + normal * HIT_EPSILON, path.end), path.origin)
     # The barrier prevents recomputation after the cast.
     pos, direction, on, mirror, row = jax.lax.optimization_barrier((pos, direction, on, mirror, row))
     found = cast(
@@ -101,8 +101,8 @@ def _extend_path(
         origin=pos,
         direction=direction,
         hit=jax.tree.map(lambda new, old: jnp.where(on, new, old), found, hit),
-        footprint=sight.footprint + growth * jnp.where(on, hit.t, 0.0),
-        throughput=select(on, sight.throughput * tint, sight.throughput),
+        footprint=path.footprint + growth * jnp.where(on, hit.t, 0.0),
+        throughput=select(on, path.throughput * tint, path.throughput),
     )
 
 
