@@ -65,9 +65,11 @@ def distance_field(
     )
 
     def changed(carry: tuple[Array, Array]) -> Array:
+        """Return whether the last round lowered a distance."""
         return jnp.any(carry[0] < carry[1])
 
     def rounds(carry: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Sweep down, then up; return the distances after and before."""
         distance, _ = carry
         return _sweep(up, _sweep(down, distance, step)[BACK], step[BACK])[BACK], distance
 
@@ -86,14 +88,17 @@ def _grid_moves(
     """
 
     def joined(rows: int, columns: int) -> Array:
+        """Return whether each cell and the one that many rows and columns before are free and walkable."""
         return free & _shift_grid(free, rows, columns, False) & walkable(rows, columns)
 
     def walkable(rows: int, columns: int) -> Array:
+        """Return whether the rise from the cell that many rows and columns before is walkable."""
         if height is None:
             return jnp.ones_like(free)
         return is_walkable_rise(height - _shift_grid(height, rows, columns, 0.0), cell * math.hypot(rows, columns))
 
     def diagonal(column: int) -> Array:
+        """Return the moves from the row before, one column before (`column` 1) or behind (-1)."""
         before, beside = walkable(1, 0), walkable(0, column)
         corners = _shift_grid(passable, 1, 0, False) & _shift_grid(passable, 0, column, False)
         corners &= before & _shift_grid(before, 0, column, False) & beside & _shift_grid(beside, 1, 0, False)
@@ -110,6 +115,7 @@ def _sweep(moves: _GridMoves, distance: Float[Array, "ny nx"], step: Float[Array
     """
 
     def row(there: Float[Array, " nx"], here: tuple[_GridMoves, Array, Array]) -> tuple[Array, Array]:
+        """Lower the distances of one row from those of the row before, `there`."""
         move, known, length = here
         diagonal = length * jnp.float32(2**0.5)
         best = jnp.minimum(known, jnp.where(move.straight, there + length, jnp.inf))
@@ -144,7 +150,7 @@ def _along(
     """
 
     def join(a: tuple[Array, Array], b: tuple[Array, Array]) -> tuple[Array, Array]:
-        # (length of the segment, inf if it is blocked; minimum distance at its end)
+        """Join two segments of the row: each is its length, inf if blocked, and the minimum distance at its end."""
         return a[0] + b[0], jnp.minimum(b[1], a[1] + b[0])
 
     far = jnp.float32(jnp.inf)

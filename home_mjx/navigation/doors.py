@@ -15,7 +15,7 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
 
     Args:
         bank: The houses.
-        house: Index of the house.
+        house: Index of the house, clipped to the bank.
         state: "open" (wide open), "closed", "initial" (pose of the dataset, clipped to the range), or "random" (each
             leaf wide open or closed, with equal odds); `KeyError` for others.
         key: Random key; used by "random" only.
@@ -55,10 +55,11 @@ def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[A
 def connected_rooms(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, "r r"]:
     """Return which pairs of rooms are connected, also over other rooms, for an agent that does not move doors.
 
-    `door_angle` has the joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves].
+    `door_angle` has the joint coordinates of the leaves, as from `door_angles` [rad, m for sliding leaves]. Portals to
+    the outdoors do not count.
 
     Returns:
-        Symmetric matrix with a True diagonal. With all doors wide open it is `room_hops >= 0`.
+        Symmetric matrix with a True diagonal, also for padding. With all doors wide open it is `room_hops >= 0`.
 
     Example:
         >>> connected_rooms(bank, house, state.snapshot.door_angle)[bedroom, kitchen]  # doctest: +SKIP

@@ -30,7 +30,7 @@ def cell_at_feet(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]
     Of the cells above one another, one per level, it is that whose floor or ramp is nearest in height. Cells outside
     the home region count as `MAX_DEPTH_BELOW_FLOOR` farther: their height may be a neighbour's. The grids of two levels
     share cells where they meet on a ramp (heights within `MAX_SHARED_GAP`). There it is the upper level's cell if the
-    feet are at most `MAX_DEPTH_BELOW_FLOOR` below its floor, else the lower level's.
+    feet are at most `MAX_DEPTH_BELOW_FLOOR` below its floor, else the lower level's. `house` is clipped to the bank.
     """
     house = bank.clip_house_index(house)
     row, column = _plan_cell(bank, house, feet)
@@ -50,7 +50,7 @@ def cell_below(bank: HouseBank, house: Int[Array, ""], point: Float[Array, "3"])
     Of the cells above one another, one per level, it is the highest walkable one less than an agent's height below the
     point: over stairs the ramp, not the opening in the floor above. Else it is the highest one in a room below the
     point, else the highest one below it, else the lowest one. Floors up to `MAX_SHARED_GAP` above the point count as
-    below. Points outside of the grid are clipped to it.
+    below. Points outside of the grid are clipped to it, and `house` to the bank.
     """
     house = bank.clip_house_index(house)
     row, column = _plan_cell(bank, house, point)
@@ -110,7 +110,7 @@ def geodesic_distance(
 
     Args:
         bank: The houses.
-        house: Index of the house.
+        house: Index of the house, clipped to the bank.
         goal: Index or indices of columns of `field`; None: all.
         feet: Lowest point of the agent, or a point on a floor [m], world frame.
         field: Distances of all cells to other goals, stored as in `NavigationArrays.field`; None: the bank's field.
@@ -158,8 +158,9 @@ def continue_levels(
     """Return cells near `place`, each with its own level: the one to which floors and ramps lead from `place`.
 
     Of a cell's home cells on all levels, that nearest in height to `place` gives the level. A height difference on the
-    level of `place` counts `MAX_SHARED_GAP` less. If the way there, lengthened by one cell, is steeper
-    than `MAX_SLOPE`, or no level has a home cell, the level is that of `place`. Houses of one level return `around`.
+    level of `place` counts `MAX_SHARED_GAP` less; in a tie, the lower level counts. If the way there, lengthened by
+    one cell, is steeper than `MAX_SLOPE`, or no level has a home cell, the level is that of `place`. Houses of one
+    level return `around`.
 
     Args:
         bank: The houses.

@@ -13,7 +13,7 @@ MIN_SPAWN_CLEARANCE = 0.005  # [m], minimum clearance between a spawned agent an
 def sample_starts(
     bank: HouseBank, house: Int[Array, ""], num: int, min_distance: float, key: Array
 ) -> tuple[Int[Array, " a"], Float[Array, "a 3"]]:
-    """Sample `num` start points of a house uniformly, each at least `min_distance` [m] from the earlier ones.
+    """Sample `num`, at least 1, start points of a house uniformly, each at least `min_distance` [m] from earlier ones.
 
     Distances are straight lines. If no such point is left, it is any start point, possibly one chosen before.
 

@@ -42,10 +42,10 @@ def reset(
         house: Index of the house, clipped to the bank.
         agent_pos: Position of each agent's feet in the world, on the floor [m].
         agent_yaw: [rad], counter-clockwise from +x.
-        door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m].
-            None: the authored pose.
-        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`. -1,
-            None, or a bank without arrangements: the authored poses.
+        door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m];
+            not clipped to its range. None: the authored pose.
+        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`. Negative, None, or
+            a bank without arrangements: the authored poses.
         scale: Factors for the friction and mass of bodies in this episode. None: the house's values.
 
     Raises:

@@ -99,6 +99,7 @@ def step_fused(
     check_not_forked("step physics")
 
     def mjx(house: Array, state: PhysicsState, action: Array) -> tuple[PhysicsState, Overflow]:
+        """Step where no kernel exists."""
         return step_mjx(template, physics, house, state, action)
 
     native = {platform: functools.partial(_step_native, platform, template, physics) for platform in STEPS}

@@ -78,7 +78,10 @@ class DoorLeaves(Pytree):
         return self.hinge_mask / self.inertia / 3
 
     def pose_at(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
-        """Return centres [m] and orientations (wxyz) in the world at joint coordinates, [rad] or [m] if sliding."""
+        """Return centres [m] and orientations (wxyz) in the world at joint coordinates, [rad] or [m] if sliding.
+
+        Coordinates are not clipped to their range.
+        """
         angle = self.hinge_mask * coordinate
         cos, sin = jnp.cos(angle), jnp.sin(angle)
         x = self.pivot[..., 0] + cos * self.arm[..., 0] - sin * self.arm[..., 1] + self.slide[..., 0] * coordinate

@@ -91,9 +91,9 @@ def door_acceleration(
 ) -> Float[Array, "h"]:
     """Compute the drive acceleration of doors towards their goals [rad/s^2], or [m/s^2] of sliding doors.
 
-    It is limited by `MAX_DOOR_TORQUE`, and 0 for goals of `NOT_DRIVEN`. Hinge drag is not included. `place`, `rate` and
-    `goal` are in [rad] and [rad/s], or [m] and [m/s]. `inertia` is about the hinge [kg m^2], or the mass [kg]. `time`
-    is the time constant of the velocity [s].
+    It is limited by `MAX_DOOR_TORQUE`, and 0 for goals of magnitude `NOT_DRIVEN` or more; others are not clipped. Hinge
+    drag is not included. `place`, `rate` and `goal` are in [rad] and [rad/s], or [m] and [m/s]. `inertia` is about the
+    hinge [kg m^2], or the mass [kg]. `time` is the time constant of the velocity [s].
     """
     wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME_CONSTANT), -MAX_DOOR_SPEED, MAX_DOOR_SPEED)
     most = jnp.float32(MAX_DOOR_TORQUE) / inertia
@@ -106,9 +106,10 @@ def ramp_acceleration(
     """Compute the acceleration (world x, y) that keeps an agent from sliding down a ramp [m/s^2]; 0 off ramps.
 
     Contacts of agents are frictionless. On a ramp, `g * slope` uphill balances the ramp's normal force. The agent is on
-    a ramp if its lowest point is over it and within `MAX_RAMP_GAP` of its plane. The highest of overlapping ramps, as
-    on turning stairs, applies. Landings have slope 0 and are ignored. `ramps` are rows of `bank.physics.ramp`, `agent`
-    is a row of `control.agent_table`, `pos` the centre of its capsule [m].
+    a ramp if its lowest point is less than `MAX_RAMP_GAP` from its plane and over it in plan. That is from 0.3 radii
+    before the lower end to radius times sine of the slope before the upper. The highest of overlapping ramps, as on
+    turning stairs, applies, or the first of equal ones. Landings have slope 0 and are ignored. `ramps` are rows of
+    `bank.physics.ramp`, `agent` is a row of `control.agent_table`, `pos` the centre of its capsule [m].
     """
     _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
     along, across, surface = ramp_coordinates(ramps, pos)

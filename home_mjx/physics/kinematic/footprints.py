@@ -31,7 +31,8 @@ class Footprints(Pytree):
     def from_boxes(cls, boxes: OrientedBoxes) -> "Footprints":
         """Convert oriented boxes, exactly if an axis is vertical.
 
-        Other boxes become the smallest upright box around them, with u along their most level axis.
+        Other boxes become the smallest upright box around them, with u along their most level axis, or the first of
+        equally level ones.
         """
         axes, half = boxes.axes, [boxes.half[..., k] for k in range(3)]
         x, y, steep = axes[0][0], axes[0][1], jnp.abs(axes[0][2])
@@ -124,7 +125,10 @@ def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, A
 def _depenetration(
     boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"], depth: Float[Array, " n"]
 ) -> Array:
-    """Return the displacement (x, y, 0) [m] that resolves the deepest `_penetration_depths`; 0 if none is positive."""
+    """Return the displacement (x, y, 0) [m] that resolves the deepest `_penetration_depths`; 0 if none is positive.
+
+    Of equal depths, the first counts. It is also 0 at a point of a box half-way between its nearest sides.
+    """
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)
     _, u, v = _side_distances(box, pos)

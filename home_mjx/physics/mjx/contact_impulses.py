@@ -24,7 +24,8 @@ class ContactImpulses(Pytree):
 def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> ContactImpulses:
     """Return each dynamic body's contacts in one physics step of MJX; 0 and `NOTHING` for bodies without contact.
 
-    They are the sum of normal impulses [N s]; and the impulse, position [m] and partner of the strongest contact.
+    They are the sum of normal impulses [N s]; and the impulse, position [m] and partner of the strongest contact, or of
+    the first of equal ones.
     `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
@@ -62,7 +63,10 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
 
 
 def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
-    """Combine the physics steps, along the leading axis: sum each body's impulses and keep its strongest contact."""
+    """Combine the physics steps, along the leading axis: sum each body's impulses and keep its strongest contact.
+
+    Of equally strong contacts, the earliest is kept.
+    """
     best = jnp.argmax(pushes.strongest, axis=0)
     mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
     return ContactImpulses(

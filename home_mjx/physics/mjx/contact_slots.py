@@ -83,7 +83,7 @@ def fill_slots(
     """Select the `num` (at most all) static boxes nearest to an owner's box by `separation`, cropped around it.
 
     MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls would displace real
-    contacts. Boxes beyond `MAX_SLOT_DISTANCE` are parked for the same reason.
+    contacts. Boxes at `MAX_SLOT_DISTANCE` or farther are parked for the same reason.
 
     Returns:
         The boxes in the slots, nearest first; their indices in `static` (also if parked); whether more than `num` boxes
@@ -103,6 +103,7 @@ def parked_boxes(num: int) -> OrientedBoxes:
     """Return `num` small boxes `PARKED_HEIGHT` below the ground, all in one place, which nothing touches."""
 
     def rows(*row: float) -> Array:
+        """Repeat one row `num` times."""
         return jnp.tile(jnp.array([row], jnp.float32), (num, 1))
 
     return OrientedBoxes(

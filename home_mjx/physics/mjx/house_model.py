@@ -63,6 +63,7 @@ def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
 
     def choose(values: Array, parked: Any) -> Array:
+        """Return the house's values, and `parked` for unused bodies."""
         shape = (num, *[1] * (values.ndim - 2))
         return jnp.where(valid.reshape(shape), values[house], jnp.asarray(parked, jnp.float32))
 
@@ -113,6 +114,7 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
     at, num = layout.body_geoms, layout.num_bodies
 
     def set_boxes(field: Array, boxes: Array) -> Array:
+        """Return a field of geoms with the rows of the bodies' boxes replaced; those of corners are kept."""
         rows = field[at].reshape(num, 9, -1).at[:, 0].set(boxes.reshape(num, -1))
         return field.at[at].set(rows.reshape(field[at].shape))
 

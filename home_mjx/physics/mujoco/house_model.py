@@ -65,8 +65,8 @@ class MujocoHouse:
         """Advance by one physics step; arrays are as in `PhysicsState`, and `qacc` is the solver's warm start.
 
         Bodies that the house does not have keep their state, with `qacc` 0. With NaN or infinite `qpos`, `qvel` or
-        `applied`, the state is returned unchanged and without contacts. `applied` are the forces on all joints [N],
-        [N m].
+        `applied`, the given arrays are returned, without contacts; else the result is new. `applied` are the forces on
+        all joints [N], [N m].
         """
         if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
             mobiles = self._layout.num_dynamic

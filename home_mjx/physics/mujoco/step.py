@@ -47,6 +47,7 @@ def step_mujoco(
     (number,) = find(*(getattr(tables, name) for name in HouseRows._fields), house[None])
 
     def substep(carry: tuple[Array, ...], _: None) -> tuple[tuple[Array, ...], tuple[Array, ContactImpulses, Array]]:
+        """Do one physics step; emit contact counts, impulses, and whether contacts were dropped."""
         motors, applied = applied_forces(template, parts, state, action, carry[0], carry[1])
         applied = applied.at[_motor_dofs(layout)].add(motors.reshape(-1))
         moved = move(number, *(x[None] for x in (*carry, applied)))

@@ -33,11 +33,11 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
-    """Write the contact points of two boxes; return their number, 0 if the boxes do not overlap.
+    """Write the contact points of two boxes; return their number, 0 if a gap separates the boxes.
 
     Each box has its centre `pos` [m], its axes as columns `rot` (3, 3) and half extents `half` [m]. `points`
-    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and negative distances [m]. `normal` (3) gets
-    the unit vector from the first box to the second one.
+    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and distances [m], 0 or negative. `normal` (3)
+    gets the unit vector from the first box to the second one; with no points it is undefined.
     """
     between, cosine = vector(), matrix()
     for i in range(3):
@@ -296,7 +296,7 @@ def _add_crossings(start, edge, size, points, number):
 @compiled
 @no_type_check
 def _add_covered_corners(corner, edges, size, points, number):
-    """Add the parallelogram's points below corners of the rectangle that it covers; return the new number of points.
+    """Add the parallelogram's points at corners of the rectangle that it covers; return the new number of points.
 
     Corners on its border do not count, nor any of a parallelogram without area. Points above z = 0 are left out, see
     `_add_point`.

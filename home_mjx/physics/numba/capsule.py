@@ -23,7 +23,10 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def sphere_box(x, y, z, radius, half, point, normal):
-    """Compute the contact of a sphere and a box, in the box's frame [m]; return whether they touch.
+    """Compute the contact of a sphere and a box, in the box's frame [m]; return whether they touch or overlap.
+
+    If its centre is inside, the sphere is pushed out through the nearest face; of equally near ones, the first along x,
+    y, z, the negative before the positive. Without contact, `normal` is undefined.
 
     Args:
         x: Centre of the sphere.
@@ -31,7 +34,7 @@ def sphere_box(x, y, z, radius, half, point, normal):
         z: Centre, third coordinate.
         radius: Radius of the sphere.
         half: Half extents (3).
-        point: Result (4): position half-way between the surfaces, and distance, negative.
+        point: Result (4): position half-way between the surfaces, and distance, 0 or negative.
         normal: Result (3): unit, from the sphere to the box.
     """
     center = (x, y, z)
@@ -70,7 +73,7 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 
     The capsule has centre `pos` [m], `radius` [m] and half axis `length` [m]; the box has centre `box` [m], axes as
     columns `rot` (3, 3) and half extents `half` [m]. `points` (2, 4) gets positions half-way between the surfaces, and
-    negative distances [m]. `normals` (2, 3) gets unit vectors from the capsule to the box.
+    distances [m], 0 or negative. `normals` (2, 3) gets unit vectors from the capsule to the box.
     """
     center, axis = vector(), vector()
     for k in range(3):

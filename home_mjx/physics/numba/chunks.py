@@ -100,12 +100,14 @@ def compile_chunks() -> tuple[Any, Any]:
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def count(frame):
+        """Return the number of chunks of a call, `CHUNK` environments each, the last maybe fewer."""
         _ = digest
         return -(-operand_dim(frame, HOUSE, 0) // CHUNK)
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
     def work(job):
+        """Step chunks of a job until none is left; return 0."""
         _ = digest
         ffi.run_chunks(job, _step_chunk)
         return 0
@@ -116,7 +118,10 @@ def compile_chunks() -> tuple[Any, Any]:
 @compiled
 @no_type_check
 def _step_chunk(frame, chunk):
-    """Step the `CHUNK` environments of one chunk in a workspace of its own; reload the house only where it changes."""
+    """Step the environments of one chunk, at most `CHUNK`, in a workspace of its own; house indices are clipped.
+
+    A house is loaded only where it differs from that of the environment before.
+    """
     houses, colliders = operand_dim(frame, COLLIDER_POS, 0), operand_dim(frame, COLLIDER_POS, 1)
     bodies, agents = operand_dim(frame, BODY_VALID, 1), operand_dim(frame, ACTION, 1)
     doors, ramps = operand_dim(frame, DOOR, 1), operand_dim(frame, RAMP, 1)

@@ -57,7 +57,7 @@ def load_house(work, static, bodies, door):
 @compiled
 @no_type_check
 def scale_bodies(work, mass, inertia, surface, scale):
-    """Set friction, and mass with inertia, of bodies to a house's values times `scale` = (friction, mass) factors."""
+    """Set friction, mass, inertia and inverse mass of bodies by a house's values times factors (friction, mass)."""
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         for k in range(3):
