@@ -91,9 +91,10 @@ STEPS = {"cpu": functools.partial(call_native, KERNEL.name), "cuda": step_cuda}
 def step_fused(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance the state by one control step, by MJX where no kernel exists; see `dynamics.step_checked`. No gradient.
+    """Advance the state by one control step, by MJX where no kernel exists; see `dynamics.step_checked`.
 
     Raises:
+        ConfigError: A gradient of the kernel is requested.
         BackendError: This is a forked child of a process that has already stepped.
     """
     check_not_forked("step physics")

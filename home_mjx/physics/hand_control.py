@@ -47,7 +47,7 @@ class HandCommands(Pytree):
 
     @classmethod
     def idle(cls, num_agents: int) -> "HandCommands":
-        """Return commands that leave all hands and doors unchanged."""
+        """Return commands that change no hand and no door; a placement or door drive that has begun goes on."""
         nothing, no = jnp.full(num_agents, -1, jnp.int32), jnp.zeros(num_agents, bool)
         nowhere = jnp.full((num_agents, 3), jnp.inf, jnp.float32)
         return cls(nothing, nowhere, no, jnp.zeros_like(nowhere), nothing, no)
@@ -189,7 +189,11 @@ def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array
 def _carry_grip(
     template: Template, bodies: MovableBodies, a: int, body: Int[Array, ""], turned: Float[Array, "4"]
 ) -> Float[Array, "7"]:
-    """Return the carrying grip (xyz, wxyz) in the agent's frame: ahead, below the eyes, with orientation `turned`."""
+    """Return the carrying grip (xyz, wxyz) in the agent's frame, with orientation `turned`.
+
+    The body's centre is straight ahead, by radius, `CARRY_CLEARANCE` and the half diagonal of its horizontal extent. It
+    is `CARRY_HEIGHT_BELOW_EYES` below the eyes.
+    """
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
     ahead = jnp.float32(config.radius + CARRY_CLEARANCE) + jnp.linalg.norm(extent[:2])
@@ -202,7 +206,8 @@ def _start_place(
 ) -> PhysicsState:
     """Start to place the held body on the surface point `spot` [m] if it is finite, in reach, and a body is held.
 
-    Otherwise an earlier placement, if any, goes on. Both update the grip, see `_track_place_target`.
+    The agent's `reach`, inclusive, counts from its vertical axis, over its height. Otherwise an earlier placement, if
+    any, goes on. Both update the grip, see `_track_place_target`.
     """
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
@@ -211,7 +216,10 @@ def _start_place(
 
 
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
-    """Return the held body's target centre [m]: surface point plus half height and `PLACE_CLEARANCE`; inf if none."""
+    """Return the held body's target centre [m]: `place_target`, raised by its half height and `PLACE_CLEARANCE`.
+
+    The height is its vertical extent in its current orientation. Without a target the result is inf.
+    """
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
     rise = jnp.matmul(jnp.abs(quat_matrix(quat)), half, precision="highest")[2] + jnp.float32(PLACE_CLEARANCE)

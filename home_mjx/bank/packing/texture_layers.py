@@ -69,7 +69,7 @@ def cutout_shape(size: int = TEXTURE_SIZE) -> tuple[int, int]:
 
 
 def mip_sizes(size: int) -> list[int]:
-    """Return the texel counts of a square texture's mip levels, from `size` x `size` to one.
+    """Return the texel counts of a square texture's mip levels, from `size` x `size` to one; odd edges halve down.
 
     Example:
         >>> mip_sizes(4)

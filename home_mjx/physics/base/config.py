@@ -43,9 +43,9 @@ class PhysicsConfig:
         agent_slots: Maximum number of static boxes that an agent can touch at once.
         body_slots: Maximum number of static boxes that a movable body can touch at once.
         max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that are tested, nearest
-            bounding spheres first. None: two per body or four per agent.
-        max_contact_points: Maximum number of contact points of agents, and of bodies, deepest first. None: six per body
-            or eight per agent.
+            bounding spheres first. None: two per body plus one per door; at least four per agent, and 8.
+        max_contact_points: Maximum number of contact points of agents, and of bodies, deepest first. None: six per
+            body; at least eight per agent, and 16.
         sleep: Whether the fused step skips bodies at rest until an awake body touches them.
         jacobian: MuJoCo's option. "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a control step in one compiled function on CPUs and NVIDIA GPUs, MJX

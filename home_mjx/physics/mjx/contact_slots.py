@@ -54,7 +54,7 @@ class OrientedBoxes(Pytree):
 
 
 def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
-    """Return half extents [m] of all houses' static boxes; negative for boxes that do not rise above the floor."""
+    """Return half extents [m] of all houses' static boxes; -1 for boxes that do not `rise_above` the ground floor."""
     boxes = OrientedBoxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
     above = boxes.rise_above(physics.floor[:, None])
     return jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
@@ -114,7 +114,7 @@ def parked_boxes(num: int) -> OrientedBoxes:
 def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> OrientedBoxes:
     """Return the part of each box in a cube around `center`, aligned with the box, of half extent `radius` [m].
 
-    Its own half extents are at least 1 mm.
+    Its own half extents are at least 1 mm, also if the cube does not meet the box.
     """
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]

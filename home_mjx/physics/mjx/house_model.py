@@ -168,7 +168,10 @@ def with_surfaces(
 
 
 def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
-    """Return the door leaves of a house; padding is parked at `PARKED_HEIGHT` [m] with valid sizes, mass and range."""
+    """Return the door leaves of a house; padding is parked at `PARKED_HEIGHT` [m] with valid sizes, mass and range.
+
+    Padding keeps its slide direction, which is 0 for hinged rows.
+    """
     leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
     one = jnp.ones_like(row)

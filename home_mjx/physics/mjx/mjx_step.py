@@ -123,9 +123,10 @@ def apply_state_limits(
 ) -> tuple[Float[Array, " q"], Float[Array, " v"]]:
     """Return `moved` (qpos, qvel) with unused bodies and doors restored and the speed and spin of used bodies limited.
 
-    Unused bodies are restored exactly, so they never drift. The limits keep a body that starts deep inside another from
-    being shot through a wall. They also limit the spin, since explicit integration of the gyroscopic torque diverges
-    from about 1 rad per physics step on.
+    Unused bodies get exactly their parked poses in `bodies`, and unused doors their coordinates in `before`, both at
+    rest, so that they never drift. Poses are not corrected for limited speeds. The limits keep a body that starts deep
+    inside another from being shot through a wall. They also limit the spin, since explicit integration of the
+    gyroscopic torque diverges from about 1 rad per physics step on.
     """
     layout, (qpos, qvel) = template.layout, moved
     if layout.num_doors:

@@ -79,7 +79,10 @@ class GeomPairs:
         return cls(groups, most, np.flatnonzero(model.geom_type == CAPSULE))
 
     def find_overflow(self, sizes: GeomSizes, data: mjx.Data) -> Bool[Array, ""]:
-        """Return whether a pair overlaps that MJX did not test in the last physics step, at the poses of its start."""
+        """Return whether a pair overlaps that MJX did not test in the last physics step, at the poses of its start.
+
+        Only pairs of `groups` count, capsules as their bounding boxes; False if there are no groups.
+        """
         missed = [jnp.any(self._touch(sizes, data, self._untested(sizes, data, pairs))) for pairs in self.groups]
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
 

@@ -77,7 +77,10 @@ def _add_pair(contact: ET.Element, config: PhysicsSetup, first: str, second: str
 
 
 def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobian: str) -> None:
-    """Add solver options, MJX's limits of geom pairs and contact points as custom numerics, and a default material."""
+    """Add solver options, MJX's limits of geom pairs and contact points as custom numerics, and a default material.
+
+    Limits that `config` leaves out are those of `PhysicsConfig`. Damping is explicit (`eulerdamp` disabled).
+    """
     option = ET.SubElement(
         root,
         "option",

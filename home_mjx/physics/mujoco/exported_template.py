@@ -97,7 +97,10 @@ def build_exported_model(
 
 
 def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
-    """Map names of static geoms to static box indices; a convex piece maps to the first box of its object."""
+    """Map names of static geoms to static box indices; a convex piece maps to the first box of its object.
+
+    Pieces of movable objects, and geoms of other names, are left out.
+    """
     found = {}
     for name in filter(None, (model.geom(geom).name for geom in range(model.ngeom))):
         kind, number = name.rstrip("0123456789_"), name.lstrip("abcdefghijklmnopqrstuvwxyz").split("_")[0]
@@ -110,7 +113,10 @@ def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
 
 
 def _with_model_poses(physics: Physics, layout: Layout, houses: Sequence[MujocoHouse]) -> Physics:
-    """Return the physics arrays with movable bodies at their poses in `qpos0` of the houses' MuJoCo models."""
+    """Return the physics arrays with movable bodies at their poses in `qpos0` of the houses' MuJoCo models.
+
+    Unused rows keep their poses; `physics` is unchanged.
+    """
     poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
     for row, house in zip(poses, houses, strict=True):
         qpos = np.zeros(layout.door_qpos.stop, np.float32)

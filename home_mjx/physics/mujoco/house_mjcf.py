@@ -80,7 +80,7 @@ def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
 
 
 def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
-    """Add solver options: Newton to convergence with a dense Jacobian."""
+    """Add solver options: Newton to convergence with a dense Jacobian; disable `eulerdamp` and `autoreset`."""
     solver = {"iterations": str(ITERATIONS), "ls_iterations": str(LS_ITERATIONS), "tolerance": str(TOLERANCE)}
     # MuJoCo 4.0.0 uses a sparse Jacobian from 60 DoFs on, with which Newton's method stalls in some heaps of bodies.
     option = ET.SubElement(root, "option", solver, timestep=str(config.timing.sim_dt), jacobian="dense")

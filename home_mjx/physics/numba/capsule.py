@@ -89,7 +89,10 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 @compiled
 @no_type_check
 def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals, count):
-    """Add the contact, if any, of the sphere at `center` + t `axis` (box's frame) to `points`; return their number."""
+    """Write any contact of the sphere at `center` + t `axis` (box's frame) as number `count`; return the new number.
+
+    Rows of `points` and `normals` are in the world, as in `capsule_box`.
+    """
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
     if not sphere_box(x, y, z, radius, half, point, normal):

@@ -234,7 +234,8 @@ def _back_substitute(factor, gradient, search, size):
 def _line_search(work, members, rows):
     """Return the step along `search` that minimises the cost; exactly 1 if a full step does, 0 if converged.
 
-    The island has `members` bodies, listed in `work.members`, and `rows` contacts, listed in `work.rows`.
+    After `MAX_LINE_STEPS` the last estimate is returned. The island has `members` bodies, listed in `work.members`, and
+    `rows` contacts, listed in `work.rows`.
     """
     start, curve, scale = _inertial_derivatives(work, members)
     _write_residual_slopes(work, rows)

@@ -114,8 +114,8 @@ def step_env(work, numbers, ground, state, control, result, report):
         control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
         result: State after the step, like `state`.
         report: Contacts of each agent but with floors and ramps (a), maximum over physics steps; overflow flags of
-            static boxes and contact points (2); each body's total impulse [N s] and the position of its strongest
-            contact [m] (m, 4); the partner in that contact (m), a code of `base.state`.
+            static boxes and contact points (2); each body's total impulse [N s], then the position of its strongest
+            contact [m] (m, 4), 0 without any; the partner in that contact (m), a code of `base.state`.
     """
     floor, ramp, num_ramps = ground
     qpos, qvel, qacc = state
@@ -238,7 +238,10 @@ def _count_agent_contacts(work, touched):
 @compiled
 @no_type_check
 def _record_impulses(work, numbers, push, other):
-    """Add a physics step's impulses, without joint limits, and keep each body's strongest contact; see `step_env`."""
+    """Add a physics step's impulses, without joint limits, and keep each body's strongest contact; see `step_env`.
+
+    Of equal ones the first is kept, also over physics steps. Partners that sleep are reported by their body index.
+    """
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
         impulse = _impulse(work, numbers, n)

@@ -55,7 +55,10 @@ def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
 def kernel_operands(
     geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery = CLOSEST_HIT
 ) -> tuple[Array, ...]:
-    """Return the operands of all kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes."""
+    """Return the operands of all kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes.
+
+    Boxes of empty moving instances (`instance` -1) become ones that no ray hits.
+    """
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
     low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
     low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)

@@ -152,14 +152,17 @@ def _visit_leaves(world: _Operands, state: _State) -> _State:
 
 
 def _leaf_code(first: Int[Array, "..."], count: Int[Array, "..."] | int) -> Int[Array, "..."]:
-    """Return the code of a leaf with `count` primitives from `first` on."""
+    """Return the code of a leaf with `count`, at most 15, primitives from `first` on."""
     return ~(first << 4 | count)
 
 
 def _push(
     stack: Int[Array, "n s"], size: Int[Array, " n"], code: Int[Array, " n"]
 ) -> tuple[Int[Array, "n s"], Int[Array, " n"]]:
-    """Return stacks and sizes after each ray pushed its code; `EMPTY_LEAF` is not pushed."""
+    """Return stacks and sizes after each ray pushed its code; `EMPTY_LEAF` is not pushed.
+
+    A code beyond the end of its stack is lost, but counts in its size.
+    """
     n, depth = stack.shape
     place = jnp.where(code == EMPTY_LEAF, depth, size)
     return stack.at[jnp.arange(n), place].set(code, mode="drop"), size + (code != EMPTY_LEAF).astype(jnp.int32)
@@ -262,7 +265,8 @@ def _slab(
 def _test_triangles(world: _Operands, state: _State, first: Int[Array, " n"], count: Int[Array, " n"]) -> _Best:
     """Return the best hits updated with `count` triangles from `first`, four at most, unless masked or cut out.
 
-    Hits count from t_min on. At equal t, the lower instance and then the lower triangle counts.
+    Of a higher `count`, the others are left out. Hits count from t_min on. At equal t, the lower instance and then the
+    lower triangle counts.
     """
     geometry, rays, best = world.geometry, world.rays, state.best
     step = jnp.arange(TRIANGLES_PER_TEST, dtype=jnp.int32)[None]

@@ -220,8 +220,8 @@ def _local_directions(
 ) -> Float[Array, "*image 3"]:
     """Return camera-frame directions (x right, y up, -z ahead) through pixel coordinates, which start at the top left.
 
-    Panoramas and lidars get unit vectors; pinholes and the faces of cubes, depth 1 along their axes. Orthographic
-    lenses are not supported.
+    Panoramas and lidars get unit vectors; pinholes and the faces of cubes, depth 1 along their axes. Cubes get a
+    leading axis of faces, as in `CUBE_FACES`. Orthographic lenses are not supported.
     """
     if lens.model in ("panorama", "lidar"):
         return _sphere_directions(column, row, lens)
@@ -251,7 +251,8 @@ def _plane_coordinates(
 def _sphere_directions(column: Float[Array, "h w"], row: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
     """Return unit directions of a panorama or lidar (x right, y up, -z ahead) at pixel coordinates from top left.
 
-    Centres of a lidar's first and last row have its highest and lowest elevation; a single row, the mean.
+    Columns turn from behind to the left, ahead, and to the right. Rows of a panorama go from up to down. Centres of a
+    lidar's first and last row have its highest and lowest elevation; a single row, the mean.
     """
     left = (0.5 - column / lens.width) * (2 * np.pi)
     if lens.model == "panorama":

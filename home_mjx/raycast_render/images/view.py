@@ -80,7 +80,10 @@ class View:
         return self._checked("display", self.shader.display(self.scene, light), rays)
 
     def _checked(self, method: str, light: Any, rays: CameraRays) -> Vec:
-        """Return `light`, the result of a shader's method; raise `ConfigError` unless it is one `Vec` per pixel."""
+        """Return `light`, the result of a shader's method, as it is.
+
+        Raise `ConfigError` unless it is a `Vec` whose three components have the shape of `rays.hit.t`.
+        """
         shapes = {jnp.shape(channel) for channel in jax.tree.leaves(light)}
         if not isinstance(light, Vec) or shapes != {rays.hit.t.shape}:
             wanted = f"a Vec with components of shape {rays.hit.t.shape}"

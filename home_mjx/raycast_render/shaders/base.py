@@ -104,7 +104,7 @@ def register_shader(shader_class: S) -> S:
         shader_class: A frozen dataclass with the members of `Shader`, all of whose fields have defaults.
 
     Raises:
-        ConfigError: The class is not such a dataclass, or has no name.
+        ConfigError: The class is not such a dataclass, has no name, or its `needs` is not a tuple of names.
     """
     if not isinstance(shader_class, type):
         raise ConfigError(f"expected a class of shaders, got {shorten(shader_class)}")
@@ -154,7 +154,7 @@ def resolve_shader(spec: ShaderSpec) -> Shader:
 
 
 def check_shader_bakes(shader: Shader, bank: HouseBank) -> None:
-    """Raise `ConfigError` if a bank does not have a bake that the shader needs."""
+    """Raise `ConfigError` for the first bake that the shader needs and the bank does not have."""
     for name in shader.needs:
         if name not in bank.bakes:
             hint = f"Write bank = add_bakes(bank, houses, '{name}') of home_mjx.houses."
@@ -163,7 +163,10 @@ def check_shader_bakes(shader: Shader, bank: HouseBank) -> None:
 
 
 def _find_class(name: str) -> Callable[[], Shader]:
-    """Return the shader class of a name, loaded from an entry point if needed; `UnknownNameError` if there is none."""
+    """Return the registered shader class of a name, else load and register that of an entry point.
+
+    Raise `UnknownNameError` if there is none, and the errors of `register_shader` for an unsuitable one.
+    """
     if name in _REGISTRY:
         return _REGISTRY[name]
     if name not in installed(GROUP):

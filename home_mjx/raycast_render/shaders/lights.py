@@ -212,9 +212,9 @@ def mix_colors(one: Color, other: Color, share: float) -> Vec:
 
 
 def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tuple[Vec, Vec]:
-    """Return the unit direction to the sun, world, and a horizontal unit vector perpendicular to it (to its left).
+    """Return the unit direction to the sun, world, and a horizontal unit vector to the left of who faces it.
 
-    Angles in [rad]; those of `look`, if any, replace the others.
+    Angles in [rad]; each that `look` has replaces the given one.
     """
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
     if given == (None, None):  # computed on the host, so that the program equals the one without overrides
@@ -239,6 +239,9 @@ def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
 
 def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint) -> Int[Array, "*rays"]:
     """Return a sortable key: upper bits of a light's estimated irradiance (0 for padding), then its index, `number`.
+
+    Lights of other rooms count `OTHER_ROOM_WEIGHT`; at points outside of rooms, all count fully. On a lamp's own
+    surfaces it is its power over `MIN_LIGHT_DISTANCE` squared.
 
     Powers of cosines use C. Schlick's approximation, which is exact for exponents 0 and 1: "A fast alternative to
     Phong's specular model", Graphics Gems IV, 1994.
@@ -271,7 +274,8 @@ def _unoccluded_irradiance(
 
     A rectangle is approximated by a disc of its area around the emitting point: J. R. Wallace et al., "A ray tracing
     algorithm for progressive radiosity", SIGGRAPH 1989. A lamp's own surfaces (`own`), such as its shade, get 0.7 of
-    its intensity from any side, from at least `MIN_LIGHT_DISTANCE`; others from at least 1 cm.
+    its intensity from any side, from at least `MIN_LIGHT_DISTANCE`. Others get `_emission_profile` times
+    `_surface_cosine`, from at least 1 cm.
     """
     square = jnp.maximum(offset.dot(offset), jnp.where(own, MIN_LIGHT_DISTANCE**2, 1e-4))
     toward = offset.unit()
@@ -288,6 +292,9 @@ def _surface_cosine(at: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
 def _emission_profile(
     cosine: Float[Array, "*rays"], exponent: Float[Array, "*rays"], cutoff: Float[Array, "*rays"]
 ) -> Float[Array, "*rays"]:
-    """Return the fraction of a light's intensity at a cosine to its axis: cosine^exponent, 0 below the cutoff."""
+    """Return the fraction of a light's intensity at a cosine to its axis: cosine^exponent, 0 below the cutoff.
+
+    Cosines from the cutoff on, even negative ones, are raised to at least 1e-6.
+    """
     power = jnp.exp(exponent * jnp.log(jnp.maximum(cosine, 1e-6)))
     return jnp.where(cosine >= cutoff, power, 0.0)

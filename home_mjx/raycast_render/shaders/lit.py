@@ -151,7 +151,10 @@ class LitShader(Shader):
         return tone_map(scale_exposure(scene.appearance, light), exposure)
 
     def _light_sample(self, rays: CameraRays) -> lights.LightSample:
-        """Return positions in [-1, 1]² per pixel; None (lights' centres) with one sample and no ambient occlusion."""
+        """Return positions in [-1, 1]² per pixel; None (lights' centres) with one sample and no ambient occlusion.
+
+        They depend on the pixel and the index of the sample only, and are equal in all images of one shape.
+        """
         if rays.lens.samples == 1 and not self.ao_radius:
             return None
         return 2 * sample_points(rays.sample, rays.hit.t.shape, seed=1) - 1

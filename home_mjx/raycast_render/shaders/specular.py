@@ -73,7 +73,8 @@ def _extend_path(
 ) -> PathState:
     """Cast rays at translucent glass or a mirror one segment on; multiply throughput by its transmittance or colour.
 
-    Other rays are unchanged. The new segment passes all translucent glass, also behind a mirror.
+    Other rays are unchanged. The new segment passes all translucent glass, also behind a mirror. From a mirror it does
+    not ignore `exclude`. A translucent glass that is a mirror reflects.
     """
     hit, bank = path.hit, scene.bank
     row = jnp.maximum(material_rows(scene, hit), 0)

@@ -50,5 +50,8 @@ def sky_share(elevation: float) -> float:
 
 
 def sun_redness(elevation: float) -> float:
-    """Return the redness of sunlight: 0 from `MAX_WARM_ELEVATION` [degrees] up, 1 at or below the horizon."""
+    """Return the redness of sunlight: 1 at or below the horizon, falling linearly to 0 at `MAX_WARM_ELEVATION`, then 0.
+
+    `elevation` is in degrees.
+    """
     return max(0.0, 1 - max(elevation, 0.0) / MAX_WARM_ELEVATION)

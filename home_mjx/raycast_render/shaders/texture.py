@@ -81,7 +81,8 @@ def sample_nearest(
 ) -> UInt32[Array, "*rays"]:
     """Return the nearest packed texel, at u (right) and v (up from the bottom), of a repeating texture's largest level.
 
-    At 64x64 pixels textures are minified, and bilinear taps would cost four gathers and still alias.
+    It is the texel that contains the point; `layer` must be valid. At 64x64 pixels textures are minified, and bilinear
+    taps would cost four gathers and still alias.
     """
     size = texture_edge(textures)
     column, row = (jnp.minimum(jnp.floor((x - jnp.floor(x)) * size).astype(jnp.int32), size - 1) for x in (u, v))
