@@ -141,7 +141,7 @@ def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Arra
 
 
 def _set_where(condition: Bool[Array, ""], state: PhysicsState, a: int, **values: Array | float) -> PhysicsState:
-    """Return the state with these values in the fields of agent `a` if `condition` is True."""
+    """Return the state with these values in agent `a`'s rows of fields by name; unchanged if `condition` is False."""
     fields = {name: getattr(state, name) for name in values}
     return state.replace(**{n: x.at[a].set(jnp.where(condition, values[n], x[a])) for n, x in fields.items()})
 

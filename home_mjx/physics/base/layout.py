@@ -82,7 +82,7 @@ class Layout:
 
     @property
     def body_geoms(self) -> slice:
-        """Slice of the geoms of the movable bodies: the box of each body, then its 8 corners."""
+        """Slice of the geoms of the movable bodies, body by body: its box, then its 8 corners."""
         first = 1 + self.num_slots + 2 * self.num_agents
         return slice(first, first + 9 * self.num_bodies)
 

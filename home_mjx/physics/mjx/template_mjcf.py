@@ -114,7 +114,7 @@ def _add_body(world: ET.Element, k: int) -> None:
 
 
 def _add_door(world: ET.Element, h: int, slides: bool) -> None:
-    """Add the parked door leaf `door<h>`, which slides along x if `slides`, else turns about z."""
+    """Add the parked door leaf `door<h>` with one limited joint: it slides along x if `slides`, else turns about z."""
     body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
     low, high = PARKED_RANGE
     kind, axis = ("slide", "1 0 0") if slides else ("hinge", "0 0 1")

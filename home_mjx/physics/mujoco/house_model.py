@@ -87,7 +87,7 @@ class MujocoHouse:
             self._spare.append(data)
 
     def initial_poses(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
-        """Return a copy of `qpos` with the house's agents, bodies and doors at the model's `qpos0`."""
+        """Return a copy of `qpos` with the agents, bodies and doors of the house at `qpos0`; unused rows are kept."""
         after = qpos.copy()
         after[self._qpos] = self.model.qpos0
         return after

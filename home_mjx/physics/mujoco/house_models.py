@@ -79,7 +79,7 @@ class MujocoHouses:
         return None
 
     def _step_some(self, given: Arrays, results: Arrays, envs: np.ndarray) -> None:
-        """Step environments one by one, and write their rows of `results`."""
+        """Step the environments with these indices one by one, and write their rows of `results`."""
         for env in envs.tolist():
             number, *state = (x[env] for x in given)
             moved = self._houses[int(number)].step(*state)

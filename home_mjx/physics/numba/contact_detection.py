@@ -202,7 +202,7 @@ def do_spheres_overlap(work, a, b, reach):
 @compiled
 @no_type_check
 def _add_static_contacts(work, m, c):
-    """Add contacts of agent or body `m` and the static box of index `c`."""
+    """Add contacts, if any, of agent or body `m` and the static box of index `c`, with the code `STATIC - c`."""
     pos, rot, half = (
         offset_pointer(work.static_pos, 3 * c),
         offset_pointer(work.static_rot, 9 * c),

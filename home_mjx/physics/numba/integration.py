@@ -121,7 +121,7 @@ def _rotate_quat(quat, x, y, z, dt):
 @compiled
 @no_type_check
 def _clip_length(values, first, most):
-    """Scale three elements from index `first` in place to a Euclidean length of at most `most`."""
+    """Scale three elements from index `first` in place to the Euclidean length `most` if they are longer."""
     square = 0.0
     for k in range(3):
         square += values[first + k] * values[first + k]
