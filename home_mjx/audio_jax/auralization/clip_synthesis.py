@@ -11,7 +11,7 @@ Samples = Float[np.ndarray, "_"]
 def _repeat(shape: Samples, seconds: float, sample_rate: int) -> Samples:
     """Sum copies of `shape`, as long as the loop, rotated by 0, 1, 2, ... periods of `seconds`.
 
-    A copy whose period ends after the loop is left out.
+    A copy whose period ends after the loop is left out. The loop must last at least one period.
     """
     period = round(seconds * sample_rate)
     return np.sum([np.roll(shape, start) for start in range(0, len(shape) - period + 1, period)], axis=0)

@@ -47,7 +47,7 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
 @functools.cache
 def _clip(name: str, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Return a clip with zero mean and RMS `CLIP_RMS`, read-only float32."""
+    """Return a clip with zero mean and RMS `CLIP_RMS`, read-only float32, cached; `name` is a valid one."""
     samples = _MAKERS[name](round(CLIP_SECONDS * sample_rate), sample_rate)
     samples = samples - samples.mean()
     samples = (samples * (CLIP_RMS / np.sqrt(np.mean(samples**2)))).astype(np.float32)
@@ -82,7 +82,7 @@ def _noise(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
 def _speech(length: int, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Synthesize a glottal buzz of 110 Hz through the formants of one random vowel per syllable, fading in and out.
 
-    There are four syllables a second.
+    There are 32 syllables, which is four a second in a loop of `CLIP_SECONDS`.
     """
     syllables = round(CLIP_SECONDS * SPEECH_SYLLABLE_RATE)
     vowels = np.random.default_rng(2).integers(len(FORMANTS), size=syllables)

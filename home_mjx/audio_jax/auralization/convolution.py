@@ -57,8 +57,8 @@ def emitted_signal(
 
     Args:
         clips: All clips.
-        sounds: The sources, whose gains and schedules apply, see `schedule_gain`.
-        clip_index: Index of the clip that each source plays; -1 silent.
+        sounds: The sources, whose gains and schedules apply, see `schedule_gain`; their `clip` is ignored.
+        clip_index: Index of the clip that each source plays; negative: silent.
         phase: Sample index in the clips, which repeat, that is emitted at the frame's first sample.
         time: Number of the frame's first sample, counted from the start of the schedules.
         config: Options; provides the lengths.
@@ -70,7 +70,7 @@ def emitted_signal(
     span = jnp.arange(1 - config.memory_length, config.frame + config.num_lookahead, dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
-        """Return the signal of one source."""
+        """Return the signal of one source; 0 if `row` is negative."""
         played = clips[jnp.maximum(row, 0), (phase + span) % clips.shape[1]]
         on = schedule_gain(time + span, every, lasts, config.sample_rate)
         return jnp.where(row < 0, 0.0, gain * on * played)
@@ -116,7 +116,8 @@ def schedule_gain(
     """Compute a schedule's gain at times: 0 off, 1 on, linear ramps of 5 ms inside; 1 if `duration` >= `interval`.
 
     `time` counts samples since the start, negative before it. `interval` and `duration` are `SoundSources.period` and
-    `duration` [s]: with an infinite interval the source sounds once, from time 0 on.
+    `duration` [s], rounded to samples; from 2**30 samples on they count as infinite. With an infinite interval the
+    source sounds once, from time 0 on.
 
     Example:
         >>> schedule_gain(jnp.array([500, 8500, 12000]), jnp.float32(1.0), jnp.float32(0.6), 16000).tolist()

@@ -74,8 +74,8 @@ def gcc_phat(sound: Float[Array, "*c 2 m"], sample_rate: int) -> Float[Array, "*
     """Compute the generalized cross-correlation with phase transform of the left and right channel.
 
     The phase transform weights all frequencies equally, so that the result, -1 .. 1 at the leads of the left ear in
-    `gcc_leads`, peaks at time differences; it is 0 in silence. Knapp and Carter, The generalized correlation method for
-    estimation of time delay, IEEE Trans. ASSP 24 (1976).
+    `gcc_leads`, peaks at time differences; it is 0 in silence. Frequencies below 1e-6 of the largest cross-power weigh
+    less. Knapp and Carter, The generalized correlation method for estimation of time delay, IEEE Trans. ASSP 24 (1976).
 
     Example:
         >>> left = jnp.zeros(400).at[100].set(1.0)

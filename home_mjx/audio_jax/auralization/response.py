@@ -80,7 +80,10 @@ def late_energy(
 def traced_energy(
     traced: Trace, head_quat: Float[Array, "4"], config: AudioConfig, head: MeasuredHead | None = None
 ) -> Float[Array, "k e bands"]:
-    """Compute the energy of traced rays per time bin, late channel and octave, see `late_energy`."""
+    """Compute the energy of traced rays per time bin, late channel and octave, see `late_energy`.
+
+    The quaternion is not checked.
+    """
     energy = energy_histogram(traced, late_channel_gains(traced.direction, head_quat, config, head), config)
     return _broadcast_channels(energy, config)
 

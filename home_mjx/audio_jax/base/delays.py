@@ -15,7 +15,7 @@ KERNEL_WIDTH = 2 * HALF_WIDTH + NUM_READ  # [samples], of a delay kernel
 
 
 def windowed_sinc(offset: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Evaluate a Kaiser-windowed sinc pulse at offsets from its centre [samples]; 0 beyond `HALF_WIDTH`.
+    """Evaluate a Kaiser-windowed sinc pulse at offsets from its centre [samples]; 0 from `HALF_WIDTH` on.
 
     Kaiser, Nonrecursive digital filter design using the I0-sinh window function, 1974.
 
@@ -51,7 +51,7 @@ def interpolation_weights(rest: Float[Array, "*n"]) -> list[Float[Array, "*n"]]:
     Half samples are those of a signal upsampled by two. Weights are values of `interpolation_polynomials`.
 
     Args:
-        rest: Position from half sample 0 (0) to half sample 1 (1).
+        rest: Position from half sample 0 (0) to half sample 1 (1); not clipped.
 
     Returns:
         `NUM_READ` weights, each of the shape of `rest`.

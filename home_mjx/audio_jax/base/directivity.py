@@ -36,7 +36,7 @@ def stack_directivities(patterns: Sequence[Directivity]) -> Directivity:
 
 
 def tabulated_directivity(gain: Float[np.ndarray, "a bands"]) -> Directivity:
-    """Make a directivity from a table of measured gains.
+    """Make a directivity from a table of measured gains, as they are: they are not normalised to 1 on the axis.
 
     Args:
         gain: Pressure re that on the axis, by angle from 0 to pi in equal steps, and octave from 125 to 8000 Hz.

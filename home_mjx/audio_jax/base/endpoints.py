@@ -72,7 +72,7 @@ def check_source(source: SoundSource) -> None:
 
 
 def _check_quat(whose: str, quat: Float[Array, "4"]) -> None:
-    """Raise `ConfigError` unless a quaternion has unit length; skip tracers."""
+    """Raise `ConfigError` unless a quaternion's squared norm is within `UNIT_QUAT_TOLERANCE` of 1; skip tracers."""
     if isinstance(quat, jax.core.Tracer):  # pyright: ignore[reportAttributeAccessIssue]
         return
     norm = float(np.linalg.norm(quat))
@@ -99,7 +99,7 @@ def emission_gains(source: SoundSource, direction: Float[Array, "n 3"]) -> Float
 def is_indoors(scene: Scene, point: Float[Array, "3"]) -> Bool[Array, ""]:
     """Return whether a point [m, world] is above the floor of a room and outside all boxes of architecture.
 
-    A source elsewhere is valid, but rays from a listener indoors do not reach it.
+    A point on a box's face is inside it. A source elsewhere is valid, but rays from a listener indoors do not reach it.
 
     Example:
         >>> bool(is_indoors(scene, jnp.array([100.0, 0.0, 1.0])))  # doctest: +SKIP

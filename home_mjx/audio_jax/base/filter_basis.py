@@ -127,7 +127,10 @@ def _spectra_at(
 
 
 def octave_levels(gain: Float[Array, "*p bands"]) -> tuple[Float[Array, "*p bands"], Float[Array, "*p"]]:
-    """Return natural logs of gains, raised to 1e-3 of the path's largest octave, and per path 1 if audible, else 0."""
+    """Return natural logs of gains, raised to 1e-3 of the path's largest octave, and per path 1 if audible, else 0.
+
+    A path is audible if its largest gain exceeds `MIN_GAIN`. Gains below `MIN_GAIN` are raised to it, too.
+    """
     loudest = jnp.max(gain, axis=-1, keepdims=True)
     level = jnp.log(jnp.maximum(gain, jnp.maximum(MIN_RELATIVE_GAIN * loudest, MIN_GAIN)))
     return level, (loudest[..., 0] > MIN_GAIN).astype(jnp.float32)

@@ -61,6 +61,10 @@ def causal_octave_log_spectra(size: int, sample_rate: int) -> Complex[np.ndarray
 
 
 def causal_responses(real: Float[np.ndarray, "n f"], size: int, kept: int) -> Float[np.ndarray, "n kept"]:
-    """Compute causal responses from real parts of `rfft` spectra of `size`; they fade out within `kept` samples."""
+    """Compute causal responses of `kept` samples from real parts of `rfft` spectra of `size`.
+
+    Negative times fold onto positive ones: samples after time 0 are doubled. They fade out as cos² within `kept`
+    samples.
+    """
     fade = np.cos(np.pi / 2 * np.arange(kept) / kept) ** 2
     return np.fft.irfft(real, size)[:, :kept] * np.where(np.arange(kept) > 0, 2 * fade, 1)

@@ -114,7 +114,8 @@ def sustained_bank(sample_rate: int) -> Float[np.ndarray, "rubs n"]:
 def bank_power(bank: Float[np.ndarray, "c n"], sample_rate: int, size: int) -> Float[np.ndarray, "c bins bands"]:
     """Compute the mean power of a bank's sounds per octave, in time bins of `size` samples.
 
-    The bins cover the sounds. Energy that filters spread before and after them is added to the first and last bin.
+    The bins cover the sounds, which count as silent beyond their end. Energy that filters spread before and after the
+    bins is added to the first and last one.
     """
     count, length = bank.shape
     bins = -(-length // size)
@@ -142,7 +143,10 @@ def _time(seconds: float, sample_rate: int) -> Float[np.ndarray, " n"]:
 
 
 def _set_level(sound: Float[np.ndarray, " n"], level: float, sample_rate: int) -> Float[np.ndarray, " n"]:
-    """Return a copy faded out over its last 0.05 s, with the RMS `level` [dB re `SPEECH_RMS`] over its first 0.1 s."""
+    """Return a copy faded out over its last 0.05 s, with the RMS `level` [dB re `SPEECH_RMS`] over its first 0.1 s.
+
+    The sound must not be silent there.
+    """
     time = np.arange(sound.size) / sample_rate
     sound = sound * np.clip((time[-1] - time) / FADE_OUT_SECONDS, 0, 1)
     rms = np.sqrt(np.mean(sound[: round(0.1 * sample_rate)] ** 2))
@@ -189,7 +193,8 @@ def _modes(stuff: ImpactMaterial, seconds: float, sample_rate: int) -> Float[np.
 def _scrape(stuff: ImpactMaterial, sample_rate: int) -> Float[np.ndarray, " n"]:
     """Synthesise a seamless loop of sliding: band-limited noise plus half as loud noise filtered by the body's modes.
 
-    Circular convolution makes the loop seamless. The RMS is `level` - 10 dB re speech.
+    Circular convolution makes the loop seamless. The RMS is `level` - 10 dB re speech. Modes decay with a loss factor
+    of at least 0.02.
     """
     length = round(LOOP_SECONDS * sample_rate)
     noise = np.random.default_rng(23).normal(size=length)

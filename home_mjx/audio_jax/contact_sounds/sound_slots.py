@@ -86,6 +86,8 @@ def add_transients(
 ) -> tuple[TransientSounds, Bool[Array, ""]]:
     """Put new transient sounds into empty slots, then into those that started first.
 
+    Equally loud sounds and equally old slots are taken in the order of their indices.
+
     Args:
         old: Current sounds in k slots.
         new: New sounds, in any number; those with gain 0 are ignored.
@@ -121,9 +123,9 @@ def update_sustained(
 ) -> tuple[SustainedSounds, Bool[Array, ""]]:
     """Update sustained sounds: an emitter keeps its slot until its gains are 0; the loudest new ones take free slots.
 
-    Its gains are the current one and all stored ones but the oldest.
-
-    Slots of silent emitters keep their position, body and row. Gains of earlier frames move back by one column.
+    Its gains are the current one and all stored ones but the oldest. Equally loud emitters come in the order of their
+    indices. Slots of silent emitters and free slots keep their position, body and row. Gains of earlier frames move
+    back by one column; in slots that change their emitter they become 0.
 
     Args:
         old: Current sounds.
@@ -199,7 +201,8 @@ def emitted_signals(noises: ContactSounds, time: Int[Array, ""], audio: AudioCon
 def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfig) -> Float[Array, "e w bands"]:
     """Compute the power of `emitted_signals` per time bin and octave, as input of `mean_band_power`.
 
-    Of the w bins, the first `audio.num_bins - 1` precede the frame. Arguments are those of `emitted_signals`.
+    Of the w bins, the first `audio.num_bins - 1` precede the frame; the others are its length, rounded to at least one
+    bin. Starts are rounded to bins, and loops have their mean power. Arguments are those of `emitted_signals`.
     """
     size, rate = audio.bin_samples, audio.sample_rate
     frame = max(round(audio.frame / size), 1)

@@ -125,7 +125,8 @@ def _edge_contacts(frame: _EdgeFrame) -> _EdgeContacts:
     """Find at which of the two edges of each crossed face the shortest path turns, and whether there is such a path.
 
     There is one if the source is before the face (u < -half) and the listener beyond it, or above it with v > 0. In the
-    second case the source is beside the box. A path turns twice if both ends are below the face.
+    second case the source is beside the box. A path turns twice if both ends are at most as high as the face. Else it
+    turns at the edge that is farther above the straight line, the first if equal.
     """
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, high = frame.half[..., 0], frame.half[..., 1]

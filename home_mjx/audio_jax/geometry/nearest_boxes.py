@@ -48,7 +48,7 @@ def nearest_boxes(
 
     Returns:
         Indices into the fixed boxes of the house followed by the moving ones: `count`, or n + m if that is less. Boxes
-        that do not count come last.
+        that do not count come last. Of equal lengths the lower index comes first.
     """
     num_boxes = fixed_owner.shape[1] + moving_owner.shape[0]
     count = min(count, num_boxes)

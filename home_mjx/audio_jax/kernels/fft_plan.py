@@ -21,7 +21,7 @@ def radices(size: int) -> tuple[int, ...]:
 
 
 def num_passes(size: int) -> int:
-    """Count the passes of a transform, see `radices`; 0 if its size has prime factors other than 2, 3 and 5.
+    """Count the passes of a transform, see `radices`; 0 if its size is 1 or has prime factors other than 2, 3 and 5.
 
     Example:
         >>> num_passes(2560), num_passes(2304), num_passes(14)

@@ -86,7 +86,8 @@ def _path_delays(pairs: PathPairs, delays: Float[Array, "three p d"]) -> PathDel
 def _to_head(pairs: PathPairs) -> tuple[Float[Array, "three p 3"], Float[Array, "three p"]]:
     """Return directions of incidence in the head frame and path lengths [m] at the frame's start, middle and end.
 
-    In the middle, positions of image sources and orientations (normalised quaternions) are means of both ends.
+    In the middle, positions of image sources and orientations (normalised quaternions) are means of both ends. The
+    length in the middle is at least 1 cm.
     """
     old, new = pairs.old, pairs.new
     mid = (old.direction * old.distance[:, None] + new.direction * new.distance[:, None]) / 2

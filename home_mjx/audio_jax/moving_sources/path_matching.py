@@ -25,7 +25,8 @@ def match_paths(
     """Match paths by name, or by index if they have none.
 
     Paths without a partner, or silent at one end, fade in or out in place. So do those whose image source moves by
-    `longest_step` [m] or more relative to the listener. Quaternions are those of the head, wxyz.
+    `longest_step` [m] or more relative to the listener. Quaternions are those of the head, wxyz. Of several partners
+    the first is taken.
 
     Returns:
         The paths of `new`, then the `MAX_FADING_PATHS` strongest unmatched ones of `old`, which fade out. Further ones

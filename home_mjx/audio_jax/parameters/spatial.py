@@ -15,7 +15,7 @@ def iacc(
     """Compute the interaural cross-correlation coefficient, 0 to 1 (ISO 3382-1:2009, annex B).
 
     It is the largest absolute value of the normalised correlation of both ears, at delays up to 1 ms. It is NaN if an
-    ear has no energy in the evaluated part.
+    ear has no energy in the evaluated part. Times count from the `onset` of both ears' summed energy.
 
     Args:
         response: Pressure at the left and right ear; leading axes may be octave bands, see `octave_responses`.

@@ -67,7 +67,7 @@ def image_source_reflections(scene: Scene, source: SoundSource, listener: Listen
 
     Returns:
         `config.early.num_reflections` paths, or one per sequence if there are fewer. Silent ones have gain 0, and
-        length 1 m if geometry excludes them.
+        length 1 m if geometry excludes them or they are duplicates.
     """
     if config.early.num_reflections == 0:
         return empty_paths()

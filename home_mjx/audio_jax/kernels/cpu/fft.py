@@ -225,6 +225,7 @@ def _make_pass(radix, step):
     @compiled
     @no_type_check
     def run(size, left, stride, turns, here, there):
+        """Run the pass, in vectors; the last vector of a stride may overlap the one before."""
         part = left // radix
         for p in range(part):
             for first in range(0, stride, LANES):

@@ -42,7 +42,10 @@ class EarlySizes(NamedTuple):
 @compiled
 @no_type_check
 def upsample(signal, count, padded, on, between):
-    """Write `count` samples of `signal` to `on`, those half a sample later to `between`; `padded` is scratch."""
+    """Write `count` samples of `signal` to `on`, those half a sample later to `between`, as `upsample_twice`.
+
+    `count` is at least `LANES`. `padded` is scratch of `count` + 2 `HALF_WIDTH` + `LANES` values.
+    """
     for i in range(HALF_WIDTH):
         padded[i] = ZERO
     for i in range(count):
@@ -82,7 +85,7 @@ def read_block(way, ear, rate, places, signal, begin, count, size, base, rest, h
 def _delays(way, ear, rate, places, begin, count, size, base, rest):
     """Write to `base`, per bus sample, the first half sample read minus twice the bus index; to `rest` the fraction.
 
-    Other arguments are those of `read_block`.
+    Other arguments are those of `read_block`. Reads are clamped to begin within `places`.
     """
     old, change, bend = way[0], way[1] - way[0], way[2]
     first, middle, last = (
@@ -178,7 +181,7 @@ def mix_block(heard, share, which, far, begin, count, size, sums):
 
     `heard`: signals of paths, at a stride of `BLOCK_SAMPLES`; `share`: gains of paths into each bus at the frame's
     start, and their linear change until its end, at a stride of `far`; `which`: number of audible paths, then their
-    indices.
+    indices. Samples before the frame have the gains of its start.
     """
     shapes = size.shapes
     for k in range(count):

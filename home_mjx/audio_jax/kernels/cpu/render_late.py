@@ -150,7 +150,7 @@ def _zero(values, count):
 def _make_response(frame, number, channel, response, size):
     """Write a channel's noise times amplitudes, 0 before onset; `number` runs over (environment, source, frame end).
 
-    Bin b of the response has the periodic noise's bin `BEGUN` + b.
+    Bin b of the response has the periodic noise's bin `BEGUN` + b. Onsets are clamped to the response.
     """
     bands, noises = size.bands, size.noises
     own = channel if ffi.num_dims(frame, ffi.OPERANDS, NOISE) == 4 else 0

@@ -20,6 +20,8 @@ SUMMED_FIELDS = ("path_length", "absorbed", "exchanged", "transmitted")  # field
 def fill_accumulator(tally: Accumulator, rays: BakedRays) -> dict[str, np.ndarray]:
     """Add the results of all stages to an accumulator; return further arrays of the bake.
 
+    Energies after portal states are corrected by `portal_ratio` if rays were also traced without termination.
+
     Returns:
         `comes_from`: mean directions of arrival times 127, int8; and `SUMMED_FIELDS` over all rays, octaves first.
     """
@@ -41,6 +43,8 @@ def _propagate_portals(
     rays: BakedRays, count: int
 ) -> tuple[Float[np.ndarray, "bands g c k"], Float[np.ndarray, "three g c t"]]:
     """Compute the energy that cells receive from each first portal state, including transfer, in threads.
+
+    Negative energies are raised to 0; negative directions stay.
 
     Returns:
         Energy per octave over `NUM_BINS`, and energy of all octaves times direction (x, y, z) over `DIRECTIONAL_BINS`.

@@ -82,7 +82,7 @@ def bake_house(
 
 
 def _portal_adjacency(house: CompiledHouse) -> Bool[np.ndarray, "r r"]:
-    """Return a mask of room pairs that share a portal; all pairs if no portal is known."""
+    """Return a mask of room pairs that share a portal; all pairs if no portal between rooms is known."""
     count, pair = len(house.rooms.type), house.navigation.portals.room
     pair = pair[(pair >= 0).all(axis=1)]
     joined = np.full((count, count), not len(pair))

@@ -20,7 +20,10 @@ NUM_CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
 
 
 def choose_points(rays: HouseRays, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """Choose a point of each cell: of its centre and random ones, that which sees most of these points of its room."""
+    """Choose a point of each cell: of its centre and random ones, that which sees most of these points of its room.
+
+    Of equal points the first is chosen, the centre before random ones.
+    """
     tried = np.stack([sample_points(cells, cell, NUM_CANDIDATES, rng) for cell in range(len(cells.room))])
     tried[:, 0] = cells.center
     flat, room = tried.reshape(-1, 3), np.repeat(cells.room, NUM_CANDIDATES)
@@ -65,7 +68,11 @@ def _extend_free(
     nearest: Int[np.ndarray, "n w"],
     rng: np.random.Generator,
 ) -> Bool[np.ndarray, "n r"]:
-    """Extend the free points of cells by those visible from free points of the nearest cells, repeatedly."""
+    """Extend the free points of cells by those visible from free points of the nearest cells, repeatedly.
+
+    There are at most `MAX_ROUNDS` rounds, each with `NUM_WITNESS_POINTS` random free points per cell. The result is a
+    copy.
+    """
     free, own = free.copy(), np.arange(len(free))[:, None]
     for _ in range(MAX_ROUNDS):
         chance = np.where(free, rng.random(free.shape, np.float32), 0.0)
@@ -109,7 +116,7 @@ def build_lattice(house: CompiledHouse, rays: HouseRays, cells: Cells, size: flo
     """Compute the lattice fields of a `LateField`: the visible cells around each lattice point, and their weights.
 
     Points are about `LATTICE_STEP` apart, at `EAR_HEIGHT`. `size` is the edge length of a cell [m]; cells have weight
-    up to `CELL_REACH * size`.
+    up to `CELL_REACH * size`. Points that see no cell so near consider all cells, see `weigh_cells`.
     """
     stride = max(round(LATTICE_STEP / cells.step), 1)
     levels, rows, columns = cells.lookup.shape

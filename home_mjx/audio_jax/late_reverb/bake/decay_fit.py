@@ -95,7 +95,7 @@ def smooth_octaves(pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n
 def factor_hidden_pairs(
     pair: Float[np.ndarray, "n n s b"], room: Int[np.ndarray, " n"], seen: Bool[np.ndarray, "n n"]
 ) -> Float[np.ndarray, "n n s b"]:
-    """Replace energies between rooms without mutual visibility by a product of one factor per cell.
+    """Return a copy with energies between rooms without mutual visibility replaced by a product of one factor per cell.
 
     Such sound passes other rooms and enters through one doorway. The source's cell then only determines the level at
     that doorway, so a few rays determine many pairs.
@@ -124,9 +124,10 @@ def _dense_end(decay: Float[np.ndarray, " k"], valid: int) -> int:
 
 
 def _decay_rate(decay: Float[np.ndarray, " k"], end: int) -> float:
-    """Estimate the decay rate before `end` [1/bin]; 0 if the energy does not fall.
+    """Estimate the decay rate before `end` [1/bin]; 0 if the energy does not fall, or falls to 0.
 
-    The rate is the log ratio of the energies in the last two quarters before `end`.
+    The rate is the log ratio of the energies in the last two quarters before `end`, without the first `FINE_BINS` bins;
+    0 if these quarters are empty.
     """
     half = (end - max(end // 2, FINE_BINS)) // 2
     if half < 1:
@@ -163,7 +164,8 @@ def weigh_cells(
     """Return indices of visible cells around each place and their weights, (1 − d / reach)² normalised to a sum of 1.
 
     A place without a visible cell within `reach` takes the nearest visible one, or else the nearest one. Distances d
-    are those of `horizontal_distance`.
+    are those of `horizontal_distance`. Cells come by descending weight, equal ones by index; places with fewer cells
+    are filled up with cells of weight 0.
 
     Args:
         center: Centres of the cells [m].

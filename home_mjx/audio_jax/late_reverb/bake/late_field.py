@@ -102,7 +102,7 @@ def stack_fields(
 
     Args:
         fields: One field per house.
-        leaf_rows: For each house, the bank's row of each door leaf.
+        leaf_rows: For each house, the bank's row of each door leaf; leaf -1 stays -1.
         lengths: Lengths of the axes, see `padded_lengths`; None: for the largest of these fields.
 
     Raises:

@@ -26,10 +26,11 @@ def portal_ratio(
 ) -> Float[np.ndarray, "g n k"]:
     """Return the ratio of measured to predicted energy for each portal state over time, equal in all cells of a room.
 
-    The ratio is the mean over octaves. Its noise is estimated from the variance over batches of rays and from the share
-    of batches without a ray. Noisy ratios are shrunk towards 1, and more so in the room of the portal state, where the
-    model hardly errs. Ratios of the intervals of `INTERVAL_EDGES` are clipped to `MAX_CORRECTION` and its reciprocal,
-    and interpolated linearly between their middles; they are constant before the first and after the last.
+    The ratio is the mean over octaves, 1 in those without predicted energy or without any ray. Its noise is estimated
+    from the variance over batches of rays and from the share of batches without a ray. Noisy ratios are shrunk towards
+    1, and more so in the room of the portal state, where the model hardly errs. Ratios of the intervals of
+    `INTERVAL_EDGES` are clipped to `MAX_CORRECTION` and its reciprocal, and interpolated linearly between their
+    middles; they are constant before the first and after the last.
 
     Args:
         predicted: Predicted energy per octave, portal state, cell and bin.

@@ -50,7 +50,8 @@ class Transfer(NamedTuple):
 def build_portal_states(portal_energy: Float[np.ndarray, "r r"]) -> PortalStates:
     """Build two states per room with energy, and one per ordered pair of rooms with exchange.
 
-    Pairs below `MIN_STATE_SHARE` have no own state. They share that of the pair with most energy into the same room.
+    Rooms have energy if it enters them or ages in them. Pairs with at most `MIN_STATE_SHARE` of the energy that enters
+    a room have no own state: they share that of the pair with most energy into the same room, the first of equals.
 
     Args:
         portal_energy: Energy from room (row) to room (column); on the diagonal the energy that aged in the room.
@@ -74,6 +75,8 @@ def build_second_states(
     gates: PortalStates, portal_energy: Float[np.ndarray, "f r r"]
 ) -> tuple[Int[np.ndarray, "g 2"], Int[np.ndarray, "f r r"], Int[np.ndarray, "g r r"]]:
     """Build states for two consecutive doors; minor paths use the state of the last door alone.
+
+    Minor are paths with at most `MIN_STATE_SHARE` of the energy that left their first state.
 
     Args:
         gates: States of rooms and of single doors.

@@ -35,6 +35,8 @@ def solve_renewal(
 ) -> Float[np.ndarray, "s c k"]:
     """Compute the energy over time that cells receive from some states, including transfer through others.
 
+    Energies of at most 1e-25 become 0.
+
     Args:
         source: States from which energy goes to another one, in ascending order.
         target: That state.
@@ -70,6 +72,7 @@ def _compiled_solve() -> Any:
     @njit(error_model="numpy", nogil=True, cache=True)
     @no_type_check
     def solve(found, ends, pairs, values):
+        """Add the transfer, see `_solve_bins`."""
         _ = digest
         _solve_bins(found, ends, pairs, values)
 

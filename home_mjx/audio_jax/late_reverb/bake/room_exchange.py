@@ -41,7 +41,11 @@ def estimate_exchange(
 def _route_exchange(
     exchange: Float[np.ndarray, "r r bands"], joined: Int[np.ndarray, "p 2"]
 ) -> Float[np.ndarray, "r r bands"]:
-    """Route exchange of rooms without common portal through the room that connects both best; drop it if none does."""
+    """Route exchange of rooms without common portal through the room that connects both best; drop it if none does.
+
+    The best room has a portal to both, and the largest smaller one of its exchanges with them; the first of equals.
+    Without any portal, `exchange` itself is returned.
+    """
     if not len(joined):
         return exchange
     near = np.zeros(exchange.shape[:2], bool)

@@ -44,6 +44,7 @@ def decay_in_rooms(
     count = jnp.full((), rooms if num_rooms is None else num_rooms, jnp.int32)
 
     def by_xla(rates: Array, start: Array, listener: Array, count: Array) -> Array:
+        """Ignore the number of rooms: padding exchanges nothing."""
         return decay_in_rooms_by_xla(rates, start, listener, bins)
 
     return with_fallback_gradient(by_xla, fast)(rates, start, listener, count)

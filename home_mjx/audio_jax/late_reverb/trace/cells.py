@@ -42,6 +42,8 @@ class Cells:
 def divide_rooms(house: CompiledHouse, size: float = 1.0) -> Cells:
     """Divide each room into equal rows and columns of about `size` metres.
 
+    Cells reach from `CELL_FLOOR_GAP` above the floor to `CELL_CEILING_GAP` below the ceiling, at least over 0.2 m.
+
     Args:
         house: House to divide.
         size: Target edge length of a cell [m]; increased if there would be more than `MAX_CELLS` cells.

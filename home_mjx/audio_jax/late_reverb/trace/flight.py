@@ -326,7 +326,8 @@ def _meet(flight, rays, i, instance, triangle, length, filled):
 def _end(flight, rays, i, energy, when, inside, before, room, goes, filled):
     """End ray `i` at time `when` [bins], by entering `room` (`goes`) or by age; return the number of kept ended rays.
 
-    `inside`: length of its last segment in the entered room [m], else 0.
+    `inside`: length of its last segment in the entered room [m], else 0. Its energy counts also if memory for ended
+    rays is full.
     """
     scratch, left_room = flight.scratch, before if goes else room
     _add_portal(flight, left_room, room, when, energy)
@@ -428,7 +429,10 @@ def _record(flight, rays, i, length):
 @compiled
 @no_type_check
 def _add_transmission(flight, energy, point, normal, room, row):
-    """Add to the sums the energy that architecture would transmit from `room` to a room behind it; trace no ray."""
+    """Add to the sums the energy that architecture would transmit from `room` to a room behind it; trace no ray.
+
+    That is the first other room in depths of `BEHIND_OFFSETS`; without one nothing is added.
+    """
     across = ONE if abs(normal[2]) < HALF else FLOOR_THICKNESS_RATIO
     for depth in BEHIND_OFFSETS:
         away = depth * across
@@ -567,7 +571,10 @@ def room_at(grid, x, y, z):
 @compiled
 @no_type_check
 def cell_at(grid, x, y, z):
-    """Return the index of the cell over whose floor a point is, on the highest storey below it; -1 if none."""
+    """Return the index of the cell over whose floor a point is, on the highest storey below it; -1 if none.
+
+    A storey is below points from `INWARD_OFFSET` under its floor on; there is no upper limit.
+    """
     column, row = np.int64(np.floor((x - grid.x) / grid.step)), np.int64(np.floor((y - grid.y) / grid.step))
     if row < 0 or row >= grid.rows or column < 0 or column >= grid.columns:
         return np.int64(-1)

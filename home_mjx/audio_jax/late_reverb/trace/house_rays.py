@@ -207,6 +207,7 @@ def _compiled_test() -> Any:
     @njit(error_model="numpy", nogil=True, cache=True)
     @no_type_check
     def test_occlusion(at, sizes, count):
+        """Cast `count` rays until any hit."""
         _ = digest
         cast_rays(CastScene(words(at[0]), sizes), at[1], at[2], read_memory(at, 3), count, True)
 

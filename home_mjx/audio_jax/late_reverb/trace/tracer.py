@@ -173,7 +173,10 @@ class FlightTracer:
         return EndedRays(ended[0][:filled].copy(), ended[1][:filled, :NUM_OCTAVES].copy(), ended[2][:filled].copy())
 
     def _normalise(self, sums: SourceSums, energy: Float[np.ndarray, "n bands"]) -> None:
-        """Scale a source's sums in place to energy 1, and those of cells to energy densities re the free field."""
+        """Scale a source's sums in place to energy 1, and those of cells to energy densities re the free field.
+
+        Octaves without energy become 0.
+        """
         unit = np.zeros(LANES, np.float32)
         whole = energy.sum(axis=0, dtype=float)
         unit[:NUM_OCTAVES] = np.where(whole > 0, 1 / np.maximum(whole, 1e-30), 0)
@@ -227,6 +230,7 @@ def _compiled_flight() -> Any:
     @njit(error_model="numpy", nogil=True, cache=True)
     @no_type_check
     def fly(at, rows, sizes, place, rules, seed):
+        """Call `_fly_at`."""
         _ = digest
         return _fly_at(at, rows, sizes, place, rules, seed)
 
