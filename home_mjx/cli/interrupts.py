@@ -27,6 +27,7 @@ def watch_interrupts() -> None:
     noticed = threading.Event()
 
     def handle(number: int, frame: object) -> None:
+        """Record the interrupt and raise `KeyboardInterrupt`."""
         noticed.set()
         raise KeyboardInterrupt
 

@@ -162,7 +162,8 @@ def check_inside(bank: HouseBank, point: np.ndarray, option: str) -> None:
 def longest_free_direction(bank: HouseBank, feet: np.ndarray) -> float:
     """Return the yaw from +x [rad], of 72, of the longest straight walkable path from `feet` (3,) [m] in house 0.
 
-    It is measured in the home region on the storey of the feet; -pi if no direction is free.
+    It is measured in the home region on the storey of the feet. Of equal directions the first from -pi on is returned,
+    so it is -pi if none is free.
     """
     import jax.numpy as jnp
 

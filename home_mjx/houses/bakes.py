@@ -134,6 +134,8 @@ def register_bake(name: str, make_bake: Callable[[], Bake]) -> None:
 def find_bake(name: str) -> Bake:
     """Return the bake of a name with default options; import and register it if an installed package provides it.
 
+    Errors of that import come through.
+
     Raises:
         UnknownNameError: No bake has this name.
     """
@@ -189,6 +191,8 @@ def add_bakes(
 
 def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:
     """Return one or several bakes, given by themselves or by name, in their order; an instance is returned unchanged.
+
+    A sequence may be empty, and repeat a bake.
 
     Raises:
         ConfigError: A value is not a bake.

@@ -152,6 +152,7 @@ def open_journal(path: Path, append: bool) -> Iterator[Callable[[CompileOutcome]
             file.write(b"\n")  # the last line may be truncated
 
         def note(outcome: CompileOutcome) -> None:
+            """Append one outcome; raise `ConfigError` if that fails."""
             try:
                 file.write((json.dumps(asdict(outcome)) + "\n").encode())
             except OSError as error:

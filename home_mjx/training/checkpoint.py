@@ -150,7 +150,8 @@ def read_config(path: str | Path) -> RunConfig:
 def check_same_config(theirs: RunConfig, ours: RunConfig, path: str | Path) -> None:
     """Raise `ConfigError` if a checkpoint has another configuration than this run.
 
-    The message names at most `MAX_SHOWN_DIFFERENCES` of the options that differ.
+    The message names at most `MAX_SHOWN_DIFFERENCES` of the options that differ. An option that one of them lacks
+    counts as None there.
     """
     there, here = (dict(_flat(json.loads(to_json(config)), "")) for config in (theirs, ours))
     wrong = [name for name in {**there, **here} if there.get(name) != here.get(name)]
@@ -176,7 +177,7 @@ def _flat(value: Any, name: str) -> Iterator[tuple[str, Any]]:
 
 
 def is_finite(net: Any) -> bool:
-    """Return whether all parameters are finite; after diverged training they are not.
+    """Return whether all parameters are finite, also if there are none; after diverged training they are not.
 
     Example:
         >>> is_finite({"bias": np.zeros(3), "scale": np.array(np.nan)})

@@ -95,7 +95,7 @@ class BehaviorCloning(AdvisedPPO):
         """Return a policy that takes its own or, per step and row with some probability, the expert's action.
 
         The probability falls linearly from 1 towards 0 at `EXPERT_DECAY_FRACTION` of the updates, but not below
-        `MIN_EXPERT_SHARE`. After `STUDENT_ONLY_AFTER` of the updates it is 0.
+        `MIN_EXPERT_SHARE`. From `STUDENT_ONLY_AFTER` of the updates on it is 0.
         """
         student = self.policy(state.net)
         done = state.updates.astype(jnp.float32) / self.config.num_updates

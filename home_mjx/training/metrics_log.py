@@ -203,6 +203,8 @@ def draw_curves(path: Path, lines: list[Line]) -> None:
 def moving_average(values: list[float]) -> list[float]:
     """Average each value with those before it, in windows of ceil(n / `NUM_SMOOTHING_WINDOWS`); shorter at the start.
 
+    Without values the result is empty.
+
     Example:
         >>> moving_average([1.0, 3.0] * 20)[:2]
         [1.0, 2.0]

@@ -31,7 +31,7 @@ class HeadMeasurements(NamedTuple):
 def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", level: str = "file") -> MeasuredHead:
     """Read a head from a SOFA file of free-field responses of two ears, see `make_measured_head`.
 
-    If the file has several source distances, only sources beyond 90 % of the largest are used.
+    If the file has several source distances, only sources at 90 % or more of the largest are used.
 
     Args:
         path: The file; its name ends in `.sofa`.
@@ -60,7 +60,7 @@ def read_head(path: str | Path, config: AudioConfig, phase: str = "minimum", lev
 
 
 def read_measurements(path: str | Path) -> HeadMeasurements:
-    """Read a SOFA file's responses to its sources beyond 90 % of the largest distance; errors as in `read_head`."""
+    """Read a SOFA file's responses to its sources at 90 % or more of the largest distance; errors as in `read_head`."""
     path = Path(path)
     sofa = _open(path)
     response = _read_numbers(sofa, "Data_IR", path)

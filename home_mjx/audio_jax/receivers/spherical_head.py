@@ -246,7 +246,10 @@ def ear_energy(table: EarTable, angle: Float[Array, "*n"]) -> Float[Array, "*n b
 
 
 def interpolate_angles(rows: np.ndarray, angle: Float[Array, "*n"]) -> Array:
-    """Interpolate rows linearly at angles [rad]; the `NUM_ANGLES` rows are at equal steps 0 to pi from the ear axis."""
+    """Interpolate rows linearly at angles [rad]; the `NUM_ANGLES` rows are at equal steps 0 to pi from the ear axis.
+
+    Other angles are extrapolated from the nearest two rows.
+    """
     position = angle * jnp.float32((NUM_ANGLES - 1) / math.pi)
     low = jnp.clip(position.astype(jnp.int32), 0, NUM_ANGLES - 2)
     rest = (position - low.astype(jnp.float32)).reshape(angle.shape + (1,) * (rows.ndim - 1)).astype(rows.dtype)

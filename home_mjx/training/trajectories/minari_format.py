@@ -89,7 +89,7 @@ def write_metadata(folder: Path, content: dict[str, Any]) -> None:
 
 
 def _to_plain(value: Any) -> Any:
-    """Convert a NumPy number or array to Python numbers or lists, for JSON."""
+    """Convert a NumPy number or array to Python numbers or lists, for JSON; others raise `AttributeError`."""
     return value.item() if isinstance(value, np.generic) else value.tolist()
 
 

@@ -113,7 +113,10 @@ class TrajectoryWriter:
         write_metadata(self.data, self.metadata | counts | {"dataset_size": size})
 
     def _resume(self, resume: bool) -> None:
-        """Set `episodes` and `steps` from the disk; raise `ConfigError` without `resume`, or if the metadata differ."""
+        """Set `episodes` and `steps` from the disk; raise `ConfigError` without `resume`, or if the metadata differ.
+
+        Metadata that only the dataset on disk has are ignored.
+        """
         if not resume:
             hint = "Add --resume to continue it, or choose another folder with --out."
             raise ConfigError("the folder contains a dataset", file=self.data, hint=hint)
