@@ -32,6 +32,8 @@ def check_models(models: Mapping[str, Model]) -> None:
 def check_house(house: CompiledHouse, house_id: str) -> None:
     """Validate a house's id, top tree, finite poses and indices in range; not its models, see `check_models`.
 
+    `house.models` must have every model of its instances, else `KeyError`.
+
     Raises:
         ValueError: One of these checks fails.
     """

@@ -60,7 +60,10 @@ class MetricsLog(Observer):
             file.write("".join(f"{json.dumps(line)}\n" for line in self.lines).encode())
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Append the line to `lines` and the file, without values that are not finite."""
+        """Append the line to `lines` and the file, without values that are not finite.
+
+        Raises `ConfigError` if it cannot be written.
+        """
         self.lines.append(finite_values(line))
         with convert_write_errors("metrics", self.path, FREE_SPACE_HINT):
             write_synced(self.path, f"{json.dumps(self.lines[-1])}\n".encode(), "ab")

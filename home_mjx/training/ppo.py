@@ -261,7 +261,10 @@ def make_agent(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
 
 
 def make_optimizer(config: PPOConfig) -> optax.GradientTransformation:
-    """Build "adam" or "lamb" with a linear learning rate over all gradient steps, after clipping the global norm."""
+    """Build "adam" or "lamb" with a linear learning rate over all gradient steps, after clipping the global norm.
+
+    The rate goes from `learning_rate` to `final_rate` times that, and stays there.
+    """
     num = config.num_updates * config.num_epochs * config.num_minibatches
     rate = optax.linear_schedule(config.learning_rate, config.learning_rate * config.final_rate, num)
     kind = {"adam": lambda: optax.adamw(rate, eps=1e-5, weight_decay=config.weight_decay),

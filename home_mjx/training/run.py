@@ -187,7 +187,8 @@ class _Run:
     def learn(self, stage: _Stage, net: Any) -> Any:
         """Run a stage to its end or the time limit from `net` (None: its own); log, save checkpoints; return net.
 
-        Raises `ConfigError` before a checkpoint if parameters are not finite.
+        Checkpoints are at least `MIN_CHECKPOINT_INTERVAL` apart, except the last one. Beyond the time limit no update
+        is made but the first of the whole run. Raises `ConfigError` before a checkpoint if parameters are not finite.
         """
         size, num, sums = stage.ppo.config.batch_size, stage.last - stage.first, MetricMeans()
         per_line = max(1, num // MIN_LINES_PER_STAGE)

@@ -202,7 +202,8 @@ def emitted_power(noises: ContactSounds, time: Int[Array, ""], audio: AudioConfi
     """Compute the power of `emitted_signals` per time bin and octave, as input of `mean_band_power`.
 
     Of the w bins, the first `audio.num_bins - 1` precede the frame; the others are its length, rounded to at least one
-    bin. Starts are rounded to bins, and loops have their mean power. Arguments are those of `emitted_signals`.
+    bin. Times since a sound's start are rounded down to bins, and loops have their mean power. Arguments are those of
+    `emitted_signals`.
     """
     size, rate = audio.bin_samples, audio.sample_rate
     frame = max(round(audio.frame / size), 1)

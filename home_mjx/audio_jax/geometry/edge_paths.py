@@ -146,8 +146,9 @@ def _edge_geometry(
 ) -> tuple[WedgeGeometry, Float[Array, "n e"], Float[Array, "n e"]]:
     """Compute the `WedgeGeometry` of each path, and `turn` and `reach` of its second edge, see `second_edge_factor`.
 
-    Both turns over a thin box combine into one, as at the edge of a screen; over a deep box they act separately.
-    `near` and `far` are distances in the plane across the edges [m], `slope` the sine of the incidence.
+    Both turns over a thin box combine into one, as at the edge of a screen; over a deep box they act separately. `near`
+    and `far` are distances in the plane across the edges [m], `slope` the sine of the incidence. The wedge's edge is
+    that with the larger turn, the source's if equal; the other is the second edge.
     """
     (su, sv, _), (lu, lv, _) = (jnp.moveaxis(x, -1, 0) for x in (frame.source, frame.listener))
     half, between, twice = frame.half[..., 0], course.last - course.first, course.twice

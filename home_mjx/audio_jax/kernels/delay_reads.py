@@ -107,7 +107,7 @@ def frame_begin(config: AudioConfig) -> int:
 
 
 def fade_weights(config: AudioConfig) -> Float[Array, " k"]:
-    """Return the weight of the frame's end in each sample of a bus: 0 before the frame, in it rising to 1, then 1."""
+    """Return the weight of the frame's end in each sample of a bus: 0 before the frame, in it linear to 1, then 1."""
     return jnp.clip(sample_times(config), 0.0, 1.0)
 
 

@@ -296,7 +296,10 @@ def _average_octaves(power: Float[Array, "*k f"]) -> Float[Array, "*k bands"]:
 
 
 def _is_visible(scene: Scene, source: SoundSource, listener: Listener, found: EdgePaths) -> Bool[Array, " k"]:
-    """Return whether the source sees the string's first point and the listener its last one; False without path."""
+    """Return whether the source sees the string's first point and the listener its last one; False without path.
+
+    Neither one's own body occludes.
+    """
     there = jnp.isfinite(found.finite_edge_detour)
 
     def hidden(start: Float[Array, "3"], end: Float[Array, "k 3"], body: Int[Array, ""] | int) -> Bool[Array, " k"]:

@@ -97,7 +97,7 @@ class Gaussian:
         return jnp.clip(action, jnp.asarray(self.low), jnp.asarray(self.high))
 
     def _mean_and_scale(self, params: Array) -> tuple[Array, Array]:
-        """Return means, then standard deviations: exponentials of the last half of `params`, clipped to -5 .. 0.5."""
+        """Return means, then standard deviations: exp of the last half of `params`, clipped to -5 .. 0.5 beforehand."""
         mean, log_scale = jnp.split(params, 2, axis=-1)
         return mean, jnp.exp(jnp.clip(log_scale, -5.0, 0.5))
 

@@ -128,7 +128,7 @@ def _parse_shape(sizes: Any) -> tuple[int, ...]:
 
 
 def _to_array(column: pa.Array, shape: tuple[int, ...]) -> np.ndarray:
-    """Convert a column to a NumPy array (rows, *shape), without a copy if possible."""
+    """Convert a column to a NumPy array (rows, *shape), without a copy if possible; (rows,) unless it has lists."""
     if isinstance(column, pa.FixedSizeListArray):
         return column.flatten().to_numpy(zero_copy_only=False).reshape(-1, *shape)
     return column.to_numpy(zero_copy_only=False)

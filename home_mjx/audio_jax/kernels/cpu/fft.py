@@ -122,7 +122,10 @@ def _dft_4(a, b, c, d):
 @inlined
 @no_type_check
 def _step_8(here, at, far, there, to, stride, turns, turn):
-    """Transform `LANES` sets of 8 values, see `_make_pass`."""
+    """Transform `LANES` sets of 8 values, `far` apart from index `at` of `here` on, see `_make_pass`.
+
+    Value j of the result, times twiddle factor j `turn`, goes to index `to` + j `stride` of `there`.
+    """
     a0, a4 = _get(here, at), _get(here, at + 4 * far)
     a1, a5 = _get(here, at + far), _get(here, at + 5 * far)
     a2, a6 = _get(here, at + 2 * far), _get(here, at + 6 * far)
@@ -148,7 +151,7 @@ def _step_8(here, at, far, there, to, stride, turns, turn):
 @inlined
 @no_type_check
 def _step_4(here, at, far, there, to, stride, turns, turn):
-    """Transform `LANES` sets of 4 values, see `_make_pass`."""
+    """Transform `LANES` sets of 4 values, `far` apart from index `at` of `here` on, to `there`, as `_step_8`."""
     a0, a1 = _get(here, at), _get(here, at + far)
     y0, y1, y2, y3 = _dft_4(a0, a1, _get(here, at + 2 * far), _get(here, at + 3 * far))
     _put(there, to, y0)
@@ -160,7 +163,7 @@ def _step_4(here, at, far, there, to, stride, turns, turn):
 @inlined
 @no_type_check
 def _step_2(here, at, far, there, to, stride, turns, turn):
-    """Transform `LANES` sets of 2 values, see `_make_pass`."""
+    """Transform `LANES` sets of 2 values, `far` apart from index `at` of `here` on, to `there`, as `_step_8`."""
     a0, a1 = _get(here, at), _get(here, at + far)
     _put(there, to, _add(a0, a1))
     _put(there, to + stride, _turned(_sub(a0, a1), turns, turn))
@@ -169,7 +172,7 @@ def _step_2(here, at, far, there, to, stride, turns, turn):
 @inlined
 @no_type_check
 def _step_3(here, at, far, there, to, stride, turns, turn):
-    """Transform `LANES` sets of 3 values, see `_make_pass`."""
+    """Transform `LANES` sets of 3 values, `far` apart from index `at` of `here` on, to `there`, as `_step_8`."""
     a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
     plus, minus = _add(a1, a2), _sub_turned(a1, a2)
     half = multiply_add(np.float32(-0.5), plus[0], a0[0]), multiply_add(np.float32(-0.5), plus[1], a0[1])
@@ -182,7 +185,7 @@ def _step_3(here, at, far, there, to, stride, turns, turn):
 @inlined
 @no_type_check
 def _step_5(here, at, far, there, to, stride, turns, turn):
-    """Transform `LANES` sets of 5 values, see `_make_pass`."""
+    """Transform `LANES` sets of 5 values, `far` apart from index `at` of `here` on, to `there`, as `_step_8`."""
     a0, a1, a2 = _get(here, at), _get(here, at + far), _get(here, at + 2 * far)
     a3, a4 = _get(here, at + 3 * far), _get(here, at + 4 * far)
     outer, inner = _add(a1, a4), _add(a2, a3)
@@ -216,10 +219,10 @@ def _both(x, b, y, c):
 
 @no_type_check
 def _make_pass(radix, step):
-    """Compile one Stockham pass of a radix from `here` to `there`; `left`: length of the transforms that remain.
+    """Compile one Stockham pass of a radix from `here` to `there`, `run(size, left, stride, turns, here, there)`.
 
-    `stride` is the distance between values at successive indices; its product with `left` is `size` times the lanes.
-    `step` transforms the values `far` apart from index `at` of `here` on, and writes them from `to` of `there` on.
+    `left` is the length of the transforms that remain. `stride` is the distance between values at successive indices;
+    its product with `left` is `size` times the lanes. `step` transforms one vector of sets, see `_step_8`.
     """
 
     @compiled

@@ -223,7 +223,10 @@ def _interleave(count, size, room):
 @compiled
 @no_type_check
 def _find_gains(frame, env, source, size, levels):
-    """Write to `levels` (end, repetition, frequency) the gain of each tail repetition at both ends of the frame."""
+    """Write to `levels` (end, repetition, frequency) the gain of each tail repetition at both ends of the frame.
+
+    It is the sum over octaves of the tail gain (operand `TAIL`) times the octave's gain at the frequency (`OCTAVES`).
+    """
     half, octaves = size.points // 2 + 1, table(frame, OCTAVES)
     number = (env * size.sources + source) * ENDS * size.echoes * size.bands
     given = offset_pointer(float_row(frame, TAIL, 0), number)
@@ -241,7 +244,8 @@ def _find_gains(frame, env, source, size, levels):
 def _add_spectra(frame, env, source, lane, to, heard, size, room):
     """Add a source's conjugate products of response and signal spectra, of two channels, to `room.spectra`.
 
-    `heard` has their spectra from column `lane` on; columns `to` and `to + 1` are the frame's start and end.
+    `heard` has their spectra from column `lane` on; columns `to` and `to + 1` are the frame's start and end. The first
+    part meets its window; the second part meets its own plus those of repetitions, times `_find_gains`.
     """
     _find_gains(frame, env, source, size, room.levels)
     lanes, half, points = size.envs_per_batch * size.transforms_per_env, size.points // 2 + 1, size.points

@@ -63,7 +63,7 @@ def _parts(values: np.ndarray) -> Array:
 
 
 def _call_early(config: AudioConfig, spectra: Array, turns: Array, *given: Array) -> tuple[Array, ...]:
-    """Call the early kernel for `_early_tables` and arrays with a first axis of environments."""
+    """Call the early kernel for `_early_tables` and arrays with a first axis of environments, see `_call`."""
     sizes = traced_constant((EARLY, frame_begin(config), filter_history(config), sample_times(config).shape[0]))
     rate = traced_constant([config.sample_rate / config.speed_of_sound], jnp.float32)
     return _call(config, sizes, spectra, turns, rate, *given)
@@ -93,7 +93,7 @@ def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
 
 
 def _call_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
-    """Call the late kernel for `_late_tables` and arrays with a first axis of environments."""
+    """Call the late kernel for `_late_tables` and arrays with a first axis of environments, see `_call`."""
     first, half = config.response_length - config.tail_period, config.tail_period
     start = config.memory_length - first - config.num_tail_ringing
     sizes = (LATE, first, half, config.num_tail_repeats, start, source_window_width(config), late_begin(config))
@@ -101,7 +101,7 @@ def _call_late(config: AudioConfig, *given: Array) -> tuple[Array, ...]:
 
 
 def _call(config: AudioConfig, *operands: Array) -> tuple[Array, ...]:
-    """Call the native code; the result is (environments, channels, samples of a frame) float32."""
+    """Call the native code; the result is a tuple of (environments, channels, samples of a frame) float32."""
     envs, channels = operands[-1].shape[0], config.num_channels
     result = jax.ShapeDtypeStruct((envs, channels, config.frame), jnp.float32)
     return call_native(TARGET, operands, (result,))

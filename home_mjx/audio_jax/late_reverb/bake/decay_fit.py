@@ -98,7 +98,8 @@ def factor_hidden_pairs(
     """Return a copy with energies between rooms without mutual visibility replaced by a product of one factor per cell.
 
     Such sound passes other rooms and enters through one doorway. The source's cell then only determines the level at
-    that doorway, so a few rays determine many pairs.
+    that doorway, so a few rays determine many pairs. Factors are a cell's sums over the cells of the other room; their
+    product is divided by the total of both rooms.
     """
     out = pair.copy()
     for a, b in np.argwhere(np.triu(np.ones((room.max() + 1,) * 2), 1)):

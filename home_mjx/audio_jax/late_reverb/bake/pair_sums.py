@@ -98,7 +98,10 @@ def _sum_to_cell(own, emitted, after, arrival, room, ends, rooms):
 @compiled
 @no_type_check
 def _add_own(own, i, b, arrival, ends, spans, decay):
-    """Add energies `own[i, :, b]` to the spans and the decay of cell `i`, by bin after its first possible arrival."""
+    """Add energies `own[i, :, b]` to the spans and the decay of cell `i`, by bin after its first possible arrival.
+
+    `ends` has the end of each span [bins]. Earlier energy counts to bin 0.
+    """
     span = 0
     for k in range(own.shape[1]):
         since = max(k - arrival, 0)
@@ -111,7 +114,11 @@ def _add_own(own, i, b, arrival, ends, spans, decay):
 @compiled
 @no_type_check
 def _add_emission(emitted, total, arrival, most, ends, spans, moved):
-    """Add the energy of one cell through one state to its spans, and its emission to `moved`, from bin -`most` on."""
+    """Add the energy of one cell through one state to its spans, and its emission to `moved`, from bin -`most` on.
+
+    `total` is the cumulative energy after the state, from 0 on. Spans end `ends` bins after `arrival`, the last one
+    with `total`.
+    """
     bins = len(total) - 1
     for k in range(len(emitted)):
         sent = emitted[k]
@@ -128,7 +135,10 @@ def _add_emission(emitted, total, arrival, most, ends, spans, moved):
 @compiled
 @no_type_check
 def _convolve(moved, most, after, total, decay):
-    """Add the convolution of emission `moved`, from bin -`most` on, with `after` to `decay`; earlier energy: bin 0."""
+    """Add the convolution of emission `moved`, from bin -`most` on, with `after` to `decay`; earlier energy: bin 0.
+
+    `total` is the cumulative sum of `after`, from 0 on. Energy beyond the last bin is dropped.
+    """
     bins = len(after)
     for k in range(len(moved)):
         sent, shift = moved[k], k - most

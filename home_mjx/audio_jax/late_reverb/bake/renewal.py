@@ -35,7 +35,7 @@ def solve_renewal(
 ) -> Float[np.ndarray, "s c k"]:
     """Compute the energy over time that cells receive from some states, including transfer through others.
 
-    Energies of at most 1e-25 become 0.
+    Energies of at most 1e-25 in magnitude become 0.
 
     Args:
         source: States from which energy goes to another one, in ascending order.

@@ -50,6 +50,9 @@ def trace_stages(
 ) -> BakedRays:
     """Trace rays from all cells, and from the portal states that they reach.
 
+    After those of cells follow rays behind one door, behind two doors, of old paths, and of very old paths. Last are
+    rays without termination, unless `sizes.unterminated` is 0.
+
     Args:
         tracer: Ray tracer of the house.
         points: Start points of rays in each cell [m].

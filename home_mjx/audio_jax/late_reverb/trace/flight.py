@@ -215,7 +215,10 @@ def _is_active(balance):
 @compiled
 @no_type_check
 def _bounce(scene, flight, rays, memory, filled):
-    """Trace and record the next segment of all rays; return the number of ended rays kept so far (`filled`)."""
+    """Trace and record the next segment of all rays; return the number of ended rays kept so far (`filled`).
+
+    Rays without energy are skipped.
+    """
     count = flight.rules.rays
     for i in range(count):
         memory.reach[i] = MAX_RAY_LENGTH if sum_lanes(load(rays.energy, LANES * i)) > ZERO else -ONE

@@ -88,7 +88,10 @@ class HouseRays:
         return cls(arrays, RowCounts(*map(np.int64, sizes)), surfaces)
 
     def operands(self) -> Int[np.ndarray, " 26"]:
-        """Return the addresses for a cast; the arrays live as long as this record."""
+        """Return the addresses for a cast; the arrays live as long as this record.
+
+        Those of rays are 0, until `cast_rays` writes them.
+        """
         return np.array([array.ctypes.data for array in self.arrays] + [0] * NUM_RAY_FIELDS, np.int64)
 
     def occluded(self, start: Float[np.ndarray, "n 3"], end: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
