@@ -182,3 +182,9 @@ def test_a_delay_moves_energy_and_keeps_it():
     later = np.asarray(_delay(energy, jnp.float32(4.25)))
     np.testing.assert_allclose(later[7:9, 0], [0.75, 0.25], rtol=1e-5)
     assert later.sum() == pytest.approx(7)
+
+
+@pytest.mark.parametrize("bins", [3.5, 4.0, 19.0, 20.0, 30.0])
+def test_a_delay_drops_what_is_later_than_the_end(bins):
+    later = np.asarray(_delay(jnp.ones((4, 1)), jnp.float32(bins)))[:, 0]
+    np.testing.assert_allclose(later, [0.0, 0.0, 0.0, max(4.0 - bins, 0.0)])

@@ -154,8 +154,8 @@ def _delay(energy: Float[Array, "k n"], bins: Float[Array, ""]) -> Float[Array, 
     count = energy.shape[0]
     below = jnp.floor(bins)
     whole, rest = below.astype(jnp.int32), bins - below
-    padded = jnp.concatenate([jnp.zeros_like(energy), energy])
-    start = jnp.clip(count - whole, 1, count)
+    padded = jnp.pad(energy, [(count + 1, 0), (0, 0)])
+    start = jnp.clip(count + 1 - whole, 1, count + 1)  # later sound reads zeros alone
     first = jax.lax.dynamic_slice_in_dim(padded, start, count)
     second = jax.lax.dynamic_slice_in_dim(padded, start - 1, count)
     return (1 - rest) * first + rest * second
