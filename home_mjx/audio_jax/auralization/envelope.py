@@ -19,6 +19,7 @@ from home_mjx.audio_jax.receivers.channels import channel_gains
 from home_mjx.audio_jax.receivers.hrtf_interpolation import interpolate_directions
 from home_mjx.audio_jax.receivers.spherical_head import ear_angles, ear_spectrum, ear_table, world_to_head
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import is_unit_quat
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
 
@@ -49,6 +50,7 @@ def energy_envelope(
     rays, _ = jax.random.split(key)  # as in `impulse_response`
     paths = early_paths(scene, source, listener, config)
     late, directions, weights = _late_energies(scene, source, listener, rays, config)
+    late, weights = (jnp.where(is_unit_quat(listener.quat), x, 0.0) for x in (late, weights))  # as of `late_energy`
     power = paths.gain**2
     bins = (paths.distance / (config.bin_seconds * config.speed_of_sound)).astype(jnp.int32)
     member = (bins[None] == jnp.arange(config.num_bins, dtype=jnp.int32)[:, None]).astype(jnp.float32)

@@ -10,10 +10,11 @@ from scenes import HEAD, open_air, scene_of
 
 from home_mjx.audio_jax.auralization.clips import clip_samples
 from home_mjx.audio_jax.auralization.convolution import convolve_clip_frame
+from home_mjx.audio_jax.auralization.envelope import energy_envelope
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, is_indoors
-from home_mjx.audio_jax.base.options import Omni
+from home_mjx.audio_jax.base.options import Omni, Traced
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.scene import make_scene
 
@@ -59,6 +60,16 @@ def test_heads_whose_quaternion_is_not_of_unit_length_are_refused_and_inside_jit
     for quat in (1.05 * HEAD, 0 * HEAD):
         assert not hear(open_air(), source, ears, quat).any()
     assert hear(open_air(), source, ears, 1.001 * HEAD).any()
+
+
+def test_inside_jit_envelopes_of_heads_whose_quaternion_is_not_of_unit_length_are_silent():
+    scene, config = scene_of(shoebox((5.0, 4.0, 3.0))), AudioConfig(late=Traced(num_rays=8, num_bounces=3))
+    source, ears = SoundSource(jnp.array([-1.5, 1.0, 1.5])), jnp.array([1.0, -0.5, 1.5])
+    run = jax.jit(lambda quat: energy_envelope(scene, source, Listener(ears, quat), KEY, config))
+    heard, silent = run(HEAD), run(1.05 * HEAD)
+    assert heard.energy.sum() > 1e-3
+    assert not silent.energy.any()
+    assert not silent.left_ear_lead.any()
 
 
 @pytest.mark.parametrize(("y", "nearer"), [(3.0, 0), (-3.0, 1)])
