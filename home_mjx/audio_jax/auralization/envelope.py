@@ -41,7 +41,7 @@ def energy_envelope(
 
     With the same `key` the rays are the same. Energies of paths are added incoherently; paths beyond the last bin are
     dropped. Interaural leads are those of a rigid sphere (Woodworth), or of the listener's measured head. Errors are
-    those of `impulse_response`.
+    those of `impulse_response`. Inside `jit`, everything is 0 if the listener's quaternion is not of unit length.
 
     Example:
         >>> envelope = energy_envelope(scene, source, listener, jax.random.key(0), config)  # doctest: +SKIP
