@@ -91,15 +91,17 @@ def octave_filters_at_knots(gain: Float[Array, "*p bands"], sample_rate: int) ->
     wanted, sounds = octave_levels(gain)
     level, num_centers = wanted, table.centers.shape[1]
     for _ in range(NUM_CORRECTIONS):
-        here = jnp.abs(_matmul_complex(jnp.real(_minimum_phase_spectra(level, table)), table.centers))
+        here = jnp.abs(_matmul_complex(jnp.real(_minimum_phase_spectra(level, table.octaves)), table.centers))
         more = wanted[..., :num_centers] - jnp.log(jnp.maximum(here, MIN_GAIN))
         level = level.at[..., :num_centers].add(jnp.clip(more, -1.0, 1.0))
-    return jnp.where(sounds[..., None] > 0, _minimum_phase_spectra(level, table), 0)
+    return jnp.where(sounds[..., None] > 0, _minimum_phase_spectra(level, table.octaves), 0)
 
 
-def _minimum_phase_spectra(level: Float[Array, "*p bands"], table: FilterBasis) -> Complex[Array, "*p s"]:
-    """Return minimum-phase spectra at the knots from natural log gains per octave."""
-    both = _matmul_complex(level, table.octaves)
+def _minimum_phase_spectra(
+    level: Float[Array, "*p bands"], octaves: Complex[np.ndarray, "bands s"]
+) -> Complex[Array, "*p s"]:
+    """Return minimum-phase spectra from natural log gains per octave, and log spectra of each octave's filter."""
+    both = _matmul_complex(level, octaves)
     amplitude, phase = jnp.exp(jnp.real(both)), jnp.imag(both)
     return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
 
@@ -142,9 +144,5 @@ def octave_spectra(gain: Float[Array, "p bands"], size: int, sample_rate: int) -
     `size` is that of the transform [samples], so f = size // 2 + 1.
     """
     level, sounds = octave_levels(gain)
-    table = causal_octave_log_spectra(size, sample_rate)
-    real, phase = (
-        jnp.matmul(level, jnp.asarray(t, jnp.float32), precision="highest") for t in (np.real(table), np.imag(table))
-    )
-    amplitude = jnp.where(sounds[:, None] > 0, jnp.exp(real), 0.0)
-    return jax.lax.complex(amplitude * jnp.cos(phase), amplitude * jnp.sin(phase))
+    spectra = _minimum_phase_spectra(level, causal_octave_log_spectra(size, sample_rate))
+    return jnp.where(sounds[:, None] > 0, spectra, 0)
