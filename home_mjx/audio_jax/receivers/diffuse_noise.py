@@ -146,19 +146,19 @@ def _coherence_root(
 
 @functools.cache
 def noise_bin_table(config: AudioConfig) -> Float[np.ndarray, "*own k m s"]:
-    """Split `octave_noise` into bins (k) of samples (s), weighted with `knot_weights`.
+    """Split `octave_noise` into bins (k) of samples (s), weighted with `amplitude_knot_weights`.
 
     Rows m are knots, noises and octaves, flattened in this order. Their sum, weighted with amplitudes at the start,
     middle and end of a bin, is noise with a piecewise linear amplitude. A response is therefore one matrix product.
     """
-    knots, whole = knot_weights(config), octave_noise(config)
+    knots, whole = amplitude_knot_weights(config), octave_noise(config)
     own = whole.shape[:-3]
     parts = whole.reshape(*own, -1, config.num_bins, config.bin_samples)
     table = np.moveaxis(parts, -2, -3)[..., None, :, :] * knots[:, None]
     return np.ascontiguousarray(table.reshape(*own, config.num_bins, -1, config.bin_samples), np.float32)
 
 
-def knot_weights(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
+def amplitude_knot_weights(config: AudioConfig) -> Float[np.ndarray, "knots s"]:
     """Compute the linear interpolation weight of the knots (start, middle, end) at each sample's centre in a bin."""
     place = (np.arange(config.bin_samples) + 0.5) / config.bin_samples
     middle = 1 - np.abs(2 * place - 1)

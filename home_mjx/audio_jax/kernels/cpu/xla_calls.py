@@ -14,7 +14,7 @@ from home_mjx.audio_jax.kernels.cpu.operands import EARLY, LATE
 from home_mjx.audio_jax.kernels.delay_reads import DelayReads, filter_history, frame_begin, pack_paths, sample_times
 from home_mjx.audio_jax.kernels.late_tail import LateResponse, octave_table, source_window_width
 from home_mjx.audio_jax.kernels.late_tail import late_frame_begin as late_begin
-from home_mjx.audio_jax.receivers.diffuse_noise import knot_weights, octave_noise
+from home_mjx.audio_jax.receivers.diffuse_noise import amplitude_knot_weights, octave_noise
 from home_mjx.core.native.kernel import call_native
 from home_mjx.core.native.simd import LANES
 from home_mjx.core.native.vmap_call import call_kernel, traced_constant
@@ -88,7 +88,7 @@ def _late_tables(config: AudioConfig) -> tuple[Array, ...]:
     """Return the octave noise, the weights of amplitude knots, octave gains (zeros without tail), twiddle factors."""
     size = fast_size(source_window_width(config))
     gains = octave_table(config, size) if config.num_tail_repeats else np.zeros((len(BANDS), size // 2 + 1))
-    tables = (jnp.asarray(x, jnp.float32) for x in (octave_noise(config), knot_weights(config), gains))
+    tables = (jnp.asarray(x, jnp.float32) for x in (octave_noise(config), amplitude_knot_weights(config), gains))
     return *tables, _twiddles(size)
 
 
