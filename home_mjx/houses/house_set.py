@@ -112,7 +112,7 @@ class HouseSet:
             ConfigError: No house is left.
             DatasetError: The dataset, or with `filter` a house, is missing or broken.
         """
-        return self._checked(tuple(self._choose(self.open_cache())))
+        return self._require_houses(tuple(self._choose(self.open_cache())))
 
     def open_cache(self) -> HouseCache:
         """Return a new cache of the dataset's compiled houses, with the set's compile options."""
@@ -139,7 +139,7 @@ class HouseSet:
             for house_id in self._choose(cache):
                 houses.append(cache.load(house_id))
                 count.update()
-        return list(self._checked(tuple(houses)))
+        return list(self._require_houses(tuple(houses)))
 
     def _choose(self, cache: HouseCache) -> Iterator[str]:
         """Yield the ids of the selected houses in order; with `filter`, compile no more houses than necessary."""
@@ -148,7 +148,7 @@ class HouseSet:
         wanted = (i for i in found if self.filter is None or self.filter.matches(cache.contents(i)))
         yield from islice(wanted, self.num_houses)
 
-    def _checked(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
+    def _require_houses(self, found: tuple[Any, ...]) -> tuple[Any, ...]:
         """Return `found` unchanged; raise `ConfigError`, which names split and filter, if it is empty."""
         if not found:
             known = self.resolved_dataset.house_ids

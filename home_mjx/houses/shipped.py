@@ -66,7 +66,7 @@ class ShippedHouses:
             return
         try:
             with zipfile.ZipFile(source.path) as archive:
-                index = json.loads(_unpacked(archive, INDEX_MEMBER))
+                index = json.loads(_read_member(archive, INDEX_MEMBER))
                 self._members = frozenset(archive.namelist())
             if (index["compiler"], index["inputs"]) != (version(), self.inputs.hex()):
                 log.info("shipped houses are of other code, they are not used: %s", source.path)
@@ -88,7 +88,7 @@ class ShippedHouses:
         """
         assert self._source is not None
         with zipfile.ZipFile(self._source.path) as archive:
-            content = _unpacked(archive, member)
+            content = _read_member(archive, member)
         return decode_arrays(*parse_entry(np.frombuffer(content, np.uint8), Path(member).stem))
 
     def has(self, member: str) -> bool:
@@ -118,7 +118,7 @@ class ShippedHouses:
 
 
 @functools.lru_cache(maxsize=8)
-def _opened(source: ShippedSource, stamp: tuple[int, int]) -> ShippedHouses:
+def _open_cached(source: ShippedSource, stamp: tuple[int, int]) -> ShippedHouses:
     """Return the shipped houses of a source; `stamp`, size and time of its file, is only a part of the cache's key."""
     return ShippedHouses(source)
 
@@ -133,7 +133,7 @@ def open_shipped(source: ShippedSource | None) -> ShippedHouses:
         with suppress(OSError):
             status = source.path.stat()
             stamp = status.st_size, status.st_mtime_ns
-    return ShippedHouses() if source is None else _opened(source, stamp)
+    return ShippedHouses() if source is None else _open_cached(source, stamp)
 
 
 def write_archive(
@@ -164,7 +164,7 @@ def write_archive(
             archive.writestr(info, data)
 
 
-def _unpacked(archive: zipfile.ZipFile, member: str) -> bytes:
+def _read_member(archive: zipfile.ZipFile, member: str) -> bytes:
     """Return the bytes of a member; one of `READ_ERRORS` if it is missing, too large or damaged."""
     size = archive.getinfo(member).file_size
     if size > MAX_MEMBER_BYTES:

@@ -104,8 +104,8 @@ class _RecordingBatch:
         self.carry = state, policy.initial_memory(num * self.agents), rows, jnp.ones(num * self.agents, bool)
         self.running, self.last = np.ones(num, bool), False
         self.open = [_RunningEpisode() for _ in range(num)]
-        self._begun(range(num), self._host(state))
-        self._step: Callable[..., Any] = jax.jit(self._stepped)
+        self._begin_episodes(range(num), self._host(state))
+        self._step: Callable[..., Any] = jax.jit(self._step_all)
 
     @property
     def num_running_steps(self) -> int:
@@ -125,23 +125,23 @@ class _RecordingBatch:
             seen = host["final_obs"] if over else host["obs"]
             self.open[i].add(host, seen, i)
             if over:
-                ended.append(self.open[i].whole({name: float(x[i]) for name, x in host["metrics"].items()}))
+                ended.append(self.open[i].pack({name: float(x[i]) for name, x in host["metrics"].items()}))
         over = host["terminated"] | host["truncated"]
         begun = np.flatnonzero(self.running & over).tolist()
         if self.last:
             self.running &= ~over
         else:
-            self._begun(begun, host)
+            self._begin_episodes(begun, host)
         return ended
 
-    def _begun(self, which: Any, host: dict[str, Any]) -> None:
+    def _begin_episodes(self, which: Any, host: dict[str, Any]) -> None:
         """Begin an episode record of each environment in `which` with its first observation."""
         ids = self.env.bank.house_ids
         for i in which:
-            self.open[i] = _RunningEpisode(self._asked(host, i) | {"house": ids[int(host["house"][i])]})
+            self.open[i] = _RunningEpisode(self._describe_task(host, i) | {"house": ids[int(host["house"][i])]})
             self.open[i].see(host["obs"], i)
 
-    def _asked(self, host: dict[str, Any], i: int) -> dict[str, str]:
+    def _describe_task(self, host: dict[str, Any], i: int) -> dict[str, str]:
         """Return `task` and `instruction` of the episode of environment `i`; empty unless its task is a row task."""
         if "task" not in host:
             return {}
@@ -149,14 +149,14 @@ class _RecordingBatch:
         return {"task": task, "instruction": describe_goal(task, host["tokens"][i], host["descriptor"][i])}
 
     def _host(self, state: State) -> dict[str, Any]:
-        """Return observations, houses and, of row tasks, their columns for `_asked`, as NumPy arrays."""
+        """Return observations, houses and, of row tasks, their columns for `_describe_task`, as NumPy arrays."""
         own = {"obs": state.obs, "house": state.world.house}
         if isinstance(state.task, RowState):
             row = {"task": state.task.task, "tokens": state.task.tokens}
             own |= row | {"descriptor": state.task.program.descriptor}
         return jax.device_get(own)
 
-    def _stepped(self, params: EnvParams, carry: tuple) -> tuple[tuple, dict[str, Any]]:
+    def _step_all(self, params: EnvParams, carry: tuple) -> tuple[tuple, dict[str, Any]]:
         """Step all environments (jitted); return the next carry, and the step's arrays that are recorded, by name."""
         state, memory, keys, begins = carry
         keys, now = split_keys(keys)
@@ -195,7 +195,7 @@ class _RunningEpisode:
         self.truncated.append(host["truncated"][i])
         self.see(obs, i)
 
-    def whole(self, metrics: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
+    def pack(self, metrics: dict[str, float]) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return the episode in the form of `TrajectoryWriter.add`, and its notes with the final `metrics`."""
         episode = {
             "observations": {name: np.stack(values) for name, values in self.seen.items()},
