@@ -24,6 +24,7 @@ from home_mjx.audio_jax.propagation.paths import Paths
 from home_mjx.audio_jax.propagation.tracing import trace
 from home_mjx.audio_jax.receivers.spherical_head import world_to_head
 from home_mjx.core.pytree import Pytree
+from home_mjx.core.transforms import is_unit_quat
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import BANDS
@@ -47,7 +48,8 @@ def survey_room(
     """Trace once and compute the parameters of ISO 3382-1 for two ears, an omnidirectional and a lateral microphone.
 
     The lateral microphone is a figure-of-eight along the axis of the ears. If `config.late` is `Baked`, late sound is
-    looked up instead of traced. The default options have enough rays and duration for measurements.
+    looked up instead of traced. The default options have enough rays and duration for measurements. Inside `jit`, the
+    response is silent if the listener's quaternion is not of unit length.
 
     Raises:
         ConfigError: The receiver is neither `Binaural` nor `Omni`, or as of `impulse_response`.
@@ -62,6 +64,7 @@ def survey_room(
     trace_key, noise_key = jax.random.split(key)
     paths = early_paths(scene, source, listener, config)
     ears, late = _late_energies(scene, source, listener, trace_key, config)
+    ears, late = (jnp.where(is_unit_quat(listener.quat), x, 0.0) for x in (ears, late))  # as of `late_energy`
     response = combine_early_late(paths, ears, listener.quat, noise_key, config, listener.head)
     both = jnp.broadcast_to(late[:, :1], late.shape)
     pressure, _ = combine_early_late(paths, both, listener.quat, noise_key, replace(config, receiver=Omni()))

@@ -42,9 +42,10 @@ def test_ears_agree_at_low_and_differ_at_high_frequencies(survey):
 def test_the_response_is_that_of_the_engine():
     scene = scene_of(shoebox((6.0, 5.0, 3.0), 0.2, 0.3))
     small = AudioConfig(late=Traced(num_rays=16, num_bounces=6))
-    found = jax.jit(lambda s: survey_room(s, SOURCE, LISTENER, jax.random.key(0), small).response)(scene)
+    run = jax.jit(lambda s, q: survey_room(s, SOURCE, LISTENER.replace(quat=q), jax.random.key(0), small).response)
     plain = jax.jit(lambda s: impulse_response(s, SOURCE, LISTENER, jax.random.key(0), small))(scene)
-    np.testing.assert_allclose(found, plain, atol=1e-5)
+    np.testing.assert_allclose(run(scene, HEAD), plain, atol=1e-5)
+    assert not run(scene, 1.05 * HEAD).any()  # silent without a quaternion of unit length
 
 
 def test_a_floor_sounds_as_single_places_do(survey):
