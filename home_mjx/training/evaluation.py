@@ -135,7 +135,10 @@ def with_episodes(env: Env[HouseholdEnv], num: int, seed: int = 0) -> Env[Househ
 
 
 def random_policy(core: HouseholdEnv) -> Callable[[Any], Policy]:
-    """Return a function from parameters, unused, to a policy with uniform actions in the bounds of the action spec."""
+    """Return a function from parameters, unused, to a policy with uniform actions in the bounds of the action spec.
+
+    Maxima of integers are included.
+    """
     spec = core.action_spec.for_one_agent(core.num_agents)
     low, high = spec.bounds()
 

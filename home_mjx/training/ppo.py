@@ -101,7 +101,7 @@ class PPO:
         self.update = self.sharding.map(self._update_local, (params, self._specs), (self._specs, REPLICATED))
 
     def init(self, params: EnvParams, key: Array) -> TrainState:
-        """Return a state with fresh parameters and reset environments.
+        """Return a state with fresh parameters and reset environments; `key` is typed or raw.
 
         With `stagger` their step counters are at random times of an episode, so that the first ones end early.
         """

@@ -89,7 +89,7 @@ class ProgressBar(Observer):
         )
 
     def on_phase(self, name: str, note: str = "") -> None:
-        """Show the name before the bar and the note after it."""
+        """Show the name before the bar and the note after it; no effect before the start of the run."""
         if self.bar is not None:
             self.bar.set_description(name)
             self.bar.set_postfix_str(note)
@@ -100,12 +100,15 @@ class ProgressBar(Observer):
             self.bar.update(count)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Show the number of the step in the episode after the bar."""
+        """Show the number of the step in the episode after the bar; no effect before the start of the run."""
         if self.bar is not None:
             self.bar.set_postfix_str(f"step {step.index}")
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Show those metrics of the line that are in `PROGRESS_METRICS` after the bar."""
+        """Show those metrics of the line that are in `PROGRESS_METRICS` after the bar, with two decimals.
+
+        No effect before the start of the run.
+        """
         if self.bar is not None:
             self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
 

@@ -123,7 +123,10 @@ def _truncation_values(
 
 
 def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
-    """Return running totals after a step, and sums over the episodes that it ended; rewards are means of agents."""
+    """Return running totals after a step, and sums over the episodes that it ended; rewards are means of agents.
+
+    The sums are `episodes`, `return`, `episode_steps` and the task's metrics. Totals of ended episodes become 0.
+    """
     reward = jnp.mean(env.reward.reshape(env.done.shape[0], -1), axis=-1)
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
     own = {"return": now["return"], "episode_steps": now["length"]}

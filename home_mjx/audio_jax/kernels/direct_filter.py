@@ -20,12 +20,18 @@ MIN_SPEED_OF_SOUND = 250.0  # [m/s], lower bound of the speed of sound over all 
 
 
 def max_path_change(config: AudioConfig) -> float:
-    """Return the change of a path length in a frame [m] from which on a path is not matched but faded."""
+    """Return the change of a path length in a frame [m] from which on a path is not matched but faded.
+
+    It is `MAX_PATH_SPEED` times the duration of a frame.
+    """
     return MAX_PATH_SPEED * config.frame / config.sample_rate
 
 
 def delay_margin(config: AudioConfig) -> int:
-    """Return an upper bound of delay changes in a frame [samples]: by motion, between ears, by turns of the head."""
+    """Return an upper bound of delay changes in a frame [samples]: by motion, between ears, by turns of the head.
+
+    Motion counts at `MAX_PATH_SPEED` over all samples of a bus, the others as twice the maximum lead.
+    """
     grown = sample_times(config).shape[0] / config.frame * max_path_change(config) / MIN_SPEED_OF_SOUND
     return math.ceil((grown + 2 * config.max_lead_seconds) * config.sample_rate)
 

@@ -112,8 +112,11 @@ def run(args: argparse.Namespace) -> int:
 def _place_camera(args: argparse.Namespace) -> tuple[Viewpoint, float, str]:
     """Return the camera's viewpoint, `fovy` [rad] and model; with `--top`, orthographic with `fovy` in [m].
 
+    With `--top` the image shows the whole storey with a margin of at least `STOREY_MARGIN`.
+
     Raises:
-        ConfigError: `--top` is combined with an option of the viewpoint, or the camera is outside of the house.
+        ConfigError: `--top` is combined with an option of the viewpoint or has no such storey, or the camera is outside
+            of the house.
     """
     if args.top is None:
         return place_head(args, args.pitch or 0.0), np.deg2rad(args.fovy or DEFAULT_FOVY), args.lens or "pinhole"

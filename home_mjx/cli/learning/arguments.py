@@ -72,7 +72,7 @@ def import_modules(modules: list[str]) -> None:
 
 
 def task_spec(task: str) -> "EnvSpec":
-    """Return the spec of a task by its id, its name alone, or `module:name` as in Gymnasium.
+    """Return the spec of a task by its id, its name alone (the newest version), or `module:name` as in Gymnasium.
 
     Raises:
         ConfigError: The task is unknown, or the module cannot be imported.

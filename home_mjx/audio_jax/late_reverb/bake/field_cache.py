@@ -35,7 +35,7 @@ class LateReverbBake:
 
     @property
     def substitutes(self) -> tuple["LateReverbBake", ...]:
-        """Bakes whose stored records serve as well: those of fine quality instead of coarse ones."""
+        """Bakes whose stored records serve as well: that of fine quality for a coarse one, else none."""
         fine = replace(self.options, quality="fine")
         return (replace(self, options=fine),) if self.options != fine else ()
 

@@ -84,7 +84,8 @@ def pack_field(values: dict[str, np.ndarray]) -> LateField:
 def padded_lengths(fields: Sequence[LateField], capacity_factor: float = 1.0) -> dict[str, int]:
     """Return lengths of the axes of `AXIS_PADDING`, padded, for fields up to `capacity_factor` times the largest.
 
-    There must be a field. The factor raises no length above `MAX_LENGTHS`, which no house exceeds.
+    They are rounded up to the multiples there, at least one. There must be a field. The factor raises no length above
+    `MAX_LENGTHS`, which no house exceeds.
     """
     found = [field.lengths for field in fields]
     lengths: dict[str, int] = {}
@@ -116,7 +117,10 @@ def stack_fields(
 
 
 def _pad(name: str, fields: Sequence[LateField], lengths: Mapping[str, int]) -> np.ndarray:
-    """Stack one array of all fields, padded with `PAD_VALUES` to `lengths`."""
+    """Stack one array of all fields, padded with its value in `PAD_VALUES`, else 0, to `lengths`.
+
+    A longer array raises `ValueError`.
+    """
     arrays = [np.asarray(getattr(field, name)) for field in fields]
     size = [lengths[axis] for axis in FIELD_AXES.get(name, ())]
     size += arrays[0].shape[len(size) :]

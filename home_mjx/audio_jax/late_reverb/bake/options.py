@@ -65,8 +65,8 @@ class BakeOptions:
     def ray_counts(self, cells: int, rooms: int) -> tuple[int, StageSizes]:
         """Return the rays per cell, and per portal state in each stage, for a house of some cells and rooms.
 
-        Rooms share the totals of old paths equally, in proportion to the rays per cell, of which they have at least one
-        cell's. There must be a cell and a room.
+        `OLD_RAYS` and `OLDEST_RAYS` are shared by all rooms, at most `MAX_ROOM_RAYS` each. With other rays per cell
+        than by default they change in proportion, and are at least as many. There must be a cell and a room.
 
         Example:
             >>> tuple(BakeOptions().ray_counts(cells, 5)[0] for cells in (20, 64, 160))
