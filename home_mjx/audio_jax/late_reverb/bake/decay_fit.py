@@ -116,7 +116,7 @@ def factor_hidden_pairs(
 def _dense_end(decay: Float[np.ndarray, " k"], valid: int) -> int:
     """Return the start of the first block of `GAP_BLOCK` bins with energy in less than 70 % of them; else `valid`.
 
-    Blocks that begin within `FINE_BINS` are exempt.
+    Blocks that begin within `FINE_BINS` are exempt, as is a partial one before `valid`.
     """
     blocks = decay[: valid // GAP_BLOCK * GAP_BLOCK].reshape(-1, GAP_BLOCK) > 0
     empty = np.flatnonzero(blocks.mean(axis=1) < 0.7)
@@ -139,6 +139,8 @@ def _decay_rate(decay: Float[np.ndarray, " k"], end: int) -> float:
 
 def _extrapolate(decay: Float[np.ndarray, " k"], valid: int, slowest: float) -> None:
     """Extend a decay in place beyond the traced time, at its last rate; no effect if it does not decay.
+
+    Bins from the first gap (`_dense_end`) on are replaced; the level is that of the last quarter before it.
 
     Args:
         decay: Energy per bin between two rooms.

@@ -25,7 +25,8 @@ def estimate_exchange(
     """Compute losses [1/m] and symmetric exchange areas [m²] of rooms.
 
     The loss is the absorbed energy over `path_length`. The area is the exchanged energy times volume over
-    `path_length` of the room that it leaves, averaged over both directions.
+    `path_length` of the room that it leaves, averaged over both directions. Areas of walls are those of transmitted
+    energy, and stay with their pair of rooms.
 
     Volumes are in m³; the next four arguments are fields of `SourceSums`, summed over all sources. `joined` lists pairs
     of rooms with a portal; if there are any, exchange across a third room is assigned to the rooms on the way.
