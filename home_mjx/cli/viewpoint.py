@@ -70,7 +70,7 @@ def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     feet = np.asarray(bank.navigation.start[0, 0]) if args.at is None else _standing_point(bank, args.at)
     yaw = longest_free_direction(bank, feet) if args.yaw is None else np.deg2rad(args.yaw)
     eyes = feet + np.array([0, 0, EYE_HEIGHT], np.float32)
-    return Viewpoint(bank, _scene_of(bank), eyes, _quat(yaw, np.deg2rad(pitch)))
+    return Viewpoint(bank, _make_house_scene(bank), eyes, _camera_quat(yaw, np.deg2rad(pitch)))
 
 
 def _standing_point(bank: HouseBank, at: list[float]) -> np.ndarray:
@@ -117,7 +117,7 @@ def place_overhead_camera(args: argparse.Namespace, storey: int) -> tuple[Viewpo
     low, high = points.min(axis=0), points.max(axis=0)
     bank = HouseBank.from_compiled([house], MAX_TEXTURE_SIZE)
     camera = np.array([*(low + high) / 2, _lowest_ceiling(house.rooms, here) - CEILING_CLEARANCE], np.float32)
-    return Viewpoint(bank, _scene_of(bank), camera, _quat(np.pi / 2, -np.pi / 2)), high - low
+    return Viewpoint(bank, _make_house_scene(bank), camera, _camera_quat(np.pi / 2, -np.pi / 2)), high - low
 
 
 def _lowest_ceiling(rooms: RoomTable, here: Int[np.ndarray, " n"]) -> float:
@@ -129,7 +129,7 @@ def _lowest_ceiling(rooms: RoomTable, here: Int[np.ndarray, " n"]) -> float:
     return float(rooms.ceiling[roofed].min() if len(roofed) else rooms.floor[here].max() + EYE_HEIGHT)
 
 
-def _scene_of(bank: HouseBank) -> Scene:
+def _make_house_scene(bank: HouseBank) -> Scene:
     """Build the scene of the first house of a bank at its initial poses, without agents."""
     import jax.numpy as jnp
 
@@ -139,7 +139,7 @@ def _scene_of(bank: HouseBank) -> Scene:
     return make_scene(bank, house, bank.physics.body_pos[0], bank.physics.body_quat[0], *nobody)
 
 
-def _quat(yaw: float, pitch: float) -> np.ndarray:
+def _camera_quat(yaw: float, pitch: float) -> np.ndarray:
     """Return the camera's quaternion wxyz for a yaw and a pitch [rad], see `camera_quat`."""
     import jax.numpy as jnp
 

@@ -56,7 +56,7 @@ def energy_histogram(
 def _sum_in_bins(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
     """Sum values by bin in a deterministic order; values beyond the last bin are dropped."""
     return jax.lax.platform_dependent(
-        bins, values, cpu=functools.partial(_scatter, count=count), default=functools.partial(_multiply, count=count)
+        bins, values, cpu=functools.partial(_scatter, count=count), default=functools.partial(_contract, count=count)
     )
 
 
@@ -65,7 +65,7 @@ def _scatter(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: in
     return jax.ops.segment_sum(values.reshape(-1, *values.shape[2:]), bins.reshape(-1), count)
 
 
-def _multiply(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
+def _contract(bins: Int[Array, "a n"], values: Float[Array, "a n e c"], count: int) -> Float[Array, "k e c"]:
     """Compute `_sum_in_bins` by products with indicator matrices, because GPU scatters add in no fixed order."""
 
     def add(total: Array, row: tuple[Array, Array]) -> tuple[Array, None]:

@@ -48,9 +48,9 @@ def run(args: argparse.Namespace) -> int:
     if args.validate:
         return _validate(args)
     if args.semantics:
-        return _semantics(args)
+        return _print_semantics(args)
     if is_dataset_root(args):
-        return _dataset(args)
+        return _print_dataset(args)
     from home_mjx.bank.usage import bank_usage
     from home_mjx.scene_compile.materials.unknown import MAX_UNKNOWN_SHARE, unknown_material_share
 
@@ -113,7 +113,7 @@ def _print_row(name: str, count: int) -> None:
     sys.stdout.write(f"{name:<40}{count:>16,}\n")
 
 
-def _dataset(args: argparse.Namespace) -> int:
+def _print_dataset(args: argparse.Namespace) -> int:
     """Print the bank memory of all houses of a dataset [bytes], compiling those not in the cache; return 0."""
     from home_mjx.bank.usage import bank_usage
     from home_mjx.houses.house_cache import HouseCache
@@ -143,7 +143,7 @@ def _dataset(args: argparse.Namespace) -> int:
     return 0
 
 
-def _semantics(args: argparse.Namespace) -> int:
+def _print_semantics(args: argparse.Namespace) -> int:
     """Print a line per surface and object, or one JSON object with the complete semantics; return 0."""
     from home_mjx.scene_compile.semantics.engine import house_semantics
     from home_mjx.scene_compile.semantics.records import house_record
@@ -153,19 +153,19 @@ def _semantics(args: argparse.Namespace) -> int:
         sys.stdout.write(json.dumps(house_record(meaning)) + "\n")
         return 0
     for part in meaning.parts:
-        sys.stdout.write(_line(f"part {part.index}", "+".join(part.room_types) or "unknown", "", part.description))
+        sys.stdout.write(_format(f"part {part.index}", "+".join(part.room_types) or "unknown", "", part.description))
     for item in meaning.objects:
         held = meaning.objects_by_id.get(max(item.support.supporter, item.support.container))
         on = f"{held.fine} {held.object_id}" if held else item.support.kind
         room = "+".join(item.room_types) or ("unknown" if item.room >= 0 else "outside")
-        sys.stdout.write(_line(f"object {item.object_id}", room, on, item.description))
+        sys.stdout.write(_format(f"object {item.object_id}", room, on, item.description))
     sys.stdout.write(
         f"{len(meaning.objects_outside)} objects outside of every room, {len(meaning.relations)} relations\n"
     )
     return 0
 
 
-def _line(name: str, room: str, support: str, description: str) -> str:
+def _format(name: str, room: str, support: str, description: str) -> str:
     """Format one line of the list of semantics."""
     return f"{name:<12}{room:<16}{support:<22}{description}\n"
 

@@ -7,7 +7,7 @@ import pytest
 from numpy_measures import t30
 
 from home_mjx.audio_jax.base.config import AudioConfig
-from home_mjx.audio_jax.propagation.histogram import _multiply, _scatter, energy_histogram
+from home_mjx.audio_jax.propagation.histogram import _contract, _scatter, energy_histogram
 from home_mjx.audio_jax.propagation.tracing import Trace
 
 CONFIG = AudioConfig(response_seconds=1.0)
@@ -101,7 +101,7 @@ def test_both_ways_to_sum_agree(rng):
     bins = jnp.asarray(rng.integers(0, 60, (5, 300)), jnp.int32)
     values = jnp.asarray(rng.uniform(size=(5, 300, 2, 7)), jnp.float32)
     with jax.numpy_dtype_promotion("strict"), jax.numpy_rank_promotion("raise"):
-        both = [np.asarray(f(bins, values, 50)) for f in (_scatter, _multiply)]
+        both = [np.asarray(f(bins, values, 50)) for f in (_scatter, _contract)]
     np.testing.assert_allclose(both[0], both[1], rtol=1e-5)
 
 
