@@ -76,7 +76,7 @@ def action_spec(config: EnvConfig) -> ArraySpec:
 
 
 def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: int | None = None) -> DecodedActions:
-    """Return the moves of all agents for an action.
+    """Return the moves of all agents for an action; with continuous actions nobody stops or speaks.
 
     Args:
         config: Options.
@@ -185,7 +185,10 @@ def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, 
 
 
 def update_pitch(config: EnvConfig, pitch: Float[Array, " a"], look: Float[Array, " a"]) -> Float[Array, " a"]:
-    """Return the pitch after a look [rad]; a discrete look beyond `max_pitch` is skipped, a continuous one clipped."""
+    """Return the pitch after a look [rad], from -`max_pitch` to `max_pitch`: continuous looks are clipped to it.
+
+    A discrete look that leads more than `PITCH_TOLERANCE` beyond it is skipped.
+    """
     most, wanted = jnp.float32(config.max_pitch), pitch + look
     if config.discrete is None:
         return jnp.clip(wanted, -most, most)

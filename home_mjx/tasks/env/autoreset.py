@@ -91,8 +91,9 @@ class AutoReset:
     def step(self, params: EnvParams, state: State, action: ArrayLike) -> State:
         """Step all environments, and begin the next episode of those whose episode ends.
 
-        The state of these is the first of the next episode, but reward, flags, metrics and status are those of the
-        final step, and `info["final_obs"]` has its observations; see the option `final_obs`.
+        The state of these is the first of the next episode, but reward, `terminated`, `truncated` and metrics are those
+        of the final step, and `info["final_obs"]` has its observations; see the option `final_obs`. Their status has
+        the flags of the final step and of the reset, without those of sensors.
         """
         self.core._announce_compile("step", state.status)
         check_state(self.template(params.bank).layout, params, state)
@@ -113,13 +114,17 @@ class AutoReset:
         return jax.vmap(lambda one: self.core.observe(params, one, update=True))(state)
 
     def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, dict[str, Array]]:
-        """Step one environment without sensors; return also the observations that cost no rays, for `final_obs`."""
+        """Step one environment without sensors; return also its ray-free observations, {} if `final_obs` is "none"."""
         # The snapshot stays inside of `vmap`: it holds the bank, which must not be copied per environment.
         state, snapshot = self.core._advance(params, state, action)
         return state, {} if self.final_obs == "none" else self.core._observations(state, snapshot, cast_rays=False)
 
     def _reset_done(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
-        """Return states with the next episode begun where `done`, else unchanged; `obs` and sensors are not updated."""
+        """Return states with the next episode begun where `done`, else unchanged; `obs` and sensors are not updated.
+
+        Where `done`, reward, `terminated`, `truncated`, metrics and `World.num_faults` stay, and flags of the reset are
+        added.
+        """
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:

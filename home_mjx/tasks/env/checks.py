@@ -40,6 +40,8 @@ log = logging.getLogger(__name__)
 def clip_action(action: Any, num_agents: int, size: int) -> tuple[Float[Array, "a n"], Bool[Array, ""]]:
     """Return continuous actions of all agents clipped to [-1, 1], NaN as 0; and whether any was changed.
 
+    Integers are converted; booleans are no real numbers.
+
     Raises:
         ConfigError: Not real numbers, or a wrong shape.
     """
@@ -69,7 +71,9 @@ def validate_choice(action: Any, num_agents: int, count: int) -> tuple[Int[Array
 
 
 def check_choice(action: Any, names: Sequence[str]) -> None:
-    """Raise `OutOfRangeError` if a discrete action (an index into `names`) does not exist; inside `jit` do nothing.
+    """Raise `OutOfRangeError` if a discrete action (an index into `names`) does not exist; it names the first such.
+
+    Do nothing inside `jit`, for dictionaries and for what is not an integer.
 
     Example:
         >>> check_choice(jnp.int32(9), ("stop", "move_forward"))
@@ -171,6 +175,8 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
 
 def check_sounds(config: EnvConfig, tasks: Any) -> None:
     """Raise if an environment cannot play the sounds of its tasks; traced tasks and tasks other than a `TaskBank` pass.
+
+    Voices need no clip.
 
     Raises:
         ConfigError: A row has more sounds, or plays another clip, than the environment can play.
@@ -319,8 +325,10 @@ def check_observations(owner: object, spec: Specs, values: dict[str, Any], num_a
 def check_task(task: object, before: Any, after: Any, reward: Any, terminated: Any, num_agents: int) -> None:
     """Raise unless the results of a task after a step have the shapes and the state's structure that `Task` requires.
 
+    The state after must have the tree, shapes and types of the one before.
+
     Raises:
-        ConfigError: A shape, or the structure of its state, differs.
+        ConfigError: A shape, or the tree, a shape or a type of its state, differs.
     """
     _check_shape(task, "reward", reward, (num_agents,))
     _check_shape(task, "terminated", terminated, ())

@@ -37,7 +37,7 @@ def sample_episodes(
     max_length: float = np.inf,
     same_storey: bool = False,
 ) -> Episodes:
-    """Sample random episodes: all houses equally often, starts uniform by area, the rest by the task.
+    """Sample random episodes: number i in house i modulo their number, starts uniform by area, the rest by the task.
 
     Args:
         bank: The houses.
@@ -142,6 +142,8 @@ def load_episodes(path: str | Path, bank: HouseBank, task: Task = POINT_NAV) -> 
 def load_episodes_or_tasks(path: str | Path, bank: HouseBank, task: Task) -> Episodes | TaskBank:
     """Load the kind of file that fits a task: that of `save_tasks` for a `RowTask`, else that of `save_episodes`.
 
+    Its first line decides which kind it is.
+
     Raises:
         DatasetError: As for `load_tasks` and `load_episodes`, or the file is of the other kind.
     """
@@ -169,7 +171,7 @@ def _wrong_kind(path: Path, task: Task, is_bank: bool) -> DatasetError:
 
 
 def read_house_ids(path: str | Path) -> tuple[str, ...]:
-    """Return the ids of the houses in a file of episodes or tasks, each once, in order.
+    """Return the ids of the houses in a file of episodes or tasks, each once, in order of their first line.
 
     Raises:
         MissingFileError: The file does not exist.
@@ -196,6 +198,8 @@ def _solvable_and_length(
 def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int], task: Task) -> dict[str, Any]:
     """Return house index, start, yaw and columns from a line of a file; `index` maps ids of houses to indices.
 
+    A line without `task` passes for any task, and one of a base class of the task as well.
+
     Raises:
         DatasetError: The line is of another task, or as in `Task.from_json`.
         UnknownIdError: `index` lacks the house.
@@ -213,5 +217,5 @@ def _parse_episode(line: dict[str, Any], bank: HouseBank, index: dict[str, int],
 
 
 def _as_scalar(value: Any) -> Any:
-    """Return a Python integer as int32, any other number as float32."""
+    """Return a Python integer or boolean as int32, any other number as float32, NumPy's integers included."""
     return np.int32(value) if isinstance(value, int) else np.float32(value)

@@ -23,7 +23,10 @@ MIN_SURFACE_NORMAL_Z = 0.7  # minimum z component of the normal of a surface on 
 
 
 def decode_hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Array, "a 3"]) -> HandCommands:
-    """Return hand commands of all agents.
+    """Return hand commands of all agents: indices -1, place inf and throw 0 if there is none.
+
+    Reach, mass and room only rank the targets of several rays. A target that fails them is commanded all the same if
+    there is no better one, and `apply_hand_commands` ignores it if it is out of reach or too heavy.
 
     Args:
         config: Options.
@@ -58,7 +61,8 @@ def decode_hand_commands(config: EnvConfig, snapshot: Snapshot, action: Float[Ar
 def aim_directions(config: EnvConfig, pose: AgentPose) -> Float[Array, "a n 3"]:
     """Return unit directions of hands in the world frame: view centre first, then by angle from it.
 
-    n is 1, or `NUM_AIM_ANGLES` squared with a `max_aim_angle`.
+    n is 1, or `NUM_AIM_ANGLES` squared with a `max_aim_angle`, which turns and tilts reach at most. Of equal angles the
+    lower and then the right one is first.
     """
     angle = math.radians(config.max_aim_angle)
     offsets = np.linspace(-angle, angle, NUM_AIM_ANGLES) if angle else np.zeros(1)
@@ -79,7 +83,7 @@ def is_in_reach(config: EnvConfig, snapshot: Snapshot, point: Float[Array, "a n 
 
 
 def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"]) -> Bool[Array, "a n"]:
-    """Return which bodies (indices; -1: undefined result) are light enough for each agent's hand."""
+    """Return which bodies (indices) have at most the mass that each agent's hand lifts; -1: undefined result."""
     if not snapshot.bank.spec.num_bodies:
         return body >= 0
     lift = jnp.array([body.max_lift_mass for body in config.agents], jnp.float32)
@@ -91,7 +95,8 @@ def _is_liftable(config: EnvConfig, snapshot: Snapshot, body: Int[Array, "a n"])
 def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "a n"]:
     """Return at which points [m] each agent's held object would be supported and clear of others.
 
-    All are True with exact aim (n is 1), and in banks without movable bodies.
+    It is False at points that are not finite. All are True with exact aim (n is 1), and in banks without movable
+    bodies. Results of agents with empty hands have no meaning.
     """
     bank, house, held = snapshot.bank, snapshot.house, jnp.maximum(snapshot.held, 0)
     if not bank.spec.num_bodies or point.shape[1] == 1:

@@ -127,7 +127,9 @@ class HouseholdEnv:
         return len(self.action_names)
 
     def bind(self, bank: HouseBank | EnvParams) -> "Env[HouseholdEnv]":
-        """Return the environment with its parameters; for a bank, with the rows of the task's `task_bank`.
+        """Return the environment with its parameters; a bank gets the rows of the task's `task_bank`.
+
+        `EnvParams` are used as they are, so that their `tasks` may be None.
 
         Raises:
             ConfigError: The houses were compiled for another body, see `check_bank`; or as the task's `task_bank`. Or
@@ -150,8 +152,8 @@ class HouseholdEnv:
             params: Houses and episodes.
             key: Typed or raw uint32 key.
             house: Index of the house, clipped to the bank; None samples one. None is required with `params.tasks`.
-            episode: Row of `params.tasks`, modulo their number: house, start and columns come from it, the rest from
-                the key. None samples a row if there are any, by weight if they have weights.
+            episode: Row of `params.tasks`, modulo their number: house, columns and the first agent's start come from
+                it, the rest from the key. None samples a row if there are any, by weight if they have weights.
             observe: If False, no sensor runs and observations are 0; `observe(params, state, update=True)` adds them.
 
         Returns:
@@ -213,7 +215,10 @@ class HouseholdEnv:
         return physics_template(self.config, bank.spec)
 
     def _announce_compile(self, name: str, argument: Any) -> None:
-        """Print on stderr, once per `name`, that this function compiles; only if `argument` is traced."""
+        """Print on stderr, once per `name`, that this function compiles; only if `argument` is traced.
+
+        What `progress` suppresses is not printed, and may be printed later.
+        """
         is_traced = isinstance(argument, jax.core.Tracer)  # pyright: ignore[reportAttributeAccessIssue]
         text = f"compiling {name} (once, about a minute)"
         if is_traced and name not in self._announced and say(text, self.progress):
@@ -343,7 +348,11 @@ class HouseholdEnv:
         return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
 
     def _apply_action(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[DecodedActions, PhysicsState]:
-        """Return the decoded actions, and the physics state after their immediate effects: hands and agent speeds."""
+        """Return the decoded actions, and the physics state with their hand commands, before the step.
+
+        Actions of agents that the task controls replace the caller's, then move noise is added. Discrete moves also set
+        the agents' speeds at once.
+        """
         moves = decode_actions(self.config, action, self._idle_agents(state), self.num_agents)
         controls_agents = type(self.task).control_agents is not Task.control_agents
         before = self.snapshot(params, state) if controls_agents or self.config.hands else None
@@ -360,7 +369,10 @@ class HouseholdEnv:
         return moves, start
 
     def _next_world(self, world: World, moves: DecodedActions, broken: Bool[Array, ""]) -> World:
-        """Return the world after a step with decoded `moves`; `sounds` and `reward` are still those before it."""
+        """Return the world after a step with decoded `moves`; `sounds` and `reward` are still those before it.
+
+        A `broken` step counts as a fault, and its pitch, stops and words are kept.
+        """
         return world.replace(
             pitch=update_pitch(self.config, world.pitch, moves.look),
             stopped=moves.stopped,

@@ -56,7 +56,7 @@ def estimate_memory(env: Env, num_envs: int) -> MemoryEstimate:
 
 
 def _text(count: float) -> str:
-    """Format a number of bytes with one decimal and its binary unit."""
+    """Format a number of bytes with one decimal and its binary unit; GiB for all from 1 GiB on."""
     for unit in ("B", "KiB", "MiB"):
         if count < 1024:
             return f"{count:.1f} {unit}"

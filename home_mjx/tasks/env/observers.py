@@ -104,7 +104,9 @@ class EpisodeResult:
     metrics: dict[str, float] = field(default_factory=dict)
 
     def format_line(self) -> str:
-        """Format the result as one line of text.
+        """Format the result as one line of text; long names are not cut, an unknown SPL is `-`.
+
+        It is `success` if that is above 0, else `failure`.
 
         Example:
             >>> EpisodeResult(1, "RoomNav", "RoomNav: the kitchen", "a0", 1.0, 0.9312, 24, 3.1).format_line()
@@ -192,42 +194,42 @@ class ObserverGroup(Observer):
             observer.on_run_start(start)
 
     def on_phase(self, name: str, note: str = "") -> None:
-        """Call `on_phase` of all observers, in order."""
+        """Call `on_phase` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_phase(name, note)
 
     def on_update(self, count: int) -> None:
-        """Call `on_update` of all observers, in order."""
+        """Call `on_update` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_update(count)
 
     def on_episode_start(self, start: EpisodeStart) -> None:
-        """Call `on_episode_start` of all observers, in order."""
+        """Call `on_episode_start` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_episode_start(start)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Call `on_episode_step` of all observers, in order."""
+        """Call `on_episode_step` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_episode_step(step)
 
     def on_episode_end(self, result: EpisodeResult) -> None:
-        """Call `on_episode_end` of all observers, in order."""
+        """Call `on_episode_end` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_episode_end(result)
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Call `on_log` of all observers, in order."""
+        """Call `on_log` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_log(line)
 
     def on_checkpoint(self, path: Path, steps: int) -> None:
-        """Call `on_checkpoint` of all observers, in order."""
+        """Call `on_checkpoint` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_checkpoint(path, steps)
 
     def write(self, folder: Path) -> None:
-        """Call `write` of all observers with the same folder, in order."""
+        """Call `write` of all observers with the same folder, in order; an exception of one ends it."""
         for observer in self.observers:
             observer.write(folder)
 
@@ -257,7 +259,7 @@ def register_observer(name: str, make_observer: Callable[[], Observer]) -> None:
 
 
 def find_observer(name: str) -> Observer:
-    """Make a new observer by its registered name, or by that of an installed entry point.
+    """Make a new observer by its registered name, else by that of an installed entry point, which is then registered.
 
     Raises:
         UnknownNameError: No observer has this name.
@@ -273,7 +275,7 @@ def find_observer(name: str) -> Observer:
 
 
 def resolve_observers(observers: Iterable[Observer | str]) -> tuple[Observer, ...]:
-    """Return observers, made by name where a name is given.
+    """Return observers in the given order, made by name where a name is given; duplicates stay.
 
     Raises:
         UnknownNameError: No observer has this name.

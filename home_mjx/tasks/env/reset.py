@@ -45,7 +45,8 @@ def init_physics_and_world(
 ) -> tuple[PhysicsState, World, Episodes | None, Array]:
     """Return physics state and world at the start of an episode; `house` and `episode` are as for `HouseholdEnv.reset`.
 
-    `memory` has the sensor states before their first update, by sensor name.
+    A row gives the start of the first agent only. `memory` has the sensor states before their first update, by sensor
+    name.
 
     Returns:
         The physics state; the world, with the house's own sounds; the episode's row, None without `params.tasks`; the
@@ -158,7 +159,8 @@ def is_sequential(tasks: Episodes | TaskBank | None) -> bool:
 def _pick_row(tasks: Episodes | TaskBank | None, episode: Index, key: Array) -> tuple[Int[Array, ""], Episodes | None]:
     """Return the number of an episode, as given or sampled, and the row at that number modulo the number of rows.
 
-    Without `tasks` they are -1 and None; `ConfigError` if a number is given then.
+    A `TaskBank` is sampled by its weights, `Episodes` uniformly. Without `tasks` they are -1 and None; `ConfigError` if
+    a number is given then.
     """
     if tasks is None:
         if episode is not None:
@@ -179,7 +181,10 @@ def _pick_arrangement(
     source: Float[Array, "3"],
     key: Array,
 ) -> Int[Array, ""] | None:
-    """Sample an arrangement whose bodies keep clear of agents and the source; -1 if none does. None: initial poses."""
+    """Sample an arrangement whose bodies keep clear of agents and of the floor point below the source.
+
+    It is -1, the initial poses, if none does. None without random arrangements; `ConfigError` if the bank has none.
+    """
     if config.arrangement == "initial":
         return None
     check_arrangements(bank)

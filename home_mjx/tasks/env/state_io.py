@@ -23,7 +23,7 @@ ACTION_ARRAY = "action"  # array name of the actions in a dump; names of state l
 
 
 def save_states(path: str | Path, states: State, env: Env | None = None) -> int:
-    """Write states to an `.npz` file, one array per leaf.
+    """Write states to an `.npz` file, one array per leaf; `info` is left out.
 
     Args:
         path: The file.
@@ -132,7 +132,8 @@ def load_flagged(path: str | Path, env: Env) -> tuple[State, np.ndarray]:
 def load_states(path: str | Path, env: Env) -> State:
     """Load states that `save_states` has written, as a batch even if it is one state; `info` is empty.
 
-    `env` must have the options, houses and capacities with which they were saved.
+    `env` must have the options, houses and capacities with which they were saved. Shapes, types and houses are checked;
+    an option that changes none of them is not.
 
     Raises:
         MissingFileError: The file does not exist.
@@ -170,7 +171,7 @@ def _origin(env: Env | None) -> dict[str, np.ndarray]:
 
 
 def _to_host_batch(states: State) -> State:
-    """Return the states on the host, with a leading axis of environments and without `info`."""
+    """Return the states on the host, with a leading axis of environments (1 if they have none) and without `info`."""
     host = jax.tree.map(np.asarray, states.replace(info={}))
     return host if host.status.ndim == 1 else jax.tree.map(lambda x: x[None], host)
 

@@ -72,8 +72,9 @@ def cost_factors(
 ) -> Float[Array, " n"]:
     """Return cost factors (1: free) of path length at feet positions, from leaves, agents and the carried object now.
 
-    A leaf or agent costs `PUSH_COST_FACTOR` in contact and `BRUSH_COST_FACTOR` close by. Brushing a leaf costs nothing
-    in the last `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`; pushing it always does.
+    An agent there that would touch a leaf or agent pays `PUSH_COST_FACTOR`, within `MIN_LEAF_CLEARANCE` of touching
+    `BRUSH_COST_FACTOR`. Of several factors the largest counts. Brushing a leaf costs nothing in the last
+    `NUM_IMPATIENT_STEPS` of every `PATIENCE_PERIOD`; pushing it, or brushing an agent, always does.
 
     Args:
         snapshot: The environment.

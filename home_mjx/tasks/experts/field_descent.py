@@ -100,8 +100,8 @@ def step_aside(
 ) -> Float[Array, "2"]:
     """Return a waypoint (x, y) [m] from which one whole step ends at a target less than two steps away.
 
-    It is the apex of a triangle with two sides of one step each, on a free side. It is the target itself if that is
-    farther away, if one step reaches it, or if no side is free.
+    It is the apex of a triangle with two sides of one step each, on a free side, the left one if both are. It is the
+    target itself if that is farther away, if one step reaches it, or if no side is free.
 
     Args:
         snapshot: The environment.

@@ -103,7 +103,8 @@ def add_door_commands(config: EnvConfig, actions: Array, opens: Bool[Array, " a"
 def is_aimed(config: EnvConfig, grip: GraspPlan) -> Bool[Array, " a"]:
     """Return whether the view centre is as close to the hand's target as actions can bring it.
 
-    That is within half a discrete turn and look, or within `MAX_AIM_ERROR` / 2.
+    That is within half a discrete turn and half a look, 2 mrad more each; else both angles are below `MAX_AIM_ERROR` /
+    2.
     """
     if config.discrete is None:
         return jnp.maximum(jnp.abs(grip.turn), jnp.abs(grip.tilt)) < jnp.float32(MAX_AIM_ERROR / 2)
@@ -178,8 +179,8 @@ def _best_aim(
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
     """Return turn and tilt to the best aim point [rad], and whether a usable point has at most the error `most` [rad].
 
-    `fits` marks usable points; `tried`, the number of attempts before, varies the choice. Discrete actions turn and
-    tilt by whole steps: usable points with a small remaining error are preferred.
+    `fits` marks usable points; without any, the aim is at another one. `tried`, the number of attempts before, varies
+    the choice. Discrete actions turn and tilt by whole steps: usable points with a small remaining error are preferred.
     """
     config, pose = snapshot.config, snapshot.pose
     offset = points - eye_position(config, pose)[:, None]

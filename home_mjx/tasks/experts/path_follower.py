@@ -230,7 +230,10 @@ def heading_to_target(
 def turn_towards(
     snapshot: Snapshot, aim: Float[Array, "a 2"], agents: Int[Array, " a"] | None = None
 ) -> Float[Array, " a"]:
-    """Return the turns to the left [rad] after which agents face positions `aim` [m]; `agents`: indices, None: all."""
+    """Return the turns to the left [rad] after which agents face positions `aim` [m], from -pi to pi.
+
+    `agents` are the indices of the agents, one per position; None: all.
+    """
     pose = snapshot.pose
     pos, yaw = (pose.pos, pose.yaw) if agents is None else (pose.pos[agents], pose.yaw[agents])
     way = aim - pos[:, :2]

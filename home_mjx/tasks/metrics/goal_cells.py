@@ -17,7 +17,8 @@ from home_mjx.tasks.suite.point_nav import PointNavState
 def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
     """Return a mask of the cells of storey `level` with the present stage's goal: its rooms, objects, point or agent.
 
-    `task` is the task's state; tasks other than PointNav and those of rows have no goal cells.
+    `task` is the task's state; tasks other than PointNav and those of rows have no goal cells, nor do stages without a
+    guide.
     """
     bank, house = snapshot.bank, snapshot.house
     if isinstance(task, PointNavState):
@@ -35,7 +36,10 @@ def goal_cells(snapshot: Snapshot, task: Any, level: Int[Array, ""]) -> Bool[Arr
 
 
 def _point_cell(snapshot: Snapshot, point: Float[Array, "3"], level: Int[Array, ""]) -> Bool[Array, "rows columns"]:
-    """Return a mask of the cell of a point on a floor [m]; all False if it is inf or on another storey."""
+    """Return a mask of the cell of a point on a floor [m]; all False if it is not finite or on another storey.
+
+    A point beyond the grid counts in the nearest cell.
+    """
     bank = snapshot.bank
     known = jnp.all(jnp.isfinite(point))
     at = cell_at_feet(bank, snapshot.house, jnp.where(known, point, 0.0))

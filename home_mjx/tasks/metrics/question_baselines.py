@@ -14,9 +14,9 @@ from home_mjx.tasks.rules.task_bank import TaskBank
 
 
 def chance_accuracy(tasks: TaskBank) -> float:
-    """Return the accuracy of guessing uniformly among each question's answers in `tasks`; `ConfigError` without any.
+    """Return the accuracy of guessing uniformly among the distinct answers that each question has in `tasks`.
 
-    Rows without a question do not count.
+    It is averaged over rows; those without a question do not count. `ConfigError` if none has one.
     """
     texts, answers = _questions_and_answers(tasks)
     own: dict[bytes, set[int]] = defaultdict(set)

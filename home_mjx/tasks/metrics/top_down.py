@@ -129,7 +129,10 @@ def _on_level(level: Int[Array, ""], place: Int[Array, "*a 3"]) -> Int[Array, "*
 
 
 def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, "a levels rows columns"]:
-    """Return cells under a straight line from each agent's last feet position to its present one, as a mask."""
+    """Return cells under a straight line from each agent's last feet position to its present one, as a mask.
+
+    Points of the line at most half a cell apart count, for moves up to full forward speed.
+    """
     bank, house, config = snapshot.bank, snapshot.house, snapshot.config
     way = max(body.forward_speed for body in config.agents) * config.timing.ctrl_dt
     parts = jnp.linspace(0, 1, 2 + math.ceil(2 * way / bank.spec.cell))
@@ -146,7 +149,8 @@ def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, 
 def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
     """Return a mask of cells of each agent's own level that it sees at eye height, and its own cell.
 
-    Seen are those in the horizontal field of view and within `max_depth`, before the first hit of horizontal rays.
+    Seen are centres in the horizontal field of view of the `head` camera, straight ahead, and within `max_depth`. They
+    are not behind the first hit of the nearest of `NUM_RAYS` horizontal rays.
     """
     bank, house, config, pose = snapshot.bank, snapshot.house, snapshot.config, snapshot.pose
     levels, rows, columns = bank.navigation.room.shape[1:]

@@ -91,7 +91,7 @@ def render_images(
 def _add_noise(
     config: EnvConfig, snapshot: Snapshot, drawn: VariationSample, seen: dict[str, Array]
 ) -> dict[str, Array]:
-    """Return images by name, with sensor noise in depth and RGB of pinhole cameras."""
+    """Return images by name, with sensor noise in depth and RGB of pinhole cameras; others unchanged."""
     key = drawn.noise_key(snapshot.step, IMAGE_NOISE)
     noises = {
         "depth": (drawn.depth_noise, lambda level, key, x: add_depth_noise(level, key, x, config.max_depth)),
@@ -107,7 +107,11 @@ def _add_noise(
 
 
 def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: CameraOffsets | None = None) -> Camera:
-    """Return the camera `view` of every agent in the world, agent axis first; `mount`: the episode's offsets, or 0."""
+    """Return the camera `view` of every agent in the world, agent axis first; `mount`: the episode's offsets, or 0.
+
+    Its offset and yaw turn with the agent, its pitch only with `follow_pitch`. The field of view is in radians, or the
+    image's height [m] if orthographic; that of pinhole cameras alone varies with `mount`.
+    """
     mount = mount or CameraOffsets()
     yaw = pose.yaw + float(np.deg2rad(view.yaw))
     pitch = float(np.deg2rad(view.pitch)) + (pose.pitch if view.follow_pitch else jnp.zeros_like(pose.pitch))

@@ -95,7 +95,10 @@ class EarLevels(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: EarLevelsState) -> EarLevelsState:
-        """Return the state after a step: energy responses traced anew, and the power that they yield at both ears."""
+        """Return the state after a step: energy responses traced anew, and the power that they yield at both ears.
+
+        A reset clears time and words. The lead is 0 without power.
+        """
         time = jnp.where(snapshot.step == 0, 0, state.time + config.audio.frame)
         said = update_history(snapshot, state.tokens)
         left = source_power(config, snapshot, time)
@@ -144,5 +147,5 @@ def source_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) ->
 
 
 def _num_frame_bins(audio: AudioConfig) -> int:
-    """Return the number of time bins of a frame, at least 1."""
+    """Return the number of time bins of a frame, rounded, at least 1."""
     return max(round(audio.frame / audio.bin_samples), 1)

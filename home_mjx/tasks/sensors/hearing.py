@@ -97,7 +97,10 @@ class Hearing(Sensor):
         )
 
     def update(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> HearingState:
-        """Return the state after a step: responses traced anew, and the frame, which cross-fades to them."""
+        """Return the state after a step: responses traced anew, and the frame, which cross-fades to them.
+
+        A reset clears times and words, and its frame has the new responses from the start.
+        """
         clips = jnp.asarray(np.stack([clip_samples(name, config.audio) for name in clip_names(config)]))
         first, frame = snapshot.step == 0, config.audio.frame
         phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
@@ -294,7 +297,10 @@ def all_sources(snapshot: Snapshot) -> SoundSource:
 
 
 def is_response_cut(response: Float[Array, "c l"] | ReceiverState, config: AudioConfig) -> Bool[Array, ""]:
-    """Return whether a response ends before its energy per time bin is 30 dB below that of its loudest bin."""
+    """Return whether a response ends before its energy per time bin is 30 dB below that of its loudest bin.
+
+    A silent one does not.
+    """
     if isinstance(response, ReceiverState):
         return is_truncated(response, config)
     energy = jnp.sum(response.reshape(-1, config.num_bins, config.bin_samples) ** 2, axis=(0, 2))

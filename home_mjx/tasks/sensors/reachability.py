@@ -56,9 +56,9 @@ def pick_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array
 
 
 def is_reachable(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Distance) -> Bool[Array, " p"]:
-    """Return which points a hand reaches: at most `reach` away in plan, 0.1 m above the eye, `MAX_HAND_ANGLE` below.
+    """Return which points a hand reaches: at most `reach` [m] away in plan, and less than 0.1 m above the eye.
 
-    Points that are not finite are out of reach.
+    They are at most `MAX_HAND_ANGLE` below horizontal. Points that are not finite are out of reach.
     """
     offset = points - eye
     away = jnp.linalg.norm(offset[:, :2], axis=-1)
@@ -75,8 +75,8 @@ def free_spots(
 ) -> tuple[Float[Array, "n 3"], Bool[Array, " n"]]:
     """Return a 10 x 10 grid of points on top of furniture [m], and at which an object can be put: supported and clear.
 
-    Rays find the top; boxes of physics, which support objects, must be there as well. Points without a top have the
-    height of the furniture's middle.
+    The grid ends `radius`, at most 0.8 half extents, inside the bounds. Rays find the top; boxes of physics, which
+    support objects, must be there as well. Points without a top have the height of the furniture's middle.
 
     Args:
         scene: The environment.
@@ -103,7 +103,8 @@ def free_spots(
 def obstacle_footprints(scene: Scene, carried: Int[Array, ""]) -> Footprints:
     """Return present footprints of static boxes, movable bodies and leaves, without object id `carried` (-1 none).
 
-    Bodies and leaves have their upright world bounds. Padding and the carried object are boxes far away.
+    Agents are no obstacles. Bodies and leaves have their upright world bounds. Padding and the carried object are boxes
+    far away.
     """
     physics, moving, bank = scene.bank.physics, scene.moving, scene.bank
     parts = (x[scene.house] for x in (physics.collider_pos, physics.collider_quat, physics.collider_size))
@@ -123,7 +124,7 @@ def box_distances(boxes: Footprints, plan: Float[Array, "n 2"]) -> Float[Array, 
 
 
 def _side_distances(boxes: Footprints, plan: Float[Array, "n 2"]) -> tuple[Float[Array, "n b"], Float[Array, "n b"]]:
-    """Return signed distances of positions beyond the sides of boxes, along both of their axes [m]; negative inside."""
+    """Return signed distances of positions beyond the sides of boxes, along their axes u and v [m]; negative inside."""
     x, y = plan[:, :1] - boxes.x, plan[:, 1:] - boxes.y
     u = jnp.abs(boxes.cos * x + boxes.sin * y) - boxes.half_u
     return u, jnp.abs(boxes.cos * y - boxes.sin * x) - boxes.half_v
@@ -225,7 +226,10 @@ def can_place_from(
 
 
 def is_visible(scene: Scene, eye: Float[Array, "3"], points: Float[Array, "p 3"]) -> Bool[Array, " p"]:
-    """Return which points of surfaces [m] are visible from an eye; agents in the scene would block the view."""
+    """Return which points of surfaces [m] are visible from an eye: no hit more than `RAY_TOLERANCE` before them.
+
+    Agents in the scene would block the view.
+    """
     way = points - eye
     length = jnp.linalg.norm(way, axis=-1)
     hit = cast(scene, jnp.broadcast_to(eye, way.shape), way / length[:, None])

@@ -43,7 +43,7 @@ NAME_ROLE, OBSERVATION_ROLE = "the name", "an observation"
 
 
 def resolve_sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
-    """Return the names of all requested observations, each once.
+    """Return the names of all requested observations, each once, in order; without any, the default and the task's own.
 
     Raises:
         ConfigError: A sensor is unknown, with the closest known one.
@@ -59,6 +59,8 @@ def resolve_sensor_names(config: EnvConfig, task: Task) -> tuple[str, ...]:
 
 def select_sensors(config: EnvConfig, task: Task) -> tuple[Sensor, ...]:
     """Return the sensors of an environment whose `config.sensors` are resolved, without those of its task.
+
+    The cameras come first. Sensors of other packages are taken to observe sound.
 
     Raises:
         ConfigError: Two of them, or one and the task, use the same name. Or the task's words are audible only, and none

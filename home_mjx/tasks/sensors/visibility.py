@@ -29,7 +29,8 @@ EYE_OFFSETS = np.array(
 def look_points(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "p 3"]:
     """Return the points at which an eye looks for an object: its centre, above, below and to both sides [m].
 
-    They are inf for bounds that are inf.
+    The others are 0.7 half extents from the centre, sides across the line of sight. They are inf for bounds that are
+    inf.
     """
     middle, half = box.mean(axis=0), (box[1] - box[0]) / 2
     way = middle - eye
@@ -49,6 +50,8 @@ def is_unobstructed(
     ignored_id: Int[Array, ""],
 ) -> Bool[Array, " p"]:
     """Return which rays from an eye to points inside bounds reach these bounds unobstructed; False for inf points.
+
+    A hit at most `RAY_TOLERANCE` before the bounds is no obstruction, nor is any for an eye inside the bounds.
 
     Args:
         scene: One environment.
@@ -72,9 +75,10 @@ def is_unobstructed(
 def is_visible_from(
     bank: HouseBank, house: int, eyes: Float[np.ndarray, "n 3"], box: Float[np.ndarray, "2 3"]
 ) -> Bool[np.ndarray, " n"]:
-    """Return at which eye positions, shifted by each of `EYE_OFFSETS`, some `look_points` of a box are visible [m].
+    """Return at which eye positions [m], with each of `EYE_OFFSETS`, some of the `look_points` of a box are visible.
 
-    The house is in its initial state, doors open. Agents do not stop exactly at a position, so all shifts must see it.
+    The house is in its initial state, doors open. Agents do not stop exactly at a position, so all shifted eyes must
+    see the box.
     """
     return np.asarray(
         _is_visible_from(bank, jnp.int32(house), jnp.asarray(eyes, jnp.float32), jnp.asarray(box, jnp.float32))
