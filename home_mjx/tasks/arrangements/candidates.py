@@ -54,7 +54,8 @@ def _on_furniture(
 ) -> tuple[Float[np.ndarray, "n 3"], Bool[np.ndarray, " n"]]:
     """Sample centres of a body on tops of boxes `stay` in its room [m], one per heading `yaw`; return whether it fits.
 
-    Without such a top, all are its present centre and False.
+    Tops are between the two surface heights and wider than the body's narrow side. It fits with `MIN_EDGE_MARGIN` to
+    all edges. Without such a top, all are its present centre and False.
     """
     room, half = int(house.room[body]), house.bodies.half[body]
     level = house.level_of(room)

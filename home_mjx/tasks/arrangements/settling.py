@@ -22,7 +22,8 @@ def settle_bodies(
 ) -> tuple[Float[Array, "h p k 7"], Bool[Array, "h p k"]]:
     """Simulate all arrangements for `SETTLE_SECONDS` with open doors; return poses and which bodies are at rest.
 
-    The bank's arrangements are the initial poses (xyz [m], wxyz).
+    The bank's arrangements are the initial poses (xyz [m], wxyz). At rest is a velocity of exactly 0, as of sleeping
+    bodies. Rows of padding mean nothing.
     """
     template = Template(PhysicsConfig(), bank.spec)
     houses, arrangements = bank.physics.arrangement_pose.shape[:2]

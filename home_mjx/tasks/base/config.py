@@ -244,7 +244,7 @@ class EnvConfig:
             )
 
     def _share_timing(self) -> None:
-        """Copy `timing` into `audio`, in place; raise `ConfigError` if `audio` has another one, not the default."""
+        """Replace `audio` by a copy with `timing`; raise `ConfigError` if `audio` has another one, not the default."""
         if self.audio.timing not in (self.timing, Timing()):
             raise ConfigError(
                 f"`audio.timing` is {self.audio.timing}, but the environment's `timing` is {self.timing}",
@@ -273,7 +273,9 @@ class EnvConfig:
         return self.num_sources + (0 if self.contact_sounds is None else self.contact_sounds.num_sounds)
 
     def select_agents(self, num_agents: int) -> "EnvConfig":
-        """Return the options restricted to the first `num_agents` agents.
+        """Return the options restricted to the first `num_agents` agents, at most as many as there are.
+
+        The same object is returned for all agents.
 
         Example:
             >>> EnvConfig(physics=PhysicsConfig(num_agents=3)).select_agents(2).num_agents

@@ -111,7 +111,8 @@ def make_config(**options: Any) -> EnvConfig:
 def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset()) -> Iterator[str]:
     """Yield `prefix` (unless empty) and the dotted paths of all nested fields, and of the fields of all variants.
 
-    Of nested `timing` only the outermost one is a path; `DERIVED_OPTIONS` are left out.
+    Of nested `timing` only the outermost one is a path; `DERIVED_OPTIONS` are left out, and so are fields named in
+    `shared`.
     """
     if prefix:
         yield prefix

@@ -109,7 +109,9 @@ class Snapshot(Pytree):
         return self.sounds.pos[0]
 
     def select_agents(self, num_agents: int) -> "Snapshot":
-        """Return the snapshot of the first `num_agents` agents; `scene`, `body_contacts` and `sounds` keep all.
+        """Return the snapshot of the first `num_agents` agents; the same object for all agents.
+
+        `scene`, `body_contacts`, `sounds` and `contact_sounds` keep those of all.
 
         Example:
             >>> own = snapshot.select_agents(core.num_agents)  # doctest: +SKIP

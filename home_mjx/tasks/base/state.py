@@ -158,7 +158,8 @@ class State(Pytree):
 def to_raw_key(key: Array) -> UInt32[Array, "2"]:
     """Return the two uint32 words of a threefry key, typed or raw; keys of other generators are hashed to two words.
 
-    Brax's wrappers need raw keys in the state, see its `EpisodeWrapper`.
+    A raw key has two integers of any type, which are cast. Brax's wrappers need raw keys in the state, see its
+    `EpisodeWrapper`.
 
     Raises:
         ConfigError: Not a key, or several keys.

@@ -40,7 +40,7 @@ class Status(IntFlag):
 
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
-        """Return the names of the flags that are set.
+        """Return the names of the flags that are set, lowest bit first; bits of no flag are ignored.
 
         Example:
             >>> Status.names(3)
@@ -55,6 +55,8 @@ class StatusError(HomeMjxError, RuntimeError):
 
 def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
     """Return the flags, as one integer, whose condition (by flag name) holds anywhere in its array.
+
+    At least one condition is required; a name that is no flag raises `KeyError`.
 
     Example:
         >>> int(status_flags(CONTACT_POINTS=jnp.array([False, True]), STATIC_BOXES=jnp.array(False)))

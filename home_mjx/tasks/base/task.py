@@ -203,12 +203,13 @@ def path_scores(
 ) -> dict[str, Float[Array, "*n"]]:
     """Return `spl` and `soft_spl`; both are 0 if no path leads to the goal.
 
-    SPL is `success * shortest_length / max(shortest_length, path_length)`; soft SPL replaces success by the progress
-    `1 - remaining / shortest_length`, at least 0. Lengths up to `NO_LENGTH` count as 0. Where nothing was to be walked
-    and nothing was, the path ratio is 1; there the progress is 1 if nothing remains or the episode is a success.
+    SPL is `success * shortest_length / max(shortest_length, path_length)`; soft SPL replaces success by the progress `1
+    - remaining / shortest_length`, at least 0. Lengths up to `NO_LENGTH` count as 0. Where nothing was to be walked and
+    nothing was, the path ratio is 1; there the progress is 1 if nothing remains or the episode is a success. An agent
+    farther away than at the start has soft SPL 0.
 
-    Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta
-    et al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).
+    Anderson et al., "On Evaluation of Embodied Navigation Agents", 2018 (arXiv:1807.06757), and for soft SPL Datta et
+    al., "Integrating Egocentric Localization", 2020 (arXiv:2009.03231).
 
     Args:
         success: 1 or 0.

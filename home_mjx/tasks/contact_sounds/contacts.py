@@ -114,7 +114,8 @@ def door_sounds(
 ) -> tuple[TransientSounds, Int[Array, " h"], Float[Array, " h"]]:
     """Return impacts of leaves that reach an end stop (gain: speed, else 0); each leaf's row of `SUSTAINED`, its gain.
 
-    The gain of a moving leaf is its speed [rad/s], or [m/s] if it slides; 0 below `MIN_LEAF_SPEED`. `before` is
+    The gain of a moving leaf is its speed [rad/s], or [m/s] if it slides; 0 up to `MIN_LEAF_SPEED`. To reach a stop is
+    to come closer than `MAX_STOP_DISTANCE` to its closed or wide open position in this step. `before` is
     `Snapshot.door_angle` before the step.
     """
     physics, house, angle = snapshot.bank.physics, snapshot.house, snapshot.door_angle

@@ -72,7 +72,10 @@ def _semantic_table(things: Sequence[HouseObject]) -> Int[np.ndarray, "n columns
 
 
 def _have(table: Int[np.ndarray, "n columns"], word: Attribute, value: int) -> Bool[np.ndarray, " n"]:
-    """Return which rows have an attribute's value: any of their main colours, any label of their room."""
+    """Return which rows have an attribute's value: any of their main colours, any label of their room.
+
+    A value of -1 matches unknown ones, except for ROOM_TYPE, where it must be known.
+    """
     if word == Attribute.ROOM_TYPE:
         labels = table[:, Semantic.ROOM_LABELS]
         return (labels > 0) & (labels >> value & 1 > 0)
@@ -106,7 +109,8 @@ def minimal_identifying_words(
 ) -> list[dict[Attribute, int]]:
     """Return all smallest sets of values that only `thing` has: its category and some of the attributes `telling`.
 
-    [] if even all attributes do not single it out among `things`.
+    [] if even all attributes do not single it out among `things`, of which it must be one. Its unknown attributes are
+    left out.
     """
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
     known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]

@@ -28,7 +28,9 @@ COMBINED_ATTRIBUTES = (
 
 
 def mask_words(tasks: TaskBank, words: Any) -> Bool[np.ndarray, " t"]:
-    """Return a mask of the rows whose instruction has any of these words.
+    """Return a mask of the rows whose instruction has any of these words; all False without words.
+
+    An item of several words counts as each of them.
 
     Raises:
         ConfigError: The vocabulary lacks a word, or `words` is no sequence of words, such as a single string.

@@ -54,7 +54,7 @@ def _tokens() -> dict[str, int]:
 
 
 def tokenize(text: str) -> tuple[int, ...]:
-    """Convert a text to tokens.
+    """Convert a text to tokens, one per word between white space; upper and lower case differ. () for an empty text.
 
     Raises:
         ConfigError: A word is not in the vocabulary.

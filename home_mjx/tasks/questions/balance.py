@@ -67,7 +67,7 @@ def _group_rows(drawn: list[FeasibleRow]) -> dict[tuple[str, str], list[Feasible
 def _split_blocks(rows: list[FeasibleRow], random: np.random.Generator) -> list[Block]:
     """Return blocks of k rows of a question, one per answer of its k most frequent ones; [] if it has one answer.
 
-    The k that keeps most rows is chosen; further rows are dropped.
+    The k that keeps most rows is chosen, of several the smallest; further rows are dropped.
     """
     by_answer: dict[int, list[FeasibleRow]] = defaultdict(list)
     for i in random.permutation(len(rows)):

@@ -77,7 +77,7 @@ def askable_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
 
 
 def indefinite_noun(name: str) -> str:
-    """Return a category with its indefinite article.
+    """Return a category with its indefinite article: `an` before a, e, i, o or u.
 
     Example:
         >>> indefinite_noun("ottoman"), indefinite_noun("sofa")

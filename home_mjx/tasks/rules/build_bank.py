@@ -387,7 +387,7 @@ def _draw_start(
 def _sum_leg_lengths(fields: UInt16[np.ndarray, "c g"], stops: Sequence[int]) -> np.float32:
     """Return the sum of path lengths from each of `stops` (columns of `fields`) to the next [m]; 0 for a single one.
 
-    Each leg begins at the home cell with the least distance to its stop.
+    Each leg begins at the home cell with the least distance to its stop, the first of several.
     """
     ends = [int(np.argmin(fields[:, stop])) for stop in stops]
     return np.float32(sum(fields[a, stop] * FIELD_UNIT for a, stop in zip(ends[:-1], stops[1:], strict=True)))

@@ -86,8 +86,8 @@ class CellGraph:
     def compute_fields(self, ends: Sequence[EndCells]) -> UInt16[np.ndarray, "c g"]:
         """Compute path lengths from all cells of the house to goals, in units of `FIELD_UNIT`, by cell number.
 
-        They are those of `compute_distances`, extrapolated to reachable cells outside the home region;
-        `FIELD_UNREACHABLE` where no path leads.
+        They are those of `compute_distances`, rounded, and extrapolated to reachable cells outside the home region. Too
+        long ones are clipped to `FIELD_UNREACHABLE` - 1; it is `FIELD_UNREACHABLE` where no path leads.
         """
         home = self.compute_distances(ends)
         parts = [(np.argwhere(self._home), home)]
@@ -109,9 +109,9 @@ class CellGraph:
         return dijkstra(graph, indices=np.arange(cells, cells + goals)).T[:cells]
 
     def shortest_path(self, feet: Float[np.ndarray, " 3"], ends: EndCells) -> Float[np.ndarray, "n 3"]:
-        """Return the centres of cells on the shortest path from the cell nearest to `feet` [m] to a goal's end cells.
+        """Return the centres of cells on the shortest path to a goal's end cells; (0, 3) if there is none.
 
-        They are points on the floor [m], the first one beneath the feet; (0, 3) if there is no path.
+        They are points on the floor [m]. The first one is that of the home cell nearest to `feet` [m].
         """
         cells = len(self.place)
         _, previous = dijkstra(self._graph_with_goals([ends]), indices=cells, return_predecessors=True)

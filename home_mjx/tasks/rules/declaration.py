@@ -78,7 +78,7 @@ class Column:
         return np.full(self.shape, self.fill, self.dtype)
 
     def pack(self, values: Any) -> np.ndarray:
-        """Return values as one row, with unused entries filled.
+        """Return values as one row, with unused entries filled; numbers are cast to the dtype.
 
         Args:
             values: A number, or a sequence per axis; those of the second axis may differ in length.
@@ -97,7 +97,10 @@ class Column:
         return row
 
     def _place(self, values: Any, first_axis: int) -> tuple[slice, ...]:
-        """Return (slice that values fill,) for one axis, () if there is no such axis; `ConfigError` beyond capacity."""
+        """Return (slice that values fill,) for one axis, () if there is no such axis; `ConfigError` beyond capacity.
+
+        The number of values of an axis of fixed length is not checked.
+        """
         if first_axis == len(self.axes):
             return ()
         axis = self.axes[first_axis]

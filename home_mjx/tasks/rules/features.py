@@ -79,7 +79,8 @@ def nearest_targets(
     """Return each agent's distance to the nearest target of each descriptor [m], and that target's world bounds [m].
 
     Distances are from capsule centres to bounds of objects; to points and agents horizontal, on the same storey only.
-    They are `UNREACHABLE_DISTANCE` without a target; its bounds are then arbitrary, or not finite.
+    Of equally near targets the first instance counts. They are `UNREACHABLE_DISTANCE` without a target; its bounds are
+    then arbitrary, or not finite.
     """
     pos, kind = snapshot.pose.pos, program.descriptor[:, Attribute.KIND]
     away = jax.vmap(

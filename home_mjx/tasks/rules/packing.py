@@ -60,7 +60,10 @@ def pack_program(selectors: Sequence[Selector], stages: Sequence[TaskStage]) -> 
 def _check_references(
     selectors: Sequence[Selector], conditions: Mapping[Condition, int], stages: Sequence[TaskStage]
 ) -> None:
-    """Raise `ConfigError` if a condition or guide names a missing descriptor, or a transition a missing stage."""
+    """Raise `ConfigError` if a condition or guide names a missing descriptor, or a transition a missing stage.
+
+    -1, no descriptor, passes, as do descriptors of conditions whose feature tests none.
+    """
     used = [when.first for when in conditions if when.feature in FIRST_DESCRIPTOR_FEATURES]
     used += [when.second for when in conditions if when.feature in SECOND_DESCRIPTOR_FEATURES]
     for number in (*used, *(stage.guide for stage in stages)):
@@ -93,7 +96,9 @@ def _stage_fields(stage: TaskStage, numbers: Mapping[Condition, int]) -> dict[st
 
 
 def unpack_program(columns: Columns) -> tuple[list[Selector], list[TaskStage]]:
-    """Unpack the selectors and stages of a row, without unused ones at the end; the inverse of `pack_program`.
+    """Unpack the selectors and stages of a row, the inverse of `pack_program`.
+
+    Selectors of nothing at the end are dropped, and stages without transitions at the end.
 
     Example:
         >>> stages = [TaskStage((Transition(-1, (Condition(Feature.STOPPED, minimum=1.0),)),))]
@@ -155,7 +160,7 @@ def pack_sounds(sounds: Sequence[SoundEvent], num_descriptors: int) -> dict[str,
 
 
 def _clip_number(clip: str) -> int:
-    """Return the index of a clip in `CLIPS`, or the code of spoken instructions."""
+    """Return the index of a clip in `CLIPS`, or `VOICE_CLIP_NUMBER` for the words of an agent."""
     return VOICE_CLIP_NUMBER if clip == VOICE_CLIP else CLIPS.index(clip)
 
 
@@ -195,7 +200,7 @@ def pack_speech(
 
 
 def unpack_speech(columns: Columns) -> dict[str, Any]:
-    """Return the arguments of `pack_speech` by name, from the columns of one row."""
+    """Return the arguments of `pack_speech` by name, from the columns of one row; agents ascending, each once."""
     bits, oracle = int(columns["instructed_agents"]), columns["oracle"].tolist()
     everyone = bits == ALL_AGENTS
     return {

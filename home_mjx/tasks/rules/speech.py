@@ -31,6 +31,8 @@ class SpeechColumns(Pytree):
 def oracle_replies(speech: SpeechColumns, said: Int[Array, " a"]) -> Int[Array, " a"]:
     """Return the oracle's reply to each agent; -1 if the agent did not say one of the oracle's questions.
 
+    Of equal questions the first one is answered.
+
     Example:
         >>> from home_mjx.tasks.rules.declaration import extract
         >>> from home_mjx.tasks.rules.packing import pack_speech

@@ -105,7 +105,10 @@ class Exploration(Task):
         return jnp.float32(self.area_reward) * state.gained - costs
 
     def metrics(self, snapshot: Snapshot, state: ExplorationState) -> dict[str, Float[Array, ""]]:
-        """Return the covered fraction of the free floor, success (from `success_coverage` on), and mean collisions."""
+        """Return the covered fraction of the free floor, success (from `success_coverage` on), and mean collisions.
+
+        A house without free floor has coverage 0.
+        """
         whole = jnp.maximum(jnp.sum(state.free), 1).astype(jnp.float32)
         coverage = jnp.sum(state.free * state.covered).astype(jnp.float32) / whole
         return {
@@ -133,7 +136,11 @@ class Exploration(Task):
 
 
 def divide_in_tiles(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
-    """Return the tiles of a house's grids, by cells of its home region; see `Tiles`."""
+    """Return the tiles of a house's grids, by cells of its home region; see `Tiles`.
+
+    Tiles begin at cell (0, 0); those at the far edges may extend beyond the grid, where nothing is free. Of equally
+    near cells the one in the lowest row and column is the middle.
+    """
     count, home = _cells_per_edge(bank), is_home_cell(bank, house, bank.navigation.cell[house])
     levels, rows, columns = home.shape
     place = (np.arange(count) + 0.5) / count - 0.5

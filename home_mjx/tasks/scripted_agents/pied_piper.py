@@ -117,7 +117,10 @@ class PiedPiper(NavigationTask):
         return (*SPLITS[self.clip_split], *(DISTRACTOR_CLIPS if self.num_others else ()))
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield random pairs of places as ends of the piper's route, endlessly; nothing if there are fewer than two."""
+        """Yield random pairs of places as ends of the piper's route, endlessly; nothing if there are fewer than two.
+
+        Places are centres of at most `NUM_PLACES` random cells off door leaves.
+        """
         free = random.permutation(np.flatnonzero(~view.graph.at_leaf))[:NUM_PLACES]
         while len(free) > 1:
             first, second = view.graph.place[random.choice(free, 2, replace=False)].tolist()
@@ -197,7 +200,10 @@ class PiedPiper(NavigationTask):
 
 
 def _far_goals(snapshot: Snapshot, route: Float[Array, "2 3"]) -> Int[Array, "2"]:
-    """Return two goals of the house: the farthest from both ends of a route, then the farthest from these three."""
+    """Return two goals of the house: the farthest from both ends of a route, then the farthest from these three.
+
+    Far is the distance to the nearest of them; of equally far goals the first counts.
+    """
     bank, house = snapshot.bank, snapshot.house
     to_goals = jax.vmap(lambda end: geodesic_distance(bank, house, None, end))(route)
     first = jnp.argmax(jnp.min(to_goals, axis=0))

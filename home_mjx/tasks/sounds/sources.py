@@ -47,6 +47,8 @@ def row_sources(
 ) -> SoundSources:
     """Return the present sources of a row's sounds; for a row without sounds, the previous sources.
 
+    Sounds beyond the number of sources are dropped. One without a finite position is silent, at its previous place.
+
     Args:
         snapshot: The environment; at step 0 no source has moved yet.
         emission: Sounds of the row.

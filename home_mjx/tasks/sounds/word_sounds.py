@@ -124,7 +124,7 @@ def _tones(sample_rate: int) -> Float[np.ndarray, "tones n"]:
 
 
 def tone_frequencies() -> Float[np.ndarray, " tones"]:
-    """Return the frequencies of all tones [Hz], group by group.
+    """Return the frequencies of all tones [Hz], ascending and thus group by group, in equal steps on the mel scale.
 
     Example:
         >>> tone_frequencies()[[0, -1]].round(6).tolist()

@@ -115,7 +115,10 @@ class PointGoals(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row per point, centres of `num_points` random cells, endlessly, in a new random order each round."""
+        """Yield a row per point, centres of random cells, endlessly, in a new random order each round.
+
+        The cells are off door leaves: `num_points`, or all if there are fewer; no rows without any.
+        """
         free = view.graph.place[~view.graph.at_leaf]
         points = free[random.permutation(len(free))[: self.num_points]]
         stage = arrival_stage(

@@ -59,9 +59,10 @@ def sample_goal(
     max_length: Float[Array, ""],
     same_storey: bool = False,
 ) -> tuple[Float[Array, "3"], Float[Array, ""], dict[str, Array]]:
-    """Sample a start of the house, and a goal whose shortest path has a length within limits [m].
+    """Sample a start of the house, and a goal whose shortest path has a length within limits [m], both inclusive.
 
-    Starts are uniform by area, but not where door leaves are, nor where leaves cut off an area from the rest.
+    Starts are uniform by area, but not where door leaves are, nor where leaves cut off an area from the rest. The first
+    of `NUM_START_SAMPLES` starts with such a goal is taken, and one of its goals, all equally likely.
 
     Args:
         bank: The houses.

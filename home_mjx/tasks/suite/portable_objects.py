@@ -48,7 +48,8 @@ def find_portable_objects(view: HouseView, max_mass: float, max_size: float) -> 
 def is_receptacle(view: HouseView, thing: HouseObject, portable_ids: Collection[int]) -> bool:
     """Return whether an object is a receptacle, not portable itself, with its top within `RECEPTACLE_HEIGHTS` [m].
 
-    `portable_ids` are object ids; objects of several instances are not receptacles.
+    Heights are above the floor beside it. `portable_ids` are object ids; objects of several instances are not
+    receptacles.
     """
     if thing.coarse not in RECEPTACLES or thing.object_id in portable_ids or view.instance_of(thing) < 0:
         return False

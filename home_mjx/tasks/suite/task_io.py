@@ -188,6 +188,8 @@ def _parse_word(word: str) -> int:
 def encode(value: Any) -> Any:
     """Return a dataclass of a task line as JSON values; fields that equal their default are left out.
 
+    Tuples become lists and members of enumerations their lower-case names; other values are returned as they are.
+
     Example:
         >>> encode(Transition(-1, reward=2.5))
         {'next': 'success', 'reward': 2.5}

@@ -122,7 +122,9 @@ def blocked_start(row: int, start: Float[np.ndarray, "3"]) -> Violation:
 
 
 def is_same_length(given: np.ndarray, length: np.ndarray) -> np.ndarray:
-    """Return whether path lengths of a file are those of the shortest paths, up to the tolerances [m].
+    """Return whether path lengths of a file are those of the shortest paths, up to the tolerances [m], inclusive.
+
+    The relative one is of `length`, which is right.
 
     Example:
         >>> is_same_length(np.array([1.0, 7.5]), np.array([7.56, 7.56])).tolist()
@@ -225,8 +227,9 @@ def _kinds_of(kind: np.ndarray, number: np.ndarray) -> np.ndarray:
 def min_steps(columns: Columns) -> Float[np.ndarray, " t"]:
     """Return the minimum number of steps before a row can succeed: the least sum of `TIME` along its stages.
 
-    All other conditions are assumed to hold at once. inf if no sequence of transitions leads to success. `columns` has
-    `require`, `next`, `feature` and `minimum` of the rows, see `TaskProgram`.
+    Of several TIME conditions of a transition the longest counts. All other conditions are assumed to hold at once, and
+    no forbidden one. inf if no sequence of transitions leads to success. `columns` has `require`, `next`,
+    `feature` and `minimum` of the rows, see `TaskProgram`.
 
     Example:
         >>> columns = {"require": np.full((1, 6, 3), -1), "next": np.full((1, 6, 3), -1)}

@@ -54,7 +54,10 @@ def add_move_noise(
 def add_depth_noise(
     level: Float[Array, ""], key: Array, depth: Float[Array, "h w 1"], depth_max: float
 ) -> Float[Array, "h w 1"]:
-    """Add Kinect noise (`kinect_depth`) of strength `level` to depth [m]; values from `depth_max` stay, all for 0."""
+    """Add Kinect noise (`kinect_depth`) of strength `level` to depth [m]; unchanged for level 0.
+
+    Values from `depth_max` on stay; noisy ones are at most `depth_max`.
+    """
     read = kinect_depth(key, depth, near=0.0, far=depth_max, strength=level)
     read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
     return jnp.where(level > 0, read, depth)

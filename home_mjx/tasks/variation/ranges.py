@@ -116,7 +116,7 @@ class Variation(Pytree):
     def to_dict(self) -> dict[str, Any]:
         """Return arguments of `of` for the same ranges as plain numbers, such as for JSON; on the host.
 
-        Numbers are rounded to 6 decimals.
+        Numbers are rounded to 6 decimals. Ranges are [minimum, maximum]; `clips` has the positive weights by name.
 
         Example:
             >>> Variation.of(lamps=0.5, friction=(1, 2)).to_dict()
