@@ -51,12 +51,12 @@ class ArrangementCounts:
 def with_arrangements(
     bank: HouseBank, num_arrangements: int, key: Array, progress: bool | None = None
 ) -> tuple[HouseBank, ArrangementCounts]:
-    """Return a bank with new arrangements of the bodies of its houses, all at rest; on the host, once per bank.
+    """Return a bank with new arrangements of the bodies of its houses instead of its own; on the host, once per bank.
 
     Small objects (`house_layout.MAX_MASS`, `MAX_SIZE`) that support no others move within their rooms: objects on
     furniture to other furniture, objects on the floor to other floor. They stay clear of doors, passages and goals, and
-    never disconnect the home region. Physics then settles all bodies for `settling.SETTLE_SECONDS`. Results are kept on
-    disk.
+    never disconnect the home region. Physics then settles all bodies for `settling.SETTLE_SECONDS`. A body that still
+    moves then counts as unsettled, with a warning in the log. Results are kept on disk.
 
     Args:
         bank: The houses.

@@ -57,12 +57,13 @@ Records = Mapping[str, Any]  # frozen dataclasses by prefix; "" is the environme
 
 
 def override_options(records: Records, given: Mapping[str, Any], accepted: Iterable[str] = ()) -> dict[str, Any]:
-    """Return the records, by prefix, with some of their fields replaced.
+    """Return copies of the records, by prefix, with some of their fields replaced.
 
     Args:
         records: By prefix; "" is the environment's, whose own fields need no prefix.
         given: Values by name: `width`, `physics.friction_corner`, or a whole record as in `physics=PhysicsConfig()`.
-            A flat name matches a field at any depth if only one field has that name.
+            A flat name matches a field at any depth if only one field has that name. A whole record is set first, then
+            its fields; of several names of one field the last counts.
         accepted: Further names that the caller accepts, as suggestions for unknown names.
 
     Raises:

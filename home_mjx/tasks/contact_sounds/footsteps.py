@@ -56,14 +56,15 @@ def step_length(config: EnvConfig, snapshot: Snapshot) -> Float[Array, ""]:
 def footsteps(
     config: EnvConfig, before: Float[Array, "a 3"], snapshot: Snapshot, noises: ContactSounds
 ) -> tuple[TransientSounds, Float[Array, " a"], Bool[Array, ""]]:
-    """Return one footstep of each agent in a control step; its gain is the speed [m/s], 0 if the agent took none.
+    """Return one footstep of each agent in a control step; its gain is the horizontal speed [m/s], 0 if it took none.
 
     The speed counts up to `MAX_FOOTSTEP_SPEED`; without a floor within `MAX_FLOOR_DISTANCE` below the agent the gain is
     0. Of several in one step only the last sounds. `before` are positions of agents before the step [m], `noises` the
     contact sounds before it, `snapshot` is of after it.
 
     Returns:
-        The footsteps, each agent's path length since the start of the episode [m], and whether an agent took several.
+        The footsteps, each agent's horizontal path length since the start of the episode [m], and whether an agent took
+        several.
     """
     length, frame = step_length(config, snapshot), config.audio.frame
     pos = snapshot.pose.pos

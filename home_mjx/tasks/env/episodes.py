@@ -87,7 +87,8 @@ def save_episodes(path: str | Path, bank: HouseBank, episodes: Episodes, task: T
     """Write episodes as JSON lines, with ids and positions instead of indices: any bank of the houses can load them.
 
     Raises:
-        ConfigError: The file cannot be written, or the episodes are of other houses.
+        ConfigError: The file cannot be written, or an index of a house is beyond the bank; other houses of the same
+            indices are not noticed.
     """
     as_path(path, "episodes")
     check_type("bank", bank, HouseBank)

@@ -255,7 +255,7 @@ class HouseholdEnv:
         """Return the next state, with observations and sensor states of the last one, and its snapshot.
 
         A step to a pose that is not finite is undone. This, or a state of another house, ends the episode with reward
-        0. The step that reaches `episode_length` is truncated, unless it is terminated.
+        0. From step `episode_length` on it is truncated, unless it is terminated.
         """
         bank, template = params.bank, self.template(params.bank)
         check_state(template.layout, params, state)

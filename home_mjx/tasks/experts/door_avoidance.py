@@ -27,7 +27,7 @@ SWING_CLEARANCE_ANGLE = 0.35  # [rad], angle from the leaf at which an agent is 
 def leaf_distances(
     snapshot: Snapshot, place: Float[Array, "n 3"], selected: Bool[Array, " h"] | None = None
 ) -> Float[Array, " n"]:
-    """Return plan distances of feet at `place` [m] to the nearest leaf at an agent's height [m]; inf without one.
+    """Return plan distances of feet at `place` to the nearest leaf at an agent's height [m]; 0 inside, inf without one.
 
     `selected` is a mask of leaves; None: all.
     """

@@ -102,7 +102,10 @@ def _step_lengths(
 
 
 def _is_step_away(height: Float[Array, "w w"]) -> Bool[Array, "9 w w"]:
-    """Return which of the 3 × 3 cells around each differ from it in height [m] by less than `MAX_RISE`."""
+    """Return which of the 3 × 3 cells around each differ from it in height [m] by less than `MAX_RISE`.
+
+    Those outside the window are False, the cell itself is True.
+    """
     return jnp.abs(_neighbours(height, jnp.inf) - height) < jnp.float32(MAX_RISE)
 
 

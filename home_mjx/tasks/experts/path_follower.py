@@ -121,6 +121,8 @@ def plan_view(
 ) -> tuple[Float[Array, " a"], Float[Array, " a"], Bool[Array, " a"]]:
     """Return turn to the left and tilt up [rad]: along the path, or to the guide's target if only a look is missing.
 
+    On the path the view becomes level. The look goes to the first of the target's points that is in free sight.
+
     Args:
         snapshot: The environment.
         state: State of its row task.

@@ -51,6 +51,9 @@ def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[A
 
 
 def needs_only(state: RowState, values: Array, changed: Array) -> Bool[Array, " a"]:
-    """Return whether feature values `changed` lead on and `values` to no transition; same for all agents."""
+    """Return whether `changed` leads to a transition that is not to FAILURE, and `values` to none; same for all agents.
+
+    Both are values of features.
+    """
     needs = leads_on(state.program, state.stage, changed)[0] & ~leads_on(state.program, state.stage, values)[1]
     return jnp.broadcast_to(needs, values.shape[1:2])

@@ -134,7 +134,7 @@ def minimal_identifying_words(
 
 
 def _naming_values(thing: HouseObject, word: Attribute) -> tuple[int, ...]:
-    """Return values of an attribute that may name an object: its main one, or any label of its room."""
+    """Return attribute values that may name an object: its main one (-1 if unknown), or any label of its room."""
     return thing.room_types if word == Attribute.ROOM_TYPE else (thing.semantic(SEMANTIC_COLUMN[word]),)
 
 

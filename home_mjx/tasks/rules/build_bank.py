@@ -265,7 +265,8 @@ def _feasible_rows(
 ) -> tuple[list[FeasibleRow], np.ndarray]:
     """Return the feasible rows of a house, and its distance fields (cells, fields), which their column `field` indexes.
 
-    `rows` are pairs of generator index and row; `limits` are the minimum and maximum shortest-path length [m].
+    `rows` are pairs of generator index and row. `limits` are the minimum and maximum length [m] from a drawn start to
+    the goal; they do not apply to given starts. `ConfigError` if a row cannot be packed, or never leads to SUCCESS.
     """
     columns = [pack_program(row.selectors, row.stages) for _, row in rows]
     for _, row in rows:
@@ -408,7 +409,10 @@ def _prescribed_start(
 
 
 def _interleave_houses(drawn: list[FeasibleRow]) -> list[FeasibleRow]:
-    """Return the rows, first one of each house, then a second, ...: the first ones cover as many houses as possible."""
+    """Return the rows, first one of each house, then a second, ...: the first ones cover as many houses as possible.
+
+    In each round houses are in ascending order; the rows of one keep theirs.
+    """
     counts: dict[int, Iterator[int]] = {}
     turns = [next(counts.setdefault(row.house, itertools.count())) for row in drawn]
     return [drawn[i] for i in np.lexsort([[row.house for row in drawn], turns])]

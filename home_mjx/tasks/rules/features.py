@@ -193,10 +193,10 @@ def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[A
 
 
 def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
-    """Return whether a target of descriptor i rests on a target of j, for each pair [i, j], by their bounds.
+    """Return whether a target of descriptor i rests on another target of j, for each pair [i, j], by their bounds.
 
-    The middle of the first is above the second's footprint. Its underside is at most `MAX_SUPPORT_GAP` above the
-    second's top, and not below the second's middle.
+    The middle of the first is above the second's footprint or its edge. Its underside is at most `MAX_SUPPORT_GAP`
+    above the second's top, and not below the second's middle.
     """
     middle, low, high = boxes.mean(axis=1), boxes[:, 0], boxes[:, 1]
     over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])

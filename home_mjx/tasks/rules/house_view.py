@@ -161,9 +161,10 @@ class HouseView:
         return cells, away
 
     def _nearest_view_cells(self, which: list[int]) -> list[EndCells]:
-        """Return, for each of some instances, the cells beside it to which none of the others is nearer.
+        """Return, for each of some instances, those of its `view_cells` to which no other of these instances is nearer.
 
-        Conditions test the nearest target, so this one must be visible from a path's end.
+        Near is in a straight line from the middle of an agent there to the bounds; ties count for all. Conditions test
+        the nearest target, so this one must be visible from a path's end.
         """
         parts, boxes = [], self._boxes[which]
         for at, instance in enumerate(which):

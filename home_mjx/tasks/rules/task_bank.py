@@ -70,7 +70,7 @@ class TaskBank(Pytree):
             weights: One per row, not negative; a row of weight 0 is never drawn.
 
         Raises:
-            ConfigError: They are not one finite number of at least 0 per row, or all are 0.
+            ConfigError: They are not one finite number of at least 0 per row, or all are below `MIN_WEIGHT`.
 
         Example:
             >>> easy = tasks.with_weights(tasks.rows.columns["length"] < 5.0)  # doctest: +SKIP
@@ -154,7 +154,7 @@ def _is_valid_weight(weights: Any) -> Any:
 
 
 def _as_weights(weights: Any) -> Float[Array, "..."]:
-    """Convert weights to a float32 array of any shape; their values are not checked.
+    """Convert weights to a float32 array of any shape, booleans to 0 and 1; their values are not checked.
 
     Raises:
         ConfigError: They are not real numbers.

@@ -118,7 +118,10 @@ class Exploration(Task):
         }
 
     def _near(self, snapshot: Snapshot, room: Int[Array, "levels ty tx"]) -> Bool[Array, "a levels ty tx"]:
-        """Return which tiles each agent covers: centres in its room within `cover_radius`; none outside rooms."""
+        """Return which tiles each agent covers: centres in its room, on its level, at most `cover_radius` away in plan.
+
+        Agents outside rooms cover none.
+        """
         bank, house = snapshot.bank, snapshot.house
         edge = jnp.float32(_cells_per_edge(bank) * bank.spec.cell)
         levels, rows, columns = room.shape

@@ -240,7 +240,7 @@ def silent_history(config: EnvConfig) -> Int[Array, "k a"]:
 
 
 def update_history(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
-    """Return a history of spoken tokens with the current ones first and the oldest dropped; a reset clears it."""
+    """Return a history of spoken tokens with the current ones first and the oldest dropped; a reset clears earlier ones."""
     before = jnp.where(snapshot.step == 0, NO_WORD, said)
     return jnp.concatenate([snapshot.spoken_token[None], before])[: said.shape[0]]
 

@@ -65,7 +65,7 @@ class RoomNav(NavigationTask):
     """Go into a room of some type; any label of a room counts, as in House3D."""
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row per room type of the house, endlessly, in a new random order each round."""
+        """Yield a row per room type of the house, endlessly, in a new random order each round; none without any."""
         types = np.array(list(view.rooms_by_type), int)
         while len(types):
             for kind in random.permutation(types).tolist():
@@ -88,7 +88,10 @@ class ObjectNav(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
-        """Yield a row per coarse category in the house, endlessly, in a new random order each round."""
+        """Yield a row per coarse category in the house, endlessly, in a new random order each round; none without any.
+
+        `EXCLUDED_CATEGORIES` are left out.
+        """
         kinds = {thing.semantic(Semantic.COARSE) for thing in view.objects}
         kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in EXCLUDED_CATEGORIES), int)
         there = Condition(Feature.DISTANCE, 0, maximum=self.success_distance), Condition(Feature.SEEN, 0, minimum=1)
@@ -175,10 +178,10 @@ class HouseTasks(RowTask):
 
 
 def check_mix(tasks: Any) -> tuple[TaskGenerator, ...]:
-    """Return tasks as a tuple if they can be mixed.
+    """Return tasks as a tuple, unchanged, if they can be mixed.
 
     Raises:
-        ConfigError: There are no tasks, or one yields no rows, or controls agents itself.
+        ConfigError: There are no tasks, or one is no `TaskGenerator` (such as a class), or controls agents itself.
     """
     if not isinstance(tasks, tuple | list) or not tasks:
         hint = "Write tasks=(RoomNav(), ObjectNav())."

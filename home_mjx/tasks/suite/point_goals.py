@@ -117,7 +117,7 @@ def to_json(bank: HouseBank, house: int, columns: dict[str, Any]) -> dict[str, A
 
 
 def read_numbers(line: dict[str, Any], name: str, shape: tuple[int, ...]) -> np.ndarray:
-    """Return finite numbers of a JSON line, as an array of a shape.
+    """Return finite numbers of a JSON line, as a float array of a shape; booleans are no numbers.
 
     Raises:
         KeyError: They are missing.

@@ -137,7 +137,8 @@ class PointNav(Task):
     def metrics(self, snapshot: Snapshot, state: PointNavState) -> dict[str, Float[Array, ""]]:
         """Return Habitat's metrics as means over agents: success, SPL, soft SPL, distance [m], collisions; and contact.
 
-        See `path_scores`.
+        Contact is the fraction of agents that touch anything but the floor now. Agents that do not act count, too. See
+        `path_scores`.
         """
         success = state.reached.astype(jnp.float32)
         figures = {

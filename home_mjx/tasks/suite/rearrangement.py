@@ -145,8 +145,8 @@ class Fetch(ManipulationTask):
     def _row(self, words: Words, goal: Selector, there: Condition, where: str, pose: Pose | None = None) -> TaskRow:
         """Return the row with two stages: hold the object, then hold it where the condition `there` is met.
 
-        Half of `success_reward` is paid for each; dropping the object takes the first half back. `pose` is the start;
-        None: any.
+        Half of `success_reward` is paid for each; dropping the object takes the first half back and begins anew. With
+        `stop`, the second stage needs it, and any other `stop` fails. `pose` is the start; None: any.
         """
         held, half = Condition(Feature.HELD, 0, minimum=1), self.success_reward / 2
         said, wrong = ((STOP_CONDITION,), (Transition(FAILURE, (STOP_CONDITION,)),)) if self.stop else ((), ())

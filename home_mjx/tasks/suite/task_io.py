@@ -53,7 +53,8 @@ def save_tasks(path: str | Path, bank: HouseBank, tasks: TaskBank) -> None:
         tasks: Tasks from `Task.task_bank` or `build_task_bank`.
 
     Raises:
-        ConfigError: The file cannot be written, or the tasks are of other houses, or have no names.
+        ConfigError: The file cannot be written, or an index of a house is beyond the bank, or the tasks have no names.
+            Other houses of the same indices are not noticed.
 
     Example:
         >>> save_tasks("tasks.jsonl", env.params.bank, env.params.tasks)  # doctest: +SKIP
@@ -232,7 +233,7 @@ def decode(kind: Any, value: Any) -> Any:
 
 
 def _encode_selector(selector: Selector) -> dict[str, Any]:
-    """Return a selector as JSON values, with names of vocabularies instead of indices."""
+    """Return a selector as JSON values, with names of vocabularies instead of indices; `place` only if it has one."""
     item: dict[str, Any] = {"kind": TargetKind(selector.attributes.get("kind", TargetKind.NOTHING)).name.lower()}
     for name, value in selector.attributes.items():
         word = Attribute[name.upper()]

@@ -109,7 +109,7 @@ def field_types(cls: type) -> dict[str, Any]:
 
 @functools.cache
 def schema_of(cls: type) -> Schema:
-    """Return the schema of a dataclass as a JSON object.
+    """Return the schema of a dataclass as a JSON object; fields with a default are optional.
 
     A field's annotation determines the form of its value; the column with its name determines the range of numbers.
     """

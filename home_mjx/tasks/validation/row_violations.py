@@ -95,7 +95,10 @@ def _find_out_of_range(columns: Columns, ranges: Mapping[str, Range], hints: Map
 
 
 def _find_outside_grid(columns: Columns, bank: HouseBank) -> Violation | None:
-    """Return the first start outside the grid of its house, or too far above or below its floors; None if none is."""
+    """Return the first start outside the grid of its house, whose edges are inside; None if none is.
+
+    Outside is also more than `MAX_START_HEIGHT` above its highest floor, or `MAX_START_DEPTH` below its lowest.
+    """
     navigation, house, start = bank.navigation, columns["house"], columns["start"]
     size = np.array(navigation.room.shape[:1:-1]) * bank.spec.cell
     low, floor = np.asarray(navigation.origin)[house], np.asarray(navigation.floor)[house]
