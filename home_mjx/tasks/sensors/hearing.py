@@ -114,13 +114,13 @@ class Hearing(Sensor):
         if snapshot.contact_sounds is not None:
             left = jnp.concatenate([left, emitted_signals(scale_contact_sounds(snapshot), time, config.audio)])
 
-        def of_all(old: Any, new: Any) -> Float[Array, "c m"]:
+        def render_agent(old: Any, new: Any) -> Float[Array, "c m"]:
             if config.audio.motion is not None:
                 return render_frames(left, old, new, config.audio, snapshot.head)
             return jnp.sum(jax.vmap(lambda s, a, b: convolve_frame(s, a, b, config.audio))(left, old, new), axis=0)
 
         return HearingState(
-            phase=phase, time=time, response=response, frame=jax.vmap(of_all)(before, response), tokens=said
+            phase=phase, time=time, response=response, frame=jax.vmap(render_agent)(before, response), tokens=said
         )
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: HearingState) -> dict[str, Array]:
@@ -240,7 +240,7 @@ def silent_history(config: EnvConfig) -> Int[Array, "k a"]:
 
 
 def update_history(snapshot: Snapshot, said: Int[Array, "k a"]) -> Int[Array, "k a"]:
-    """Return a history of spoken tokens with the current ones first and the oldest dropped; a reset clears earlier ones."""
+    """Return a history of spoken tokens with the current ones first, without the oldest; a reset drops earlier ones."""
     before = jnp.where(snapshot.step == 0, NO_WORD, said)
     return jnp.concatenate([snapshot.spoken_token[None], before])[: said.shape[0]]
 
