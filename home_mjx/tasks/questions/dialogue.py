@@ -6,17 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from home_mjx.core.checks import check_number
-from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import SUPPORTS, Semantic
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN, attribute_text
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
-from home_mjx.tasks.questions.question import askable_objects, identifying_words, noun
-from home_mjx.tasks.questions.question_kinds import gap_between
+from home_mjx.tasks.questions.question import askable_objects, identifying_words
 from home_mjx.tasks.rules.build_bank import TaskRow
 from home_mjx.tasks.rules.enums import Attribute, Feature
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView
 from home_mjx.tasks.rules.program import Condition, Selector
 from home_mjx.tasks.suite.navigation import NavigationTask, arrival_stage
+from home_mjx.tasks.suite.portable_objects import box_gap
 
 QUESTION_WORDS = {
     Attribute.COLOR: "colour",
@@ -72,8 +71,8 @@ class Dialogue(NavigationTask):
 
     def _is_apart(self, thing: HouseObject, things: Sequence[HouseObject]) -> bool:
         """Return whether `thing` has peers of its category, all more than twice `success_distance` away."""
-        peers = [other for other in things if noun(other) == noun(thing) and other.object_id != thing.object_id]
-        return bool(peers) and min(gap_between(thing, other) for other in peers) > 2 * self.success_distance
+        peers = [other for other in things if other.coarse == thing.coarse and other.object_id != thing.object_id]
+        return bool(peers) and min(box_gap(thing, other) for other in peers) > 2 * self.success_distance
 
     def _row(
         self,
@@ -93,7 +92,7 @@ class Dialogue(NavigationTask):
             [Selector.objects(coarse=thing.semantic(Semantic.COARSE)), Selector.objects(object_id=thing.object_id)],
             [arrival_stage(there, self.stop, self.success_reward, guide=1)],
             goal=1,
-            tokens=tokenize(INSTRUCTIONS[int(random.integers(len(INSTRUCTIONS)))].format(to_word(noun(thing)))),
+            tokens=tokenize(INSTRUCTIONS[int(random.integers(len(INSTRUCTIONS)))].format(to_word(thing.coarse))),
             oracle=[(tokenize(question)[0], tokenize(answer)[0]) for question, answer in oracle],
             num_identifying_questions=len(first),
         )
@@ -114,4 +113,4 @@ def support_word(things: Sequence[HouseObject], thing: HouseObject) -> str:
     if support < 0:
         return UNKNOWN
     below = [other for other in things if other.object_id == thing.semantic(Semantic.SUPPORTER)]
-    return to_word(COARSE[below[0].semantic(Semantic.COARSE)]) if below else SUPPORTS[support]
+    return to_word(below[0].coarse) if below else SUPPORTS[support]

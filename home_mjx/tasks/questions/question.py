@@ -1,5 +1,6 @@
 """Questions, and the words that answer them."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -61,19 +62,9 @@ def answers_to(kinds: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(to_word(word) for kind in kinds for word in ANSWERS[kind]))
 
 
-def noun(thing: HouseObject) -> str:
-    """Return the name of an object's coarse category, as in `COARSE`.
-
-    The category must be known: for -1 the result is the last name of `COARSE`.
-    """
-    return COARSE[thing.semantic(Semantic.COARSE)]
-
-
 def askable_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
     """Select the objects that questions may be about: neither parts of the house nor of unknown category."""
-    return [
-        thing for thing in things if thing.semantic(Semantic.COARSE) >= 0 and noun(thing) not in EXCLUDED_CATEGORIES
-    ]
+    return [thing for thing in things if thing.coarse not in EXCLUDED_CATEGORIES]
 
 
 def indefinite_noun(name: str) -> str:
@@ -105,8 +96,8 @@ def identifying_words(
 
 def unique_objects(things: Sequence[HouseObject]) -> list[HouseObject]:
     """Select the askable objects that are the only ones of their category, sorted by its name."""
-    nouns = [thing.semantic(Semantic.COARSE) for thing in things]
-    return sorted((t for t in askable_objects(things) if nouns.count(t.semantic(Semantic.COARSE)) == 1), key=noun)
+    counts = Counter(thing.coarse for thing in things)
+    return sorted((t for t in askable_objects(things) if counts[t.coarse] == 1), key=lambda thing: thing.coarse)
 
 
 def is_on(thing: HouseObject, other: HouseObject) -> bool:

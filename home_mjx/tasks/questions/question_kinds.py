@@ -5,7 +5,7 @@ from itertools import combinations, permutations
 
 import numpy as np
 
-from home_mjx.schema.categories import COARSE, ROOM_TYPES
+from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import SEMANTIC_COLUMN, attribute_text, noun_phrase
 from home_mjx.tasks.language.vocabulary import to_word
@@ -19,12 +19,12 @@ from home_mjx.tasks.questions.question import (
     identifying_words,
     indefinite_noun,
     is_on,
-    noun,
     unique_objects,
 )
 from home_mjx.tasks.rules.enums import Attribute
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView
 from home_mjx.tasks.rules.program import Selector
+from home_mjx.tasks.suite.portable_objects import box_gap
 
 MIN_VOLUME_RATIO = 2.0  # minimum ratio of the volumes of bounds in questions about size
 MAX_GAP_NEXT_TO, MIN_GAP_AWAY = 0.3, 1.5  # [m] maximum gap between bounds next to each other; minimum gap otherwise
@@ -76,7 +76,7 @@ def count_in_rooms(view: HouseView) -> Iterator[tuple[str, int, int]]:
     """
     things: dict[str, list[HouseObject]] = {name: [] for name in NOUNS}
     for thing in askable_objects(view.objects):
-        things[noun(thing)].append(thing)
+        things[thing.coarse].append(thing)
     known = {name for name, own in things.items() if all(view.is_visible(t) and _is_in_room(t) for t in own)}
     for (room, kind), category in ((r, c) for r in unique_rooms(view) for c in sorted(known)):
         yield category, kind, sum(thing.semantic(Semantic.ROOM) == room for thing in things[category])
@@ -144,7 +144,7 @@ def relation_questions(view: HouseView) -> Iterator[Question]:
             for words in identifying_words(view.objects, thing):
                 yield from _support_questions(view, thing, words)
     for a, b in combinations(unique_objects(view.objects), 2):
-        gap = gap_between(a, b)
+        gap = box_gap(a, b)
         if gap <= MAX_GAP_NEXT_TO or gap >= MIN_GAP_AWAY:
             texts = (
                 f"is {definite_noun(a)} next to {definite_noun(b)}",
@@ -163,7 +163,7 @@ def _support_questions(view: HouseView, thing: HouseObject, words: dict[Attribut
     if not all(view.is_visible(other) for other in carried):
         return
     what, looks = noun_phrase(words), (Selector.objects_with(words),)
-    kinds = {COARSE[other.semantic(Semantic.COARSE)] for other in carried}
+    kinds = {other.coarse for other in carried}
     if len(kinds) == 1 and kinds <= set(NOUNS):
         yield Question("relation", (f"what is on {what}", f"which thing is on {what}"), to_word(*kinds), looks)
     for category in SMALL_CATEGORIES:
@@ -173,7 +173,7 @@ def _support_questions(view: HouseView, thing: HouseObject, words: dict[Attribut
 
 def definite_noun(thing: HouseObject) -> str:
     """Return the name of an object that is the only one of its category, with article, such as `the sofa`."""
-    return f"the {to_word(noun(thing))}"
+    return f"the {to_word(thing.coarse)}"
 
 
 def select_unique(thing: HouseObject) -> Selector:
@@ -189,11 +189,6 @@ def has_one_color(thing: HouseObject) -> bool:
 def volume(thing: HouseObject) -> float:
     """Compute the volume of an object's bounds [m^3]; at least 1e-6."""
     return max(float(np.prod(thing.box[1] - thing.box[0])), 1e-6)
-
-
-def gap_between(a: HouseObject, b: HouseObject) -> float:
-    """Compute the minimum distance between the world bounds of two objects [m]; 0 if they touch or overlap."""
-    return float(np.linalg.norm(np.maximum(np.maximum(a.box[0] - b.box[1], b.box[0] - a.box[1]), 0)))
 
 
 def _attribute_generator(kind: str) -> Callable[[HouseView], Iterator[Question]]:

@@ -12,7 +12,7 @@ import numpy as np
 from home_mjx.core.checks import check_number
 from home_mjx.tasks.language.vocabulary import to_word, tokenize
 from home_mjx.tasks.questions.house_qa import QuestionTask, answer_transitions
-from home_mjx.tasks.questions.question import MAX_COUNT, YES_NO, Question, askable_objects, indefinite_noun, noun
+from home_mjx.tasks.questions.question import MAX_COUNT, YES_NO, Question, askable_objects, indefinite_noun
 from home_mjx.tasks.questions.question_kinds import attribute_questions
 from home_mjx.tasks.rules.build_bank import TaskRow
 from home_mjx.tasks.rules.enums import FAILURE, Feature
@@ -65,7 +65,7 @@ class VQA(QuestionTask):
         """Yield questions about a view, given the fraction of the image that each object id covers."""
         seen = [thing for thing in view.all_objects if thing.object_id in parts]
         clear = [thing for thing in seen if parts[thing.object_id] >= self.min_image_fraction]
-        nouns, known = sorted({noun(thing) for thing in askable_objects(view.all_objects)}), {}
+        nouns, known = sorted({thing.coarse for thing in askable_objects(view.all_objects)}), {}
         for kind in self.kinds:
             asked = (
                 attribute_questions(seen, kind, clear)
@@ -105,8 +105,8 @@ def view_questions(
         clear: Objects that are well in view.
     """
     well = {thing.object_id for thing in clear}
-    faint = {noun(thing) for thing in askable_objects(seen) if thing.object_id not in well}
-    counts = Counter(noun(thing) for thing in askable_objects(clear))
+    faint = {thing.coarse for thing in askable_objects(seen) if thing.object_id not in well}
+    counts = Counter(thing.coarse for thing in askable_objects(clear))
     for category in (name for name in nouns if name not in faint):
         number = counts[category]
         if kind == "existence":

@@ -11,8 +11,6 @@ import numpy as np
 from jaxtyping import Array
 
 from home_mjx.core.checks import check_flag, check_known, check_number
-from home_mjx.schema.categories import COARSE
-from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.language.vocabulary import tokenize
@@ -116,9 +114,7 @@ class AudioNav(NavigationTask):
         Objects are only for the option "object" without `moving_source`. There may be fewer cells.
         """
         if self.emitter == "object" and not self.moving_source:
-            things = [
-                thing for thing in view.objects if COARSE[thing.semantic(Semantic.COARSE)] not in EXCLUDED_CATEGORIES
-            ]
+            things = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
             return [Selector.objects(object_id=thing.object_id) for thing in things]
         free = np.flatnonzero(~view.graph.at_leaf)
         return [Selector.point(view.graph.place[i].tolist()) for i in random.permutation(free)[:NUM_PLACES]]

@@ -7,8 +7,6 @@ import numpy as np
 from jaxtyping import Bool, Int
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.schema.categories import COARSE
-from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.language.phrases import identify_objects, noun_phrase
 from home_mjx.tasks.language.splits import mask_new_descriptors
 from home_mjx.tasks.language.vocabulary import tokenize
@@ -56,7 +54,7 @@ class InstructionFollowing(NavigationTask):
 
     def rows(self, view: HouseView, random: np.random.Generator) -> Iterator[TaskRow]:
         """Yield rows of random instructions about distinct objects, endlessly; none if no object can be identified."""
-        things = [thing for thing in view.objects if COARSE[thing.semantic(Semantic.COARSE)] not in EXCLUDED_CATEGORIES]
+        things = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
         told = [words for _, words in identify_objects(view.objects, things, random)]
         while told:
             count = min(int(random.integers(1, self.max_parts + 1)), len(told))

@@ -12,7 +12,6 @@ import numpy as np
 
 from home_mjx.core.checks import check_flag, check_number
 from home_mjx.errors import ConfigError
-from home_mjx.schema.categories import COARSE
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.build_bank import TaskGenerator, TaskRow
 from home_mjx.tasks.rules.enums import FAILURE, SUCCESS, Feature
@@ -92,8 +91,8 @@ class ObjectNav(NavigationTask):
 
         `EXCLUDED_CATEGORIES` are left out.
         """
-        kinds = {thing.semantic(Semantic.COARSE) for thing in view.objects}
-        kinds = np.array(sorted(kind for kind in kinds if kind >= 0 and COARSE[kind] not in EXCLUDED_CATEGORIES), int)
+        things = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
+        kinds = np.array(sorted({thing.semantic(Semantic.COARSE) for thing in things}), int)
         there = Condition(Feature.DISTANCE, 0, maximum=self.success_distance), Condition(Feature.SEEN, 0, minimum=1)
         while len(kinds):
             for kind in random.permutation(kinds).tolist():
