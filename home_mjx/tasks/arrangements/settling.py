@@ -44,6 +44,7 @@ def _reset_states(
     """Return states with all bodies as in arrangement `number` of each house, doors open, and the agent outside."""
 
     def one(house: Array, number: Array) -> PhysicsState:
+        """Return the state of one house with one arrangement."""
         corner = bank.navigation.origin[house] + jnp.float32(AGENT_OFFSET)
         agent = jnp.append(corner, bank.physics.floor[house])[None]
         angle = door_angles(bank, house, "open", jax.random.key(0))
@@ -57,6 +58,7 @@ def _step_second(template: Template, bank: HouseBank, house: Int[Array, " e"], s
     """Return the physics states (one per entry of `house`) after one simulated second with idle agents."""
 
     def step(state: PhysicsState, _: None) -> tuple[PhysicsState, None]:
+        """Advance all states by one control step; no outputs."""
         idle = jnp.zeros((1, 3), jnp.float32)
         return jax.vmap(lambda h, s: physics.step(template, bank, h, s, idle))(house, state), None
 

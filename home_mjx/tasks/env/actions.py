@@ -132,6 +132,7 @@ def override_moves(
     own = decode_actions(config, action, stopped).replace(is_invalid=moves.is_invalid)
 
     def pick(led: Array, told: Array) -> Array:
+        """Return `led` for masked agents, else `told`, along the first axis; of scalars `told`."""
         return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
 
     return jax.tree.map(pick, own, moves)

@@ -128,6 +128,7 @@ class AutoReset:
         num = done.shape[0]
 
         def one(state: State, done: Bool[Array, ""]) -> State:
+            """Return the next episode of one environment if it is done, else its state."""
             episode = state.world.episode + num if is_sequential(params.tasks) else None
             with silence():  # part of the step, which is announced
                 new = self.core.reset(params, fold_key(state.world.key, RENEW_TAG), None, episode, observe=False)
@@ -177,15 +178,18 @@ class AutoReset:
         count = jnp.sum(done.astype(jnp.int32))
 
         def nobody(_: State) -> dict[str, Array]:
+            """Return the observations as they are: no environment has ended."""
             return kept
 
         def some(stepped: State) -> dict[str, Array]:
+            """Observe `few` environments, ended ones first; use those that have ended."""
             rows = jnp.argsort(~done, stable=True)[:few]  # ended environments come first
             seen = self._update_and_observe(params, jax.tree.map(lambda x: x[rows], stepped)).obs
             rows = jnp.where(done[rows], rows, done.shape[0])
             return {name: value.at[rows].set(seen[name], mode="drop") for name, value in kept.items()}
 
         def many(stepped: State) -> dict[str, Array]:
+            """Observe all environments; use those that have ended."""
             seen = self._update_and_observe(params, stepped).obs
             return {name: select_envs(done, seen[name], value) for name, value in kept.items()}
 

@@ -68,6 +68,7 @@ def sample_episodes(
         limits["same_storey"] = True
 
     def one(house: Array, key: Array) -> Episodes:
+        """Sample one episode."""
         start, yaw, columns = task.sample(bank, house, key, **limits)
         return Episodes(house=house, start=start, yaw=yaw, columns=columns)
 
@@ -191,6 +192,7 @@ def _solvable_and_length(
     """Return for each episode whether it can be solved, and its shortest-path length [m]; NaN if the task has none."""
 
     def one(bank: HouseBank, row: Episodes) -> tuple[Array, Array]:
+        """Return both values of one episode."""
         return task.is_solvable(bank, row), task.shortest_length(bank, row)
 
     return jax.jit(jax.vmap(one, (None, 0)))(bank, episodes)

@@ -105,6 +105,7 @@ def _has_room(snapshot: Snapshot, point: Float[Array, "a n 3"]) -> Bool[Array, "
     radius = jax.vmap(plan_radius)(physics.body_size[house, held], physics.body_quat[house, held])
 
     def one(point: Array, radius: Array, carried: Array) -> Array:
+        """Return the mask of one agent's points."""
         bears, apart = check_placement(
             obstacle_footprints(snapshot.scene, carried), point[:, :2], point[:, 2], radius + MIN_PLACE_GAP
         )

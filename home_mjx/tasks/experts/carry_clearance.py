@@ -109,6 +109,7 @@ def choose_clear_turns(snapshot: Snapshot, turn: Float[Array, " a"]) -> Float[Ar
     part = jnp.linspace(0.0, 1.0, NUM_TURN_SAMPLES + 1, dtype=jnp.float32)[1:]
 
     def meets_any(agent: Int[Array, ""], turn: Float[Array, ""]) -> Bool[Array, ""]:
+        """Return whether any sample of an agent's turn would collide."""
         yaw = snapshot.pose.yaw[agent] + part * turn
         ahead = radius[agent] + jnp.float32(CARRY_CLEARANCE) + carried_radius(snapshot, agent)
         way = jnp.stack([jnp.cos(yaw), jnp.sin(yaw), jnp.zeros_like(yaw)], axis=-1) * ahead

@@ -52,6 +52,7 @@ def turns_to_nearest_cell(
     is_left = unvisited[goals[:, 0], goals[:, 1], goals[:, 2]]
 
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
+        """Return one agent's waypoint (x, y) [m], and whether it has no cell to go to."""
         level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
         height = navigation.height[row_of_cell(numbers[level])]
         passable = is_passable_cell(bank, house, numbers[level])
@@ -64,6 +65,7 @@ def turns_to_nearest_cell(
         other = jnp.argmin(jnp.where(is_left, way.astype(jnp.float32), jnp.inf))
 
         def far(place: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
+            """Return distances [m] to the nearest target on the agent's level, else to the house's goal."""
             there = stored_distance(navigation.field, cell, other)
             here = jnp.where(place[:, 0] == level, near[place[:, 1], place[:, 2]], jnp.inf)
             return jnp.where(is_near, here, there)

@@ -82,6 +82,7 @@ def _point_nav_action(task: PointNav, snapshot: Snapshot, state: PointNavState) 
     field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:
+        """Return one agent's waypoint (x, y) [m], and whether its path ends."""
         far = lambda _, cell: stored_distance(field, cell, state.goal)  # noqa: E731
         return descend_field(snapshot, agent, far, tolerance=STOP_RADIUS_FRACTION * task.success_distance / 2)
 

@@ -165,6 +165,7 @@ def _place_candidates(
     radius = jax.vmap(plan_radius)(physics.body_size[house, body], physics.body_quat[house, body])
 
     def one(box: Array, radius: Array, carried: Array) -> tuple[Array, Array]:
+        """Return the spots of one agent."""
         return free_spots(snapshot.scene, box, state.targets.instance[guide], radius, carried)
 
     points, free = jax.vmap(one)(jnp.where(jnp.isfinite(box), box, 0.0), radius, carried)

@@ -79,6 +79,7 @@ def window_distances(
     begin = jnp.where(global_distance <= jnp.min(around, axis=0), leave, jnp.inf)
 
     def relax(_: Array, far: Array) -> Array:
+        """Shorten distances by one step to a neighbour."""
         return jnp.minimum(far, jnp.min(_neighbours(far, jnp.inf) + cost, axis=0))
 
     return jax.lax.fori_loop(0, NUM_RELAXATIONS, relax, begin)

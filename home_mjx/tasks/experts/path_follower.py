@@ -166,6 +166,7 @@ def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureVal
     )
 
     def shifted(shift: Float[Array, "3"]) -> Bool[Array, "a d"]:
+        """Return `is_in_target_room` for agents moved by `shift` [m]."""
         pose = snapshot.pose.replace(pos=snapshot.pose.pos + shift)
         return is_in_target_room(snapshot.replace(pose=pose), state.targets)
 
@@ -214,7 +215,10 @@ def heading_to_target(
     away, apart = displacements(snapshot, state.targets.instance[guide], middle), pick_distance(snapshot, middle)
 
     def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
+        """Return one agent's waypoint (x, y) [m], and whether its path ends."""
+
         def far(places: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
+            """Return distances to the target [m]: from its field, or to a circle around it if it was moved."""
             known = stored_distance(snapshot.tasks.field, cell, column)
             if not has_hands(snapshot):
                 return known

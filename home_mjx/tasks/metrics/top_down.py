@@ -139,6 +139,7 @@ def _passed_cells(snapshot: Snapshot, last: Float[Array, "a 3"]) -> Bool[Array, 
     none = jnp.zeros(bank.navigation.room.shape[1:], bool)
 
     def one(before: Float[Array, "3"], now: Float[Array, "3"]) -> Array:
+        """Return the mask of one agent."""
         passed = before + parts[:, None] * (now - before)
         level, row, column = jax.vmap(lambda at: cell_at_feet(bank, house, at))(passed).T
         return none.at[level, row, column].set(True)
@@ -166,6 +167,7 @@ def _visible_cells(snapshot: Snapshot) -> Bool[Array, "a levels rows columns"]:
     )
 
     def one(feet: Float[Array, "3"], yaw: Float[Array, ""], free: Float[Array, " n"]) -> Array:
+        """Return the mask of one agent, whose rays are free up to `free` [m]."""
         ahead, aside = jnp.broadcast_arrays(x[None] - feet[0], y[:, None] - feet[1])
         turn, away = wrap_angle(jnp.arctan2(aside, ahead) - yaw), jnp.hypot(ahead, aside)
         ray = jnp.round((turn / half + 1) / 2 * (NUM_RAYS - 1)).astype(jnp.int32)

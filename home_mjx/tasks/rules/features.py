@@ -140,6 +140,7 @@ def lines_of_sight(
     eyes, own = eye_position(snapshot.config, snapshot.pose), agent_ids(snapshot.bank, box.shape[0])
 
     def one(eye: Array, own: Array, box: Array) -> tuple[Array, Array]:
+        """Return points and their visibility for one agent and descriptor."""
         points = look_points(eye, box)
         return points, is_unobstructed(snapshot.scene, eye, box, points, own)
 

@@ -192,6 +192,7 @@ class HouseView:
         """
 
         def there(eyes: Array) -> Array:
+            """Return at which of the eyes [m] a hand can pick the instance."""
             box = jnp.asarray(self._boxes[instance], jnp.float32)
             return can_pick_from(
                 self._device, self._number, eyes, jnp.int32(instance), box, jnp.float32(MAX_HAND_REACH)
@@ -250,6 +251,7 @@ class HouseView:
         """
 
         def there(eyes: Array) -> Array:
+            """Return at which of the eyes [m] a hand can place the object."""
             box, size = jnp.asarray(self._boxes[instance], jnp.float32), jnp.float32(radius)
             return can_place_from(
                 self._device, self._number, eyes, jnp.int32(instance), box, size, jnp.float32(MAX_HAND_REACH)

@@ -88,6 +88,7 @@ def _stage_fields(stage: TaskStage, numbers: Mapping[Condition, int]) -> dict[st
     """Return the column values of a stage; conditions become bits at their `numbers`."""
 
     def bits(conditions: Sequence[Condition]) -> int:
+        """Return the mask of bits of the conditions."""
         return sum(1 << numbers[when] for when in set(conditions))
 
     ways = stage.transitions

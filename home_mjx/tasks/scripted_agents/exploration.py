@@ -128,6 +128,7 @@ class Exploration(Task):
         y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * edge for n in (rows, columns))
 
         def one(feet: Float[Array, "3"]) -> Bool[Array, "levels ty tx"]:
+            """Return the mask of one agent."""
             at = cell_at_feet(bank, house, feet)
             own = bank.navigation.room[house, at[0], at[1], at[2]]
             local = feet[:2] - bank.navigation.origin[house]

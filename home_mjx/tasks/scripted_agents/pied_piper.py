@@ -246,6 +246,7 @@ def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array
     """Return the path length from each agent to the end that it heads for [m]; the follower's has no meaning."""
 
     def to(feet: Array, column: Array, field: Array | None) -> Array:
+        """Return the path length from feet to the goal of a column [m]; None: the house's fields."""
         return geodesic_distance(snapshot.bank, snapshot.house, column, feet, field)
 
     own, stray = _destination_columns(state)
@@ -260,7 +261,10 @@ def _next_points(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2
     fields_ = snapshot.tasks.field, snapshot.bank.navigation.field
 
     def one(agent: Array) -> Array:
+        """Return the point of one agent."""
+
         def far(_: Array, cell: Array) -> Array:
+            """Return distances of cells to the agent's destination [m]."""
             piper, other = (stored_distance(f, cell, c[agent]) for f, c in zip(fields_, (own, stray), strict=True))
             return jnp.where(agent == PIPER, piper, other)
 

@@ -82,6 +82,7 @@ def render_images(
     for view in config.all_cameras:
 
         def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
+            """Render one agent's camera."""
             return _render_camera(config, view, scene, camera, own)
 
         obs |= map_agents(look, place_cameras(config, view, pose, mount), own)

@@ -139,6 +139,7 @@ def source_power(config: EnvConfig, snapshot: Snapshot, time: Int[Array, ""]) ->
     bins = time // audio.bin_samples + jnp.arange(1 - audio.num_bins, _num_frame_bins(audio), dtype=jnp.int32)
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
+        """Return the power of one source, by bin and octave."""
         on = schedule_gain(bins * audio.bin_samples + audio.bin_samples // 2, every, lasts, audio.sample_rate)
         played = table[jnp.maximum(row, 0), bins % table.shape[1]]
         return jnp.where(row < 0, 0.0, (gain * on)[:, None] ** 2 * played)

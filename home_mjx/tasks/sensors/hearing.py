@@ -115,6 +115,7 @@ class Hearing(Sensor):
             left = jnp.concatenate([left, emitted_signals(scale_contact_sounds(snapshot), time, config.audio)])
 
         def render_agent(old: Any, new: Any) -> Float[Array, "c m"]:
+            """Return one agent's frame, from responses before and after the step."""
             if config.audio.motion is not None:
                 return render_frames(left, old, new, config.audio, snapshot.head)
             return jnp.sum(jax.vmap(lambda s, a, b: convolve_frame(s, a, b, config.audio))(left, old, new), axis=0)
@@ -266,10 +267,12 @@ def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..
     keys = jax.random.split(fold_key(snapshot.key, SOUND_TAG), num_agents)
 
     def one(ears: Array, quat: Array, key: Array, own: Array) -> Any:
+        """Trace from all sources to one agent."""
         listener, number = Listener(ears, quat, own, snapshot.head), sources.pos.shape[0]
         each = key[None] if number == 1 else jax.random.split(key, number)
 
         def from_source(source: SoundSource, key: Array) -> Any:
+            """Trace from one source."""
             return response(snapshot.scene, source, listener, key, config.audio)
 
         return map_agents(from_source, sources, each)

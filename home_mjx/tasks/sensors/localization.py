@@ -110,6 +110,7 @@ class LocalMap(Sensor):
         ahead, left = jnp.meshgrid(-steps, -steps, indexing="ij")
 
         def look(feet: Float[Array, "3"], yaw: Float[Array, ""]) -> Array:
+            """Return the map of one agent."""
             cos, sin = jnp.cos(yaw), jnp.sin(yaw)
             x, y = feet[0] + cos * ahead - sin * left, feet[1] + sin * ahead + cos * left
             level = cell_at_feet(bank, house, feet)[0]

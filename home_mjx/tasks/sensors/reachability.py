@@ -175,6 +175,7 @@ def can_pick_from(
     scene = make_open_scene(bank, house)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
+        """Return the result of one eye."""
         way = pick_points(eye, box) - eye
         way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
         hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
@@ -220,6 +221,7 @@ def can_place_from(
     points, free = free_spots(scene, box, meant, radius, nothing)
 
     def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
+        """Return the result of one eye."""
         return jnp.sum(free & is_reachable(eye, points, reach) & is_visible(scene, eye, points)) >= MIN_SPOTS
 
     return jax.vmap(one)(eyes)

@@ -112,6 +112,7 @@ def _visible_ids(bank: HouseBank, house: Array, eyes: Array, yaw: Array) -> Arra
     scene = make_open_scene(bank, house)
 
     def look(eye: Array, yaw: Array) -> Array:
+        """Render one view."""
         camera = Camera(eye, camera_quat(yaw, jnp.zeros_like(yaw)), jnp.deg2rad(jnp.float32(DEFAULT_FOVY)))
         return render(scene, camera, DEFAULT_LENS, kinds=("instance",))["instance"]
 

@@ -213,6 +213,7 @@ def _range_checker(allowed: Range) -> Checker:
     """Return the checker of numbers in a range; booleans are not numbers, and floats are not whole numbers."""
 
     def check(value: Any, place: str) -> None:
+        """Raise `DatasetError` unless a value is a number in the range."""
         known = int if allowed.is_integer else int | float
         if isinstance(value, bool) or not isinstance(value, known) or not allowed.contains(value):
             raise DatasetError(f"expected {allowed}, got {_format_value(value)}", element=place)
@@ -224,6 +225,7 @@ def _name_checker(names: Any) -> Checker:
     """Return the checker of strings that are one of `names`; its error suggests the closest."""
 
     def check(value: Any, place: str) -> None:
+        """Raise `DatasetError` unless a value is one of the names."""
         if not isinstance(value, str) or value not in names:
             raise DatasetError(
                 f"unknown name {_format_value(value)}", element=place, hint=did_you_mean(str(value), names)

@@ -63,6 +63,7 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
     keys = {name: jax.random.fold_in(key, number) for number, name in enumerate(RANGE_NAMES, 1)}
 
     def number(name: str, unit: float = 1.0) -> Float[Array, ""] | None:
+        """Sample a value of the named range, times `unit`; None if it does not vary."""
         ends = getattr(variation, name)
         return None if ends is None else jax.random.uniform(keys[name], (), minval=ends[0], maxval=ends[1]) * unit
 
