@@ -37,7 +37,7 @@ def find_level_candidates(
     gone = np.zeros(bank.spec.num_bodies, bool)
     gone[used[layout.is_selected]] = True
     usable = np.stack([places.usable for places in candidates])
-    high = np.minimum(2 * layout.bodies.half[:, 2], MAX_RAY_HEIGHT)
+    height = np.minimum(2 * layout.bodies.half[:, 2], MAX_RAY_HEIGHT)
 
     def padded(values: np.ndarray) -> Array:
         """Scatter used bodies (axis 1) to all of the bank's, else 0, so that all houses share one compiled program."""
@@ -45,7 +45,7 @@ def find_level_candidates(
         whole[:, used] = values
         return jnp.asarray(whole)
 
-    each = (np.broadcast_to(x[:, None], usable.shape) for x in (high, layout.on_furniture))
+    each = (np.broadcast_to(x[:, None], usable.shape) for x in (height, layout.on_furniture))
     rays = padded(np.stack([_ray_targets(layout, places) for places in candidates])), *map(padded, each)
     found = _is_level(bank, jnp.int32(house), jnp.asarray(gone), *rays)
     return np.asarray(found)[:, used] & usable
@@ -66,24 +66,25 @@ def _is_level(
     house: Array,
     gone: Bool[Array, " k"],
     spots: Float[Array, "p k n s 3"],
-    high: Float[Array, "p k n"],
-    lies: Bool[Array, "p k n"],
+    height: Float[Array, "p k n"],
+    on_furniture: Bool[Array, "p k n"],
 ) -> Bool[Array, "p k n"]:
-    """Return whether downward rays from `high` [m] above all spots end at these, on furniture if `lies`.
+    """Return whether downward rays from `height` [m] above all spots end at these.
 
-    The tolerance is `LEVEL_TOLERANCE`; bodies in the mask `gone` are absent.
+    Those of objects `on_furniture` must hit `SUPPORT_CATEGORIES`. The tolerance is `LEVEL_TOLERANCE`; bodies in the
+    mask `gone` are absent.
     """
     physics = bank.physics
     away = jnp.where(gone[:, None], jnp.float32(1e3), 0.0) + physics.body_pos[house]
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     scene = make_scene(bank, house, away, physics.body_quat[house], *nobody)
-    origin = spots.at[..., 2].add(high[..., None])
+    origin = spots.at[..., 2].add(height[..., None])
     hit = cast(scene, origin.reshape(-1, 3), jnp.array([0.0, 0.0, -1.0], jnp.float32))
     t, instance = (x.reshape(spots.shape[:-1]) for x in (hit.t, hit.instance))
-    level = jnp.abs(t - high[..., None]) < jnp.float32(LEVEL_TOLERANCE)
+    level = jnp.abs(t - height[..., None]) < jnp.float32(LEVEL_TOLERANCE)
     row = bank.geometry.instance_semantic[house, jnp.maximum(instance, 0)]
     carries = _support_mask()[bank.semantics[row, Semantic.COARSE]] & (instance > ARCHITECTURE)
-    return jnp.all(level & (carries | ~lies[..., None]), axis=-1)
+    return jnp.all(level & (carries | ~on_furniture[..., None]), axis=-1)
 
 
 def _support_mask() -> Bool[Array, " c"]:

@@ -116,10 +116,12 @@ def decode_actions(config: EnvConfig, action: Any, stopped: Any, num_commanded: 
     )
 
 
-def _pad_agents(config: EnvConfig, told: Array, nothing: int) -> Array:
-    """Return actions of all agents: `told` for the first ones, the idle action `nothing` for the others."""
-    others = config.num_agents - told.shape[0]
-    return jnp.concatenate([told, jnp.full((others, *told.shape[1:]), nothing, told.dtype)]) if others else told
+def _pad_agents(config: EnvConfig, actions: Array, idle: int) -> Array:
+    """Return actions of all agents: `actions` for the first ones, `idle` in each element for the others."""
+    others = config.num_agents - actions.shape[0]
+    if not others:
+        return actions
+    return jnp.concatenate([actions, jnp.full((others, *actions.shape[1:]), idle, actions.dtype)])
 
 
 def override_moves(
@@ -131,9 +133,9 @@ def override_moves(
     """
     own = decode_actions(config, action, stopped).replace(is_invalid=moves.is_invalid)
 
-    def pick(led: Array, told: Array) -> Array:
-        """Return `led` for masked agents, else `told`, along the first axis; of scalars `told`."""
-        return jnp.where(mask.reshape(-1, *[1] * (led.ndim - 1)), led, told) if led.ndim else told
+    def pick(new: Array, old: Array) -> Array:
+        """Return `new` for masked agents, else `old`, along the first axis; of scalars `old`."""
+        return jnp.where(mask.reshape(-1, *[1] * (new.ndim - 1)), new, old) if new.ndim else old
 
     return jax.tree.map(pick, own, moves)
 

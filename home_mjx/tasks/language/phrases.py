@@ -105,15 +105,15 @@ def identify_objects(
 
 
 def minimal_identifying_words(
-    things: Sequence[HouseObject], thing: HouseObject, telling: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
+    things: Sequence[HouseObject], thing: HouseObject, attributes: Sequence[Attribute] = DISTINGUISHING_ATTRIBUTES
 ) -> list[dict[Attribute, int]]:
-    """Return all smallest sets of values that only `thing` has: its category and some of the attributes `telling`.
+    """Return all smallest sets of values that only `thing` has: its category and some of `attributes`.
 
     [] if even all attributes do not single it out among `things`, of which it must be one. Its unknown attributes are
     left out.
     """
     noun = {Attribute.COARSE: thing.semantic(Semantic.COARSE)}
-    known = [word for word in telling if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
+    known = [word for word in attributes if thing.semantic(SEMANTIC_COLUMN[word]) >= 0]
     peers = _semantic_table(select_matching(things, noun))
     having = {(word, value): _have(peers, word, value) for word in known for value in _naming_values(thing, word)}
     for count in range(len(known) + 1):

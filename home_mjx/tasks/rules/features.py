@@ -40,7 +40,7 @@ class FeatureValues(Pytree):
 def compute_features(
     snapshot: Snapshot,
     program: TaskProgram,
-    means: ResolvedTargets,
+    targets: ResolvedTargets,
     field: UInt16[Array, "cell f"],
     stage_steps: Int[Array, ""],
 ) -> FeatureValues:
@@ -50,18 +50,18 @@ def compute_features(
     """
     agents, descriptors = snapshot.pose.yaw.shape[0], program.field.shape[0]
     boxes = current_boxes(snapshot)
-    straight, nearest = nearest_targets(snapshot, program, means, boxes)
+    straight, nearest = nearest_targets(snapshot, program, targets, boxes)
     points, free = lines_of_sight(snapshot, nearest)
     rows: dict[Feature, Array] = {
         Feature.TRUE: jnp.ones((agents, 1, 1)),
         Feature.DISTANCE: path_distances(snapshot, program, field, straight)[:, :, None],
         Feature.STRAIGHT: straight[:, :, None],
         Feature.SEEN: jnp.any(is_in_view(snapshot, points) & free, axis=-1)[:, :, None],
-        Feature.HELD: is_held(snapshot, means)[:, :, None],
-        Feature.INSIDE: is_in_target_room(snapshot, means)[:, :, None],
-        Feature.BESIDE: target_gaps(means, boxes)[None],
-        Feature.ON: is_supported(means, boxes)[None],
-        Feature.OPEN: door_openings(snapshot, means)[None, :, None],
+        Feature.HELD: is_held(snapshot, targets)[:, :, None],
+        Feature.INSIDE: is_in_target_room(snapshot, targets)[:, :, None],
+        Feature.BESIDE: target_gaps(targets, boxes)[None],
+        Feature.ON: is_supported(targets, boxes)[None],
+        Feature.OPEN: door_openings(snapshot, targets)[None, :, None],
         Feature.STOPPED: snapshot.stopped[:, None, None],
         Feature.TIME: jnp.broadcast_to(stage_steps, (agents, 1, 1)),
         Feature.TOUCHED: snapshot.in_contact[:, None, None],
@@ -74,7 +74,7 @@ def compute_features(
 
 
 def nearest_targets(
-    snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets, boxes: Float[Array, "i 2 3"]
+    snapshot: Snapshot, program: TaskProgram, targets: ResolvedTargets, boxes: Float[Array, "i 2 3"]
 ) -> tuple[Float[Array, "a d"], Float[Array, "a d 2 3"]]:
     """Return each agent's distance to the nearest target of each descriptor [m], and that target's world bounds [m].
 
@@ -86,7 +86,7 @@ def nearest_targets(
     away = jax.vmap(
         lambda at: jnp.linalg.norm(jnp.maximum(boxes[:, 0] - at, 0) + jnp.maximum(at - boxes[:, 1], 0), axis=-1)
     )(pos)
-    away = jnp.where(means.instance[None], away[:, None], UNREACHABLE_DISTANCE)
+    away = jnp.where(targets.instance[None], away[:, None], UNREACHABLE_DISTANCE)
     index = jnp.argmin(away, axis=-1)
     point = jnp.where((kind == TargetKind.AGENT)[:, None], pos[program.descriptor[:, Attribute.AGENT]], program.place)
     offset = jnp.nan_to_num(point[None] - pos[:, None], posinf=UNREACHABLE_DISTANCE, neginf=UNREACHABLE_DISTANCE)
@@ -102,7 +102,7 @@ def nearest_targets(
 
 
 def sound_positions(
-    snapshot: Snapshot, program: TaskProgram, means: ResolvedTargets
+    snapshot: Snapshot, program: TaskProgram, targets: ResolvedTargets
 ) -> tuple[Float[Array, "d 3"], Int[Array, " d"]]:
     """Return where each descriptor emits sound [m], inf if it cannot, and the id of its object or agent; -1 for others.
 
@@ -110,8 +110,8 @@ def sound_positions(
     `EnvConfig.source_height` above the floor.
     """
     kind = program.descriptor[:, Attribute.KIND]
-    first = jnp.argmax(means.instance, axis=1)
-    middle = jnp.where(jnp.any(means.instance, axis=1)[:, None], current_boxes(snapshot)[first].mean(axis=1), jnp.inf)
+    first = jnp.argmax(targets.instance, axis=1)
+    middle = jnp.where(jnp.any(targets.instance, axis=1)[:, None], current_boxes(snapshot)[first].mean(axis=1), jnp.inf)
     agent = jnp.clip(program.descriptor[:, Attribute.AGENT], 0, snapshot.pose.yaw.shape[0] - 1)
     someone = snapshot.pose.pos[agent]
     own = agent_ids(snapshot.bank, snapshot.pose.yaw.shape[0])[agent]
@@ -168,20 +168,20 @@ def _camera_coordinates(
     return cos * level + sin * way[..., 2], left, cos * way[..., 2] - sin * level
 
 
-def is_held(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
+def is_held(snapshot: Snapshot, targets: ResolvedTargets) -> Bool[Array, "a d"]:
     """Return whether each agent holds a target of each descriptor."""
     body = snapshot.bank.geometry.instance_body[snapshot.house]
     mine = (body[None] == snapshot.held[:, None]) & (snapshot.held[:, None] >= 0)
-    return jnp.any(mine[:, None] & means.instance[None], axis=-1)
+    return jnp.any(mine[:, None] & targets.instance[None], axis=-1)
 
 
-def is_in_target_room(snapshot: Snapshot, means: ResolvedTargets) -> Bool[Array, "a d"]:
+def is_in_target_room(snapshot: Snapshot, targets: ResolvedTargets) -> Bool[Array, "a d"]:
     """Return whether each agent's feet are in a target room of each descriptor; False outside of rooms."""
     room = jax.vmap(lambda at: room_at_feet(snapshot.bank, snapshot.house, at))(snapshot.feet)
-    return jnp.take(means.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
+    return jnp.take(targets.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
 
 
-def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
+def target_gaps(targets: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
     """Return the minimum gap between bounds of a target of i and another one of j, for each pair of descriptors [m].
 
     It is `UNREACHABLE_DISTANCE` if there are none.
@@ -189,11 +189,11 @@ def target_gaps(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[A
     gap = jnp.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1])
     away = jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
     away = jnp.where(jnp.eye(len(boxes), dtype=bool), UNREACHABLE_DISTANCE, away)
-    to_second = jnp.min(jnp.where(means.instance[None], away[:, None], UNREACHABLE_DISTANCE), axis=-1)  # (i, d)
-    return jnp.min(jnp.where(means.instance[:, :, None], to_second[None], UNREACHABLE_DISTANCE), axis=1)
+    to_second = jnp.min(jnp.where(targets.instance[None], away[:, None], UNREACHABLE_DISTANCE), axis=-1)  # (i, d)
+    return jnp.min(jnp.where(targets.instance[:, :, None], to_second[None], UNREACHABLE_DISTANCE), axis=1)
 
 
-def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
+def is_supported(targets: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
     """Return whether a target of descriptor i rests on another target of j, for each pair [i, j], by their bounds.
 
     The middle of the first is above the second's footprint or its edge. Its underside is at most `MAX_SUPPORT_GAP`
@@ -203,11 +203,11 @@ def is_supported(means: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[A
     over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])
     carried = (low[:, None, 2] <= high[None, :, 2] + MAX_SUPPORT_GAP) & (low[:, None, 2] >= middle[None, :, 2])
     on = jnp.all(over, axis=-1) & carried & ~jnp.eye(len(boxes), dtype=bool)
-    on_second = jnp.any(on[:, None] & means.instance[None], axis=-1)  # (i, d)
-    return jnp.any(means.instance[:, :, None] & on_second[None], axis=1)
+    on_second = jnp.any(on[:, None] & targets.instance[None], axis=-1)  # (i, d)
+    return jnp.any(targets.instance[:, :, None] & on_second[None], axis=1)
 
 
-def door_openings(snapshot: Snapshot, means: ResolvedTargets) -> Float[Array, " d"]:
+def door_openings(snapshot: Snapshot, targets: ResolvedTargets) -> Float[Array, " d"]:
     """Return the widest opening of each descriptor's doors, as a fraction: 0 closed or no door, 1 wide open.
 
     It is the distance from the closed angle, or shift, re that of wide open; it is not clipped.
@@ -215,5 +215,5 @@ def door_openings(snapshot: Snapshot, means: ResolvedTargets) -> Float[Array, " 
     physics, house = snapshot.bank.physics, snapshot.house
     closed, wide = physics.door_closed[house], physics.door_fully_open[house]
     part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)
-    meant = means.instance[:, jnp.maximum(physics.door_instance[house], 0)] & physics.door_valid[house][None]
+    meant = targets.instance[:, jnp.maximum(physics.door_instance[house], 0)] & physics.door_valid[house][None]
     return jnp.max(jnp.where(meant, part[None], 0.0), axis=-1, initial=0.0)

@@ -245,14 +245,14 @@ def _pursuit_point(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "2
 def _remaining_lengths(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, " a"]:
     """Return the path length from each agent to the end that it heads for [m]; the follower's has no meaning."""
 
-    def to(feet: Array, column: Array, field: Array | None) -> Array:
+    def path_length(feet: Array, column: Array, field: Array | None) -> Array:
         """Return the path length from feet to the goal of a column [m]; None: the house's fields."""
         return geodesic_distance(snapshot.bank, snapshot.house, column, feet, field)
 
     own, stray = _destination_columns(state)
     feet = snapshot.feet
-    piper = to(feet[PIPER], own[PIPER], snapshot.tasks.field)
-    return jax.vmap(lambda at, column: to(at, column, None))(feet, stray).at[PIPER].set(piper)
+    piper = path_length(feet[PIPER], own[PIPER], snapshot.tasks.field)
+    return jax.vmap(lambda at, column: path_length(at, column, None))(feet, stray).at[PIPER].set(piper)
 
 
 def _next_points(snapshot: Snapshot, state: PiedPiperState) -> Float[Array, "a 2"]:

@@ -143,8 +143,8 @@ def find_infeasible(
     `rows`, at least one, have their columns with `field`; `fields` is from `add_fields`.
     """
     descriptor = np.stack([row["descriptor"] for row in rows])
-    means = resolve_targets_on_host(bank, view.house, descriptor)
-    there = np.any(means.instance, axis=-1) | np.any(means.room, axis=-1)
+    targets = resolve_targets_on_host(bank, view.house, descriptor)
+    there = np.any(targets.instance, axis=-1) | np.any(targets.room, axis=-1)
     lost = np.isin(descriptor[..., Attribute.KIND], RESOLVED_KINDS) & ~there
     home = view.graph.place
     nearest = fields[: len(home)].min(axis=0, initial=FIELD_UNREACHABLE) * FIELD_UNIT
