@@ -41,7 +41,10 @@ def sample_candidates(house: HouseLayout, rng: np.random.Generator) -> Placement
 
 
 def _on_floor(house: HouseLayout, body: int, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
-    """Sample centres of a body [m]: uniform over its room's cells, at its present height; overlaps are not excluded."""
+    """Sample centres of a body [m]: uniform over its room's cells on the room's lowest level, at its present height.
+
+    Overlaps are not excluded.
+    """
     room = int(house.room[body])
     cells = np.argwhere(house.room_grid[house.level_of(room)] == room)
     row, column = cells[rng.integers(len(cells), size=NUM_CANDIDATES)].T

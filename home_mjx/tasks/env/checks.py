@@ -202,7 +202,9 @@ def check_sounds(config: EnvConfig, tasks: Any) -> None:
 
 
 def check_variation(config: EnvConfig, variation: Variation | None) -> None:
-    """Raise if a variation has no effect, or leads to impossible cameras; None and traced ones pass.
+    """Raise if a variation has no effect, leads to impossible cameras, or plays a clip that the environment lacks.
+
+    None and traced ones pass.
 
     Raises:
         ConfigError: Names the range and the remedy.

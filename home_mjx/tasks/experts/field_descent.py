@@ -74,9 +74,9 @@ def descend_field(
 def circle_distance(
     snapshot: Snapshot, places: Int[Array, "n 3"], point: Float[Array, "3"], radius: Float[Array, ""]
 ) -> Float[Array, " n"]:
-    """Return plan distances of cells (level, row, column) to a circle around a point [m], inside it as well as outside.
+    """Return plan distances of centres of cells (level, row, column) to a circle around a point [m]; inside it, too.
 
-    It replaces a stored field for points that have none, such as objects that have moved.
+    They are not negative. They replace a stored field for points that have none, such as objects that have moved.
     """
     place = jax.vmap(lambda p: grid_position(snapshot.bank, snapshot.house, p))(places)
     return jnp.abs(jnp.linalg.norm(place[:, :2] - point[:2], axis=1) - radius)

@@ -204,7 +204,10 @@ def _best_aim(
 def _round_to_steps(
     config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
 ) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
-    """Round turns and tilts (relative to now) to the nearest ones that actions can produce within `max_pitch` [rad]."""
+    """Round turns and tilts (relative to now) to the nearest ones that actions can produce within `max_pitch` [rad].
+
+    Discrete ones are whole numbers of steps. Continuous turns stay, and tilts are only clipped.
+    """
     most, pitch = jnp.float32(config.max_pitch + PITCH_TOLERANCE), pitch[:, None]
     if config.discrete is None:
         return turn, jnp.clip(pitch + tilt, -most, most) - pitch

@@ -142,7 +142,7 @@ class HouseView:
 
         A descriptor of the given `kind` has target instances, rooms or a `place` [m]. To PUT an object of a plan
         `radius` [m] on an instance, or to TAKE one, other cells are needed than to LOOK at it. A cell is repeated if it
-        serves several instances.
+        serves several instances. Both are empty without targets, or without such cells.
         """
         if kind == TargetKind.PLACE:
             return self.graph.nearest_cell(place)

@@ -135,9 +135,9 @@ def check_placement(
 ) -> tuple[Bool[Array, " n"], Bool[Array, " n"]]:
     """Return at which positions a box supports an object that is put there, and at which it would touch no box.
 
-    The object must be inside the box's edges if the box is large enough. Hands release objects up to 3 cm from a spot,
-    and an object with its centre near an edge slides off. Boxes that end at the surface, or begin `HEADROOM` above it,
-    are not touched.
+    A supporting box's top is less than `MAX_SUPPORT_OFFSET` from the surface. The position is inside its edges by
+    `radius`, or by `MAX_EDGE_MARGIN` half extents if that is less: an object with its centre near an edge slides off.
+    Boxes that end at the surface, begin `HEADROOM` above it, or are `radius` away are not touched.
 
     Args:
         boxes: Footprints of all obstacles.

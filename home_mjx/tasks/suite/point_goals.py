@@ -134,7 +134,9 @@ def read_numbers(line: dict[str, Any], name: str, shape: tuple[int, ...]) -> np.
 
 
 def from_json(bank: HouseBank, house: int, line: dict[str, Any]) -> dict[str, Any]:
-    """Return `goal`, the index of the bank's goal within `MAX_GOAL_OFFSET` of the line's position, and `length` [m].
+    """Return `goal`, the index of the bank's goal nearest to the line's position, and `length` [m].
+
+    That goal is at most `MAX_GOAL_OFFSET` away. Whether the length is that of the shortest path is not checked.
 
     Raises:
         DatasetError: The house has no goal there.
