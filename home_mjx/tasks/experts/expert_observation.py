@@ -48,7 +48,7 @@ class ExpertObservationEnv(HouseholdEnv):
         self.progress = core.progress
 
     def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
-        """Return `expert`: the actions of all agents, or of the acting ones if the task's state has an expert of its own."""
+        """Return `expert`: actions of all agents, or of the acting ones if the task's state has its own expert."""
         return {EXPERT: _expert_action(self.task, snapshot, state.task)}
 
     def _observation_spec(self) -> Specs:
