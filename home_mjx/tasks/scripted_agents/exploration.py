@@ -160,7 +160,7 @@ def divide_in_tiles(bank: HouseBank, house: Int[Array, ""]) -> Tiles:
 
 
 def _cells_per_edge(bank: HouseBank) -> int:
-    """Return the number of cells along the edge of a tile."""
+    """Return the number of cells along the edge of a tile, rounded, at least 1."""
     return max(round(TILE_EDGE / bank.spec.cell), 1)
 
 

@@ -151,7 +151,10 @@ def _task_line(row: Columns, ids: tuple[str, ...], names: tuple[str, ...]) -> Ta
 
 
 def _parse_row(line: Any, index: dict[str, int], names: dict[str, int]) -> dict[str, np.ndarray]:
-    """Return the columns of a row, without distances, from a line's decoded JSON; add its task to `names`."""
+    """Return the columns of a row, without distances, from a line's decoded JSON; add its task to `names`, in place.
+
+    `DatasetError` if the line is malformed, `UnknownIdError` if `index` lacks its house.
+    """
     check_line(line)
     task = decode(TaskLine, line)
     if task.house not in index:
