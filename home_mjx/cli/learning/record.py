@@ -39,6 +39,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--num-envs", type=positive_int_type, default=64, help="environments in the batch (default: 64)"
     )
     parser.add_argument("--only-success", action="store_true", help="omit episodes without success")
+    parser.add_argument(
+        "--max-failures",
+        type=positive_int_type,
+        default=1000,
+        help="with --only-success: maximum number of omitted episodes per recorded one (default: 1000)",
+    )
     parser.add_argument("--resume", action="store_true", help="continue the dataset in the folder")
     parser.add_argument("--out", type=parse_path, help="folder of the dataset (default: data/TASK)")
     parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
@@ -70,7 +76,7 @@ def run(args: argparse.Namespace) -> int:
     begun = time.perf_counter()
     steps = record(
         env, out, policy, num_steps=args.frames, num_envs=args.num_envs, seed=args.seed, agent=args.agent,
-        only_success=args.only_success, resume=args.resume,
+        only_success=args.only_success, max_failures=args.max_failures, resume=args.resume,
     )  # fmt: skip
     took = f"{time.perf_counter() - begun:.0f} s, including compilation"
     sys.stdout.write(f"{steps} steps of {len(Trajectories(out))} episodes in {out / 'data'}; {took}\n")

@@ -10,6 +10,7 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.core.checks import check_number
+from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.env import Env
@@ -33,6 +34,7 @@ def record(
     seed: int = 0,
     agent: str = "expert",
     only_success: bool = False,
+    max_failures: int = 1000,
     resume: bool = False,
     progress: bool | None = None,
 ) -> int:
@@ -51,8 +53,9 @@ def record(
         num_envs: Number of environments in the batch.
         seed: Seed of episodes and actions.
         agent: Name of the policy, for the metadata.
-        only_success: Omit episodes whose metric `success` is 0; episodes without that metric are kept. A policy that
-            never succeeds is then recorded without end.
+        only_success: Omit episodes whose metric `success` is 0; episodes without that metric are kept.
+        max_failures: Maximum number of omitted episodes per recorded one, so that recording of a policy without success
+            ends. With n recorded episodes, (n + 1) `max_failures` may be omitted.
         resume: Continue the dataset in the folder, with other episodes.
         progress: Show a progress bar; None: in a terminal.
 
@@ -61,7 +64,8 @@ def record(
 
     Raises:
         ConfigError: The folder contains a dataset and `resume` is False, or a dataset of another environment; or it
-            cannot be written. Or `num_steps` or `num_envs` is not a whole number of at least 1.
+            cannot be written. Or `num_steps`, `num_envs` or `max_failures` is not a whole number of at least 1. Or more
+            episodes failed than `max_failures` allows; those that succeeded are in the folder.
         DatasetError: Metadata of the dataset to resume are broken.
 
     Example:
@@ -69,6 +73,7 @@ def record(
     """
     check_number("num_steps", num_steps, 1, integer=True)
     check_number("num_envs", num_envs, 1, integer=True)
+    check_number("max_failures", max_failures, 1, integer=True)
     without = (EXPERT,) if policy is None and isinstance(env.core, ExpertObservationEnv) else ()
     hidden = None if progress is None else not progress
     shown = {"unit": " steps", "unit_scale": True, "disable": hidden}
@@ -79,16 +84,32 @@ def record(
         if writer.steps >= num_steps:
             return writer.steps
         batch = _RecordingBatch(env, policy or expert_policy(), num_envs, seed, first=writer.episodes)
+        first, num_failed = writer.episodes, 0
         while batch.running.any():
             expected = 0 if only_success else batch.num_running_steps  # running episodes may still fail
             if writer.steps + expected >= num_steps:
                 batch.stop_resets()
             for episode, notes in batch.step():
-                if not only_success or notes.get("success", 1.0) > 0:
-                    seen = {name: x for name, x in episode["observations"].items() if name not in without}
-                    writer.add({**episode, "observations": seen}, notes)
-                    bar.update(len(episode["rewards"]))
+                if only_success and notes.get("success", 1.0) <= 0:
+                    num_failed += 1
+                    continue
+                seen = {name: x for name, x in episode["observations"].items() if name not in without}
+                writer.add({**episode, "observations": seen}, notes)
+                bar.update(len(episode["rewards"]))
+            if writer.steps < num_steps:
+                _check_failures(num_failed, writer.episodes - first, max_failures)
     return writer.steps
+
+
+def _check_failures(num_failed: int, num_recorded: int, max_failures: int) -> None:
+    """Raise `ConfigError` if a policy fails too often: see `max_failures` of `record`."""
+    if num_failed > max_failures * (num_recorded + 1):
+        raise ConfigError(
+            f"of {num_failed + num_recorded} episodes tried, {num_recorded} succeeded and were recorded; expected at "
+            f"least one in {max_failures + 1}",
+            hint="Use a policy that succeeds more often, an easier task, `max_failures` (`--max-failures`) above "
+            f"{max_failures}, or record without `only_success` (`--only-success`).",
+        )
 
 
 class _RecordingBatch:

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -137,14 +138,10 @@ def test_mistakes_are_refused(env: Env, written, tmp_path: Path):
         Trajectories(folder)[1]
 
 
-def test_enough_successful_steps_are_recorded(
-    env: Env, rng: np.random.Generator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
-    """Episodes that run when the last ones begin may still fail, so their steps do not count."""
+def play(monkeypatch: pytest.MonkeyPatch, env: Env, rng: np.random.Generator, succeeds: Callable[[int], bool]) -> None:
+    """Replace batches by one environment with episodes of 3 steps; `succeeds` maps numbers, from 1, to success."""
 
-    class Alternating:
-        """A batch of one environment, in which every second episode of 3 steps succeeds."""
-
+    class Scripted:
         num_running_steps = 3
 
         def __init__(self, *_: object, **__: object) -> None:
@@ -155,10 +152,38 @@ def test_enough_successful_steps_are_recorded(
 
         def step(self) -> list[tuple[dict, dict]]:
             self.count += 1
-            return [(drawn(env, rng, 3), {"success": float(self.count % 2 == 0)})]
+            return [(drawn(env, rng, 3), {"success": float(succeeds(self.count))})]
 
-    monkeypatch.setattr(recording, "_RecordingBatch", Alternating)
+    monkeypatch.setattr(recording, "_RecordingBatch", Scripted)
+
+
+def test_enough_successful_steps_are_recorded(
+    env: Env, rng: np.random.Generator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Episodes that run when the last ones begin may still fail, so their steps do not count."""
+    play(monkeypatch, env, rng, lambda number: number % 2 == 0)
     assert recording.record(env, tmp_path, Policy(lambda *_: _), num_steps=6, only_success=True) == 6
+
+
+def test_recording_of_a_policy_without_success_ends(
+    env: Env, rng: np.random.Generator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    play(monkeypatch, env, rng, lambda _: False)
+    with pytest.raises(ConfigError, match="of 6 episodes tried, 0 succeeded") as raised:
+        recording.record(env, tmp_path, Policy(lambda *_: _), num_steps=6, only_success=True, max_failures=5)
+    assert "--max-failures" in raised.value.hint
+
+
+def test_rare_success_is_recorded_until_it_is_too_rare(
+    env: Env, rng: np.random.Generator, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    play(monkeypatch, env, rng, lambda number: number % 5 == 0)
+    options = {"only_success": True, "max_failures": 5}
+    assert recording.record(env, tmp_path / "a", Policy(lambda *_: _), num_steps=60, **options) == 60
+    play(monkeypatch, env, rng, lambda number: number <= 2)
+    with pytest.raises(ConfigError, match="of 18 episodes tried, 2 succeeded"):
+        recording.record(env, tmp_path / "b", Policy(lambda *_: _), num_steps=60, **options)
+    assert len(Trajectories(tmp_path / "b")) == 2
 
 
 @pytest.mark.slow
