@@ -24,10 +24,10 @@ from home_mjx.tasks.experts.carry_clearance import (
 from home_mjx.tasks.experts.door_avoidance import is_facing_shut_leaf, plan_opening
 from home_mjx.tasks.experts.field_descent import circle_distance, descend_field
 from home_mjx.tasks.experts.grasp_aiming import add_door_commands, add_hand_commands, is_aimed, plan_grasp, plan_retreat
-from home_mjx.tasks.experts.speech import insert_words, needs_only
+from home_mjx.tasks.experts.speech import insert_words
 from home_mjx.tasks.rules.enums import Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, is_in_target_room
-from home_mjx.tasks.rules.program import leads_on
+from home_mjx.tasks.rules.program import leads_on, needs_only
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
 from home_mjx.tasks.sensors.visibility import EYE_OFFSETS, is_unobstructed
@@ -185,7 +185,7 @@ def pessimistic_features(snapshot: Snapshot, state: RowState, looked: FeatureVal
 
 def should_wait(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
     """Return whether a transition of the stage, not to FAILURE, needs only time and is not taken now; same for all."""
-    return needs_only(state, values, values.at[Feature.TIME].set(jnp.inf))
+    return needs_only(state.program, state.stage, values, values.at[Feature.TIME].set(jnp.inf))
 
 
 def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[Array, " a"]:
@@ -193,7 +193,7 @@ def should_stop(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[
 
     It is the same for all agents.
     """
-    return needs_only(state, values, values.at[Feature.STOPPED].set(1.0))
+    return needs_only(state.program, state.stage, values, values.at[Feature.STOPPED].set(1.0))
 
 
 def heading_to_target(

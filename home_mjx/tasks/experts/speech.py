@@ -6,7 +6,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.env.actions import spoken_tokens
 from home_mjx.tasks.rules.enums import NO_WORD, Feature
-from home_mjx.tasks.rules.program import leads_on
+from home_mjx.tasks.rules.program import needs_only
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.rules.speech import is_instructed
 
@@ -47,13 +47,4 @@ def has_answer(state: RowState, values: Float[Array, "feature a d d"]) -> Bool[A
     said = values.at[Feature.SAID].set(state.speech.answer.astype(jnp.float32))
     at = jnp.maximum(state.stage, 0)
     more = jnp.any((program.require[at] >= 0) & (program.next[at] >= 0))
-    return needs_only(state, values, said) & ~more
-
-
-def needs_only(state: RowState, values: Array, changed: Array) -> Bool[Array, " a"]:
-    """Return whether `changed` leads to a transition that is not to FAILURE, and `values` to none; same for all agents.
-
-    Both are values of features.
-    """
-    needs = leads_on(state.program, state.stage, changed)[0] & ~leads_on(state.program, state.stage, values)[1]
-    return jnp.broadcast_to(needs, values.shape[1:2])
+    return needs_only(program, state.stage, values, said) & ~more

@@ -208,3 +208,17 @@ def leads_on(
     """Return whether feature values lead to a transition that is not to FAILURE, and whether to any transition."""
     after, _, taken = take_transition(program, stage, evaluate_conditions(program, table))
     return taken & (after != FAILURE), taken
+
+
+def needs_only(
+    program: TaskProgram,
+    stage: Int[Array, ""],
+    table: Float[Array, "feature a d d"],
+    changed: Float[Array, "feature a d d"],
+) -> Bool[Array, " a"]:
+    """Return whether `changed` feature values lead to a transition, not to FAILURE, and those of `table` to none.
+
+    It is the same for all agents.
+    """
+    needs = leads_on(program, stage, changed)[0] & ~leads_on(program, stage, table)[1]
+    return jnp.broadcast_to(needs, table.shape[1:2])

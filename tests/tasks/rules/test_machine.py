@@ -25,6 +25,7 @@ from home_mjx.tasks.rules.program import (
     Transition,
     check_success,
     evaluate_conditions,
+    needs_only,
     take_transition,
 )
 
@@ -96,3 +97,17 @@ def test_stages_that_cannot_succeed_are_refused():
     ):
         with pytest.raises(ConfigError, match="leads to SUCCESS"):
             check_success(stages)
+
+
+def test_what_alone_is_missing_is_needed_only():
+    """A stage that ends by `stop` in a room: `stop` alone is missing inside, nothing after it, more outside."""
+    inside, stopped = Condition(Feature.INSIDE, 0, minimum=1), Condition(Feature.STOPPED, minimum=1)
+    stages = [TaskStage((Transition(SUCCESS, (inside, stopped)),), guide=0)]
+    columns = pack_program([Selector.rooms(room_type=0)], stages)
+    program = TaskProgram(**{name: jnp.asarray(x) for name, x in columns.items()})
+    outside = jnp.zeros((len(Feature), 2, NUM_DESCRIPTORS, NUM_DESCRIPTORS))
+    within = outside.at[Feature.INSIDE].set(1.0)
+    stop = [table.at[Feature.STOPPED].set(1.0) for table in (outside, within)]
+    cases = (outside, stop[0]), (within, stop[1]), (stop[1], stop[1])
+    found = [needs_only(program, jnp.int32(0), *case).tolist() for case in cases]
+    assert found == [[False, False], [True, True], [False, False]]
