@@ -9,13 +9,16 @@ from jaxtyping import Bool, Float
 def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
     """Return the sorted distinct values; chains of neighbours up to `tolerance` apart are merged into their mean.
 
-    The minimum and the maximum are kept exactly, unless all values merge into one. There must be a value.
+    The minimum and the maximum are kept exactly, unless all values merge into one. Without values the
+    result is empty.
 
     Example:
         >>> merge_close_values(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
         array([0.  , 1.01, 2.  ])
     """
-    ordered = np.unique(values)
+    ordered = np.unique(np.asarray(values, float))
+    if not ordered.size:
+        return ordered
     groups = np.split(ordered, np.flatnonzero(np.diff(ordered) > tolerance) + 1)
     # The first and last value are not averaged, so that the figure keeps its size.
     middle = [float(group.mean()) for group in groups]

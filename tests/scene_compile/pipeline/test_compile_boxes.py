@@ -245,6 +245,10 @@ def test_cluster_keeps_the_ends():
     np.testing.assert_allclose(merge_close_values(np.array([0.0, 0.02, 1.0, 1.01, 3.0, 2.99]), 0.03), [0, 1.005, 3])
 
 
+def test_no_values_merge_into_none():
+    assert merge_close_values(np.zeros(0), 0.03).shape == (0,)
+
+
 def test_outline_of_an_l_shaped_slab():
     corners = np.array([[0, 0], [4, 0], [4, 1], [2, 1], [2, 3], [0, 3]], float)
     pieces = [((0, 0, 0), (2, 1, 0.05)), ((2, 0, 0), (4, 1, 0.05)), ((0, 1, 0), (2, 3, 0.05))]
