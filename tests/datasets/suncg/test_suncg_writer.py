@@ -158,7 +158,7 @@ def test_tables_come_back(tmp_path):
     assert row == "4,Box,unknown,unknown,2,void,n08632096,unknown.n.01"
 
 
-def test_joints_come_back_and_without_any_there_is_no_table(tmp_path):
+def test_joints_come_back_and_without_any_there_is_no_table_even_of_a_former_library(tmp_path):
     mesh = open_dataset(write_tiny_dataset(tmp_path / "source")).load_model("9001")
     joints = (
         Joint("x", "door_1", "hinge", (0.0, -0.707107, 0.707107), (0.1, 0.2, 0.3), -0.5, 1.570796, ((0, 3), (6, 6))),
@@ -169,6 +169,11 @@ def test_joints_come_back_and_without_any_there_is_no_table(tmp_path):
         write_library(tmp_path / name, [each], {})
     assert read_joints(tmp_path / "with" / "metadata") == {"x": joints}
     assert not list((tmp_path / "without" / "metadata").glob("joints*"))
+    write_library(tmp_path / "with", [dataclasses.replace(model, joints=())], {})
+    former, new = (
+        sorted(path.name for path in (tmp_path / name / "metadata").iterdir()) for name in ("with", "without")
+    )
+    assert former == new
 
 
 def test_a_crash_leaves_nothing_behind(tmp_path, monkeypatch):

@@ -89,7 +89,8 @@ def write_library(
 ) -> None:
     """Write `object/`, `texture/` and, last, `metadata/` below a dataset root; files that differ are rewritten.
 
-    There is a `joints.csv` only if a model has joints; one of a former library is kept.
+    There is a `joints.csv` only if a model has joints. Tables and digests of a former library do not stay; models and
+    textures that the new tables do not list do.
 
     Args:
         root: Dataset root.
@@ -102,8 +103,10 @@ def write_library(
     for model in models:
         write_model(root, model)
     write_textures(root, textures)
+    is_jointed = any(model.joints for model in models)
+    _remove_files(root / "metadata", (DIGESTS,) if is_jointed else (DIGESTS, JOINTS, JOINTS_DIGEST))
     write_tables(root, models)
-    if any(model.joints for model in models):
+    if is_jointed:
         write_joints(root, models)
 
 
@@ -219,6 +222,16 @@ def _write_folder(
     except OSError as error:
         hint = "Choose a folder that you may write to, with enough space."
         raise DatasetError(f"cannot write {folder}: {error.strerror}", file=root, hint=hint) from None
+
+
+def _remove_files(folder: Path, names: Iterable[str]) -> None:
+    """Remove those files of a folder that exist; raise `DatasetError` if that fails."""
+    try:
+        for name in names:
+            (folder / name).unlink(missing_ok=True)
+    except OSError as error:
+        hint = "Choose a folder that you may write to."
+        raise DatasetError(f"cannot remove {name}: {error.strerror}", file=folder, hint=hint) from None
 
 
 def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
