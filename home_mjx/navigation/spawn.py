@@ -71,12 +71,22 @@ def _distance_to_box(
 ) -> Float[Array, ""]:
     """Return the distance [m] from the vertical segment of length `height` above a point to a box; 0 if they meet.
 
-    The box has the `pose` (xyz, quaternion wxyz) and the half extents `half` [m]. The distance is exact if one of its
-    axes is vertical; for tilted boxes it is an upper bound.
+    The box has the `pose` (xyz, quaternion wxyz) and the half extents `half` [m].
+
+    The squared distance is convex along the segment. Its slope is linear between the planes of the box's faces, so the
+    minimum is interpolated between the two ends or crossings around the slope's zero.
     """
-    nearest = point.at[2].set(jnp.clip(pose[2], point[2], point[2] + height))
-    local = jnp.matmul(nearest - pose[:3], quat_matrix(pose[3:]), precision="highest")
-    return jnp.linalg.norm(jnp.maximum(jnp.abs(local) - half, 0.0))
+    rotation = quat_matrix(pose[3:])
+    start, way = jnp.matmul(point - pose[:3], rotation, precision="highest"), height * rotation[2]
+    sides = jnp.concatenate([-half - start, half - start]) / jnp.tile(jnp.where(jnp.abs(way) < 1e-9, 1.0, way), 2)
+    share = jnp.clip(jnp.concatenate([jnp.array([0.0, 1.0], jnp.float32), sides]), 0.0, 1.0)
+    local = start + share[:, None] * way
+    slope = jnp.sum((local - jnp.clip(local, -half, half)) * way, axis=1)
+    low = jnp.max(jnp.where(slope <= 0, share, 0.0))
+    high = jnp.min(jnp.where(slope >= 0, share, 1.0))
+    fall, rise = (jnp.sum((x - jnp.clip(x, -half, half)) * way) for x in (start + low * way, start + high * way))
+    nearest = start + (low - (high - low) * fall / jnp.maximum(rise - fall, 1e-12)) * way
+    return jnp.linalg.norm(nearest - jnp.clip(nearest, -half, half))
 
 
 def random_yaw(key: Array, shape: tuple[int, ...] = ()) -> Float[Array, "*n"]:
