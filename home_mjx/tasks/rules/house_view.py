@@ -200,49 +200,43 @@ class HouseView:
 
         if instance not in self._taken:
             cells, away = self._cells_at_hand((instance, -1.0), there)
-            wide = self._carry_gaps(instance, self.graph.place) > self.plan_radius(instance)
+            obstacles = self._carry_obstacles(instance)
+            wide = self._carry_gaps(instance, obstacles, self.graph.place) > self.plan_radius(instance)
             out = self.graph.has_turning_room(cells, wide)
             cells, away = cells[out], away[out]
-            turns = self._has_turning_room(instance, cells)
+            turns = self._has_turning_room(instance, obstacles, cells)
             self._taken[instance] = cells[turns], away[turns]
         return self._taken[instance]
 
-    def _has_turning_room(self, instance: int, cells: Int[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
+    def _has_turning_room(
+        self, instance: int, obstacles: Footprints, cells: Int[np.ndarray, " n"]
+    ) -> Bool[np.ndarray, " n"]:
         """Return in which cells an agent that holds an instance can make a half turn, to the left or to the right."""
         place, radius = self.graph.place[cells], self.plan_radius(instance)
         begin = np.arctan2(*(self._boxes[instance].mean(axis=0) - place)[:, 1::-1].T)
         yaw = begin[:, None] + np.linspace(-np.pi, np.pi, 2 * NUM_HEADINGS + 1)
         ahead = self.bank.spec.agent_radius + CARRY_CLEARANCE + radius + CARRY_GAP
         way = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)
-        gap = self._carry_gaps(instance, (place[:, None] + ahead * way).reshape(-1, 3)).reshape(yaw.shape)
-        free = gap > radius - MAX_CARRY_OVERLAP
+        gap = self._carry_gaps(instance, obstacles, (place[:, None] + ahead * way).reshape(-1, 3))
+        free = gap.reshape(yaw.shape) > radius - MAX_CARRY_OVERLAP
         return np.logical_or(free[:, : NUM_HEADINGS + 1].all(axis=1), free[:, NUM_HEADINGS:].all(axis=1))
 
-    def _carry_gaps(self, instance: int, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, " n"]:
-        """Return the plan gap from floor points to the nearest other box at the height of a carried instance [m]."""
+    def _carry_gaps(
+        self, instance: int, obstacles: Footprints, places: Float[np.ndarray, "n 3"]
+    ) -> Float[np.ndarray, " n"]:
+        """Return the plan gap from floor points to the nearest obstacle at the height of a carried instance [m]."""
         half = np.float32(np.diff(self._boxes[instance, :, 2]).item() / 2)
         eyes = self._eyes(places)
-        boxes = self._obstacles_at(eyes, float(half), int(self.bank.geometry.instance_object[self.house, instance]))
+        boxes = _select_obstacles(obstacles, eyes, float(half))
         blocks = np.full((-len(eyes) % CELLS_PER_BATCH + len(eyes), 3), np.inf, np.float32)
         blocks[: len(eyes)] = eyes
         parts = [carry_gaps(boxes, jnp.asarray(part), half) for part in blocks.reshape(-1, CELLS_PER_BATCH, 3)]
         return np.concatenate([np.zeros(0), *parts])[: len(eyes)]
 
-    def _obstacles_at(self, eyes: Float[np.ndarray, "n 3"], half: float, carried: int) -> Footprints:
-        """Return the boxes that an object could touch which is carried below any of `eyes` [m]; see `carry_gaps`.
-
-        `half` is half of the object's height [m], `carried` its id. Their number is padded to a power of two, as every
-        size is compiled separately.
-        """
-        boxes = jax.tree.map(np.asarray, carry_obstacles(self._device, self._number, jnp.int32(carried)))
-        middle = np.unique(np.round(eyes[:, 2] - CARRY_HEIGHT_BELOW_EYES, 2))[:, None]
-        reach = half + CARRY_HEIGHT_TOLERANCE
-        met = np.flatnonzero(((boxes.top > middle - reach) & (boxes.bottom < middle + reach)).any(axis=0))
-        rows = np.zeros(max(1 << max(len(met) - 1, 0).bit_length(), MIN_OBSTACLES), np.intp)
-        rows[: len(met)] = met
-        unused = np.arange(len(rows)) >= len(met)
-        boxes = jax.tree.map(lambda x: x[rows], boxes)
-        return boxes.replace(bottom=np.where(unused, np.float32(np.inf), boxes.bottom))
+    def _carry_obstacles(self, instance: int) -> Footprints:
+        """Return the boxes of the house that a carried instance could touch, on the host; see `carry_obstacles`."""
+        carried = jnp.int32(self.bank.geometry.instance_object[self.house, instance])
+        return jax.tree.map(np.asarray, carry_obstacles(self._device, self._number, carried))
 
     def put_cells(self, instance: int, radius: float) -> EndCells:
         """Return cells from which a hand can put an object of some plan radius [m] on an instance; may be empty.
@@ -315,6 +309,22 @@ class HouseView:
     def _eyes(self, places: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
         """Return eye positions [m] of agents that stand at floor points."""
         return places + np.array([0, 0, self.bank.spec.agent_height - EYE_DEPTH])
+
+
+def _select_obstacles(boxes: Footprints, eyes: Float[np.ndarray, "n 3"], half: float) -> Footprints:
+    """Return the boxes that an object could touch which is carried below any of `eyes` [m]; see `carry_gaps`.
+
+    `half` is half of the object's height [m]. Their number is padded to a power of two, as every size is compiled
+    separately.
+    """
+    middle = np.unique(np.round(eyes[:, 2] - CARRY_HEIGHT_BELOW_EYES, 2))[:, None]
+    reach = half + CARRY_HEIGHT_TOLERANCE
+    met = np.flatnonzero(((boxes.top > middle - reach) & (boxes.bottom < middle + reach)).any(axis=0))
+    rows = np.zeros(max(1 << max(len(met) - 1, 0).bit_length(), MIN_OBSTACLES), np.intp)
+    rows[: len(met)] = met
+    unused = np.arange(len(rows)) >= len(met)
+    boxes = jax.tree.map(lambda x: x[rows], boxes)
+    return boxes.replace(bottom=np.where(unused, np.float32(np.inf), boxes.bottom))
 
 
 def house_views(bank: HouseBank) -> tuple[HouseView, ...]:

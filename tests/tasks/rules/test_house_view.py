@@ -8,6 +8,7 @@ import pytest
 from home_mjx.houses import load_bank
 from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.schema.semantic import Semantic
+from home_mjx.tasks.rules import house_view
 from home_mjx.tasks.rules.enums import TargetKind
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView, house_views
 from home_mjx.tasks.sensors.visibility import is_unobstructed, look_points
@@ -20,6 +21,17 @@ CHUNK = 512
 @pytest.fixture(scope="module")
 def views():
     return house_views(load_bank("procedural:4?preset=flat"))
+
+
+def test_obstacles_of_a_carried_object_are_fetched_once(views, monkeypatch):
+    fetched = []
+    original = house_view.carry_obstacles
+    monkeypatch.setattr(house_view, "carry_obstacles", lambda *args: fetched.append(int(args[2])) or original(*args))
+    view = HouseView(views[0].bank, 0, views[0]._boxes, views[0]._device)
+    movable = [(thing.object_id, instance) for thing, instance in in_one_piece(view) if thing.body >= 0][:2]
+    for _, instance in movable * 2:
+        view.take_cells(instance)
+    assert fetched == [number for number, _ in movable]
 
 
 def seen_one_by_one(view, eyes, boxes):
