@@ -8,6 +8,7 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
+from home_mjx.core.files import read_code
 from home_mjx.core.progress import plural, say
 from home_mjx.core.workers import usable_cores
 from home_mjx.schema.compiled import Model
@@ -22,7 +23,10 @@ WRITERS = "datasets/suncg/write"  # folder of `home_mjx` that writes generated h
 
 @cache
 def hash_inputs() -> bytes:
-    """Return the SHA-256 digest of all code and data from which homes are generated, apart from the compiler."""
+    """Return the SHA-256 digest of all code and data from which homes are generated, apart from the compiler.
+
+    Comments and docstrings do not count.
+    """
     spec = find_spec("home_mjx")
     assert spec is not None
     assert spec.origin is not None
@@ -31,8 +35,7 @@ def hash_inputs() -> bytes:
     total = hashlib.sha256()
     for base, paths in ((ROOT, [*code, ROOT / "data" / "models.zip"]), (writers, sorted(writers.rglob("*.py")))):
         for path in paths:
-            data = path.read_bytes()
-            data = data.replace(b"\r\n", b"\n") if path.suffix == ".py" else data
+            data = read_code(path).encode() if path.suffix == ".py" else path.read_bytes()
             total.update(path.relative_to(base).as_posix().encode() + b"\0" + hashlib.sha256(data).digest())
     return total.digest()
 

@@ -5,6 +5,7 @@ import io
 import itertools
 import json
 import os
+import re
 import shutil
 import stat
 import sys
@@ -22,6 +23,20 @@ import numpy as np
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError
 
 Row = TypeVar("Row")
+
+# Python's strings, in any version of it, see `read_code`: four kinds of quotes, in which a backslash escapes.
+_STRING = "|".join(
+    (
+        r'"""[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"""',
+        r"'''[^'\\]*(?:(?:\\.|'(?!''))[^'\\]*)*'''",
+        r'"[^"\\\n]*(?:\\.[^"\\\n]*)*"',
+        r"'[^'\\\n]*(?:\\.[^'\\\n]*)*'",
+    )
+)
+_COMMENT = re.compile(rf"({_STRING})|^[ \t]*(?:#[^\n]*)?\n|[ \t]*#[^\n]*", re.MULTILINE | re.DOTALL)
+_DOCSTRING = re.compile(
+    rf'((?:\A|:\n)[ \t]*)[rR]?"""[^"\\]*(?:(?:\\.|"(?!""))[^"\\]*)*"""(?=\n|\Z)|{_STRING}', re.DOTALL
+)
 
 _swept: set[Path] = set()  # folders that this process has swept
 
@@ -48,6 +63,21 @@ FILE_KINDS = (  # first bytes, at the start or after a length of four bytes, and
 TEMPORARY_SUFFIX = ".tmp"  # suffix of incomplete files; their names begin with a dot
 TEMPORARY_PATTERN = f".{'[0-9a-f]' * 32}{TEMPORARY_SUFFIX}"  # pattern of the temporary names of `write_atomically`
 MIN_LEFTOVER_SECONDS = 3600.0  # [s], minimum age of a leftover file; no write takes that long
+
+
+def read_code(path: Path) -> str:
+    """Return a Python file for digests: without comments and blank lines, and with empty docstrings.
+
+    Regular expressions find them, not `ast` or `tokenize`: those differ between versions of Python, and take longer.
+    A docstring is a text in triple double quotes on lines of its own, at the start or after a colon. Code must be valid
+    in Python 3.11, where f-strings do not contain their own quotes.
+
+    Raises:
+        MissingFileError: The file is missing.
+        DatasetError: The file is unreadable, too large or not UTF-8.
+    """
+    code = _COMMENT.sub(lambda found: found[1] or "", read_text(path).replace("\r\n", "\n"))
+    return _DOCSTRING.sub(lambda found: found[0] if found[1] is None else f'{found[1]}""', code)
 
 
 def read_text(path: Path, hint: str | None = None, max_bytes: int | None = None) -> str:

@@ -10,12 +10,13 @@ import shutil
 import time
 from pathlib import Path
 
-from home_mjx.core.files import remove_leftovers
+from home_mjx.core.files import read_code, remove_leftovers
 from home_mjx.core.paths import cache_folder
 
 FORMAT = 8
 PACKAGE_ROOT = Path(__file__).parents[1]
-# Code that determines an entry; changing any of it recompiles all houses. A test compares this list with the imports.
+# Code that determines an entry; changing any of it, except comments and docstrings, recompiles all houses.
+# A test compares this list with the imports.
 COMPILER_PATHS = (
     "core/array_store.py",
     "core/color.py",
@@ -69,11 +70,12 @@ def version() -> str:
 def version_of(package: Path) -> str:
     """Return a format number and a hash of the compiler's code in `package`, the folder of `home_mjx`.
 
-    It names the cache's version folder, so that a changed compiler never reads old entries.
+    It names the cache's version folder, so that a changed compiler never reads old entries. Comments and docstrings do
+    not count, see `read_code`.
     """
     code = hashlib.sha256()
     for path in compiler_files(package):
-        code.update(path.read_bytes())
+        code.update(read_code(path).encode() if path.suffix == ".py" else path.read_bytes())
     return f"v{FORMAT}-{code.hexdigest()[:12]}"
 
 
