@@ -11,6 +11,7 @@ from home_mjx.audio_jax.base.endpoints import SoundSource
 from home_mjx.audio_jax.base.options import Traced
 from home_mjx.audio_jax.parameters.floor_survey import survey_floor
 from home_mjx.bank.bank import HouseBank
+from home_mjx.navigation.grid import cell_below
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.agent import AgentBody
 from home_mjx.viewer.pictures.floor_map import draw_sound_map
@@ -60,12 +61,11 @@ def reduce_rays(config: AudioConfig) -> AudioConfig:
 def _receiver_grid(bank: HouseBank, source: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return masks (y, x) of receivers in rooms, of walkable ones, and ears (y, x, 3) [m], on the storey of `source`.
 
-    Rows and columns are cropped to the rooms and about `RECEIVER_SPACING` apart. A source on a floor is on that floor's
-    storey, one below all floors on the lowest.
+    Rows and columns are cropped to the rooms and about `RECEIVER_SPACING` apart. The storey is that of `cell_below`.
     """
     navigation, cell = bank.navigation, bank.spec.cell
     floor = np.asarray(navigation.floor[0])
-    level = max(int(np.sum(floor <= source[2])) - 1, 0)
+    level = int(cell_below(bank, jnp.int32(0), jnp.asarray(source, jnp.float32))[0])
     stride = max(round(RECEIVER_SPACING / cell), 1)
     every = slice(stride // 2, None, stride)
     room = np.asarray(navigation.room[0, level])[every, every] >= 0
