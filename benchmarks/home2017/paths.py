@@ -25,7 +25,6 @@ from home_mjx.audio_jax.base.options import Air, EarlyPaths, NoLate, Omni
 from home_mjx.audio_jax.geometry.image_sources import ImageSources, find_image_sources, select_nearest_mirrors
 from home_mjx.audio_jax.propagation.early import early_paths
 from home_mjx.audio_jax.propagation.image_source_paths import (
-    MAX_MIRROR_DISTANCE,
     MIN_LEG_LENGTH,
     find_duplicates,
     house_mirrors,
@@ -36,7 +35,7 @@ from home_mjx.audio_jax.propagation.surfaces import sound_materials, surface_at
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import BANDS, RayKind
+from home_mjx.schema.compiled import BANDS, MAX_MIRROR_DISTANCE, RayKind
 
 TEMPERATURES, HUMIDITIES = (10.0, 20.0), (40.0, 60.0, 80.0)  # [degrees Celsius], [%]
 # Coefficients per octave [1/1000 m]: Vorländer, Auralization, 2008. They are for energy; HoME applies them to pressure.

@@ -213,6 +213,9 @@ class Portals:
 
 FIELD_UNIT = 0.0025  # [m], unit of stored geodesic distances
 FIELD_UNREACHABLE = 65535  # stored distance where there is no path
+# [m], maximum distance between surfaces that share a mirror plane, as of slightly oblique walls; so far from its plane
+# rays may hit a reflecting surface.
+MAX_MIRROR_DISTANCE = 0.06
 MAX_DEPTH_BELOW_FLOOR = 0.3  # [m], maximum depth below a level's lowest floor of points assigned to that level
 
 

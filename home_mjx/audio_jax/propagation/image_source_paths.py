@@ -21,10 +21,9 @@ from home_mjx.audio_jax.propagation.paths import (
 from home_mjx.audio_jax.propagation.surfaces import surface_at
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import RayKind
+from home_mjx.schema.compiled import MAX_MIRROR_DISTANCE, RayKind
 
 MAX_MIRRORS = {1: (32, 32), 2: (12, 8), 3: (8, 4)}  # maximum numbers of walls and of faces of objects, by order
-MAX_MIRROR_DISTANCE = 0.06  # [m], maximum distance of a reflecting surface from its mirror plane, as in `scene_compile`
 MIN_LEG_LENGTH = 1e-3  # [m], minimum length of a leg with a direction
 # Quantization steps of names per unit of a normal and per metre. An irregular value keeps planes at round coordinates
 # away from rounding boundaries.

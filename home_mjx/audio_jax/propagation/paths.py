@@ -17,10 +17,9 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import length3, sum3
 from home_mjx.raycast_render.casting.cast import cast, cast_multi_hit, occluded
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.schema.compiled import BANDS, RayKind
+from home_mjx.schema.compiled import BANDS, MAX_MIRROR_DISTANCE, RayKind
 
 RAY_OFFSET = 1e-4  # [m], offset of ray ends from surfaces
-MAX_MIRROR_DISTANCE = 0.03  # [m], maximum distance of a reflecting surface from its mirror plane
 MIN_PATH_LENGTH = 0.05  # [m], minimum path length, which bounds gains
 MAX_PATH_NAMES = 1 << 24  # range of names of one producer's paths
 

@@ -10,10 +10,9 @@ from home_mjx.geometry.polygons import find_smallest_room
 from home_mjx.geometry.rectangle_cover import cell_centers, cover_with_rectangles, merge_close_values
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import BuildingShell, ShellPart, WallPart, has_room_behind, inner_normal
-from home_mjx.schema.compiled import Planes, RoomTable
+from home_mjx.schema.compiled import MAX_MIRROR_DISTANCE, Planes, RoomTable
 
 CORNER_MERGE_DISTANCE = 0.06  # [m], corners of neighbouring rooms closer than this are merged
-MAX_PLANE_DISTANCE = 0.06  # [m], maximum distance between planes that are merged; walls may be slightly oblique
 MIN_RECTANGLE_EDGE = 0.2  # [m], minimum edge of a reflecting rectangle, and minimum overlap of two that are merged
 
 
@@ -111,7 +110,7 @@ class _Table:
         """
         length = np.linalg.norm(a.u)
         direction, away = a.u / length, self.center - a.center
-        near = (self.normal @ a.normal >= 0.999) & (abs(away @ a.normal) <= MAX_PLANE_DISTANCE)
+        near = (self.normal @ a.normal >= 0.999) & (abs(away @ a.normal) <= MAX_MIRROR_DISTANCE)
         near &= abs(away[:, 2]) <= a.v[2] + self.v[:, 2]
         return near & (abs(away @ direction) < length + abs(self.u @ direction) - MIN_RECTANGLE_EDGE)
 

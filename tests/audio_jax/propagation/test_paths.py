@@ -13,7 +13,8 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.base.options import Air, EarlyPaths, Omni
 from home_mjx.audio_jax.propagation.early import early_paths
-from home_mjx.audio_jax.propagation.paths import air_attenuation
+from home_mjx.audio_jax.propagation.image_source_paths import image_source_reflections
+from home_mjx.audio_jax.propagation.paths import air_attenuation, first_order_reflections
 from home_mjx.scene_compile.materials.acoustic import transmission_loss_table
 from home_mjx.schema.compiled import BANDS
 
@@ -182,3 +183,15 @@ def test_vmap_and_scan_equal_single_environments(rng):
         one = run(scene, sources[i], LISTENER)
         np.testing.assert_allclose(many.gain[i], one.gain, rtol=1e-5, atol=1e-6)
         np.testing.assert_allclose(scanned.gain[i], one.gain, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize("find", [first_order_reflections, image_source_reflections])
+@pytest.mark.parametrize("offset", [-0.035, 0.0, 0.035])
+def test_surfaces_beside_their_merged_mirror_plane_reflect(find, offset):
+    """Walls within 6 cm share a plane, so rays hit most of them beside it."""
+    scene = scene_of(shoebox(tuple(SIZE), 0.3, scattering=0.0))
+    planes = scene.bank.acoustics
+    moved = planes.replace(plane_center=planes.plane_center + offset * planes.plane_normal)
+    scene = scene.replace(bank=scene.bank.replace(acoustics=moved))
+    found = jax.jit(find, static_argnums=3)(scene, SoundSource(SOURCE), Listener(LISTENER, HEAD), CONFIG)
+    assert len(sounding(found)) == 6
