@@ -44,16 +44,16 @@ def batch():
     return jnp.array([0, 1, 0]), jnp.array([[-1.0, -1, 1.5], [-2.0, 0, 1.5], [-0.5, -1, 1.2]])
 
 
-# Two programs of sound give the same bits only as users compile them.
-@pytest.mark.parametrize("sense", [see, pytest.param(hear, marks=pytest.mark.slow)])
-def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, batch, sense):
+# Two programs of sound round differently under some flags of XLA: those of these tests are among them.
+@pytest.mark.parametrize(("sense", "rounding"), [(see, 0.0), pytest.param(hear, 1e-6, marks=pytest.mark.slow)])
+def test_scenes_that_cross_the_border_of_vmap_give_what_scenes_inside_do(bank, batch, sense, rounding):
     houses, eyes = batch
     inside = jax.jit(jax.vmap(lambda house, eye: sense(place(bank, house), eye)))(houses, eyes)
     scenes = jax.jit(jax.vmap(lambda house: place(bank, house), out_axes=Scene.axes()))(houses)
     assert jax.tree.map(jnp.shape, scenes.bank) == jax.tree.map(jnp.shape, bank)
     assert scenes.house.shape == (E,)
     outside = jax.jit(jax.vmap(sense, in_axes=(Scene.axes(), 0)))(scenes, eyes)
-    jax.tree.map(np.testing.assert_array_equal, inside, outside)
+    jax.tree.map(lambda x, y: np.testing.assert_allclose(x, y, 0, rounding * float(np.max(x))), inside, outside)
 
 
 def shine(scene, factor):
