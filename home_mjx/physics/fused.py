@@ -46,7 +46,9 @@ SOURCES = tuple(Path(__file__).with_name("cuda") / name for name in FILES)
 WARP = 32
 CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
 PAIRS_PER_BODY = 16  # as in base.cuh
-SHARED_REALS, SHARED_INTS = 47, 11 + POINTS_PER_BODY  # words of shared memory per dynamic body, as in step.cu
+SHARED_BYTES = 4 * 35 + 2 * 7 + 4  # shared memory per dynamic body: numbers, indices and flags, as in step.cu
+SCRATCH_WORDS = MAX_NEAR_BOXES + 12 + 12 + PAIRS_PER_BODY + POINTS_PER_BODY // 2 + CONTACT_WORDS * POINTS_PER_BODY
+NUM_COUNTS = 3  # as in base.cuh
 
 
 def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> Sequence[Array]:
@@ -58,10 +60,10 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
     envs, agents = operands[ACTION].shape[:2]
     mobiles = agents + bodies + doors
-    words = (MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * POINTS_PER_BODY) * mobiles + _newton_words(mobiles)
+    words = SCRATCH_WORDS * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
-    shared = 4 * ((SHARED_REALS + SHARED_INTS) * mobiles + _newton_words(SMALL_ISLAND) + 2)
+    shared = SHARED_BYTES * mobiles + 4 * (_newton_words(SMALL_ISLAND) + NUM_COUNTS)
     given = *operands, traced_constant(sizes)
     return launch_ptx("step_physics", compile_kernel(), (envs,), WARP, shared, given, (*results, scratch))[:-1]
 

@@ -16,6 +16,7 @@ inline unsigned warp_ballot(bool x) { return x; }
 inline int count_bits(unsigned x) { return __builtin_popcount(x); }
 inline unsigned warp_alike(int) { return 1; }
 inline int from_lane(int x, int) { return x; }
+inline real from_lane(real x, int) { return x; }
 inline real warp_sum(real x) { return x; }
 static double shared_doubles[1 << 14];
 inline real* shared_memory() { return shared_doubles; }

@@ -18,6 +18,7 @@ INLINE void sync_warp() { __syncwarp(); }
 INLINE unsigned warp_ballot(bool x) { return __ballot_sync(ALL_LANES, x); }
 INLINE int count_bits(unsigned x) { return __popc(x); }
 INLINE unsigned warp_alike(int x) { return __match_any_sync(ALL_LANES, x); }
+INLINE real from_lane(real x, int lane) { return __shfl_sync(ALL_LANES, x, lane < 0 ? 0 : lane); }
 INLINE int from_lane(int x, int lane) { return __shfl_sync(ALL_LANES, x, lane < 0 ? 0 : lane); }
 // Returns the same bits in every lane: both lanes of each exchange add the same two numbers.
 INLINE real warp_sum(real x) {
@@ -27,6 +28,9 @@ INLINE real warp_sum(real x) {
 extern __shared__ float shared_floats[];
 INLINE real* shared_memory() { return shared_floats; }
 #endif
+
+typedef unsigned char Flag;
+typedef unsigned short Index;  // of a dynamic body or contact; shared memory holds fewer than 1500 bodies
 
 #define INF real(1e30)
 #define NONE real(-9)  // the capsule has no second contact sphere
@@ -48,7 +52,7 @@ constexpr int NOT_DRIVEN = 1000000000;  // goal of a door that is not driven
 constexpr real WAKE_DISTANCE = 0.01;  // [m], see numba/sleep.py
 constexpr real MIN_AWAKE_ACCELERATION = 1e-6;  // acceleration that marks a woken dynamic body; sleeping ones have 0
 constexpr real HEAVY = 1e20;  // mass of a door's unused DoFs
-constexpr int STATIC_OVERFLOW = 0, POINT_OVERFLOW = 1;
+constexpr int STATIC_OVERFLOW = 0, POINT_OVERFLOW = 1, NUM_AWAKE = 2, NUM_COUNTS = 3;
 constexpr int MAX_LINE_STEPS = 40;
 constexpr int NUM_NUMBERS = 32;
 constexpr real ALIGNED_COSINE = 0.99, ALIGNED_OVERLAP_RATIO = 0.95;  // see numba/box_box.py

@@ -19,12 +19,15 @@ static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "fused.py allocat
 
 // One environment: pointers into shared memory and scratch.
 struct Env {
-  int agents, free, mobiles, statics, room;  // free: agents + bodies, index of the first door; room: maximum contacts
+  int agents, free, mobiles, statics;  // free: agents + bodies, index of the first door; mobiles: up to the last one
+  int room, pair_room;                 // maximum numbers of contacts and of pairs of dynamic bodies
   // Element 0 of quat is an agent's yaw or a door's coordinate. All dynamic bodies have six velocities; a door's rate is
   // the last, and HEAVY masses keep the others at zero.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
-  int *exists, *calm, *wakes, *list, *pairs;  // list: awake dynamic bodies; pairs: dynamic bodies near each other
-  int *awake, *num_near, *island, *members, *rows, *end, *offset, *order, *counts;
+  Flag *awake, *exists, *calm, *wakes;
+  short* num_near;
+  Index *island, *members, *rows, *end, *offset, *list, *order;  // list: awake dynamic bodies
+  int *counts, *pairs;                                           // pairs: dynamic bodies near each other
   real *near, *near_from, *small, *large;  // small and large: memory for Newton's method, small is shared memory
   const float *agent, *door, *surface;  // tables of the agents, the house's doors and its bodies
   real rougher;                         // friction factor of bodies

@@ -1,13 +1,19 @@
 // Contact detection; counterpart of numba/contact_detection.py.
 
+// Returns the sum of the numbers of the lanes before this one.
+INLINE int sum_before(int own) {
+  int sum = own;
+  for (int step = 1; step < WARP_SIZE; step *= 2) {
+    const int other = from_lane(sum, LANE - step);
+    if (LANE >= step) sum += other;
+  }
+  return sum - own;
+}
+
 // Writes the contacts of the lanes' pairs in lane order; returns the new number of contacts.
 __device__ int write_contacts(const Env& e, int count, int first, int second, const Points& points) {
-  int before = points.count;  // inclusive sum over lanes
-  for (int step = 1; step < WARP_SIZE; step *= 2) {
-    const int other = from_lane(before, LANE - step);
-    if (LANE >= step) before += other;
-  }
-  const int total = from_lane(before, WARP_SIZE - 1), start = count + before - points.count;
+  const int before = sum_before(points.count), start = count + before;
+  const int total = from_lane(before + points.count, WARP_SIZE - 1);
   for (int i = 0; i < points.count; ++i)
     if (start + i < e.room) make_contact(e, e.contacts[start + i], first, second, points.at[i]);
   if (count + total > e.room) {
@@ -81,7 +87,7 @@ INLINE real moved(const Env& e, int m) {
 }
 
 // Appends the lanes' static boxes `c`, if they are valid, to the lists of the dynamic bodies `looks` that they are near.
-INLINE void list_near(const Env& e, const House& house, int c, bool valid, const int* looks) {
+INLINE void list_near(const Env& e, const House& house, int c, bool valid, const Index* looks) {
   const Box box = static_box(house, valid ? c : 0);
   for (int m = 0; m < e.free; ++m) {
     if (!looks[m]) continue;
@@ -107,7 +113,7 @@ INLINE void list_near(const Env& e, const House& house, int c, bool valid, const
 // Updates the lists of static boxes near bodies that have moved; the static boxes are distributed over the lanes.
 __device__ void keep_near(const Env& e, const House& house) {
   bool any = false;
-  int* looks = e.members;  // flags of dynamic bodies whose list is updated
+  Index* looks = e.members;  // flags of dynamic bodies whose list is updated
   for (int m = LANE; m < e.free; m += WARP_SIZE) {
     looks[m] = e.awake[m] && (e.num_near[m] < 0 || moved(e, m) >= NEAR_DISTANCE);
     if (!looks[m]) continue;
@@ -173,7 +179,7 @@ INLINE void at_limits(const Env& e, int m, Points& points) {
   }
 }
 
-// Lists the awake dynamic bodies; returns their number.
+// Lists the awake dynamic bodies in ascending order; returns their number.
 __device__ int list_awake(const Env& e) {
   int count = 0;
   for (int base = 0; base < e.mobiles; base += WARP_SIZE) {
@@ -209,22 +215,23 @@ __device__ int list_pairs(const Env& e, int awake) {
     near = near && spheres_meet(e, m, other, 0);
     const unsigned mask = warp_ballot(near);
     const int place = count + count_bits(mask & ((1u << LANE) - 1));
-    if (near && place < PAIRS_PER_BODY * e.mobiles)
+    if (near && place < e.pair_room)
       e.pairs[place] = e.awake[other] ? other + m * e.mobiles : m + other * e.mobiles;
     count += count_bits(mask);
   }
   sync_warp();
-  if (count <= PAIRS_PER_BODY * e.mobiles) return count;
+  if (count <= e.pair_room) return count;
   if (LANE == 0) e.counts[POINT_OVERFLOW] = 1;
-  return PAIRS_PER_BODY * e.mobiles;
+  return e.pair_room;
 }
 
 // Writes all contacts of an environment; returns their number.
 __device__ int find_contacts(const Env& e, const House& house, real floor) {
   keep_near(e, house);
   const int awake = list_awake(e), pairs = list_pairs(e, awake);
+  if (LANE == 0) e.counts[NUM_AWAKE] = awake;
   int statics = 0;
-  for (int m = 0; m < e.free; ++m) statics += e.awake[m] ? e.num_near[m] : 0;
+  for (int i = 0; i < awake && e.list[i] < e.free; ++i) statics += e.num_near[e.list[i]];
   const int total = awake + statics + pairs;
   int count = 0;
   for (int base = 0; base < total; base += WARP_SIZE) {
@@ -238,8 +245,9 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
     } else if (pair < total) {  // a static box or another dynamic body
       Box box;
       if ((pair -= awake) < statics) {
-        int m = 0;
-        while (!e.awake[m] || pair >= e.num_near[m]) pair -= e.awake[m] ? e.num_near[m] : 0, ++m;
+        int i = 0;
+        while (pair >= e.num_near[e.list[i]]) pair -= e.num_near[e.list[i++]];
+        const int m = e.list[i];
         const int number = int(e.near[MAX_NEAR_BOXES * m + pair]);
         first = m, second = STATIC - number, box = static_box(house, number);
       } else {

@@ -3,7 +3,7 @@
 // Bodies that touch no other dynamic body are solved in registers, one per lane in parallel. Larger islands are solved
 // by the whole warp, one after another. Sums over lanes have a fixed order, so results do not depend on the batch.
 
-INLINE int find_root(const int* island, int m) {
+INLINE int find_root(const Index* island, int m) {
   while (island[m] != m) m = island[m];
   return m;
 }
@@ -26,8 +26,9 @@ __device__ void find_islands(const Env& e, int count) {
   sync_warp();
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = e.end[m];
   sync_warp();
+  const int awake = e.counts[NUM_AWAKE];
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
-    for (int k = 0; k < e.mobiles; ++k) e.members[m] += e.awake[k] && e.island[k] == m;
+    for (int i = 0; i < awake; ++i) e.members[m] += e.island[e.list[i]] == m;
   for (int pass = 0; pass < 2; ++pass) {  // first counts, then positions
     for (int base = 0; base < count; base += WARP_SIZE) {
       const int n = base + LANE, root = n < count ? e.island[e.contacts[n].first] : -1;
@@ -38,9 +39,10 @@ __device__ void find_islands(const Env& e, int count) {
       sync_warp();
     }
     if (pass == 1) break;
-    for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
-      e.end[m] = 0;
-      for (int k = 0; k < m; ++k) e.end[m] += e.rows[k];
+    for (int base = 0, start = 0; base < e.mobiles; base += WARP_SIZE) {
+      const int m = base + LANE, rows = m < e.mobiles ? e.rows[m] : 0, sum = sum_before(rows) + rows;
+      if (m < e.mobiles) e.end[m] = start + sum - rows;
+      start += from_lane(sum, WARP_SIZE - 1);
     }
     sync_warp();
   }
@@ -122,7 +124,7 @@ struct Alone {
     }
   }
 
-  INLINE real find_step(const Env& e, const int* contacts, int count) {
+  INLINE real find_step(const Env& e, const Index* contacts, int count) {
     real start = 0, curve = 0, scale = 0;
 #pragma unroll
     for (int k = 0; k < 6; ++k) {
@@ -148,7 +150,8 @@ __device__ __noinline__ void solve_alone(const Env& e, int m) {
 #pragma unroll
   for (int k = 0; k < 6; ++k)
     own.mass[k] = e.mass[6 * m + k], own.free[k] = e.smooth[6 * m + k], own.acc[k] = e.acc[6 * m + k];
-  const int count = e.rows[m], *contacts = e.order + e.end[m] - count;
+  const int count = e.rows[m];
+  const Index* contacts = e.order + e.end[m] - count;
   bool full = false;
   for (int i = 0; i < int(e.numbers.iterations); ++i) {
     bool changed = false;
@@ -176,7 +179,7 @@ __device__ __noinline__ void solve_alone(const Env& e, int m) {
 // An island of several bodies, solved by the whole warp. The DoFs of body m are at offset[m] of its vectors.
 struct Joined {
   int root, size, count;
-  const int *contacts, *offset;
+  const Index *contacts, *offset;
   real *hessian, *gradient, *search;
 };
 
@@ -335,19 +338,22 @@ __device__ __noinline__ void solve_joined(const Env& e, const Joined& s) {
 
 __device__ void solve(const Env& e, int count) {
   find_islands(e, count);
-  for (int m = LANE; m < e.mobiles; m += WARP_SIZE) {
-    if (!e.awake[m] || e.island[m] != m || e.members[m] > 1) continue;
+  const int awake = e.counts[NUM_AWAKE];
+  for (int i = LANE; i < awake; i += WARP_SIZE) {
+    const int m = e.list[i];
+    if (e.island[m] != m || e.members[m] > 1) continue;
     if (e.rows[m] == 0)
       for (int k = 0; k < 6; ++k) e.acc[6 * m + k] = e.smooth[6 * m + k];
     else
       solve_alone(e, m);
   }
   sync_warp();
-  for (int root = 0; root < e.mobiles; ++root) {
-    if (!e.awake[root] || e.island[root] != root || e.members[root] == 1) continue;
+  for (int i = 0; i < awake; ++i) {
+    const int root = e.list[i];
+    if (e.island[root] != root || e.members[root] == 1) continue;
     if (LANE == 0)
-      for (int m = root, at = 0; m < e.mobiles; ++m)
-        if (e.awake[m] && e.island[m] == root) e.offset[m] = at, at += 6;
+      for (int k = i, at = 0; k < awake; ++k)
+        if (const int m = e.list[k]; e.island[m] == root) e.offset[m] = at, at += 6;
     sync_warp();
     const int size = 6 * e.members[root], count = e.rows[root];
     real* memory = e.members[root] <= SMALL_ISLAND ? e.small : e.large;

@@ -65,39 +65,54 @@ INLINE void store(const Env& e, int m, const float* qpos, float* new_qpos, float
 
 // Counts contacts of each agent, except with what carries it; keeps the maximum over physics steps.
 INLINE void count_touched(const Env& e, int count, int* touched) {
-  for (int a = LANE; a < e.agents; a += WARP_SIZE) {
+  for (int a = 0; a < e.agents; ++a) {
     int here = 0;
-    for (int n = 0; n < count; ++n) {
-      const Contact& c = e.contacts[n];
-      const bool carries = c.second == FLOOR ||
-          (c.second <= STATIC && c.second > SLEEPING_BODY && c.frame[0][2] <= -MIN_SUPPORT_NORMAL);
-      here += !carries && (c.first == a || c.second == a);
+    for (int base = 0; base < count; base += WARP_SIZE) {
+      const int n = base + LANE;
+      bool touches = false;
+      if (n < count) {
+        const Contact& c = e.contacts[n];
+        const bool carries = c.second == FLOOR ||
+            (c.second <= STATIC && c.second > SLEEPING_BODY && c.frame[0][2] <= -MIN_SUPPORT_NORMAL);
+        touches = !carries && (c.first == a || c.second == a);
+      }
+      here += count_bits(warp_ballot(touches));
     }
-    if (here > touched[a]) touched[a] = here;
+    if (LANE == 0 && here > touched[a]) touched[a] = here;
   }
 }
 
-// Adds the impulses of a physics step and keeps the strongest contact of each dynamic body.
+// Adds the impulse of contact `n` to dynamic body `m`, and keeps its position and partner if it is the body's strongest.
+INLINE void note_push(const Env& e, int m, int partner, int n, real impulse, float* push, int* other) {
+  e.impulse[2 * m] += impulse;
+  if (impulse <= e.impulse[2 * m + 1]) return;
+  e.impulse[2 * m + 1] = impulse, other[m] = partner <= SLEEPING_BODY ? SLEEPING_BODY - partner : partner;
+  for (int k = 0; k < 3; ++k) push[4 * m + 1 + k] = e.contacts[n].pos[k];
+}
+
+// Adds the impulses of a physics step and keeps the strongest contact of each dynamic body. Lanes compute the impulses
+// of a group of contacts; these are then added in order, each by the lanes that own its bodies.
 INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
-  for (int n = LANE; n < count; n += WARP_SIZE) {
-    Contact& c = e.contacts[n];
-    real value[3], force = 0;
-    relative(c, e.acc, six, value);
-    for (int k = 0; k < 3; ++k) value[k] -= c.target[k];
-    for (int row = 0; row < num_rows(c); ++row) force -= c.weight * fmin(edge_value(row, c.friction, value), real(0));
-    c.push.force[0] = c.second == JOINT_LIMIT ? 0 : force * e.numbers.sim_dt;
-  }
-  sync_warp();
-  for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
-    for (int n = 0; n < count; ++n) {
+  for (int base = 0; base < count; base += WARP_SIZE) {
+    const int n = base + LANE;
+    int first = 0, second = JOINT_LIMIT;
+    real impulse = 0;
+    if (n < count) {
       const Contact& c = e.contacts[n];
-      const real impulse = c.push.force[0];
-      if ((c.first != m && c.second != m) || impulse == 0) continue;
-      e.impulse[2 * m] += impulse;
-      if (impulse <= e.impulse[2 * m + 1]) continue;
-      e.impulse[2 * m + 1] = impulse, other[m] = c.first != m ? c.first : c.second <= SLEEPING_BODY ? SLEEPING_BODY - c.second : c.second;
-      for (int k = 0; k < 3; ++k) push[4 * m + 1 + k] = c.pos[k];
+      real value[3], force = 0;
+      first = c.first, second = c.second;
+      relative(c, e.acc, six, value);
+      for (int k = 0; k < 3; ++k) value[k] -= c.target[k];
+      for (int row = 0; row < num_rows(c); ++row) force -= c.weight * fmin(edge_value(row, c.friction, value), real(0));
+      impulse = second == JOINT_LIMIT ? 0 : force * e.numbers.sim_dt;
     }
+    for (unsigned left = warp_ballot(impulse != 0); left; left &= left - 1) {
+      const int lane = count_bits((left & -left) - 1), a = from_lane(first, lane), b = from_lane(second, lane);
+      const real here = from_lane(impulse, lane);
+      if (a % WARP_SIZE == LANE) note_push(e, a, b, base + lane, here, push, other);
+      if (b >= 0 && b % WARP_SIZE == LANE) note_push(e, b, a, base + lane, here, push, other);
+    }
+  }
 }
 
 // `sizes`: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
@@ -111,19 +126,21 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   const int env = blockIdx.x, num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.free = e.agents + bodies, e.mobiles = e.free + num_doors;
-  e.room = POINTS_PER_BODY * e.mobiles;
+  e.room = POINTS_PER_BODY * e.mobiles, e.pair_room = PAIRS_PER_BODY * e.mobiles;
   const int M = e.mobiles, D = 6 * M, S = 6 * SMALL_ISLAND;
   real* at = shared_memory();
   e.pos = at, at += 3 * M, e.quat = at, at += 4 * M, e.rot = at, at += 9 * M, e.vel = at, at += 6 * M;
-  e.acc = at, at += 6 * M, e.smooth = at, at += 6 * M, e.half = at, at += 3 * M, e.mass = at, at += 6 * M;
-  e.inverse = at, at += M, e.radius = at, at += M, e.impulse = at, at += 2 * M, e.small = at, at += newton_words(S);
-  int* whole = reinterpret_cast<int*>(at);
-  e.awake = whole, e.num_near = whole + M, e.island = whole + 2 * M, e.members = whole + 3 * M;
-  e.rows = whole + 4 * M, e.end = whole + 5 * M, e.offset = whole + 6 * M, e.counts = whole + 7 * M;
-  e.exists = e.counts + 2, e.calm = e.exists + M, e.wakes = e.calm + M, e.list = e.wakes + M, e.order = e.list + M;
+  e.acc = at, at += 6 * M, e.smooth = at, at += 6 * M, e.radius = at, at += M, e.small = at, at += newton_words(S);
+  e.counts = reinterpret_cast<int*>(at), e.num_near = reinterpret_cast<short*>(e.counts + NUM_COUNTS);
+  e.island = reinterpret_cast<Index*>(e.num_near + M), e.members = e.island + M, e.rows = e.members + M;
+  e.end = e.rows + M, e.offset = e.end + M, e.list = e.offset + M;
+  e.awake = reinterpret_cast<Flag*>(e.list + M), e.exists = e.awake + M, e.calm = e.exists + M, e.wakes = e.calm + M;
+  // Shared memory limits how many environments a multiprocessor steps at once: what is read less often is in scratch.
   real* own = reinterpret_cast<real*>(scratch + size_t(env) * sizes[7]);
   e.near = own, own += MAX_NEAR_BOXES * M, e.near_from = own, own += 12 * M, e.large = own, own += newton_words(D);
+  e.half = own, own += 3 * M, e.mass = own, own += 6 * M, e.inverse = own, own += M, e.impulse = own, own += 2 * M;
   e.pairs = reinterpret_cast<int*>(own), own += PAIRS_PER_BODY * M;
+  e.order = reinterpret_cast<Index*>(own), own += POINTS_PER_BODY / 2 * M;
   e.contacts = reinterpret_cast<Contact*>(own);
   for (int i = 0; i < NUM_NUMBERS; ++i) reinterpret_cast<real*>(&e.numbers)[i] = numbers[i];
   const int house = houses[env] < 0 ? 0 : houses[env] < num_houses ? houses[env] : num_houses - 1;
@@ -149,16 +166,17 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     for (int k = 0; k < 4; ++k) push[4 * m + k] = 0;
   }
   sync_warp();
+  while (e.mobiles > e.free && !e.exists[e.mobiles - 1]) --e.mobiles;  // most houses have fewer doors than slots
   find_sleepers(e, control);
   for (int substep = 0; substep < int(e.numbers.substeps); ++substep) {
-    for (int m = LANE; m < M; m += WARP_SIZE)
+    for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
       if (e.awake[m] || (substep == 0 && e.exists[m])) {
         if (m >= e.free) place_leaf(e, m);
         else if (m >= e.agents) rotation(e.quat + 4 * m, e.rot + 9 * m);
       }
     sync_warp();
     wake_near(e);
-    for (int m = LANE; m < M; m += WARP_SIZE)
+    for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
       if (e.awake[m]) smooth(e, m, control, ramps, num_ramps);
     sync_warp();
     for (int a = LANE; a < e.agents; a += WARP_SIZE) hold(e, a, control);
@@ -167,13 +185,14 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     solve(e, count);
     note_pushes(e, count, push, other);
     count_touched(e, count, touched);
-    for (int m = LANE; m < M; m += WARP_SIZE)
+    for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
       if (e.awake[m]) move(e, m);
     sync_warp();
     wake_touched(e);
   }
   fall_asleep(e);
   for (int m = LANE; m < M; m += WARP_SIZE) {
+    if (m >= e.mobiles) e.awake[m] = 0;
     store(e, m, qpos, new_qpos, new_qvel, new_qacc);
     push[4 * m] = e.impulse[2 * m];
   }

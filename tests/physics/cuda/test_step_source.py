@@ -15,7 +15,7 @@ from sanitized import Program
 from home_mjx.physics import fused
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import FLOOR, STATIC
-from home_mjx.physics.fused import CONTACT_WORDS, PAIRS_PER_BODY, SMALL_ISLAND, SOURCES
+from home_mjx.physics.fused import CONTACT_WORDS, NUM_COUNTS, PAIRS_PER_BODY, SCRATCH_WORDS, SMALL_ISLAND, SOURCES
 from home_mjx.physics.numba import params
 from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS
 from home_mjx.physics.numba.params import HELD, StepParams, reference_surfaces
@@ -76,8 +76,7 @@ def operands(oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)
     mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
     outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros((mobiles, 4), np.float32)]
-    words = (params.MAX_NEAR_BOXES + 12 + PAIRS_PER_BODY + CONTACT_WORDS * params.POINTS_PER_BODY) * mobiles
-    words += fused._newton_words(mobiles)
+    words = SCRATCH_WORDS * mobiles + fused._newton_words(mobiles)
     return inputs, [*outputs, np.zeros(mobiles, np.int32), np.zeros(words)]  # here its numbers have 64 bits
 
 
@@ -164,6 +163,7 @@ def test_sizes_and_numbers_are_those_of_the_other_step():
         "CONTACT_WORDS": CONTACT_WORDS,
         "SMALL_ISLAND": SMALL_ISLAND,
         "PAIRS_PER_BODY": PAIRS_PER_BODY,
+        "NUM_COUNTS": NUM_COUNTS,
         "NUM_NUMBERS": len(StepParams._fields),
     }
     assert {name: found[name] for name in own} == own
