@@ -35,6 +35,8 @@ from home_mjx.physics.numba.params import (
     NUM_RESULTS,
     NUM_SHARED,
     POINTS_PER_BODY,
+    QACC,
+    QVEL,
     RAMP,
     reference_surfaces,
     step_params,
@@ -44,7 +46,7 @@ NUM_OVERFLOWS = 2  # overflow flags: static boxes, contact points
 FILES = ("base.cuh", "shapes.cuh", "contact.cuh", "contacts.cuh", "solver.cuh", "forces.cuh", "sleep.cuh", "step.cu")
 SOURCES = tuple(Path(__file__).with_name("cuda") / name for name in FILES)
 WARP = 32
-CONTACT_WORDS, SMALL_ISLAND = 52, 6  # as in base.cuh
+CONTACT_WORDS, SMALL_ISLAND, SHARED_CONTACTS = 52, 3, 10  # as in base.cuh
 PAIRS_PER_BODY = 16  # as in base.cuh
 SHARED_BYTES = 4 * 35 + 2 * 7 + 4  # shared memory per dynamic body: numbers, indices and flags, as in step.cu
 SCRATCH_WORDS = MAX_NEAR_BOXES + 12 + 12 + PAIRS_PER_BODY + POINTS_PER_BODY // 2 + CONTACT_WORDS * POINTS_PER_BODY
@@ -63,9 +65,15 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     words = SCRATCH_WORDS * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
-    shared = SHARED_BYTES * mobiles + 4 * (_newton_words(SMALL_ISLAND) + NUM_COUNTS)
-    given = *operands, traced_constant(sizes)
+    words_of_all = _newton_words(SMALL_ISLAND) + CONTACT_WORDS * SHARED_CONTACTS + NUM_COUNTS
+    shared = SHARED_BYTES * mobiles + 4 * words_of_all
+    given = *operands, _start_order(operands[QVEL], operands[QACC]), traced_constant(sizes)
     return launch_ptx("step_physics", compile_kernel(), (envs,), WARP, shared, given, (*results, scratch))[:-1]
+
+
+def _start_order(qvel: Float[Array, "e v"], qacc: Float[Array, "e v"]) -> Int[Array, " e"]:
+    """Return the environments by the number of moving DoFs, most first: the longest step should not start last."""
+    return jnp.argsort(-jnp.sum((qvel != 0) | (qacc != 0), axis=1))
 
 
 def _newton_words(mobiles: int) -> int:

@@ -38,11 +38,12 @@ typedef unsigned short Index;  // of a dynamic body or contact; shared memory ho
 constexpr int MAX_PAIR_POINTS = 16;  // maximum number of contact points of a pair of shapes
 constexpr int BLOCKS = 16;  // minimum number of blocks per multiprocessor: 128 registers a thread
 constexpr int SLEEPING_BODY = -1000000;  // code of a contact's second body m if that sleeps: SLEEPING_BODY - m
-constexpr int PAIRS_PER_BODY = 16;  // pairs of nearby bodies per dynamic body that the buffer holds, as in launch.py
+constexpr int PAIRS_PER_BODY = 16;  // pairs of nearby bodies per dynamic body that the buffer holds, as in fused.py
 constexpr int MAX_NEAR_BOXES = 24;  // maximum number of listed static boxes per dynamic body
 constexpr int POINTS_PER_BODY = 24;  // contact points per dynamic body that the buffer holds
-constexpr int CONTACT_WORDS = 52;  // words of memory per contact, as in launch.py
-constexpr int SMALL_ISLAND = 6;  // maximum dynamic bodies of an island solved in shared memory, as in launch.py
+constexpr int CONTACT_WORDS = 52;  // words of memory per contact, as in fused.py
+constexpr int SHARED_CONTACTS = 10;  // contacts of an environment that are in shared memory, as in fused.py
+constexpr int SMALL_ISLAND = 3;  // maximum dynamic bodies of an island solved in shared memory, as in fused.py
 // Codes of a contact's second side if that is no dynamic body; static box c is STATIC - c.
 constexpr int JOINT_LIMIT = -1, FLOOR = -2, STATIC = -3;
 constexpr real MIN_SUPPORT_NORMAL = real(0.5);  // as in base/state.py

@@ -31,9 +31,11 @@ struct Env {
   real *near, *near_from, *small, *large;  // small and large: memory for Newton's method, small is shared memory
   const float *agent, *door, *surface;  // tables of the agents, the house's doors and its bodies
   real rougher;                         // friction factor of bodies
-  Contact* contacts;
+  Contact *first_contacts, *contacts;  // the first few are in shared memory
   Numbers numbers;
 };
+
+INLINE Contact& contact(const Env& e, int n) { return n < SHARED_CONTACTS ? e.first_contacts[n] : e.contacts[n]; }
 
 // Returns the lever arm from a body's rotation axis to a point. For a leaf that slides along s it is s x up, so that its
 // rotation becomes the displacement along s.

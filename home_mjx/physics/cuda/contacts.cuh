@@ -15,7 +15,7 @@ __device__ int write_contacts(const Env& e, int count, int first, int second, co
   const int before = sum_before(points.count), start = count + before;
   const int total = from_lane(before + points.count, WARP_SIZE - 1);
   for (int i = 0; i < points.count; ++i)
-    if (start + i < e.room) make_contact(e, e.contacts[start + i], first, second, points.at[i]);
+    if (start + i < e.room) make_contact(e, contact(e, start + i), first, second, points.at[i]);
   if (count + total > e.room) {
     if (LANE == 0) e.counts[POINT_OVERFLOW] = 1;
     return e.room;

@@ -13,7 +13,7 @@ __device__ void find_islands(const Env& e, int count) {
   for (int m = LANE; m < e.mobiles; m += WARP_SIZE) e.island[m] = m, e.members[m] = e.rows[m] = 0;
   sync_warp();
   for (int base = 0; base < count; base += WARP_SIZE) {
-    const int n = base + LANE, first = n < count ? e.contacts[n].first : 0, second = n < count ? e.contacts[n].second : -1;
+    const int n = base + LANE, first = n < count ? contact(e, n).first : 0, second = n < count ? contact(e, n).second : -1;
     for (unsigned left = warp_ballot(second >= 0); left; left &= left - 1) {
       const int lane = count_bits((left & -left) - 1);
       const int a = find_root(e.island, from_lane(first, lane)), b = find_root(e.island, from_lane(second, lane));
@@ -31,7 +31,7 @@ __device__ void find_islands(const Env& e, int count) {
     for (int i = 0; i < awake; ++i) e.members[m] += e.island[e.list[i]] == m;
   for (int pass = 0; pass < 2; ++pass) {  // first counts, then positions
     for (int base = 0; base < count; base += WARP_SIZE) {
-      const int n = base + LANE, root = n < count ? e.island[e.contacts[n].first] : -1;
+      const int n = base + LANE, root = n < count ? e.island[contact(e, n).first] : -1;
       const unsigned alike = warp_alike(root), before = alike & ((1u << LANE) - 1);
       if (pass == 1 && n < count) e.order[e.end[root] + count_bits(before)] = n;
       sync_warp();
@@ -132,7 +132,7 @@ struct Alone {
       scale += mass[k] * (acc[k] * acc[k] + free[k] * free[k]);
     }
     for (int i = 0; i < count; ++i) {
-      Contact& c = e.contacts[contacts[i]];
+      Contact& c = contact(e, contacts[i]);
       real slope[3] = {0, 0, 0};
       add_relative<0>(c, search, slope);
 #pragma unroll
@@ -140,7 +140,7 @@ struct Alone {
     }
     return find_length(scale, [&](real length, real& slope, real& bend) {
       slope = start + length * curve, bend = curve;
-      for (int i = 0; i < count; ++i) add_derivatives(e.contacts[contacts[i]], length, slope, bend);
+      for (int i = 0; i < count; ++i) add_derivatives(contact(e, contacts[i]), length, slope, bend);
     });
   }
 };
@@ -156,7 +156,7 @@ __device__ __noinline__ void solve_alone(const Env& e, int m) {
   for (int i = 0; i < int(e.numbers.iterations); ++i) {
     bool changed = false;
     for (int n = 0; n < count; ++n) {
-      Contact& c = e.contacts[contacts[n]];
+      Contact& c = contact(e, contacts[n]);
       real value[3] = {0, 0, 0};
       add_relative<0>(c, own.acc, value);
       changed |= set_residual(c, value);
@@ -164,7 +164,7 @@ __device__ __noinline__ void solve_alone(const Env& e, int m) {
     if (full && !changed) break;
     own.start();
     for (int n = 0; n < count; ++n)
-      if (const Contact& c = e.contacts[contacts[n]]; c.active) own.add(c);
+      if (const Contact& c = contact(e, contacts[n]); c.active) own.add(c);
     own.find_search();
     const real length = own.find_step(e, contacts, count);
     if (length == 0) break;
@@ -185,7 +185,7 @@ struct Joined {
 
 #define CONTACTS_OF(c, s)                         \
   for (int n = LANE; n < s.count; n += WARP_SIZE) \
-    if (Contact& c = e.contacts[s.contacts[n]]; true)
+    if (Contact& c = contact(e, s.contacts[n]); true)
 #define MEMBERS_OF(m, s)                                     \
   for (int m = s.root + LANE; m < e.mobiles; m += WARP_SIZE) \
     if (e.awake[m] && e.island[m] == s.root)
@@ -249,7 +249,7 @@ INLINE void assemble(const Env& e, const Joined& s, const Entry* entries) {
   }
   sync_warp();
   for (int n = 0; n < s.count; ++n) {
-    const Contact& c = e.contacts[s.contacts[n]];
+    const Contact& c = contact(e, s.contacts[n]);
     if (!c.active) continue;
     add_contact(s, c, entries);
     sync_warp();

@@ -71,7 +71,7 @@ INLINE void count_touched(const Env& e, int count, int* touched) {
       const int n = base + LANE;
       bool touches = false;
       if (n < count) {
-        const Contact& c = e.contacts[n];
+        const Contact& c = contact(e, n);
         const bool carries = c.second == FLOOR ||
             (c.second <= STATIC && c.second > SLEEPING_BODY && c.frame[0][2] <= -MIN_SUPPORT_NORMAL);
         touches = !carries && (c.first == a || c.second == a);
@@ -87,7 +87,7 @@ INLINE void note_push(const Env& e, int m, int partner, int n, real impulse, flo
   e.impulse[2 * m] += impulse;
   if (impulse <= e.impulse[2 * m + 1]) return;
   e.impulse[2 * m + 1] = impulse, other[m] = partner <= SLEEPING_BODY ? SLEEPING_BODY - partner : partner;
-  for (int k = 0; k < 3; ++k) push[4 * m + 1 + k] = e.contacts[n].pos[k];
+  for (int k = 0; k < 3; ++k) push[4 * m + 1 + k] = contact(e, n).pos[k];
 }
 
 // Adds the impulses of a physics step and keeps the strongest contact of each dynamic body. Lanes compute the impulses
@@ -98,7 +98,7 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
     int first = 0, second = JOINT_LIMIT;
     real impulse = 0;
     if (n < count) {
-      const Contact& c = e.contacts[n];
+      const Contact& c = contact(e, n);
       real value[3], force = 0;
       first = c.first, second = c.second;
       relative(c, e.acc, six, value);
@@ -115,15 +115,15 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
   }
 }
 
-// `sizes`: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
+// `order`: environments in the order of their start. `sizes`: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
 extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* collider_pos, const float* collider_quat, const float* collider_half, const int* body_valid,
     const float* body_size, const float* body_mass, const float* body_inertia, const float* body_surface,
     const float* doors, const float* ramps, const float* floors, const float* agents, const float* numbers,
     const int* houses, const float* qpos, const float* qvel, const float* qacc, const float* action, const int* held,
-    const float* grip, const float* goal, const float* scale, const int* sizes, float* new_qpos, float* new_qvel, float* new_qacc,
+    const float* grip, const float* goal, const float* scale, const int* order, const int* sizes, float* new_qpos, float* new_qvel, float* new_qacc,
     int* touched, int* lost, float* push, int* other, char* scratch) {
-  const int env = blockIdx.x, num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
+  const int env = order[blockIdx.x], num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.free = e.agents + bodies, e.mobiles = e.free + num_doors;
   e.room = POINTS_PER_BODY * e.mobiles, e.pair_room = PAIRS_PER_BODY * e.mobiles;
@@ -131,6 +131,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   real* at = shared_memory();
   e.pos = at, at += 3 * M, e.quat = at, at += 4 * M, e.rot = at, at += 9 * M, e.vel = at, at += 6 * M;
   e.acc = at, at += 6 * M, e.smooth = at, at += 6 * M, e.radius = at, at += M, e.small = at, at += newton_words(S);
+  e.first_contacts = reinterpret_cast<Contact*>(at), at += CONTACT_WORDS * SHARED_CONTACTS;
   e.counts = reinterpret_cast<int*>(at), e.num_near = reinterpret_cast<short*>(e.counts + NUM_COUNTS);
   e.island = reinterpret_cast<Index*>(e.num_near + M), e.members = e.island + M, e.rows = e.members + M;
   e.end = e.rows + M, e.offset = e.end + M, e.list = e.offset + M;

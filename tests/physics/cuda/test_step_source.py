@@ -15,12 +15,20 @@ from sanitized import Program
 from home_mjx.physics import fused
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import FLOOR, STATIC
-from home_mjx.physics.fused import CONTACT_WORDS, NUM_COUNTS, PAIRS_PER_BODY, SCRATCH_WORDS, SMALL_ISLAND, SOURCES
+from home_mjx.physics.fused import (
+    CONTACT_WORDS,
+    NUM_COUNTS,
+    PAIRS_PER_BODY,
+    SCRATCH_WORDS,
+    SHARED_CONTACTS,
+    SMALL_ISLAND,
+    SOURCES,
+)
 from home_mjx.physics.numba import params
 from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS
 from home_mjx.physics.numba.params import HELD, StepParams, reference_surfaces
 
-WHOLE = 3, 13, 18, 22  # operands of whole numbers
+WHOLE = 3, 13, 18, 22, 23  # operands of whole numbers
 CHECKED = 11, 12  # agents and options
 CALLS = 60  # with garbage
 SHIM = Path(__file__).parents[2] / "helpers" / "physics_shim.h"
@@ -30,8 +38,8 @@ extern "C" void run(void** p) {
   step_physics(IN(float, 0), IN(float, 1), IN(float, 2), IN(int, 3), IN(float, 4), IN(float, 5), IN(float, 6),
                IN(float, 7), IN(float, 8), IN(float, 9), IN(float, 10), IN(float, 11), IN(float, 12), IN(int, 13),
                IN(float, 14), IN(float, 15), IN(float, 16), IN(float, 17), IN(int, 18), IN(float, 19), IN(float, 20),
-               IN(float, 21), IN(int, 22), (float*)p[23], (float*)p[24], (float*)p[25], (int*)p[26], (int*)p[27],
-               (float*)p[28], (int*)p[29], (char*)p[30]);
+               IN(float, 21), IN(int, 22), IN(int, 23), (float*)p[24], (float*)p[25], (float*)p[26], (int*)p[27],
+               (int*)p[28], (float*)p[29], (int*)p[30], (char*)p[31]);
 }
 """
 
@@ -71,7 +79,7 @@ def operands(oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)
     inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia]
     inputs += [reference_surfaces(oracle.surfaces), doors, oracle.ramps, np.zeros(1)]
     inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven]
-    inputs += [np.array(scale), sizes]
+    inputs += [np.array(scale), np.zeros(1), sizes]
     inputs = [np.ascontiguousarray(x, np.int32 if i in WHOLE else np.float32) for i, x in enumerate(inputs)]
     mobiles = agents + bodies + len(doors)
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
@@ -90,7 +98,7 @@ def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
         oracle.drive(rng)
         oracle.ramps = RAMPS.astype(np.float32).astype(float)
         inputs, outputs = operands(oracle, *state, 3)
-        kept = {i: inputs[i] for i in (*CHECKED, len(inputs) - 1)}
+        kept = {i: inputs[i] for i in (*CHECKED, len(inputs) - 2, len(inputs) - 1)}
         inputs = [np.asarray(x) for x in garbled(f"step:{number}", tuple(inputs))[0]]
         inputs[HELD] = np.clip(inputs[HELD], -1, len(oracle.mass) - 1)
         program.add([kept.get(i, x) for i, x in enumerate(inputs)] + outputs)
@@ -164,6 +172,7 @@ def test_sizes_and_numbers_are_those_of_the_other_step():
         "SMALL_ISLAND": SMALL_ISLAND,
         "PAIRS_PER_BODY": PAIRS_PER_BODY,
         "NUM_COUNTS": NUM_COUNTS,
+        "SHARED_CONTACTS": SHARED_CONTACTS,
         "NUM_NUMBERS": len(StepParams._fields),
     }
     assert {name: found[name] for name in own} == own
