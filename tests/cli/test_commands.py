@@ -2,8 +2,9 @@
 
 import json
 import wave
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.cli import main
 from home_mjx.cli.commands.render import CUT_WALL_GREY, STOREY_MARGIN
 from home_mjx.cli.viewpoint import EYE_HEIGHT, _lowest_ceiling, longest_free_direction
-from home_mjx.houses import house_cache, load_bank
+from home_mjx.houses import bakes, house_cache, load_bank
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.raycast_render.shaders import base
 from home_mjx.schema.compiled import RoomTable
@@ -120,6 +121,38 @@ COMMANDS = {
     "render": ["--size", "4", "4", "--out", "OUT"],
     "listen": ["--out", "OUT"],
 }
+
+
+@dataclass(frozen=True)
+class Area:
+    """Record of the bake below."""
+
+    floors: np.ndarray
+
+
+class FloorAreas:
+    """A bake that counts its records."""
+
+    name, version, options, record, unused = "floor_areas", 1, None, Area, frozenset()
+    made: ClassVar[list[str]] = []
+
+    def bake_house(self, bank, index, house):
+        self.made.append(house.id)
+        return Area(np.ones(1, np.float32))
+
+    def stack(self, records, houses, bank):
+        return np.stack([record.floors for record in records])
+
+
+def test_compile_bakes_every_house_that_did_not_fail_last(
+    houses: Path, tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(bakes, "_REGISTRY", {**bakes._REGISTRY, "floor_areas": FloorAreas})
+    ids, report = HouseSet(houses).house_ids, tmp_path / "report.jsonl"
+    report.write_text(json.dumps({"id": ids[0], "status": "failed"}) + "\n")
+    assert main(["compile", str(houses), "--resume", "--report", str(report), "--bakes", "floor_areas"]) == 0
+    assert FloorAreas.made == list(ids)
+    assert "floor_areas of 2 houses baked" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -117,6 +117,8 @@ def test_the_digest_follows_every_module_of_the_generator(tmp_path, monkeypatch)
     before = hashed()
     module = root / "plan" / "home.py"
     module.write_text(module.read_text() + "# a word\n")
+    assert hashed() == before
+    module.write_text(module.read_text() + "A_NUMBER = 1\n")
     assert hashed() != before
 
 

@@ -3,6 +3,7 @@
 import argparse
 import os
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import (
@@ -80,7 +81,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary") -> None:
-    """Compute bakes of all houses but those that the summary's report lists as failed, one at a time; print a line.
+    """Compute bakes of all houses but those whose last line in the report says `failed`, one at a time; print a line.
 
     One at a time limits memory.
     """
@@ -88,11 +89,11 @@ def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary")
     from home_mjx.houses.load import load_bank
     from home_mjx.houses.report import FAILED, read_report
 
-    failed = {line["id"] for line in read_report(summary.report) if line["status"] == FAILED}
-    ids = [house_id for house_id in houses.house_ids if house_id not in failed]
+    status = {line["id"]: line["status"] for line in read_report(summary.report)}
+    ids = tuple(house_id for house_id in houses.house_ids if status.get(house_id) != FAILED)
     with ProgressCount(f"baking {plural(len(ids), 'house')}", len(ids), "house", is_progress_shown()) as count:
         for house_id in ids:
-            load_bank(houses, ids=[house_id], bakes=bakes, progress=False)
+            load_bank(replace(houses, ids=[house_id], num_houses=None), bakes=bakes, progress=False)
             count.update()
     sys.stdout.write(f"{', '.join(bakes)} of {plural(len(ids), 'house')} baked\n")
 
