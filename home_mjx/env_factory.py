@@ -202,7 +202,9 @@ def _task_env(
 
 
 def core_of(task: type, options: Mapping[str, Any]) -> "tuple[HouseholdEnv, CompileOptions]":
-    """Return an environment's functions, and compile options whose walkable area is for its agents' size.
+    """Return an environment's functions, and compile options whose walkable area is for the size of the common `body`.
+
+    Bodies of single agents (`physics.bodies`) have no effect on it, nor do sizes given in `compile.navigation`.
 
     Raises:
         ConfigError: An option is unknown or cannot be used.
@@ -247,7 +249,10 @@ def _is_chosen(houses: Any) -> bool:
 
 
 def _refuse(chosen: Mapping[str, Any], message: Callable[[str], str], reason: str | None = None) -> None:
-    """Raise `ConfigError` with `message(name)` for the first choice that is not None; no effect if all are."""
+    """Raise `ConfigError` with `message(name)` for the first choice that is not None; no effect if all are.
+
+    `reason` completes the hint "Leave `<name>` out: <reason>."; None: no hint.
+    """
     for name, value in chosen.items():
         if value is not None:
             raise ConfigError(message(name), hint=reason and f"Leave `{name}` out: {reason}.")

@@ -202,7 +202,7 @@ def find_spec(env_id: str) -> EnvSpec:
 
 
 def is_task(entry_point: Callable[..., Any]) -> TypeGuard[type]:
-    """Return whether the entry point is a `Task` subclass; raise `ConfigError` if it is an invalid one."""
+    """Return whether the entry point is a `Task` subclass; raise `ConfigError` if that is no frozen dataclass."""
     from home_mjx.tasks.base.task import Task
 
     if not (isinstance(entry_point, type) and issubclass(entry_point, Task)):

@@ -204,9 +204,10 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         return tools.to_numpy(self._state.obs), tools.with_masks(tools.collect_infos(self._state), mask)
 
     def step(self, actions: np.ndarray) -> tuple[dict, np.ndarray, np.ndarray, np.ndarray, dict]:
-        """Apply one control step to all, and reset by `autoreset_mode`.
+        """Apply one control step to all, and reset by `autoreset_mode`, `SAME_STEP` or `NEXT_STEP`.
 
-        The reward of several agents is their mean, `info["agent_reward"]` has each (N, A).
+        With `NEXT_STEP` the step after an episode's end ignores the action: it only resets, with reward 0. The reward
+        of several agents is their mean, `info["agent_reward"]` has each (N, A).
 
         Raises:
             gymnasium.error.ResetNeeded: `reset` was never called.

@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 
 def add_dataset_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--dataset ROOT` and its hidden old name `--suncg`; by default `dataset_root()`, which may be None."""
+    """Add `--dataset ROOT`, a path or a text `scheme:...`, and its hidden old name `--suncg`; see `parse_dataset`.
+
+    The default is `dataset_root()`, which may be None.
+    """
     parser.add_argument(
         "--dataset",
         type=parse_dataset,

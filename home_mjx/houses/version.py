@@ -120,8 +120,10 @@ def remove_folder(folder: Path) -> None:
 def prepare_folder() -> None:
     """Create the version folder of this compiler, and remove old temporary files of killed writers from it.
 
+    If it is new, other versions' folders that were unused for a month are removed too, see `create_version_folder`.
+
     Raises:
-        OSError: The folder is not writable.
+        OSError: The folder cannot be created or listed. An existing read-only folder raises nothing.
     """
     folder = version_folder()
     create_version_folder(folder)

@@ -60,7 +60,10 @@ def _python() -> Iterator[CheckResult]:
 
 
 def _packages() -> Iterator[CheckResult]:
-    """Yield the version of each required dependency in our package metadata; `BROKEN` if it is not installed."""
+    """Yield the versions of `home-mjx`, `jaxlib` and each required dependency, sorted; `BROKEN` if not installed.
+
+    They are not compared with the required versions.
+    """
     required = [r for r in metadata.requires("home-mjx") or [] if "extra ==" not in r]
     for name in sorted({_project_name(r) for r in required} | {"home-mjx", "jaxlib"}):
         version = _version(name)
@@ -97,7 +100,7 @@ def _known_bad_pairs() -> Iterator[CheckResult]:
 
 
 def _devices() -> Iterator[CheckResult]:
-    """Yield JAX's devices."""
+    """Yield `OK` for each of JAX's devices, with platform, kind and id; errors of JAX are raised."""
     import jax
 
     for device in jax.devices():

@@ -144,7 +144,7 @@ def _print_dataset(args: argparse.Namespace) -> int:
 
 
 def _print_semantics(args: argparse.Namespace) -> int:
-    """Print a line per surface and object, or one JSON object with the complete semantics; return 0."""
+    """Print a line per surface and object and one of totals, or complete semantics as one JSON object; return 0."""
     from home_mjx.scene_compile.semantics.engine import house_semantics
     from home_mjx.scene_compile.semantics.records import house_record
 
@@ -166,7 +166,10 @@ def _print_semantics(args: argparse.Namespace) -> int:
 
 
 def _format(name: str, room: str, support: str, description: str) -> str:
-    """Format one line of the list of semantics."""
+    """Format one line of the list of semantics, with its newline: three padded columns and the description.
+
+    Longer texts are not cut off.
+    """
     return f"{name:<12}{room:<16}{support:<22}{description}\n"
 
 

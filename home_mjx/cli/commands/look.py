@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
     """Print the report of one state, write the picture unless `--no-picture`, print its path, and return 0.
 
     Raises:
-        ConfigError: The file has no environment `--env`, or as of `_find_spec`.
+        ConfigError: The index `--env` is not below the file's number of environments, or as of `_find_spec`.
     """
     from home_mjx.tasks.env.state_io import load_states, read_origin
     from home_mjx.viewer.episodes.state_report import describe_state, draw_state

@@ -87,9 +87,9 @@ class DigestIndex:
         return facts
 
     def save(self) -> None:
-        """Add new facts to the entries of the file on disk; do nothing without new ones.
+        """Add all facts of this index to the entries of the file on disk; do nothing without new ones.
 
-        A failed write raises nothing, and these facts are not written later.
+        A failed write raises nothing. Its facts are written only by a later call that has further new ones.
         """
         if not self.unsaved:
             return

@@ -85,7 +85,10 @@ def _words(selector: Selector) -> list[int]:
 
 
 def _stage_fields(stage: TaskStage, numbers: Mapping[Condition, int]) -> dict[str, Any]:
-    """Return the column values of a stage; conditions become bits at their `numbers`."""
+    """Return the column values of a stage: lists with one value per transition, and the stage's `guide`.
+
+    The lists are `require`, `forbid`, `next` and `reward`. The first two are masks with condition bits at `numbers`.
+    """
 
     def bits(conditions: Sequence[Condition]) -> int:
         """Return the mask of bits of the conditions."""

@@ -159,7 +159,10 @@ def _selector_schema() -> Schema:
 
 
 def _attribute_checker(word: Attribute) -> Checker:
-    """Return the checker of an attribute's value: a name of its vocabulary, or a number in its range."""
+    """Return the checker of an attribute's value: a number in its range, or a name of its vocabulary.
+
+    Where there is a vocabulary, the empty text and "unknown" pass too.
+    """
     if word in SEMANTIC_COLUMN:
         return _name_checker(("", "unknown", *vocabularies()[SEMANTIC_COLUMN[word]]))
     return _range_checker(column_ranges()[DESCRIPTOR_COLUMN.format(word.name.lower())])

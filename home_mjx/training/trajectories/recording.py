@@ -102,7 +102,7 @@ def record(
 
 
 def _check_failures(num_failed: int, num_recorded: int, max_failures: int) -> None:
-    """Raise `ConfigError` if a policy fails too often: see `max_failures` of `record`."""
+    """Raise `ConfigError` if more than `max_failures` * (`num_recorded` + 1) episodes of a policy failed."""
     if num_failed > max_failures * (num_recorded + 1):
         raise ConfigError(
             f"of {num_failed + num_recorded} episodes tried, {num_recorded} succeeded and were recorded; expected at "

@@ -110,7 +110,10 @@ class TopDownOverlay:
                 _dot(draw, top.to_pixel(pos), 7 * unit, AGENT_COLOURS[agent % len(AGENT_COLOURS)], (10, 10, 10))
 
     def _look(self, draw: ImageDraw.ImageDraw, top: TopView, pos: np.ndarray, yaw: float, colour: tuple) -> None:
-        """Draw an agent's view cone."""
+        """Draw an agent's view cone, of fixed length and angle whatever its camera, from `pos` [m] towards `yaw` [rad].
+
+        `colour` is RGB; the cone is translucent.
+        """
         half = np.deg2rad(VIEW_CONE_HALF_ANGLE)
         ends = [
             pos[:2] + VIEW_CONE_LENGTH * np.array([np.cos(yaw + a), np.sin(yaw + a)])

@@ -100,6 +100,9 @@ def factor_hidden_pairs(
     Such sound passes other rooms and enters through one doorway. The source's cell then only determines the level at
     that doorway, so a few rays determine many pairs. Factors are a cell's sums over the cells of the other room; their
     product is divided by the total of both rooms.
+
+    `pair` must be symmetric in its first two axes, and so is the result: one direction is computed and mirrored. A pair
+    of rooms is replaced only if no cell of one sees any cell of the other, in either direction of `seen`.
     """
     out = pair.copy()
     for a, b in np.argwhere(np.triu(np.ones((room.max() + 1,) * 2), 1)):

@@ -40,7 +40,8 @@ def read_obj(path: Path, textures: TextureLookup) -> Mesh:
     Raises:
         DatasetError: The file or its MTL is missing, or a line is broken: not a number, not finite, an index
             out of range, an unknown material, a path out of the dataset, a polygon that crosses itself, a free-form
-            surface, or no face at all.
+            surface, or no face at all. If `textures` is tolerant, a missing or broken MTL, unknown materials and
+            crossing polygons are accepted.
     """
     return _mesh(_shape(read_statement_lines(path, tolerant=textures.tolerant), path, textures), path, textures)
 

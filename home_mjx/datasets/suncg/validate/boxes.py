@@ -15,7 +15,11 @@ Bounds = Float[np.ndarray, "2 3"]
 
 
 def check_boxes(subject: ValidationContext) -> None:
-    """Report boxes of nodes, levels and the house that differ from those around their parts, and backdrops."""
+    """Report bounding boxes that differ from those around their parts, and backdrops.
+
+    Boxes of rooms and grounds may be larger than their meshes, not smaller. Differences up to `BOX_TOLERANCE` pass. A
+    backdrop is a box node with an edge above `MAX_BOX_EDGE`.
+    """
     for node in subject.nodes:
         _check_node(subject, node)
     read = {level.index: level_nodes(level) for level in subject.house.levels}

@@ -126,7 +126,9 @@ def write_model(root: Path, model: LibraryModel, digests: bool = False) -> None:
 
 
 def write_textures(root: Path, textures: Mapping[str, UInt8[np.ndarray, "h w 3"]]) -> None:
-    """Write sRGB images (row 0 at the top) as PNG by name below a root; keep others, rewrite those that differ.
+    """Write sRGB images (row 0 at the top) as `texture/<name>.png` below a root; rewrite those that differ.
+
+    Other files of the folder are kept.
 
     Raises:
         DatasetError: The folder cannot be written.
