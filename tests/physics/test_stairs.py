@@ -1,5 +1,7 @@
 """Agents climb stairs, which are ramps to them, stand on them, and walk on upper floors."""
 
+from dataclasses import replace
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -64,3 +66,16 @@ def test_an_agent_walks_down_again(walk):
     assert poses[-1, 0] < 0.5
     assert_allclose(poses[-1, 2], 0.8, atol=0.01)
     assert_allclose(poses[-1, 6], RISE + 0.2, atol=0.01)  # what stands upstairs stays there
+
+
+@pytest.mark.parametrize("height", [0.5, 2.0])
+def test_a_kinematic_body_released_over_stairs_rests_on_them(height):
+    """It neither falls through to the floor below, nor floats at the height of the highest step."""
+    x = 1 + RUN / 4
+    thing = Box((x, 0.2, height + RISE / 4), (0.1, 0.1, 0.1), mass=1)
+    bank = make_bank([replace(HOUSE, movable=[thing])])
+    template = Template(PhysicsConfig(impl="kinematic"), bank.spec)
+    state = physics.reset(template, bank, jnp.int32(0), jnp.zeros((1, 3)), jnp.zeros(1))
+    state = state.replace(qvel=state.qvel.at[template.layout.body_qvel].set(-1e-3))
+    state = physics.step(template, bank, jnp.int32(0), state, jnp.zeros((1, 3)))
+    assert_allclose(state.qpos[template.layout.body_qpos].reshape(-1, 7)[0, 2], RISE / 4 + 0.1, atol=1e-4)

@@ -41,7 +41,7 @@ def step_kinematic(
     table = jnp.asarray(template.agents, jnp.float32)
     fastest, sizes = table[:, FORWARD_SPEED : TURN_RATE + 1], (table[:, RADIUS], table[:, HALF_LENGTH])
     wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
-    level = _static_footprints(physics, house, obstacles=False)
+    level = _static_footprints(physics, house)
     half, floor, ramps = table[:, RADIUS] + table[:, HALF_LENGTH], physics.floor[house], physics.ramp[house]
     stand = jax.vmap(lambda at, h: support_height(level, ramps, floor, at, at[2] - h))
     step_up = stand(agents[:, :3], half)[1]
@@ -96,11 +96,11 @@ def _num_substeps(config: PhysicsSetup) -> int:
 
 
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
-    """Return static boxes, then movable bodies, unused ones too; ramps and held bodies are disabled (`bottom` inf).
+    """Return static boxes, then movable bodies, unused ones too; `bottom` and `top` of ramps and held bodies are inf.
 
-    Held bodies support nothing either (`top` inf).
+    They are thus neither obstacles nor supports; see `support_height` for ramps.
     """
-    static = _static_footprints(physics, house, obstacles=True)
+    static = _static_footprints(physics, house)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     movable = Footprints.from_boxes(OrientedBoxes(bodies[:, :3], bodies[:, 3:], physics.body_size[house]))
     held = (jnp.arange(bodies.shape[0], dtype=jnp.int32)[:, None] == state.held[None]).any(axis=-1)
@@ -108,13 +108,12 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
     return jax.tree.map(lambda *x: jnp.concatenate(x), static, movable)
 
 
-def _static_footprints(physics: Physics, house: Array, obstacles: bool) -> Footprints:
-    """Return the static boxes of a house; ramps are disabled as obstacles (`bottom` inf) or as supports (`top` inf)."""
+def _static_footprints(physics: Physics, house: Array) -> Footprints:
+    """Return the static boxes of a house; ramps are disabled as obstacles (`bottom` inf) and supports (`top` inf)."""
     every = Footprints.from_boxes(OrientedBoxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
     row = jnp.arange(every.x.shape[1], dtype=jnp.int32)
     is_ramp = jnp.any(row[None, :, None] == physics.ramp_collider[:, None], axis=-1)
-    side = "bottom" if obstacles else "top"
-    every = every.replace(**{side: jnp.where(is_ramp, jnp.inf, getattr(every, side))})
+    every = every.replace(**{side: jnp.where(is_ramp, jnp.inf, getattr(every, side)) for side in ("bottom", "top")})
     return jax.tree.map(lambda x: x[house], every)
 
 

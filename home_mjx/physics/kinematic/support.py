@@ -26,10 +26,11 @@ def drop_released_bodies(
     """Return `qpos` with released bodies dropped straight down onto their highest support, at most one per agent.
 
     `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
-    the static boxes, then the movable bodies. One supports a body if the body's centre is over it or at most
-    `MAX_SUPPORT_REACH` beside it, and its top at most `MAX_SUPPORT_OVERLAP` above the body's bottom. A body without a
-    support rests on the ground floor. Tilted boxes, such as ramps, support at the height of their highest corner only.
-    If more bodies were released than there are agents, the fastest drop and the others stay in the air.
+    the static boxes, then the movable bodies. Ramps of the house support, too. One supports a body if the body's centre
+    is over it or at most `MAX_SUPPORT_REACH` beside it, and its top at most `MAX_SUPPORT_OVERLAP` above the body's
+    bottom. The top of a ramp is its height at the body's centre. A body without a support rests on the ground floor.
+    Other tilted boxes support at the height of their highest corner only. If more bodies were released than there are
+    agents, the fastest drop and the others stay in the air.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
@@ -40,7 +41,10 @@ def drop_released_bodies(
         half = jnp.matmul(jnp.abs(quat_matrix(quat)), physics.body_size[house, body], precision="highest")[2]
         own = jnp.arange(boxes.x.shape[0], dtype=jnp.int32) == boxes.x.shape[0] - layout.num_bodies + body
         others = boxes.replace(top=jnp.where(own, jnp.inf, boxes.top))
-        height = _box_support(others, pos, pos[2] - half)
+        bottom = pos[2] - half
+        surface = _ramp_heights(physics.ramp[house], pos)
+        below = jnp.where(surface <= bottom + jnp.float32(MAX_SUPPORT_OVERLAP), surface, -jnp.inf)
+        height = jnp.maximum(_box_support(others, pos, bottom), jnp.max(below))
         height = jnp.maximum(height, physics.floor[house])
         rows = rows.at[body, 2].set(jnp.where(speed[body] > 0, height + half, pos[2]))
         speed = speed.at[body].set(0.0)
@@ -64,14 +68,20 @@ def support_height(
         Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter
         is `MAX_RAMP_GAP` on ramps, else 0. An agent meets the edge of a ramp's upper floor before it is that high.
     """
-    half_u, half_v, slope, reach = ramps[:, 4], ramps[:, 5], ramps[:, 7], jnp.float32(MAX_SUPPORT_REACH)
-    along, across, surface = ramp_coordinates(ramps, pos)
-    surface = surface - slope * (along - jnp.clip(along, -half_u, half_u))
-    on = (jnp.abs(along) <= half_u + reach) & (jnp.abs(across) <= half_v + reach)
-    on &= (half_u > 0) & (jnp.abs(surface - foot) < jnp.float32(MAX_RAMP_GAP))
+    surface = _ramp_heights(ramps, pos)
+    on = jnp.abs(surface - foot) < jnp.float32(MAX_RAMP_GAP)
     highest = jnp.max(jnp.where(on, surface, -jnp.inf))
     height = jnp.maximum(jnp.maximum(_box_support(boxes, pos, foot), highest), floor)
     return height, jnp.where(jnp.any(on), jnp.float32(MAX_RAMP_GAP), 0.0)
+
+
+def _ramp_heights(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> Float[Array, " r"]:
+    """Return the height of each ramp at a point in plan [m]; -inf more than `MAX_SUPPORT_REACH` beside it."""
+    half_u, half_v, slope, reach = ramps[:, 4], ramps[:, 5], ramps[:, 7], jnp.float32(MAX_SUPPORT_REACH)
+    along, across, surface = ramp_coordinates(ramps, pos)
+    surface = surface - slope * (along - jnp.clip(along, -half_u, half_u))
+    on = (half_u > 0) & (jnp.abs(along) <= half_u + reach) & (jnp.abs(across) <= half_v + reach)
+    return jnp.where(on, surface, -jnp.inf)
 
 
 def _box_support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
