@@ -13,8 +13,9 @@ from scipy.spatial import KDTree
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry.extrapolation import extrapolate_fields
 from home_mjx.geometry.geodesic import MAX_RISE, grid_edges, has_clear_diagonals, is_walkable_rise
+from home_mjx.navigation.grid import MAX_SHARED_GAP
 from home_mjx.physics.base.doors import DoorLeaves
-from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
+from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE, MAX_DEPTH_BELOW_FLOOR
 
 MAX_BESIDE_DISTANCE = 0.3  # [m] maximum distance beyond the nearest cell of cells whose floor an object stands on
 MAX_HEIGHT_ON_STOREY = 2.5  # [m] maximum height above a floor that belongs to its storey
@@ -60,6 +61,7 @@ class CellGraph:
         plan = (np.argwhere(self._home)[:, :0:-1] + 0.5) * self._cell + np.asarray(navigation.origin[house])
         self.place = np.concatenate([plan, self._height[self._home][:, None]], axis=1)
         self.room = self._rooms[self._home]
+        self._is_at_feet = self._feet_cells(np.asarray(navigation.floor[house]))[self._home]
         passable = rank <= int(has_clear_diagonals(self._cell, bank.spec.agent_radius))
         edges = [grid_edges(self._home, self._height, self._cell, passable), *self._ramp_edges()]
         sources, targets, lengths = (np.concatenate(parts) for parts in zip(*edges, strict=True))
@@ -158,8 +160,12 @@ class CellGraph:
         return float(below[near, 2][np.argmin(np.where(rise > MAX_RISE, np.inf, abs(rise)))]) if near.any() else -np.inf
 
     def cells_in_rooms(self, rooms: Bool[np.ndarray, " r"]) -> EndCells:
-        """Return the home cells (indices) in a mask of rooms, at distance 0, without those that are cut off."""
-        cells = np.flatnonzero((self.room >= 0) & rooms[np.maximum(self.room, 0)] & ~self.cut_off)
+        """Return the home cells (indices) in a mask of rooms, at distance 0, without those that are cut off.
+
+        Of two levels' cells at one place on a ramp only that of `cell_at_feet` counts: feet there are in its room.
+        """
+        inside = (self.room >= 0) & rooms[np.maximum(self.room, 0)]
+        cells = np.flatnonzero(inside & self._is_at_feet & ~self.cut_off)
         return cells, np.zeros(len(cells))
 
     def nearest_cell(self, place: Float[np.ndarray, " 3"]) -> EndCells:
@@ -173,6 +179,14 @@ class CellGraph:
         if not len(out):
             return np.zeros(len(cells), bool)
         return KDTree(out).query(self.place[cells])[0] <= MAX_TURN_DISTANCE
+
+    def _feet_cells(self, floor: Float[np.ndarray, " levels"]) -> Bool[np.ndarray, "levels rows columns"]:
+        """Return the home cells that `cell_at_feet` returns for feet at their centres, from the floor heights [m]."""
+        number = np.arange(len(floor))[:, None, None]
+        is_one_place = self._home & (np.abs(self._height - self._height[:, None]) <= MAX_SHARED_GAP)
+        is_above = self._height[:, None] >= floor[:, None, None] - MAX_DEPTH_BELOW_FLOOR
+        rank = np.where(is_above, len(floor) + number, len(floor) - 1 - number)
+        return self._home & (np.where(is_one_place, rank, -1).argmax(axis=1) == number)
 
     def _ramp_edges(self) -> list[tuple[np.ndarray, ...]]:
         """Return (sources, targets, lengths [m]) of edges from tops of ramps, on the lower level, to upper floors."""

@@ -1,10 +1,13 @@
 """Distances to what descriptors mean, against those that houses are compiled with."""
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from storey_homes import homes_bank
 
 from home_mjx.houses import load_bank
+from home_mjx.navigation.grid import room_at_feet
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.schema.compiled import FIELD_UNIT, FIELD_UNREACHABLE
 from home_mjx.tasks.rules.cell_graph import (
@@ -113,3 +116,15 @@ def test_what_leads_out_is_near_the_largest_part_of_what_is_wide(bank, share):
     assert len(parts) > 1
     assert not graph.has_turning_room(cells, np.zeros(len(wide), bool)).any()
     assert graph.has_turning_room(cells, np.ones(len(wide), bool))[~graph.cut_off[cells]].all()
+
+
+def test_feet_in_the_end_cells_of_a_room_are_in_it():
+    """Cells of two levels meet at the head of stairs; agents that ended in those of the other one turned to and fro."""
+    bank = homes_bank(("straight", "corner"))
+    for house in range(bank.num_houses):
+        graph = CellGraph(bank, house)
+        for room in np.unique(graph.room[graph.room >= 0]):
+            cells, _ = graph.cells_in_rooms(np.arange(bank.navigation.room_labels.shape[1]) == room)
+            feet = jnp.asarray(graph.place[cells], jnp.float32)
+            found = jax.jit(jax.vmap(lambda at, h=house: room_at_feet(bank, jnp.int32(h), at)))(feet)
+            np.testing.assert_array_equal(found, room)
