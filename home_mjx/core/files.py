@@ -165,7 +165,10 @@ def read_bytes(path: Path, hint: str | None = None, max_bytes: int | None = None
 
 @contextmanager
 def _readable(path: Path, hint: str | None = None) -> Iterator[None]:
-    """Convert the block's `OSError` or `ValueError`: `MissingFileError` if the file is missing, else `DatasetError`."""
+    """Convert the block's `OSError` or `ValueError`: `MissingFileError` if the file is missing, else `DatasetError`.
+
+    A `DatasetError` of the block is raised unchanged. `hint` is the remedy for a missing file only.
+    """
     try:
         yield
     except DatasetError:  # from `_check`; a `DatasetError` is also a `ValueError`

@@ -197,7 +197,8 @@ def _check_palette(image: "Image") -> None:
 def _decode_alpha(image: "Image", depth: int) -> "Image":
     """Return alpha as an image of mode L: the image's own, else 0 at its transparent colour, else 255 everywhere.
 
-    PNG stores a transparent colour in the lowest `depth` bits of 16; Pillow compares it with 8-bit values as it is.
+    Palette entries may have any alpha. A transparent colour of 16-bit RGB raises `_UnsupportedImageError`. PNG stores a
+    transparent colour in the lowest `depth` bits of 16; Pillow compares it with 8-bit values as it is.
     """
     from PIL import Image
 

@@ -40,7 +40,9 @@ def command_progress() -> Iterator[None]:
 
 
 def is_progress_shown(progress: bool | None = None) -> bool:
-    """Return whether progress is shown: the caller's choice, else the rule of this module if `progress` is None.
+    """Return whether progress is shown: the caller's choice, else that of `HOME_MJX_PROGRESS`, else by a rule.
+
+    It is then shown in commands of `home-mjx`, at interactive prompts and on terminals, but not under pytest.
 
     Raises:
         ConfigError: The environment variable `HOME_MJX_PROGRESS` is neither 0 nor 1.

@@ -183,7 +183,10 @@ def _cut_holes(
 
 
 def _crossings(polygon: Float[np.ndarray, "n 2"], y: float) -> list[tuple[float, int]]:
-    """Return x and start corner of the edges of a polygon that cross a height `y` without corners, by x."""
+    """Return (x, index of the start corner) of each edge of a polygon that crosses the height `y`, sorted by x.
+
+    No corner may be at `y`.
+    """
     (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
     edges = np.flatnonzero((y0 > y) != (y1 > y))
     x = x0[edges] + (y - y0[edges]) * (x1 - x0)[edges] / (y1 - y0)[edges]

@@ -81,7 +81,7 @@ def distance_field(
 def _grid_moves(
     free: Bool[Array, "ny nx"], passable: Bool[Array, "ny nx"], height: Float[Array, "ny nx"] | None, cell: float
 ) -> _GridMoves:
-    """Return the moves between neighbouring free cells, see `_GridMoves`.
+    """Return the moves into free cells from the row before and along the row, see `_GridMoves`.
 
     A diagonal one needs both cells beside it `passable`. Heights [m] limit moves, and detours of diagonal ones over
     either corner, by `is_walkable_rise` at the cell size `cell` [m]; None: no limit.

@@ -139,7 +139,10 @@ def geodesic_distance(
 
 
 def is_near_home_region(bank: HouseBank, house: Int[Array, ""], feet: Float[Array, "3"]) -> Bool[Array, ""]:
-    """Return whether the cell at `feet` or one of the 8 around it is in the home region, where all goals are."""
+    """Return whether the cell at `feet` or one of the 8 around it is in the home region, where all goals are.
+
+    The cells around it are on the levels of `continue_levels`. `house` is clipped to the bank.
+    """
     house = bank.clip_house_index(house)
     level, y, x = _neighbourhood(bank, house, cell_at_feet(bank, house, feet)).T
     return jnp.any(_rank(bank, house, bank.navigation.cell[house, level, y, x]) == HOME_RANK)
@@ -159,14 +162,14 @@ def continue_levels(
 
     Of a cell's home cells on all levels, that nearest in height to `place` gives the level. A height difference on the
     level of `place` counts `MAX_SHARED_GAP` less; in a tie, the lower level counts. If the way there, lengthened by
-    one cell, is steeper than `MAX_SLOPE`, or no level has a home cell, the level is that of `place`. Houses of one
-    level return `around`.
+    one cell, is steeper than `MAX_SLOPE`, or no level has a home cell, the level is that of `place`. A bank of one
+    level returns `around`.
 
     Args:
         bank: The houses.
         house: Index of the house, not clipped.
         place: Level (grid), row and column.
-        around: Levels, rows and columns within the grid; with several levels, the levels given here are unused.
+        around: Levels, rows and columns within the grid; in a bank of several levels, the levels given here are unused.
     """
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
     if numbers.shape[0] == 1:

@@ -88,7 +88,10 @@ def compile_kernel() -> str:
 
 
 def _compile_chunks() -> tuple[Any, Any]:
-    """Compile the CPU functions of `numba.chunks`, which is imported only here since Numba loads slowly."""
+    """Return the CPU functions `count` and `work` of `numba.chunks.compile_chunks`.
+
+    The module is imported only here since Numba loads slowly.
+    """
     from home_mjx.physics.numba.chunks import compile_chunks
 
     return compile_chunks()

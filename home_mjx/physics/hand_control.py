@@ -182,7 +182,10 @@ def _distance(
 
 
 def _offset_from_axis(offset: Float[Array, "3"], body: AgentBody) -> Float[Array, "3"]:
-    """Return an offset [m] from an agent's centre with z replaced by its excess beyond the axis' ends; 0 between."""
+    """Return an offset [m] from an agent's centre with z replaced by |z| - height / 2, at least 0.
+
+    The axis spans the agent's total height, not only the cylinder.
+    """
     return offset.at[2].set(jnp.maximum(jnp.abs(offset[2]) - jnp.float32(body.height / 2), 0.0))
 
 

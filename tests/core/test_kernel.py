@@ -15,6 +15,7 @@ from home_mjx.core.native import kernel as native_kernel
 from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.kernel import Kernel, call_native, launch_ptx
 from home_mjx.core.native.memory import pointer_to
+from home_mjx.core.native.vmap_call import batch_kernel
 from home_mjx.errors import BackendError
 
 ROWS, WIDTH, CHUNK = 1000, 300, 3
@@ -164,3 +165,17 @@ def test_a_launch_has_three_axes_and_all_results(grid, wanted):
     numbers |= {"block_x": 64, "block_y": 1, "block_z": 1, "shared_mem_bytes": 1024}
     assert all(f"{name} = {value} : i32" in call for name, value in numbers.items())
     assert "(tensor<4xi32>) -> (tensor<2xf32>, tensor<3xi32>)" in call
+
+
+def test_shared_operands_may_be_mapped_inside_another_vmap():
+    """The kernel itself has no rule for `vmap`, as native code has none."""
+
+    def run(shared, own):
+        shape = jax.ShapeDtypeStruct(own.shape, own.dtype)
+        return (jax.pure_callback(lambda a, b: np.asarray(a) * np.asarray(b), shape, shared, own),)
+
+    step = batch_kernel(run, 1, 1)
+    shared, own = jnp.arange(1.0, 4.0), jnp.arange(24.0).reshape(2, 3, 4)
+    inner = jax.vmap(lambda factor, rows: step(factor, rows)[0])
+    found = jax.jit(jax.vmap(inner, (None, 0)))(shared, own)
+    np.testing.assert_array_equal(found, shared[None, :, None] * own)

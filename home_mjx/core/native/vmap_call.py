@@ -43,7 +43,7 @@ def batch_kernel(run: Step, num_shared: int, num_results: int) -> Step:
             x if b else jnp.broadcast_to(x[None], (size, *x.shape)) for x, b in zip(operands, is_batched, strict=True)
         )
         if any(is_batched[:num_shared]):
-            return jax.lax.map(lambda x: run(*x), whole), many
+            return jax.lax.map(lambda x: step(*x), whole), many
         own = (x.reshape(size * x.shape[1], *x.shape[2:]) for x in whole[num_shared:])
         stepped = step(*operands[:num_shared], *own)
         return tuple(x.reshape(size, x.shape[0] // size, *x.shape[1:]) for x in stepped), many

@@ -127,7 +127,8 @@ def _depenetration(
 ) -> Array:
     """Return the displacement (x, y, 0) [m] that resolves the deepest `_penetration_depths`; 0 if none is positive.
 
-    Of equal depths, the first counts. It is also 0 at a point of a box half-way between its nearest sides.
+    Of equal depths, the first counts. It is also 0 at a point of a box half-way between its nearest sides, and for an
+    agent at the same x and y.
     """
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)

@@ -148,7 +148,7 @@ def with_surfaces(
     """Return the model with the contact parameters of a house's bodies, combined per geom pair as in `base.surfaces`.
 
     `pairs` has the dynamic bodies of each geom pair of the template; -1 is the world. Pairs with agents are unchanged.
-    `surfaces` has a row of `base.surfaces` per movable body; agents, doors and the world have none.
+    `surfaces` has a row of `base.surfaces` per movable body. Against doors and the world, a body's own row applies.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:

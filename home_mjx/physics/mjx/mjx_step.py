@@ -164,7 +164,7 @@ def _agent_boxes(template: Template, data: mjx.Data) -> OrientedBoxes:
 
 
 def _body_boxes(template: Template, data: mjx.Data, size: Float[Array, "k 3"]) -> OrientedBoxes:
-    """Return the boxes of the movable bodies at their current poses."""
+    """Return the boxes of the movable bodies at the poses in `data.qpos`; `size` has their half extents [m]."""
     bodies = data.qpos[template.layout.body_qpos].reshape(-1, 7)
     return OrientedBoxes(bodies[:, :3], bodies[:, 3:], size)
 

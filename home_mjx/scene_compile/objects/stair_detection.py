@@ -240,7 +240,11 @@ def find_stair_path(
 
 
 def _steps(treads: Float[np.ndarray, "n 3 3"]) -> list[Float[np.ndarray, "_ 3"]]:
-    """Return sample points [m] on each tread, treads sorted by height, without points below other ones."""
+    """Return sample points [m] of the triangles `treads`, one array per tread, lowest first.
+
+    A new tread begins where sorted heights differ by more than `TREAD_HEIGHT_TOLERANCE`, wherever the points are in
+    plan. Points farther than that below the highest one of their plan cell are left out.
+    """
     points = sample_surface(treads, SAMPLE_SPACING)
     cell = _plan_cells(points)[1]
     highest = np.full(cell.max() + 1, -np.inf)
