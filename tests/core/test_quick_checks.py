@@ -1,12 +1,15 @@
 """Annotations are checked for each way in which a function is called, and for each kind of result."""
 
+from enum import Enum
+from typing import Literal
+
 import beartype
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 import quick_checks
-from jaxtyping import Array, Float, TypeCheckError, jaxtyped
+from jaxtyping import Array, Float, PyTree, TypeCheckError, jaxtyped
 
 CHECKER = beartype.beartype
 checks = jaxtyped(typechecker=CHECKER)
@@ -95,6 +98,49 @@ def test_items_words_classes_and_tracers_are_told_apart():
         jax.jit(norm)(jnp.ones((3, 1)))
     with pytest.raises(TypeCheckError):
         jax.jit(norm)(jnp.ones(3, int))
+
+
+def test_words_count_only_for_hints_that_name_some():
+    class Color(Enum):
+        RED, BLUE = 1, 2
+
+    @checks
+    def length(word: str, color: Color = Color.RED) -> str:
+        return word
+
+    @checks
+    def chosen(word: Literal["a", "b"] | None, color: Literal[Color.RED] = Color.RED) -> int:
+        return 1
+
+    for word in "abcde":
+        assert length(word, Color.BLUE) == length(word) == word
+    assert len(quick_checks._functions[length.__wrapped__.__code__].ways) == 2
+    assert chosen("a") == chosen("b") == chosen(None) == 1
+    for wrong in (("c",), ("a", Color.BLUE)):
+        with pytest.raises(TypeCheckError):
+            chosen(*wrong)
+
+
+@pytest.mark.parametrize("sort", [list, set, dict.fromkeys])
+def test_many_items_are_known_by_one_unless_a_hint_looks_at_all(sort):
+    @checks
+    def count(items: list[int] | set[int] | dict[int, None]) -> int:
+        return len(items)
+
+    @checks
+    def leaves(items: PyTree[Float[np.ndarray, "3"]]) -> int:
+        return len(items)
+
+    ways = quick_checks._functions[count.__wrapped__.__code__].ways
+    before = len(ways)
+    assert [count(sort(range(n))) for n in (40, 50, 60)] == [40, 50, 60]
+    assert len(ways) == before + 1
+    for _ in range(2):
+        with pytest.raises(TypeCheckError):
+            count(sort(map(str, range(50))))
+        assert leaves([np.ones(3)] * 40) == 40
+        with pytest.raises(TypeCheckError):
+            leaves([np.ones(3)] * 40 + [np.ones(2)])
 
 
 def test_functions_within_others_share_what_is_known_and_keep_what_they_enclose():

@@ -1,12 +1,15 @@
 """Annotations are checked once for each way in which a function is called, not at each call.
 
-Whether they hold follows from the types, shapes and dtypes of what is handed over and given back (and from words, where
-a hint is a `Literal`): what has held once for these holds again. Checking anew takes a quarter of all tests' time, and
-preparing the checks of functions that nobody calls half of the time of an import.
+Whether they hold follows from the types, shapes and dtypes of what is handed over and given back: what has held once
+for these holds again. Words count as well where a hint may be a `Literal`. Of a long list beartype looks at one item,
+and so does this where no hint looks at all of them. Checking anew takes a quarter of all tests' time, and preparing the
+checks of functions that nobody calls half of the time of an import.
 """
 
+import enum
 import functools
 import inspect
+import random
 import threading
 import types
 from collections.abc import Callable, Collection, Iterator
@@ -15,12 +18,14 @@ from typing import Any
 import jaxtyping
 
 MOST = 1000  # ways of a function that are known; later ones are checked at each call
-LONG = 32  # items of a list that is looked into
+LONG = 32  # items of a list that are all looked into
+CLOSE = ("Literal", "PyTree", "Annotated", "ForwardRef", "TypedDict")  # in hints that tell more than types and shapes
 ARRAYS = ("numpy", "jax", "jaxlib")  # packages
-PLAIN, ARRAY, ITEMS, NAMED, WORD, UNKNOWN = range(6)
+PLAIN, ARRAY, ITEMS, NAMED, WORD, MANY, SORT, UNKNOWN = range(8)
 NOTHING = (None, Any, "None", "Any")  # hints that say nothing of what is handed over
 
 _jaxtyped = jaxtyping.jaxtyped
+_random = random.Random(0)  # of its own: the common one is seeded by what is tested
 _sorts: dict[type, int] = {type(None): PLAIN, bool: PLAIN, int: PLAIN, float: PLAIN, str: WORD, bytes: PLAIN}
 _functions: dict[types.CodeType, "_Function"] = {}
 _running = threading.local()
@@ -52,6 +57,7 @@ def _decorated(checker: Any, target: Any) -> Any:
     known = _functions.get(target.__code__)
     if known is None:
         known = _functions[target.__code__] = _Function(checker)
+        known.close = any(map(_is_close, target.__annotations__.values()))
 
     @functools.wraps(target)
     def checked(*args: Any, **options: Any) -> Any:
@@ -67,12 +73,13 @@ class _Function:
 
     def __init__(self, checker: Any) -> None:
         self.checker, self.full = checker, None
+        self.close = True  # until its hints are known
         self.ways: dict[Any, set[Any]] = {}  # to kinds of results
 
     def call(self, target: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any]) -> Any:
         """The result, checked where it or the call is of a new kind."""
         try:
-            way = kind(args), kind(options) if options else None
+            way = kind(args, self.close), kind(options, self.close) if options else None
             results = self.ways.get(way)
         except (Unknown, TypeError):
             return self.check(target, args, options)
@@ -114,24 +121,22 @@ class _Function:
         run.__signature__ = inspect.signature(target)  # type: ignore[attr-defined]
         return _jaxtyped(run, typechecker=self.checker)
 
-    @staticmethod
-    def is_noted(results: set[Any], out: Any) -> bool:
+    def is_noted(self, results: set[Any], out: Any) -> bool:
         try:
-            return kind(out) in results
+            return kind(out, self.close) in results
         except (Unknown, TypeError):
             return False
 
-    @staticmethod
-    def note(results: set[Any], out: Any) -> None:
+    def note(self, results: set[Any], out: Any) -> None:
         try:
             if len(results) < MOST:
-                results.add(kind(out))
+                results.add(kind(out, self.close))
         except (Unknown, TypeError):
             return
 
 
-def kind(value: Any) -> Any:
-    """All of a value on which hints depend; raises `Unknown`."""
+def kind(value: Any, close: bool) -> Any:
+    """All of a value on which hints depend, or only what hints see that do not look closely; raises `Unknown`."""
     own = type(value)
     sort = _sorts.get(own)
     if sort is None:
@@ -141,21 +146,47 @@ def kind(value: Any) -> Any:
     if sort == ARRAY:
         return own, value.shape, value.dtype
     if sort == WORD:
+        return value if close else own
+    if sort == SORT:
         return value
-    if sort == UNKNOWN or len(value) > LONG:
+    if sort == UNKNOWN:
         raise Unknown
+    if len(value) > LONG or sort == MANY:
+        return _kind_of_many(own, value, close)
     if sort == NAMED:
-        return own, tuple([(name, kind(item)) for name, item in value.items()])
-    return own, tuple([kind(item) for item in value])
+        return own, tuple([(name, kind(item, close)) for name, item in value.items()])
+    return own, tuple([kind(item, close) for item in value])
+
+
+def _kind_of_many(own: type, value: Any, close: bool) -> Any:
+    """By the item at which beartype looks: any of a list, the first of what has no order of its own."""
+    if close:
+        raise Unknown
+    if not value:
+        return own, 0
+    if issubclass(own, tuple | list):
+        return own, len(value) if issubclass(own, tuple) else LONG, kind(_random.choice(value), close)
+    first = next(iter(value))
+    return own, kind(first, close), kind(value[first], close) if own is dict else None
+
+
+def _is_close(hint: Any) -> bool:
+    return isinstance(hint, str) or any(name in repr(hint) for name in CLOSE)
 
 
 def _sort(own: type) -> int:
     if issubclass(own, type):
-        return WORD  # hints tell classes apart
+        return SORT  # hints tell classes apart
+    if issubclass(own, enum.Enum):
+        return WORD
     if own.__module__.partition(".")[0] in ARRAYS and hasattr(own, "shape") and hasattr(own, "dtype"):
         return ARRAY  # of a class of ours, shapes may be properties that are checked in their turn
     if own is dict:
         return NAMED
     if issubclass(own, tuple | list):
         return ITEMS
-    return UNKNOWN if issubclass(own, Collection | Iterator) else PLAIN
+    if own in (set, frozenset, type({}.keys()), type({}.values())):
+        return MANY
+    if own is range or issubclass(own, Iterator):
+        return PLAIN  # nobody looks into them
+    return UNKNOWN if issubclass(own, Collection) else PLAIN
