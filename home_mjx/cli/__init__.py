@@ -52,10 +52,10 @@ EXIT_BAD_INPUT = 2
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line and return the exit code.
 
-    Bad input ends with one message on stderr and code 2, as does a lack of memory; with `--debug` the exception is
-    raised. Other exceptions come through, and `--help` and `--version` raise `SystemExit`. No command prints the help,
-    with code 2; a closed output pipe gives 0. Without `argv`, the arguments of this process are used, and an interrupt
-    ends it with code 130; with `argv`, 130 is returned.
+    A `HomeMjxError` or `OSError` ends with one message on stderr and code 2, as does a lack of memory; with `--debug`
+    the exception is raised. Other exceptions come through, and `--help` and `--version` raise `SystemExit`. No command
+    prints the help, with code 2; a closed output pipe gives 0. Without `argv`, the arguments of this process are used,
+    and an interrupt ends it with code 130; with `argv`, 130 is returned.
     """
     is_process = argv is None
     argv = list(sys.argv[1:] if argv is None else argv)
@@ -95,7 +95,10 @@ def _is_out_of_memory(error: Exception) -> bool:
 
 
 def _dispatch(argv: list[str]) -> int:
-    """Parse the arguments and run the command; return its exit code, or 2 and print the help if there is none."""
+    """Parse the arguments and run the command; return its exit code, or 2 and print the help if there is none.
+
+    JAX's compilation cache is enabled first. An unknown command raises `UnknownNameError`; other errors come through.
+    """
     top = _top_parser()
     args = top.parse_args(argv)
     if args.command is None:
@@ -111,7 +114,10 @@ def _dispatch(argv: list[str]) -> int:
 
 
 def _load_command(name: str) -> ModuleType:
-    """Import and return the module of a known command; raise `ConfigError` if it needs a checkout and there is none."""
+    """Import and return the module of a known command; raise `ConfigError` if it needs a checkout and there is none.
+
+    For such a command, the checkout is appended to `sys.path`. Errors of the import come through.
+    """
     package = next(package for package, names in COMMAND_PACKAGES.items() if name in names)
     if name in CHECKOUT_COMMANDS:
         if not (CHECKOUT / package).is_dir():
@@ -123,7 +129,10 @@ def _load_command(name: str) -> ModuleType:
 
 
 def _top_parser() -> Parser:
-    """Return the parser of `home-mjx` itself, which passes a command's arguments on unparsed."""
+    """Return the parser of `home-mjx` itself, with the list of commands in its help.
+
+    It yields `command`, a text that is not checked or None, and `arguments`: the texts after it, unparsed.
+    """
     listing = "\n".join(f"  {name:<10}{text}" for name, text in ALL_COMMANDS.items())
     parser = Parser(
         prog="home-mjx",

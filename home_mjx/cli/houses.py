@@ -45,7 +45,7 @@ def add_house_arguments(
 
 
 def add_strict_option(parser: argparse.ArgumentParser) -> None:
-    """Add the flag `--strict`: reject a house with missing files, instead of using fallbacks."""
+    """Add the flag `--strict` (`strict`, False): reject a house with missing files, instead of using fallbacks."""
     parser.add_argument(
         "--strict", action="store_true", help="reject a house with missing files, instead of using fallbacks"
     )
@@ -79,7 +79,10 @@ def compile_options(args: argparse.Namespace) -> "CompileOptions":
 
 
 def selected_root(args: argparse.Namespace) -> str | Path:
-    """Return the folder or name of the dataset: `HOUSE` if it is one, else `--dataset`, else `DEFAULT_DATASET`."""
+    """Return the folder or name of the dataset as text.
+
+    It is `HOUSE` if that is a dataset (see `is_dataset_root`), else `--dataset`, else `DEFAULT_DATASET`.
+    """
     if is_dataset_root(args):
         return args.house
     return str(args.dataset or DEFAULT_DATASET)
@@ -115,9 +118,10 @@ def open_selected_dataset(args: argparse.Namespace) -> "Dataset":
 
 
 def selected_houses(args: argparse.Namespace) -> "HouseSet":
-    """Return the selected house, or all houses of the dataset if `HOUSE` is absent or a dataset.
+    """Return a `HouseSet` of the selected house, or of all houses if `HOUSE` is absent or a dataset.
 
-    Errors are those of `open_dataset`; houses are read later.
+    Its compile options are those of the arguments. Errors are those of `open_dataset`; houses are read later, and a
+    given id is not checked.
     """
     from home_mjx.houses.house_set import HouseSet
 

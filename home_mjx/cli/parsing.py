@@ -36,11 +36,15 @@ class Parser(argparse.ArgumentParser):
         return parsed
 
     def error(self, message: str) -> NoReturn:
-        """Raise `ConfigError` instead of exiting the process."""
+        """Raise `ConfigError` with `message`, and a hint at `--help`, instead of exiting the process."""
         raise ConfigError(message, hint=f"See `{self.prog} --help`")
 
     def _refuse(self, argument: str) -> NoReturn:
-        """Raise the error for an argument that no option takes."""
+        """Raise the error for an argument that no option takes.
+
+        It is `UnknownNameError` for a text that starts with `-`, with the closest visible long option as hint. For any
+        other text it is `ConfigError`.
+        """
         if not argument.startswith("-"):
             self.error(f"unexpected argument `{argument}`")
         name = argument.split("=")[0]
@@ -119,7 +123,7 @@ def number_type(low: float = -1e6, high: float = 1e6) -> Callable[[str], float]:
     """
 
     def parse(text: str) -> float:
-        """Parse one number."""
+        """Parse one number; raise `ArgumentTypeError` for NaN, a number out of range, or another text."""
         try:
             value = float(text)
         except ValueError:
@@ -149,7 +153,7 @@ def whole_number_type(maximum: int) -> Callable[[str], int]:
     """Return a parser of whole numbers from 1 to `maximum`, included; it raises `ArgumentTypeError` for others."""
 
     def parse(text: str) -> int:
-        """Parse one whole number."""
+        """Parse decimal digits without a sign; raise `ArgumentTypeError` unless 1 <= value <= `maximum`."""
         if not text.isdecimal() or len(text) > MAX_DIGITS or not 0 < int(text) <= maximum:
             limit = f" and at most {maximum}" if text.isdecimal() and text.strip("0") else ""
             raise argparse.ArgumentTypeError(f"expected a whole number above 0{limit}, got `{text:.{MAX_DIGITS}}`")

@@ -59,10 +59,12 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
 def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
     """Load the selected house onto the device and place a head at `--at`, else at its first start, at eye height.
 
-    `pitch` is the elevation of the view [degrees], up positive.
+    It looks along `--yaw`, else along `longest_free_direction`. `pitch` is the elevation of the view [degrees], up
+    positive. Errors of `load_compiled_house` come through.
 
     Raises:
-        ConfigError: The head would be outside of the house, or `--at` has neither two nor three numbers.
+        ConfigError: The head would be outside of the house or below all floors, or `--at` has neither two nor three
+            numbers.
     """
     if args.at is not None and len(args.at) not in (2, 3):
         raise ConfigError(f"--at takes two or three numbers, got {len(args.at)}", hint="Pass X Y, or X Y Z.")

@@ -26,7 +26,15 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx compile`."""
+    """Add `HOUSE`, an id or the root of a dataset, the other options of `home-mjx compile`, and their defaults.
+
+    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`. `--mjcf OUT` is the path of a folder; None:
+    compile. `--collision`, by default `box`, is a text that `run` checks.
+
+    For whole datasets, `--workers` is from 1 to `MAX_WORKERS`, by default the number of processors. `--resume` is a
+    flag. `--report FILE` is a path and `--scheduler ADDRESS` a text; both are None by default. `--bakes A,B` is a tuple
+    of names that `run` checks, empty by default.
+    """
     add_house_arguments(parser, "id of a house, or root of a dataset to compile all its houses")
     add_strict_option(parser)
     add_movable_option(parser)
@@ -55,8 +63,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Compile and print a summary, or write one house as MJCF; return 1 if a house failed, else 0.
 
-    An unknown `--collision` or bake raises `ConfigError` before anything is compiled. Bakes are computed last, also if
-    some houses failed.
+    An unknown `--collision` or bake raises `UnknownNameError` before anything is compiled. Bakes are computed last,
+    also if some houses failed; they are neither checked nor computed with `--mjcf`.
     """
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
@@ -81,9 +89,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary") -> None:
-    """Compute bakes of all houses but those whose last line in the report says `failed`, one at a time; print a line.
+    """Compute bakes of all houses but those whose last line in the report says `failed`, one at a time.
 
-    One at a time limits memory.
+    One at a time limits memory. Then print one line with the names of the bakes and the number of houses.
     """
     from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
     from home_mjx.houses.load import load_bank
@@ -99,7 +107,13 @@ def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary")
 
 
 def _write_mjcf(args: argparse.Namespace) -> int:
-    """Write the selected house as MJCF, print its path, and return 0."""
+    """Write the selected house as MJCF into `--mjcf`; print its path and a command to view it; return 0.
+
+    A line with the number of movable objects that are fixed comes before, if `--max-bodies` leaves out any.
+
+    Raises:
+        ConfigError: `HOUSE` is the folder of a dataset; a name such as `procedural:1` selects its first house.
+    """
     from home_mjx.scene_compile.mjcf.export import export_mjcf
 
     if is_dataset_root(args) and not is_dataset_name(args):
@@ -113,7 +127,12 @@ def _write_mjcf(args: argparse.Namespace) -> int:
 
 
 def _print_summary(summary: "CompileSummary") -> None:
-    """Print counts, rate and report file of a compilation, and the last ten failures on stderr."""
+    """Print counts, rate and report file of a compilation.
+
+    The rate is compiled and cached houses per second. Houses with fallbacks and fixed objects have a line each, unless
+    their count is 0. If a house failed, the last ten lines `failed` of the report go to stderr. These may be from
+    earlier runs, if the report has their lines.
+    """
     from home_mjx.houses.report import FAILED, read_report
 
     done = summary.compiled + summary.cached

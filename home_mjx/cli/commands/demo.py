@@ -11,7 +11,11 @@ from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, posit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx demo`."""
+    """Add the options of `home-mjx demo`; all have defaults.
+
+    `--out` is the path of a folder (`demo`), and `--dataset` is as in `add_dataset_option`. Whole numbers from 1 are
+    `--houses` (8), `--envs` (64) and `--steps` (150, of 0.1 s each). `--seed` is from 0 to 2**32 - 1 (0).
+    """
     parser.add_argument("--out", type=parse_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)
     parser.add_argument("--houses", type=house_count_type, default=8, help="number of houses (default: 8)")
@@ -21,7 +25,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run the demo, print its speed and the paths of its files, and return 0."""
+    """Run the demo in `--out`, print four lines, and return 0.
+
+    They are speed [environment steps/s], path of the contact sheet, the film's line of `_film_line`, and path of the
+    report. Up to three environments are shown. Errors of `run_demo` come through.
+    """
     from home_mjx.viewer.demo.run import DemoOptions, run_demo
 
     options = DemoOptions(
@@ -47,7 +55,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _film_line(out: Path, search: list[dict[str, Any]] | str) -> str:
-    """Return a line with path and successes of the film, or with the reason (`search` as text) why there is none."""
+    """Return a line, without newline, with path and successes of the film, or the reason why there is none.
+
+    `search` is a list of results, of which those with `success` above 0 count, or the reason as text.
+    """
     if isinstance(search, str):
         return f"No film: {search}"
     found = sum(one["success"] > 0 for one in search)

@@ -29,12 +29,16 @@ class CheckResult:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx doctor`."""
+    """Add the flag `--json` (`json`, False) of `home-mjx doctor`: print one JSON object per line."""
     parser.add_argument("--json", action="store_true", help="print one JSON object per line")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print one line per finding, as JSON with `--json`; return 1 if something is broken, else 0."""
+    """Print one line per finding; return 1 if one is `BROKEN`, else 0.
+
+    A line has padded status, padded topic and detail. With `--json` it is an object with `topic`, `status` and
+    `detail`.
+    """
     broken = False
     for finding in run_checks():
         broken |= finding.status == BROKEN
@@ -44,7 +48,10 @@ def run(args: argparse.Namespace) -> int:
 
 
 def run_checks() -> Iterator[CheckResult]:
-    """Yield all findings, quick checks first; a check that raises yields a finding `BROKEN`."""
+    """Yield all findings, quick checks first.
+
+    A check that raises yields a finding `BROKEN` with its own name as topic, after those that it has yielded.
+    """
     checks = (_python, _packages, _extras, _known_bad_pairs, _devices, _backends, _ffmpeg, _caches, _dataset)
     for check in checks:
         try:
@@ -54,15 +61,16 @@ def run_checks() -> Iterator[CheckResult]:
 
 
 def _python() -> Iterator[CheckResult]:
-    """Yield versions of Python and the system."""
+    """Yield one result `OK`: version of Python, system, machine type and number of processors."""
     detail = f"{platform.python_version()} on {platform.system()} {platform.machine()}, {os.cpu_count()} processors"
     yield CheckResult("python", OK, detail)
 
 
 def _packages() -> Iterator[CheckResult]:
-    """Yield the versions of `home-mjx`, `jaxlib` and each required dependency, sorted; `BROKEN` if not installed.
+    """Yield a result per package, sorted by name: `OK` with its version, or `BROKEN` if it is not installed.
 
-    They are not compared with the required versions.
+    The packages are `home-mjx`, `jaxlib` and each dependency outside of extras. Versions are not compared with the
+    required ones. `PackageNotFoundError` is raised if `home-mjx` itself has no metadata.
     """
     required = [r for r in metadata.requires("home-mjx") or [] if "extra ==" not in r]
     for name in sorted({_project_name(r) for r in required} | {"home-mjx", "jaxlib"}):
@@ -74,7 +82,7 @@ def _packages() -> Iterator[CheckResult]:
 
 
 def _extras() -> Iterator[CheckResult]:
-    """Yield the installed optional packages."""
+    """Yield one result `OK` with name and version of each installed package of `OPTIONAL_PACKAGES`, or none."""
     found = [f"{name} {version}" for name in OPTIONAL_PACKAGES if (version := _version(name))]
     yield CheckResult("extras", OK, ", ".join(found) or "none installed")
 
@@ -82,7 +90,8 @@ def _extras() -> Iterator[CheckResult]:
 def _known_bad_pairs() -> Iterator[CheckResult]:
     """Yield a result for each known fault of the installed versions of JAX, and of Brax or Flax with it; else nothing.
 
-    Flax that JAX is too old for is `BROKEN`; the others have a workaround, so they are a `NOTE`.
+    Flax from 0.12.7 on with JAX below 0.10 is `BROKEN`. The others have a workaround, so they are a `NOTE`: Brax up to
+    0.14.2 where JAX lacks `device_put_replicated`, and JAX 0.11. Errors of importing JAX are raised.
     """
     import jax
 
@@ -108,7 +117,10 @@ def _devices() -> Iterator[CheckResult]:
 
 
 def _backends() -> Iterator[CheckResult]:
-    """Yield one result per ray-casting backend (xla, cpu, cuda): usable here, or the reason why not."""
+    """Yield one result per ray-casting backend, in the order xla, cpu, cuda.
+
+    `xla` is `OK` unconditionally. The others are `OK` if they work here, else `NOTE` with the reason; none is `BROKEN`.
+    """
     from home_mjx.raycast_render.backends.registry import KERNEL
 
     yield CheckResult("backend xla", OK, "the reference, runs everywhere")
@@ -119,7 +131,10 @@ def _backends() -> Iterator[CheckResult]:
 
 
 def _cuda_backend() -> CheckResult:
-    """Return whether the `cuda` backend works; it is never `BROKEN`, since `xla` replaces it."""
+    """Return `OK` with version of NVRTC and cache folder if the `cuda` backend works, else `NOTE` with the reason.
+
+    It is a `NOTE` without an NVIDIA GPU, too. It is never `BROKEN`, since `xla` replaces it.
+    """
     from home_mjx.core.native import nvrtc
     from home_mjx.core.native.platforms import local_devices
     from home_mjx.raycast_render.backends.registry import KERNEL
@@ -134,7 +149,10 @@ def _cuda_backend() -> CheckResult:
 
 
 def _ffmpeg() -> Iterator[CheckResult]:
-    """Yield version and path of ffmpeg."""
+    """Yield one result `OK` with version and path of ffmpeg.
+
+    Errors are raised: no ffmpeg is found, it fails, or it takes more than 60 s.
+    """
     import imageio_ffmpeg
 
     program = imageio_ffmpeg.get_ffmpeg_exe()
@@ -143,9 +161,10 @@ def _ffmpeg() -> Iterator[CheckResult]:
 
 
 def _caches() -> Iterator[CheckResult]:
-    """Yield whether the cache folder is writable (else `BROKEN`), and JAX's compilation cache; `NOTE` if disabled.
+    """Yield a result for the cache folder, then one for JAX's compilation cache.
 
-    It enables that cache. A missing folder counts as its nearest parent that exists.
+    The folder is `OK` if it is writable, else `BROKEN`; if missing, its nearest parent that exists is tested. JAX's
+    cache, which this check enables, is `OK` with its folder, or `NOTE` if disabled.
     """
     folder = cache_folder()
     nearest = next(p for p in (folder, *folder.parents) if p.exists())
@@ -161,7 +180,11 @@ def _caches() -> Iterator[CheckResult]:
 
 
 def _dataset() -> Iterator[CheckResult]:
-    """Yield the dataset that `$SUNCG_DATA_DIR` names; `NOTE` if it is not set, `BROKEN` if it cannot be read."""
+    """Yield one result for the dataset that `$SUNCG_DATA_DIR` names: `OK` with its number of houses.
+
+    It is `NOTE` if the variable is not set, `BROKEN` if a `HomeMjxError` is raised on opening. Other errors come
+    through.
+    """
     from home_mjx.datasets.registry import open_dataset
 
     root = dataset_root()

@@ -8,7 +8,11 @@ from home_mjx.core.progress import is_progress_shown
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx generate`."""
+    """Add `OUT`, the path of the new dataset, and the options of `home-mjx generate`.
+
+    `--seeds A:B` is a range of seeds, by default 0 to 7; see `parse_seed_range`. `--preset` (`home`) and `--detail`
+    (empty: that of the preset) are texts that `run` checks.
+    """
     parser.add_argument("out", type=parse_path, metavar="OUT", help="root of the new dataset")
     parser.add_argument(
         "--seeds",
@@ -22,7 +26,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Write a house per seed, keeping existing ones; print number, first and last id and location; return 0."""
+    """Write a house per seed, rewriting only files that differ, and return 0.
+
+    Print a line with the number of houses, folder, first and last id, and a line with a command that uses them. Errors
+    of `generate_dataset` come through.
+    """
     from home_procgen.generate import generate_dataset
 
     ids = generate_dataset(args.out, args.seeds, is_progress_shown(), args.preset, args.detail)

@@ -27,7 +27,11 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx inspect`."""
+    """Add `HOUSE`, an id or the root of a dataset, and the options of `home-mjx inspect`.
+
+    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`. `--json`, `--semantics` and `--validate` are
+    flags; the last two exclude each other.
+    """
     add_house_arguments(
         parser, "id of the house (default: the dataset's first), or root of a dataset for all its houses"
     )
@@ -44,7 +48,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print counts of a house or a dataset, semantics or findings; return 1 if `--validate` finds errors, else 0."""
+    """Print counts of a house or a dataset, semantics or findings; return 1 if `--validate` finds errors, else 0.
+
+    Counts of a house are rows: its report, joints, and bytes in a bank. Problems, a large share of unknown materials,
+    fallbacks and fixed objects follow, one line each. With `--json` it is one object instead, or one per house with
+    `--validate`.
+    """
     if args.validate:
         return _validate(args)
     if args.semantics:
@@ -109,12 +118,16 @@ def _category(house: "CompiledHouse", object_id: int) -> str:
 
 
 def _print_row(name: str, count: int) -> None:
-    """Print one line of a table: name and count."""
+    """Print one line of a table: name padded to 40 characters, and count in 16, with commas for thousands."""
     sys.stdout.write(f"{name:<40}{count:>16,}\n")
 
 
 def _print_dataset(args: argparse.Namespace) -> int:
-    """Print the bank memory of all houses of a dataset [bytes], compiling those not in the cache; return 0."""
+    """Print number and bank memory of all houses, models and textures of a dataset [bytes]; return 0.
+
+    Houses that are not in the cache are compiled. Means are rounded down. With `--json` one object is printed, with the
+    bytes of each house and model as well.
+    """
     from home_mjx.bank.usage import bank_usage
     from home_mjx.houses.house_cache import HouseCache
 
@@ -144,7 +157,11 @@ def _print_dataset(args: argparse.Namespace) -> int:
 
 
 def _print_semantics(args: argparse.Namespace) -> int:
-    """Print a line per surface and object and one of totals, or complete semantics as one JSON object; return 0."""
+    """Print a line per part and object and one of totals, or complete semantics as one JSON object; return 0.
+
+    A line has index or id, room types, what supports or contains an object, and a description. The totals are objects
+    outside of every room, and relations.
+    """
     from home_mjx.scene_compile.semantics.engine import house_semantics
     from home_mjx.scene_compile.semantics.records import house_record
 
@@ -174,7 +191,10 @@ def _format(name: str, room: str, support: str, description: str) -> str:
 
 
 def _validate(args: argparse.Namespace) -> int:
-    """Print the findings of the house, or of all houses of a root; return 1 if there are errors, else 0."""
+    """Print the findings of the house, or of all houses of a root; return 1 if there are errors, else 0.
+
+    Without `HOUSE`, the dataset's first house is validated. Houses that must be generated are generated first.
+    """
     dataset = open_selected_dataset(args)
     ids = dataset.house_ids if is_dataset_root(args) else [args.house or dataset.house_ids[0]]
     dataset.prepare(ids, is_progress_shown())
@@ -182,7 +202,9 @@ def _validate(args: argparse.Namespace) -> int:
 
 
 def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
-    """Print the findings, or one JSON object of them; return the number of errors.
+    """Print a line per finding and one of totals, or all as one line of JSON; return the number of errors.
+
+    Findings are errors and warnings. The totals are the house's id and the number of each.
 
     Raises:
         ConfigError: The dataset is not in SUNCG's format.

@@ -33,7 +33,12 @@ PARAMETERS = (  # field of `RoomParameters`, title, format
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx listen`."""
+    """Add the viewpoint of `add_viewpoint_arguments` and the options of `home-mjx listen`.
+
+    `--source X Y Z` is a list of three numbers [m], None by default. `--clip`, by default `speech`, is the name of a
+    clip, which `run` checks. `--late` is `traced` (default) or `baked`, and `--map` a flag. `--out` is the path of a
+    folder (`sound`).
+    """
     add_viewpoint_arguments(parser)
     parser.add_argument(
         "--source",
@@ -57,6 +62,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Write `heard.wav`, `response.wav`, maps with `--map`; print paths and room acoustic parameters; return 0.
+
+    `heard.wav` is the clip convolved with the impulse response. Without `--source`, the source is above the house's
+    first goal, at eye height.
 
     Raises:
         ConfigError: The clip is unknown, or the source is in a wall or not above the floor of a room. Or as of
@@ -106,14 +114,17 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _bake_late_reverb(args: argparse.Namespace, view: Viewpoint) -> "Scene":
-    """Return the scene with baked late reverberation, cached or computed now."""
+    """Return the scene of `view` with baked late reverberation of its house, from the store or computed and stored."""
     from home_mjx.houses.bakes import add_bakes
 
     return view.scene.replace(bank=add_bakes(view.bank, [load_compiled_house(args)], "late_reverb"))
 
 
 def format_parameters(survey: "Survey") -> str:
-    """Format the parameters of a survey as text: one row each, one column per octave band."""
+    """Format the parameters of a survey as text: one row each, one column per octave band; no newline at the end.
+
+    The first row has the bands' centre frequencies [Hz]. The rows of `PARAMETERS`, IACC and LF follow.
+    """
     rows = [("octave [Hz]", BANDS, "g")]
     rows += [(title, getattr(survey.parameters, name), form) for name, title, form in PARAMETERS]
     rows += [("IACC", survey.iacc, ".2f"), ("LF", survey.lateral_fraction, ".2f")]

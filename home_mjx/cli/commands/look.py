@@ -20,7 +20,15 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx look`."""
+    """Add `STATES`, the path of a file of states, and the options of `home-mjx look`.
+
+    `--env N` is an index from 0 (0). `--no-picture` is a flag, `--out` the path of a folder (`look`), `--size W H` in
+    pixels (480 360). `--dataset` is a path or a text `scheme:...`, see `parse_dataset`; None: that of the file.
+    `--import` is as in `add_import_option`.
+
+    For files without their environment: `--task`, a text or None; the repeatable `--option NAME=VALUE`, a list of
+    texts; and `--houses`, a number or None.
+    """
     parser.add_argument(
         "states", type=parse_path, metavar="STATES", help="file of save_states or dump_flagged, written with its `env`"
     )
@@ -97,10 +105,13 @@ def _make_env(args: argparse.Namespace, origin: "StateOrigin") -> "Env":
 
 
 def _find_spec(args: argparse.Namespace, origin: "StateOrigin") -> "EnvSpec":
-    """Return the spec of the arguments, else that of the file.
+    """Return the spec of `--task`, else that of the file, which must be trusted.
+
+    The former has `--option` over its options, and `--houses`, if given, as its number of houses.
 
     Raises:
-        ConfigError: There is neither, `--option` or `--houses` lacks `--task`, or the id in the file is not registered.
+        ConfigError: There is neither, `--option` or `--houses` lacks `--task`, or the task or the id in the file is not
+            registered.
     """
     from home_mjx.registry import EnvSpec
 

@@ -33,7 +33,14 @@ IMAGE_AXES = {"rgb": "hwc", "depth": "hwc", "normal": "hwc"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx render`."""
+    """Add the viewpoint of `add_viewpoint_arguments` and the options of `home-mjx render`.
+
+    `--pitch` is from -90 to 90 degrees and `--fovy` from 1 to 179, both None by default. `--top` is the index of a
+    storey, 0 without a value; None if absent. `--size W H` is in pixels (640 480). `--samples` is from 1 (1).
+
+    `--shader` (`fast`) and `--sensors`, the kinds of images, are names that `run` checks. `--lens` is one of
+    `CAMERA_MODELS` or None. `--import` is as in `add_import_option`, and `--out` the path of a folder (`pictures`).
+    """
     add_viewpoint_arguments(parser)
     parser.add_argument("--pitch", type=number_type(-90, 90), help="elevation of the view [degrees] (default: 0)")
     parser.add_argument(

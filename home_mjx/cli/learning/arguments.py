@@ -97,7 +97,9 @@ def newest_version(task: str) -> str:
 
 
 def parse_checkpoint_path(text: str) -> Path:
-    """Convert an argument to a path, which may not exist; `demo` selects the packaged agent, an empty text raises.
+    """Convert an argument to a path, which may not exist; `demo` selects the packaged agent.
+
+    A blank text, or one with a null byte, raises `ArgumentTypeError`; see `parse_path`.
 
     Example:
         >>> parse_checkpoint_path("demo").name

@@ -22,7 +22,14 @@ LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # m
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx evaluate`."""
+    """Add `CHECKPOINT`, a path or `demo`, and the options of `home-mjx evaluate`.
+
+    `--episodes` is from 1 or None, `--houses` from 1 (16), and `--films` from 1; 0 by default. `--split` is `train`,
+    `val` (default) or `test`. `--seed` is from 0 to 2**32 - 1 (0). `--greedy` and `--json` are flags.
+
+    `--out` is the path of a folder or None. `--episode-file` and `--import` are as in `learning.arguments`. `--dataset`
+    is a path or a text `scheme:...`, see `parse_dataset`; None: that of the run.
+    """
     parser.add_argument("checkpoint", type=parse_checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
     parser.add_argument(
         "--episodes", type=positive_int_type, help="number of episodes (default: 1000, or all of the file)"
@@ -51,9 +58,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Evaluate a checkpoint, film episodes with `--films`, print the metrics (JSON with `--json`), and return 0.
+    """Evaluate a checkpoint, film episodes with `--films`, print the metrics, and return 0.
 
-    Films go to `films` in `--out`, else beside the checkpoint, or in the current folder for `demo`.
+    They are the table of `format_evaluation`, or one line of JSON with `--json`. Films go to `films` in `--out`, else
+    beside the checkpoint, or in the current folder for `demo`.
     """
     import_modules(args.modules)
     path = find_checkpoint(args.checkpoint)
@@ -73,6 +81,9 @@ def run(args: argparse.Namespace) -> int:
 
 def format_evaluation(report: dict[str, Any]) -> str:
     """Format the report of `evaluate_checkpoint` as a table: means ± standard errors of the trained and a random agent.
+
+    The first line has titles. A row per metric follows, first `LEADING_METRICS`, then the others in the report's order.
+    The last line has number of episodes and houses, split, kind of actions, and seed. The text ends with a newline.
 
     Example:
         >>> figures = {"success": {"mean": 0.5, "stderr": 0.01}}

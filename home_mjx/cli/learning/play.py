@@ -33,7 +33,17 @@ BLIND_SENSORS = ("state",)  # sensors of agents that do not use observations
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx play`."""
+    """Add the optional `TASK`, a text for `task_spec`, and the options of `home-mjx play`.
+
+    `--agent` is `expert`, `random`, `trained` or `human`; None by default. `--checkpoint` is a path or `demo`.
+    `--greedy` and `--no-film` are flags, and `--out` is the path of a folder (`play`).
+
+    `--episodes` (3), `--houses` (4) and `--samples` (1) are from 1. `--size W H` is in pixels (480 360). `--seed` is
+    from 0 to 2**32 - 1 (0). `--split` is `train`, `val` or `test`; None by default.
+
+    The repeatable `--env NAME=VALUE` is a list of texts. `--dataset` is as in `add_dataset_option`. `--episode-file`,
+    `--import`, `--observe` and `--sensors` are as in `learning.arguments`.
+    """
     parser.add_argument("task", nargs="?", metavar="TASK", help=f"{TASK_HELP} (default: the checkpoint's)")
     parser.add_argument(
         "--agent",
@@ -69,7 +79,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Play episodes, print their results and the paths of the film, if any, and return 0."""
+    """Play episodes, print a line per episode and the paths of film and image, if any, and return 0.
+
+    The agent is by default `trained` with a checkpoint, else `expert`. The split is by default `val`, or all houses if
+    `--dataset` is a name with a scheme.
+    """
     from home_mjx.viewer.episodes.policies import check_agent
     from home_mjx.viewer.episodes.run import AGENT_NAMES, PlayOptions, run_play
 
@@ -100,9 +114,11 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
-    """Return the spec with the sensors of the arguments or checkpoint; else `state`, and `audio` for films with sound.
+    """Return the spec of `env_spec`, with few sensors by default.
 
-    Agents without a checkpoint use no observations, so that the default computes as few as possible.
+    With `--sensors`, or a checkpoint, it has those sensors. Else it has `state`, and `audio` for films of tasks with
+    sounds; sensors by `--env` stay. Agents without a checkpoint use no observations, so that the default computes as
+    few as possible.
     """
     if args.sensors is not None or checkpoint is not None:
         return env_spec(args, checkpoint, args.sensors)
@@ -129,11 +145,13 @@ def _has_sounds(spec: "EnvSpec") -> bool:
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":
     """Return the spec of a checkpoint, else of the named task, with houses and options from the arguments.
 
-    `sensors` replaces its sensors; None: unchanged. `--env` overrides `sensors`; `--episode-file` overrides both.
-    Without `--dataset` its own houses stay; their number and split are always those of the arguments.
+    `sensors` replaces its sensors; None: unchanged. `--env` overrides both, and the option `episodes` is
+    `--episode-file`, if given. Without `--dataset` its own houses stay; their number and split are always those of the
+    arguments.
 
     Raises:
-        ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task.
+        ConfigError: There is neither a task nor a checkpoint, or the checkpoint is of another task. Or as of
+            `task_spec`.
     """
     if args.task is None and checkpoint is None:
         raise ConfigError("expected a task", hint="For example home-mjx play RoomNav; home_mjx.list_envs() lists them.")

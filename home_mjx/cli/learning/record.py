@@ -24,7 +24,17 @@ RECORDED_SENSORS = ("rgb", "state", "instruction")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx record`."""
+    """Add the optional `TASK`, a text for `task_spec`, and the options of `home-mjx record`.
+
+    `--agent` is `expert` (default), `random` or `trained`. `--checkpoint` is a path or `demo`. `--greedy`,
+    `--only-success` and `--resume` are flags, and `--out` is the path of a folder or None.
+
+    `--frames` (10000), `--num-envs` (64), `--max-failures` (1000) and `--houses` (32) are from 1. `--seed` is from 0 to
+    2**32 - 1 (0). `--split` is `train` (default), `val` or `test`.
+
+    The repeatable `--env NAME=VALUE` is a list of texts. `--dataset` is as in `add_dataset_option`. `--episode-file`,
+    `--import` and `--sensors` are as in `learning.arguments`.
+    """
     parser.add_argument("task", nargs="?", metavar="TASK", help=f"{TASK_HELP} (default: the checkpoint's)")
     parser.add_argument(
         "--agent", choices=(EXPERT, "random", TRAINED), default=EXPERT, help="agent that acts (default: expert)"
@@ -59,7 +69,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Record whole episodes until they have `--frames` steps in all, print the location, and return 0."""
+    """Record whole episodes until they have at least `--frames` steps in all; print one line, and return 0.
+
+    It has steps, number of episodes in the dataset, folder and seconds. Without `--sensors`, those of the checkpoint
+    are recorded, or `RECORDED_SENSORS` if there is none. The folder is by default `data/TASK`.
+    """
     from home_mjx.env_factory import make
     from home_mjx.tasks import add_expert
     from home_mjx.training.trajectories import Trajectories, record

@@ -32,7 +32,18 @@ TRAINED_SENSORS = ("state", "goal")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `home-mjx train`."""
+    """Add `TASK`, a text for `task_spec`, and the options of `home-mjx train`.
+
+    `--algorithm` is `ppo` (default), `advised` or `clone`. `--start CHECKPOINT` is a path or `demo`, or None. `--out`
+    is the path of a folder or None. `--resume` is a flag.
+
+    `--num-envs` and `--steps` are from 1, or None for the defaults of `ppo_config`. `--clone-steps` is from 1, 0 by
+    default. `--seconds` is any number or None. `--houses` (32), `--episodes` (1000) and `--held-out` (16) are from 1.
+    `--seed` is from 0 to 2**32 - 1 (0).
+
+    The repeatable `--env NAME=VALUE` and `--ppo NAME=VALUE` are lists of texts. `--dataset` is as in
+    `add_dataset_option`. `--import`, `--observe` and `--sensors` are as in `learning.arguments`.
+    """
     parser.add_argument("task", metavar="TASK", help=TASK_HELP)
     add_sensors_option(parser, "observed sensors (default: state,goal)")
     parser.add_argument("--num-envs", type=positive_int_type, help="environments in the batch")
@@ -74,7 +85,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, evaluate in held-out houses, write `evaluation.json`, print the results, and return 0."""
+    """Train, evaluate in held-out houses, write `evaluation.json`, print the results, and return 0.
+
+    The results are the table of `format_evaluation` and the path of `curves.png`. All files are in `--out`, by default
+    `runs/TASK`. The numbers of evaluation episodes and houses are checked before training.
+    """
     import_modules(args.modules)
     config = run_config(args)
     from home_mjx.core.files import write_durably
@@ -120,8 +135,8 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
     """Return the named task's spec with `--sensors` (by default `TRAINED_SENSORS`) and `--env`, for split `train`.
 
-    `--env` overrides `--sensors`. `num_houses` is that of `--houses`. `houses` is that of `--dataset`; without it None,
-    whatever the spec has.
+    `--env` overrides `--sensors`; both override the spec's own options. `num_houses` is that of `--houses`. `houses` is
+    that of `--dataset`; without it None, whatever the spec has.
     """
     import dataclasses
 
@@ -134,7 +149,10 @@ def env_spec(args: argparse.Namespace) -> "EnvSpec":
 
 
 def ppo_config(args: argparse.Namespace) -> "PPOConfig":
-    """Return the training options: defaults of the platform, overridden by `--num-envs` and `--steps`, then `--ppo`."""
+    """Return the training options: defaults of the platform, overridden by `--num-envs` and `--steps`, then `--ppo`.
+
+    The defaults are `CPU_CONFIG` where JAX's default backend is the CPU, else those of `PPOConfig`.
+    """
     import jax
 
     from home_mjx.tasks.base.options import override_options
