@@ -122,8 +122,10 @@ def step_checked(
 ) -> tuple[PhysicsState, Overflow]:
     """Step as `step` does, and also report overflows of fixed-size contact buffers.
 
-    MJX reports overflow of contact pairs and contact points for the last physics step only. All other flags cover the
-    whole control step.
+    Returns:
+        The new state and the overflow flags. MJX reports overflow of contact pairs and contact points for the last
+        physics step only; all other flags cover the whole control step. C MuJoCo reports all dropped contacts as
+        contact points. A flag that an implementation lacks is False.
     """
     check_shape("action", jnp.shape(action), (template.layout.num_agents, 3))
     return STEPS[template.config.impl](template, bank.physics, bank.clip_house_index(house), state, action)
@@ -176,7 +178,7 @@ def is_out_of_bounds(
 
 
 def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:
-    """Return the centre of each agent's capsule [m] in the world and its yaw, not wrapped [rad]."""
+    """Return a pair of each agent's centre in the world [m] and its yaw, not wrapped [rad], by `qpos`."""
     agents = state.qpos[template.layout.agent_qpos].reshape(-1, 4)
     return agents[:, :3], agents[:, 3]
 
@@ -191,7 +193,10 @@ def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3
 
 
 def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 3"], Float[Array, "k 4"]]:
-    """Return each movable body's centre [m] and orientation (wxyz); unused bodies are parked high above the house."""
+    """Return a pair of each movable body's centre [m] and orientation (wxyz) in the world, by `qpos`.
+
+    Unused bodies are parked high above the house. Quaternions are not normalised.
+    """
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     return bodies[:, :3], bodies[:, 3:]
 

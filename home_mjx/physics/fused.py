@@ -72,7 +72,10 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
 
 
 def _start_order(qvel: Float[Array, "e v"], qacc: Float[Array, "e v"]) -> Int[Array, " e"]:
-    """Return the environments by the number of moving DoFs, most first: the longest step should not start last."""
+    """Return the indices of environments by number of moving DoFs, most first: the longest should not start last.
+
+    A DoF moves if its velocity or acceleration is not 0.
+    """
     return jnp.argsort(-jnp.sum((qvel != 0) | (qacc != 0), axis=1))
 
 
@@ -123,7 +126,11 @@ def step_fused(
 def _step_native(
     platform: str, template: Template, physics: Physics, house: Array, state: PhysicsState, action: Array
 ) -> tuple[PhysicsState, Overflow]:
-    """Step with the kernel of `platform`, "cpu" or "cuda"; return the new state and the overflow flags."""
+    """Step with the kernel of `platform`, "cpu" or "cuda"; return the new state and the overflow flags.
+
+    `held` is clipped to the bank's bodies, since native code does not check bounds. The kernel tests all pairs, so that
+    `contact_pairs` is False.
+    """
     numbers = jnp.asarray(step_params(template.config), jnp.float32)
     scale = (state.scale or BodyScale()).factors
     held = jnp.clip(state.held, -1, physics.body_valid.shape[1] - 1)  # native code does not check bounds
@@ -144,8 +151,8 @@ def _keep_sleeping_contacts(
 ) -> dict[str, Array]:
     """Return contact reports in which bodies asleep after the step keep those of `before` if their impulse is 0.
 
-    A body that woke within the step reports at least its earlier impulse, since the kernel covered only the rest of the
-    step. `rates` is (qvel, qacc) after the step, `pushed` has the contact fields of `PhysicsState` by name.
+    A body that slept before the step reports at least its earlier impulse, since the kernel covered only the time after
+    it woke. `rates` is (qvel, qacc) after the step, `pushed` has the contact fields of `PhysicsState` by name.
     """
     slept, sleeps = _is_asleep(template, before.qvel, before.qacc), _is_asleep(template, *rates)
     kept = sleeps & (pushed["contact_impulse"] == 0)

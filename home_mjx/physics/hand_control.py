@@ -61,7 +61,7 @@ def apply_hand_commands(
     An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
     hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight. Agents
     follow one another by index: a body that one drops, the next may pick; of two commands for a door the last applies.
-    Nothing moves yet: only grips, goals and a released body's velocity are set.
+    No pose changes: only the fields of hands, door goals and a released body's velocity are set.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -93,13 +93,16 @@ def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], sta
 
 
 def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
-    """Return the position [m] and orientation (wxyz) of a movable body; those of body 0 for -1."""
+    """Return a pair of position [m] and orientation (wxyz) of a movable body in the world, by `qpos`.
+
+    An empty hand's index of -1 reads body 0: callers must discard the result.
+    """
     pos, quat = body_pose(template, state)
     return pos[jnp.maximum(body, 0)], quat[jnp.maximum(body, 0)]
 
 
 def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Array]:
-    """Return the position of an agent's centre [m] and its yaw [rad]."""
+    """Return a pair of the position of an agent's centre [m] and its yaw, not wrapped [rad], by `qpos`."""
     pos, yaw = agent_pose(template, state)
     return pos[a], yaw[a]
 
@@ -194,8 +197,8 @@ def _carry_grip(
 ) -> Float[Array, "7"]:
     """Return the carrying grip (xyz, wxyz) in the agent's frame, with orientation `turned`.
 
-    The body's centre is straight ahead, by radius, `CARRY_CLEARANCE` and the half diagonal of its horizontal extent. It
-    is `CARRY_HEIGHT_BELOW_EYES` below the eyes.
+    The body's centre is straight ahead, at radius + `CARRY_CLEARANCE` + half the diagonal of its horizontal extent when
+    turned so. It is `CARRY_HEIGHT_BELOW_EYES` below the eyes. The origin is the agent's centre.
     """
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
@@ -221,7 +224,8 @@ def _start_place(
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
     """Return the held body's target centre [m]: `place_target`, raised by its half height and `PLACE_CLEARANCE`.
 
-    The height is its vertical extent in its current orientation. Without a target the result is inf.
+    The height is its vertical extent in its current orientation. Without a target the result is inf in all coordinates.
+    An empty hand has no target.
     """
     _, quat = _body(template, state, state.held[a])
     half = bodies.size[jnp.maximum(state.held[a], 0)]
@@ -232,7 +236,8 @@ def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState
 def _track_place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
     """Update the grip position of a placing hand as its agent moves; other hands are unchanged.
 
-    It is 0.1 m above the target, or at the body's height if greater, until within 2 `PLACE_TOLERANCE` horizontally.
+    While the body is more than 2 `PLACE_TOLERANCE` away horizontally, the grip is 0.1 m above the target, or at the
+    body's height if greater. Then it is the target itself.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])

@@ -94,8 +94,9 @@ class DoorLeaves(Pytree):
 def door_table(leaves: DoorLeaves) -> Float[Array, "*h 16"]:
     """Pack one row per leaf; missing leaves have half extents of -1, inertia and inverse weight 1.
 
-    Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia, inverse weight, minimum and maximum coordinate,
-    slide direction (2), and 1 if the leaf is hinged. Units are those of `DoorLeaves`.
+    Their other columns are those of `leaves`. Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia,
+    inverse weight, minimum and maximum coordinate, slide direction (2), and 1 if the leaf is hinged, else 0. Units are
+    those of `DoorLeaves`.
     """
     valid = leaves.valid
     inertia = jnp.where(valid, leaves.inertia, jnp.float32(1.0))

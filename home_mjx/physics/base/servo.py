@@ -34,7 +34,10 @@ NOT_DRIVEN = 1e9  # goal of a door that is not driven
 
 
 def hand_time_constant(config: PhysicsSetup) -> float:
-    """Return the velocity time constant of hands [s], at least two physics steps for stability."""
+    """Return the velocity time constant of hands [s]: the larger of `HAND_TIME_CONSTANT` and two physics steps.
+
+    The latter is for stability.
+    """
     return max(HAND_TIME_CONSTANT, 2 * config.timing.sim_dt)
 
 
@@ -57,11 +60,17 @@ def hand_accelerations(
     """Compute the limited accelerations of a held body towards its grip, and the reaction on its holder.
 
     `grip` is the body's target pose: position [m] from the agent's centre and quaternion, both rotated by the agent's
-    yaw.
+    yaw. With `t` of `hand_time_constant`, the desired velocity is that of the grip plus `gap / (2 t)`. That second part
+    is at most `MAX_HAND_SPEED`. The acceleration is `(desired - velocity) / t`, in length at most the smaller of
+    `MAX_HAND_ACCELERATION` and `MAX_HAND_FORCE / mass`. The angular one is likewise, with `MAX_HAND_SPIN` and
+    `MAX_HAND_ANGULAR_ACCELERATION`.
+
+    The reaction pulls the agent horizontally from the grip towards the body. It is `HAND_STIFFNESS` times the excess of
+    the horizontal gap over `MIN_SPRING_LAG`, and 0 from a gap of `MAX_SPRING_LAG` on.
 
     Returns:
-        Acceleration of the body [m/s^2], which replaces gravity; its angular acceleration about its own axes [rad/s^2];
-        force on the agent along x and y [N], 0 up to a lag of `MIN_SPRING_LAG` and from `MAX_SPRING_LAG` on.
+        Acceleration of the body in the world [m/s^2], which replaces gravity; its angular acceleration about its own
+        axes [rad/s^2]; force on the agent along x and y [N].
     """
     time = jnp.float32(hand_time_constant(config))
     cos, sin = jnp.cos(held.agent_yaw), jnp.sin(held.agent_yaw)
@@ -91,9 +100,11 @@ def door_acceleration(
 ) -> Float[Array, "h"]:
     """Compute the drive acceleration of doors towards their goals [rad/s^2], or [m/s^2] of sliding doors.
 
-    It is limited by `MAX_DOOR_TORQUE`, and 0 for goals of magnitude `NOT_DRIVEN` or more; others are not clipped. Hinge
-    drag is not included. `place`, `rate` and `goal` are in [rad] and [rad/s], or [m] and [m/s]. `inertia` is about the
-    hinge [kg m^2], or the mass [kg]. `time` is the time constant of the velocity [s].
+    The desired rate is `(goal - place) / DOOR_TIME_CONSTANT`, clipped to `MAX_DOOR_SPEED` in magnitude. The
+    acceleration is `(desired - rate) / time`, clipped to `MAX_DOOR_TORQUE / inertia`. It is 0 for goals of magnitude
+    `NOT_DRIVEN` or more; others are not clipped. Hinge drag is not included. `place`, `rate` and `goal` are in [rad]
+    and [rad/s], or [m] and [m/s]. `inertia` is about the hinge [kg m^2], or the mass [kg]. `time` is the time constant
+    of the velocity [s].
     """
     wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME_CONSTANT), -MAX_DOOR_SPEED, MAX_DOOR_SPEED)
     most = jnp.float32(MAX_DOOR_TORQUE) / inertia
@@ -146,5 +157,5 @@ def _approach_rate(gap: Array, fastest: float, time: Array) -> Array:
 
 
 def _clip_length(vector: Array, most: Array) -> Array:
-    """Scale a vector down to the length `most` if it is longer."""
+    """Scale a vector down to the length `most` if it is longer; a zero vector stays zero."""
     return vector * jnp.minimum(1.0, most / _length(vector))

@@ -21,7 +21,8 @@ def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5
     """Return the contact parameters of all houses' movable bodies (house, body, 5); padding is included.
 
     Friction and restitution of `config` replace those of the materials unless they are None. Columns: sliding friction,
-    stiffness [1/s^2], damping [1/s], minimum impedance, width of the impedance curve [m].
+    stiffness [1/s^2], damping [1/s], minimum impedance, width of the impedance curve [m]. All but friction are those of
+    `contact_parameters` for the body's damping ratio and the length of a physics step.
     """
     friction, ratio = physics.body_friction, physics.body_damping_ratio
     if config.friction is not None:

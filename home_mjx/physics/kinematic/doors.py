@@ -36,9 +36,11 @@ def push_doors(
 ) -> Float[Array, " h"]:
     """Return joint coordinates after agents have pushed overlapping leaves away, clipped to the joint ranges.
 
-    Agents push hinged leaves at their faces and sliding ones at their narrow ends. The correction is first order and
-    summed over agents. So overlap can remain, as it does close to a hinge, where agents do not push. `angle` is in
-    [rad], of sliding leaves [m]. `pos`, `radius` and `half` are the agents' centres, radii and half heights [m].
+    Agents push hinged leaves at their faces and sliding ones at their narrow ends. A hinged leaf turns by penetration
+    over lever, the distance from the hinge along the leaf, if that exceeds `MIN_PUSH_LEVER`. A sliding leaf moves by
+    the penetration. This is first order and summed over agents, so overlap can remain. Agents above or below a leaf do
+    not push it. `angle` is in [rad], of sliding leaves [m]. `pos`, `radius` and `half` are the agents' centres, radii
+    and half heights [m].
     """
     turned = leaves.hinge_mask * angle + leaves.yaw
     along = leaves.size[:, 0] >= leaves.size[:, 1]  # the box's first axis is the leaf's long axis

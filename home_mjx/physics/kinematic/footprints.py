@@ -24,7 +24,10 @@ class Footprints(Pytree):
     top: Float[Array, "*n"]
 
     def without_boxes_below(self, height: Float[Array, ""]) -> "Footprints":
-        """Return the boxes with those disabled (`bottom` = inf) whose top is at or below a height [m]."""
+        """Return all boxes, with `bottom` = inf for those whose top is at or below `height` [m].
+
+        These are no obstacles any more; `top` is unchanged.
+        """
         return self.replace(bottom=jnp.where(self.top <= height, jnp.inf, self.bottom))
 
     @classmethod
@@ -70,8 +73,9 @@ def move_and_slide(
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """Move agent `agents.index` from centre `old` by `way` [m]; return its centre and the number of touched obstacles.
 
-    Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, horizontally, and
-    stays at `old` in a gap that is too narrow, unless it overlaps more there. `way` is at most one radius.
+    Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, horizontally, by
+    `DEPENETRATION_ITERATIONS` displacements out of the deepest one. It stays at `old` if more than `MAX_PENETRATION`
+    remains, as in a narrow gap, unless it overlaps more there. `way` is at most one radius.
     """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)

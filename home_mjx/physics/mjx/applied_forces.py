@@ -29,11 +29,13 @@ def applied_forces(
 ) -> tuple[Float[Array, "a 3"], Float[Array, " v"]]:
     """Compute the forces that drive agents, doors and held bodies at the positions and velocities `qpos`, `qvel`.
 
-    `house` has the house's bodies, doors and ramps. Held bodies and door goals are those of `state`.
+    `house` has the house's bodies, doors and ramps. Held bodies and door goals are those of `state`; its `qpos` and
+    `qvel` are not used.
 
     Returns:
-        Forces on the agents, with hand reactions and ramp support: along world x and y [N], torque about z [N m].
-        Forces on all other degrees of freedom, as MuJoCo's `qfrc_applied`; 0 for those of agents.
+        Forces on the agents, along world x and y [N], torque about z [N m]: `motor_forces`, plus mass times
+        `ramp_acceleration`, plus hand reactions. Forces on all other degrees of freedom, as MuJoCo's `qfrc_applied`:
+        inertia times `door_acceleration`, and hands; 0 for those of agents.
     """
     bodies, leaves, ramps = house
     layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)
@@ -63,8 +65,11 @@ def _add_hand_force(
 ) -> tuple[Float[Array, " v"], Float[Array, "2"]]:
     """Add the force of agent `a`'s hand on its body to `applied`; nothing if the hand is empty. `now` is (qpos, qvel).
 
+    The force is mass times (acceleration of `hand_accelerations` minus gravity). The torque is inertia times angular
+    acceleration, plus the gyroscopic torque, so that MuJoCo's terms cancel.
+
     Returns:
-        `applied`, and the reaction on the agent along world x and y [N].
+        `applied` with the force added, and the reaction on the agent along world x and y [N]; 0 if the hand is empty.
     """
     layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]

@@ -47,6 +47,7 @@ def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " 
 def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Int[Array, " a"]:
     """Count each agent's penetrating contact points after a physics step, except with floors and ramps under it.
 
+    These are the floor plane, and static boxes where the normal's upward part is at least `MIN_SUPPORT_NORMAL`.
     `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
@@ -85,7 +86,10 @@ def _contact_sides(
 
 
 def _owner_codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, " g"]:
-    """Return each geom's owner: its dynamic body, `FLOOR`, or `STATIC - c` for a slot that contains static box c."""
+    """Return each geom's owner: its dynamic body, `FLOOR`, or `STATIC - c` for a slot that contains static box c.
+
+    Geom 0 is the floor. Parked slots have the code of the box in `slot_box`, too.
+    """
     mobile = jnp.asarray(template.geom_body).at[0].set(FLOOR)
     return mobile.at[template.layout.slots].set(STATIC - slot_box)
 

@@ -97,6 +97,8 @@ def fill_contact_slots(
 ) -> tuple[OrientedBoxes, Int[Array, " s"], Bool[Array, ""]]:
     """Fill all contact slots, ordered as `Layout.slots`, with the static boxes nearest to each agent and each body.
 
+    Agents are upright boxes. All poses are those of `data.qpos`; `body_size` has half extents [m].
+
     Returns:
         The boxes in the slots, their rows in `static`, and whether an owner overlaps more boxes than it has slots.
     """
@@ -155,7 +157,7 @@ def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, 
 
 
 def _agent_boxes(template: Template, data: mjx.Data) -> OrientedBoxes:
-    """Return the upright bounding box of each agent's capsule."""
+    """Return the upright bounding box of each agent's capsule at its position in `data.qpos`; yaw is ignored."""
     agents = template.config.agents
     pos = data.qpos[template.layout.agent_qpos].reshape(-1, 4)[:, :3]
     half = jnp.array([[body.radius, body.radius, body.height / 2] for body in agents], jnp.float32)

@@ -43,7 +43,11 @@ def numeric_limit(model: Any, name: str) -> int:
 
 
 def are_points_full(data: mjx.Data, max_points: int) -> Bool[Array, ""]:
-    """Return whether MJX may have dropped contact points: all of a `condim` penetrate, at least `max_points`."""
+    """Return whether MJX may have dropped contact points in its last physics step.
+
+    That is if all points of one `condim` penetrate and they are at least `max_points`. It can be True without a loss. A
+    `condim` with fewer points never overflows.
+    """
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
     full = [contact.dist[dims == dim] for dim in np.unique(dims) if (dims == dim).sum() >= max_points]
@@ -81,7 +85,8 @@ class GeomPairs:
     def find_overflow(self, sizes: GeomSizes, data: mjx.Data) -> Bool[Array, ""]:
         """Return whether a pair overlaps that MJX did not test in the last physics step, at the poses of its start.
 
-        Only pairs of `groups` count, capsules as their bounding boxes; False if there are no groups.
+        These poses are `data.geom_xpos` and `geom_xmat`, not `qpos`. Only pairs of `groups` count, capsules as their
+        bounding boxes; False if there are no groups.
         """
         missed = [jnp.any(self._touch(sizes, data, self._untested(sizes, data, pairs))) for pairs in self.groups]
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)

@@ -44,9 +44,9 @@ def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt
 
 
 def _normal_forces(data: Any) -> Float[np.ndarray, " n"]:
-    """Return the normal force of each contact [N]: the sum over its constraint rows.
+    """Return the normal force of each contact [N]: the sum over its constraint rows; 0 for a contact without rows.
 
-    A frictionless contact has one row; one with friction has four, the edges of a pyramid.
+    A frictionless contact has one row; one of `condim` 3 has four, the edges of a pyramid.
     """
     contact = data.contact
     sums = np.concatenate([np.zeros(1), np.cumsum(data.efc_force)])

@@ -68,7 +68,10 @@ def robot_in_house(
 
 
 def _read(robot: Any) -> Any:
-    """Read or copy a robot as `MjSpec`; `ConfigError` if the file is missing or not valid MJCF."""
+    """Read or copy a robot as `MjSpec`; `ConfigError` if the file is missing or not valid MJCF.
+
+    A text that begins with `<`, after white space, is MJCF; any other text or path is a file.
+    """
     if isinstance(robot, mujoco.MjSpec):  # pyright: ignore[reportAttributeAccessIssue]
         return robot.copy()
     is_text = isinstance(robot, str) and robot.lstrip().startswith("<")
@@ -82,7 +85,11 @@ def _read(robot: Any) -> Any:
 
 
 def _enable_leaf_contacts(house: Any, robot: Any) -> None:
-    """Let door leaves, which otherwise collide with movable bodies only, collide with the robot; change both specs."""
+    """Let door leaves, which otherwise collide with movable bodies only, collide with the robot; change both specs.
+
+    Leaves get `LEAF_CONTACT_BIT` in `contype`. Geoms of the robot get it in `conaffinity`, unless both their masks are
+    0.
+    """
     for geom in house.geoms:
         if str(geom.contype) == COLLIDES_WITH_MOVABLES["contype"] and not geom.conaffinity:
             geom.contype |= LEAF_CONTACT_BIT

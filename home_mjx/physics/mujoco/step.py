@@ -33,8 +33,11 @@ def step_mujoco(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
+    Contacts that MuJoCo drops set the flag `contact_points`; the other flags are False.
+
     Raises:
-        ConfigError: The program is compiled for a platform other than CPU, or the state has scaled bodies.
+        ConfigError: The program is compiled for a platform other than CPU, or the state has scaled bodies. Or an
+            exported template has another number of houses than the bank.
         BackendError: This is a forked child of a process that has already stepped.
     """
     check_platform()

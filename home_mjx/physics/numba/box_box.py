@@ -36,8 +36,9 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
     """Write the contact points of two boxes; return their number, 0 if a gap separates the boxes.
 
     Each box has its centre `pos` [m], its axes as columns `rot` (3, 3) and half extents `half` [m]. `points`
-    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and distances [m], 0 or negative. `normal` (3)
-    gets the unit vector from the first box to the second one; with no points it is undefined.
+    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and distances [m], 0 or negative. Further
+    points are dropped without a flag. `normal` (3) gets the unit vector from the first box to the second one; with no
+    points it is undefined.
     """
     between, cosine = vector(), matrix()
     for i in range(3):
@@ -248,8 +249,8 @@ def _clip(corner, edges, size, points):
     """Write contact points where a parallelogram is below a rectangle at z = 0; return their number.
 
     Points are where its edges cross the rectangle's border, and the corners of each that the other covers. A point is
-    half-way to the plane, with its distance. The parallelogram has a `corner` (3) from which two `edges` (2, 3) begin;
-    `size` are the rectangle's half extents (2).
+    half-way to the plane, with its distance. Beyond `MAX_PAIR_POINTS`, points are dropped. The parallelogram has a
+    `corner` (3) from which two `edges` (2, 3) begin; `size` are the rectangle's half extents (2).
     """
     start, edge = vector(), vector()
     number = 0

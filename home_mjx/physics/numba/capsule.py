@@ -147,10 +147,10 @@ def _nearest_end(center, axis, half):
 @compiled
 @no_type_check
 def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
-    """Update the result of `_nearest_end` with the nearest of the twelve edges, if that is nearer.
+    """Return the result of `_nearest_end`, given from `best` on, or that of the nearest of twelve edges if nearer.
 
-    The kind is then `EDGE` or `CORNER`, with the edge's axis, corner bits (k: positive side of axis k), and position on
-    the edge (-1 to 1).
+    Of an edge, the kind is `EDGE` or `CORNER`. It is followed by the edge's axis, corner bits (k: positive side of axis
+    k), and position on the edge (-1 to 1). Edges parallel to the capsule's axis are skipped.
     """
     gap = vector()
     for j in range(3):

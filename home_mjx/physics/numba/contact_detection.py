@@ -25,7 +25,8 @@ compiled = njit(error_model="numpy")
 def find_contacts(work, numbers, floor):
     """Write an environment's contacts, with its floor at `floor` [m], to `work`; set `wakes` of touched sleepers.
 
-    Every contact has at least one awake body. Doors touch agents, bodies and their joint limits only.
+    Every contact has at least one awake body. Doors touch agents, bodies and their joint limits only. Beyond
+    `most_points`, contacts are dropped and `POINT_OVERFLOW` is set.
     """
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
@@ -232,7 +233,10 @@ def _add_body_contacts(work, a, b):
 @compiled
 @no_type_check
 def _add_sleeping_contacts(work, m, other):
-    """Add contacts with a sleeping body, which is fixed in this physics step and wakes for the next."""
+    """Add contacts, if any, of awake body `m` with sleeping body `other`, and then set `wakes` of the latter.
+
+    It is fixed in this physics step and wakes for the next.
+    """
     if do_spheres_overlap(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
         pos, rot, half = (

@@ -74,7 +74,11 @@ class StepParams(NamedTuple):
 
 
 def step_params(config: PhysicsSetup) -> StepParams:
-    """Return the parameters of the fused step for these options."""
+    """Return the parameters of the fused step for these options and the constants of `base.servo`.
+
+    Stiffness and damping of agents' contacts and door limits are 1 / (d T)² and 2 / (d T), with d = `SOLIMP[1]`. The
+    time constant T is the larger of `TIME_CONSTANT` and two physics steps; the damping ratio is 1.
+    """
     dt = config.timing.sim_dt
     constant = max(TIME_CONSTANT, 2 * dt)  # see MuJoCo's "Solver parameters"; the damping ratio is 1
     return StepParams(

@@ -27,8 +27,8 @@ compiled = njit(error_model="numpy")
 def mark_sleeping(work, numbers, held, goal):
     """Set `awake` to 0 for sleeping bodies, `calm` to 1 for those that may fall asleep, and clear `wakes`.
 
-    Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) are awake and not calm. If
-    `numbers.sleep` is 0, so is everything.
+    Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) are awake and not calm. If `numbers.sleep` is
+    0, so is everything that exists. Parked bodies are never awake.
     """
     for m in range(work.num_dynamic):
         work.awake[m], work.wakes[m] = work.exists[m], 0

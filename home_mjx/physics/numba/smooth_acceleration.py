@@ -123,7 +123,10 @@ def _pull_held_body(work, numbers, a, m, grip):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _approach_rate(numbers, far, fastest):
-    """Return the velocity per distance, or per angle, towards the grip [1/s]; it limits the velocity to `fastest`."""
+    """Return the velocity per distance, or per angle, towards the grip [1/s]; it limits the velocity to `fastest`.
+
+    It is the smaller of `1 / (2 hand_time)` and `fastest / far`, where `far` is the distance or angle.
+    """
     return min(1.0, fastest * 2 * numbers.hand_time / (far + 1e-12)) / (2 * numbers.hand_time)
 
 

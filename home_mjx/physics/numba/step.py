@@ -26,7 +26,8 @@ def load_house(work, static, bodies, door):
     """Copy a house's static boxes, bodies and doors to `work`; negative half extents mark missing boxes and doors.
 
     `static` is position, quaternion and half extents of the static boxes; `bodies` validity, half extents, mass,
-    inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`.
+    inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`. Rotations, bounding radii
+    and inverse masses are derived; rotations of missing boxes are not written.
     """
     collider_pos, collider_quat, collider_half = static
     body_valid, body_size, body_mass, body_inertia, body_surface = bodies
@@ -145,7 +146,10 @@ def step_env(work, numbers, ground, state, control, result, report):
 @compiled
 @no_type_check
 def _load(work, qpos, qvel, qacc):
-    """Copy the state to `work`, normalise body quaternions, and clear elements that agents and doors do not use."""
+    """Copy the state to `work`, normalise body quaternions, and clear elements that agents and doors do not use.
+
+    The yaw acceleration of agents is cleared, too, since contacts do not act on it.
+    """
     for a in range(work.num_agents):
         for k in range(3):
             work.pos[3 * a + k], work.vel[6 * a + k], work.acc[6 * a + k] = (
@@ -263,7 +267,10 @@ def _record_impulses(work, numbers, push, other):
 @compiled
 @no_type_check
 def _impulse(work, numbers, n):
-    """Compute the normal impulse of a contact at the solved accelerations [N s]."""
+    """Compute the normal impulse of a contact at the solved accelerations [N s].
+
+    It is `sim_dt` times the sum over rows of `weight` max(0, `target` - J acc).
+    """
     friction, force = work.friction[n], 0.0
     normal, first, second = contact_velocity(work, n, work.acc)
     for row in range(num_rows(friction)):
