@@ -159,7 +159,7 @@ def is_unstable(state: PhysicsState) -> Bool[Array, ""]:
 def is_out_of_bounds(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState
 ) -> Bool[Array, " m"]:
-    """Return whether each agent, then each movable body, has left the lot; unused bodies are False.
+    """Return whether each agent, then each movable body, has left the lot by `qpos`; unused bodies are False.
 
     Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
     ground floor. Bodies that fell through an upper floor only are not reported, nor NaN poses (see `is_unstable`).

@@ -75,12 +75,13 @@ def apply_hand_commands(
 
 
 def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
-    """Update hands and door goals after a control step.
+    """Update hands and door goals after a control step, by the poses in `qpos`.
 
     Hands release bodies within `PLACE_TOLERANCE` of their target, and torn-away ones. A carried body is torn away if it
-    gets farther than `MAX_HOLD_DISTANCE` from its grip, or has not come that near after `MAX_PLACE_STEPS` steps. A body
-    not placed within as many steps is carried again. Released bodies get `RELEASE_SPEED` downwards. Doors within
-    `DOOR_TOLERANCE` of their goal, clipped to their range, are no longer driven.
+    is beyond `MAX_HOLD_DISTANCE` from its grip after it was once within it. It is also torn away if it has not come
+    that near after more than `MAX_PLACE_STEPS` steps. A body not placed within as many steps is carried again. Released
+    bodies get `RELEASE_SPEED` downwards in addition to their velocity. Doors within `DOOR_TOLERANCE` of their goal,
+    clipped to their range, are no longer driven.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -253,8 +254,8 @@ def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState,
     """Open the hand, by `_open_hand`, if its body is placed or torn away; stop placing after `MAX_PLACE_STEPS` steps.
 
     A hand that stops placing carries its body again. A carried body is torn away if it is beyond `MAX_HOLD_DISTANCE`
-    after it was once within it. A picked body that never comes that near is torn away after `MAX_PLACE_STEPS` steps;
-    one being placed never is.
+    from its grip after it was once within it. A picked body that never comes that near is torn away after more than
+    `MAX_PLACE_STEPS` steps; one being placed never is. `hand_steps` is counted up, and is 0 for an empty hand.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])

@@ -149,6 +149,8 @@ def with_surfaces(
 
     `pairs` has the dynamic bodies of each geom pair of the template; -1 is the world. Pairs with agents are unchanged.
     `surfaces` has a row of `base.surfaces` per movable body. Against doors and the world, a body's own row applies.
+    Between two bodies the larger friction, stiffness and damping apply, and mean impedances. The maximum impedance is
+    unchanged.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:
