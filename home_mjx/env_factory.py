@@ -185,7 +185,10 @@ def _task_env(
     houses: Any,
     progress: bool,
 ) -> "Env[HouseholdEnv]":
-    """Make an environment of a `Task` subclass; refuse wrong options before any house is compiled."""
+    """Make an environment of a `Task` subclass; refuse wrong options before any house is compiled.
+
+    With random arrangements, add `NUM_ARRANGEMENTS` to the bank, unless it is the one given as `houses`.
+    """
     from home_mjx.tasks.base.state import EnvParams
 
     core, compile_options = core_of(task, options)

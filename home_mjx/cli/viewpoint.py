@@ -57,13 +57,14 @@ def add_viewpoint_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def place_head(args: argparse.Namespace, pitch: float = 0.0) -> Viewpoint:
-    """Load the selected house onto the device and place a head at `--at`, else at its first start, at eye height.
+    """Load the selected house onto the device and place a head at eye height above `--at`, else above its first start.
 
-    It looks along `--yaw`, else along `longest_free_direction`. `pitch` is the elevation of the view [degrees], up
-    positive. Errors of `load_compiled_house` come through.
+    `--at` is X and Y on the lowest storey, or on the storey below Z. The heading is `--yaw`, else the longest free
+    path.
+    `pitch` is the elevation of the view [degrees], up positive. Errors of `load_compiled_house` come through.
 
     Raises:
-        ConfigError: The head would be outside of the house or below all floors, or `--at` has neither two nor three
+        ConfigError: The head would be outside of the house, Z is below all floors, or `--at` has neither two nor three
             numbers.
     """
     if args.at is not None and len(args.at) not in (2, 3):

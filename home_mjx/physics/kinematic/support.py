@@ -76,7 +76,10 @@ def support_height(
 
 
 def _ramp_heights(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> Float[Array, " r"]:
-    """Return the height of each ramp at a point in plan [m]; -inf more than `MAX_SUPPORT_REACH` beside it."""
+    """Return each ramp's height at a point in plan [m]; -inf for padding and more than `MAX_SUPPORT_REACH` beside it.
+
+    Beyond its lower or upper end, a ramp is level with that end.
+    """
     half_u, half_v, slope, reach = ramps[:, 4], ramps[:, 5], ramps[:, 7], jnp.float32(MAX_SUPPORT_REACH)
     along, across, surface = ramp_coordinates(ramps, pos)
     surface = surface - slope * (along - jnp.clip(along, -half_u, half_u))

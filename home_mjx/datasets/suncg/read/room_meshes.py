@@ -42,7 +42,10 @@ def read_part(node: JsonValue, kind: str, node_id: str, reading: ReaderState) ->
 
 
 def _found_or_missing(node: JsonValue, kind: str, node_id: str, stem: str, reading: ReaderState) -> Mesh | None:
-    """Read the mesh's file, else the architecture file; if both fail, record it in `missing_parts` and return None."""
+    """Read the mesh's file, else the architecture file's; if both fail, record it in `missing_parts` and return None.
+
+    The second is recorded in `fallbacks` if the house has a folder of meshes. Errors are recorded, not raised.
+    """
     path, reason = reading.assets.room_path(reading.house_id, stem), ""
     try:
         if is_file(path):

@@ -68,7 +68,10 @@ def sizes_csv(models: Sequence[LibraryModel]) -> str:
 
 
 def _size_rows(model: LibraryModel, index: int) -> Iterable[tuple[Any, ...]]:
-    """Yield a row per mesh of a model: corners in [m], but `aligned.dims` in [cm]."""
+    """Yield the rows of `models.csv` of a model: its mesh, then its variants; all have the same `index`.
+
+    Corners are in [m], but `aligned.dims` in [cm].
+    """
     meshes = {model.info.model_id: model.mesh, **model.variants}
     variants = ",".join(meshes) if model.variants else ""
     front = ",".join(f"{x:g}" for x in model.info.front)
