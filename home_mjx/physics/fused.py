@@ -65,8 +65,8 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     words = SCRATCH_WORDS * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
     sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
-    words_of_all = _newton_words(SMALL_ISLAND) + CONTACT_WORDS * SHARED_CONTACTS + NUM_COUNTS
-    shared = SHARED_BYTES * mobiles + 4 * words_of_all
+    common = _newton_words(SMALL_ISLAND) + CONTACT_WORDS * SHARED_CONTACTS + NUM_COUNTS
+    shared = SHARED_BYTES * mobiles + 4 * common
     given = *operands, _start_order(operands[QVEL], operands[QACC]), traced_constant(sizes)
     return launch_ptx("step_physics", compile_kernel(), (envs,), WARP, shared, given, (*results, scratch))[:-1]
 

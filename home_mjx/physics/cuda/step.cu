@@ -115,15 +115,17 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
   }
 }
 
-// `order`: environments in the order of their start. `sizes`: environments, houses, static boxes, bodies, agents, doors, ramps, bytes of scratch per environment.
+// `order`: environments in the order of their start. `sizes`: environments, houses, static boxes, bodies, agents, doors,
+// ramps, bytes of scratch per environment.
 extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* collider_pos, const float* collider_quat, const float* collider_half, const int* body_valid,
     const float* body_size, const float* body_mass, const float* body_inertia, const float* body_surface,
     const float* doors, const float* ramps, const float* floors, const float* agents, const float* numbers,
     const int* houses, const float* qpos, const float* qvel, const float* qacc, const float* action, const int* held,
-    const float* grip, const float* goal, const float* scale, const int* order, const int* sizes, float* new_qpos, float* new_qvel, float* new_qacc,
-    int* touched, int* lost, float* push, int* other, char* scratch) {
-  const int env = order[blockIdx.x], num_houses = sizes[1], bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
+    const float* grip, const float* goal, const float* scale, const int* order, const int* sizes, float* new_qpos,
+    float* new_qvel, float* new_qacc, int* touched, int* lost, float* push, int* other, char* scratch) {
+  const int env = order[blockIdx.x], num_houses = sizes[1];
+  const int bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.free = e.agents + bodies, e.mobiles = e.free + num_doors;
   e.room = POINTS_PER_BODY * e.mobiles, e.pair_room = PAIRS_PER_BODY * e.mobiles;
@@ -167,8 +169,8 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     for (int k = 0; k < 4; ++k) push[4 * m + k] = 0;
   }
   sync_warp();
+  find_sleepers(e, control);  // of all slots
   while (e.mobiles > e.free && !e.exists[e.mobiles - 1]) --e.mobiles;  // most houses have fewer doors than slots
-  find_sleepers(e, control);
   for (int substep = 0; substep < int(e.numbers.substeps); ++substep) {
     for (int m = LANE; m < e.mobiles; m += WARP_SIZE)
       if (e.awake[m] || (substep == 0 && e.exists[m])) {
@@ -193,7 +195,6 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
   }
   fall_asleep(e);
   for (int m = LANE; m < M; m += WARP_SIZE) {
-    if (m >= e.mobiles) e.awake[m] = 0;
     store(e, m, qpos, new_qpos, new_qvel, new_qacc);
     push[4 * m] = e.impulse[2 * m];
   }
