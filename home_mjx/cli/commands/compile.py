@@ -3,7 +3,6 @@
 import argparse
 import os
 import sys
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import (
@@ -98,10 +97,11 @@ def _bake(houses: "HouseSet", bakes: tuple[str, ...], summary: "CompileSummary")
     from home_mjx.houses.report import FAILED, read_report
 
     status = {line["id"]: line["status"] for line in read_report(summary.report)}
-    ids = tuple(house_id for house_id in houses.house_ids if status.get(house_id) != FAILED)
+    ids = [house_id for house_id in houses.house_ids if status.get(house_id) != FAILED]
+    dataset = houses.resolved_dataset  # opened once
     with ProgressCount(f"baking {plural(len(ids), 'house')}", len(ids), "house", is_progress_shown()) as count:
         for house_id in ids:
-            load_bank(replace(houses, ids=[house_id], num_houses=None), bakes=bakes, progress=False)
+            load_bank(dataset, ids=[house_id], options=houses.options, bakes=bakes, progress=False)
             count.update()
     sys.stdout.write(f"{', '.join(bakes)} of {plural(len(ids), 'house')} baked\n")
 
