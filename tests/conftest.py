@@ -59,6 +59,15 @@ def pytest_configure() -> None:
     use_compile_cache()
 
 
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Skip tests marked `cpu` where a GPU is the default device."""
+    if item.get_closest_marker("cpu"):
+        import jax
+
+        if jax.default_backend() != "cpu":
+            pytest.skip("about what only a CPU does: JAX_PLATFORMS=cpu")
+
+
 @pytest.fixture(scope="session")
 def suncg_root() -> Path:
     """Root of the real SUNCG sample (`SUNCG_DATA_DIR`, or shared/data beside the checkout); skips where absent."""

@@ -7,6 +7,8 @@ import pytest
 
 from home_mjx.core.native.host_call import register_host_call
 
+pytestmark = pytest.mark.cpu
+
 
 def _mix(given, results):
     number, flag, whole, empty = given

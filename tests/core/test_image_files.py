@@ -116,6 +116,7 @@ def mid_grey(mode):
     return Image.new(mode, (8, 8), given.get(mode, wide if len(bands) == 1 else (128,) * len(bands)))
 
 
+@pytest.mark.filterwarnings("ignore:Saving I mode images as PNG is deprecated:DeprecationWarning")
 @pytest.mark.parametrize("kind", FORMATS)
 @pytest.mark.parametrize("mode", MODES)
 def test_images_that_pillow_writes_are_right_or_refused(write, mode, kind):

@@ -18,6 +18,8 @@ from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.vmap_call import batch_kernel
 from home_mjx.errors import BackendError
 
+pytestmark = pytest.mark.cpu
+
 ROWS, WIDTH, CHUNK = 1000, 300, 3
 floats = pointer_to(types.float32)
 

@@ -183,7 +183,13 @@ def opened_files() -> Iterator[list[str]]:
 
 def allowed() -> tuple[str, ...]:
     """Where Python itself reads, when a module is imported late."""
-    return (sys.prefix, sys.base_prefix, str(Path(os.__file__).parent), str(Path(__file__).parents[2]))
+    return (
+        sys.prefix,
+        sys.base_prefix,
+        str(Path(os.__file__).parent),
+        *filter(None, sys.path),
+        str(Path(__file__).parents[2]),
+    )
 
 
 PLAIN_VALUES: list = [

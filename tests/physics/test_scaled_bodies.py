@@ -52,6 +52,7 @@ def slide(houses, scales, impl="fused", speed=SPEED, agent=(50.0, 50.0, 0.0), fo
     return np.asarray(pos), np.asarray(qpos)
 
 
+@pytest.mark.cpu
 def test_c_mujoco_refuses_scaled_bodies():
     with pytest.raises(ConfigError, match="does not scale bodies"):
         slide([TinyHouse(movable=boxes())], FACTORS[:1], impl="c")

@@ -94,7 +94,8 @@ def _pulses() -> Float[np.ndarray, "three read k"]:
 def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
     """Fit the polynomials of `interpolation_weights`, lowest power first, to tones up to 0.45 of the sample rate.
 
-    They minimise the squared error of a complex tone, interpolated from half samples, over `rest` from 0 to 1.
+    They minimise the squared error of a complex tone, interpolated from half samples, over `rest` from 0 to 1. They are
+    rounded to nine decimals, which makes them the same bits whichever library solves the least squares.
     """
     rest = (np.arange(32) + 0.5) / 32
     angle = np.pi * 0.45 * np.concatenate([(np.arange(64) + 0.5) / 64, 1 - np.geomspace(1e-3, 0.1, 16)])
@@ -103,4 +104,5 @@ def interpolation_polynomials() -> Float[np.ndarray, "read degree"]:
     rows = np.einsum("am,rd->armd", wave, power).reshape(angle.size * rest.size, -1)
     wanted = np.exp(1j * angle[:, None] * rest).ravel()
     joined = (np.concatenate([np.real(x), np.imag(x)]) for x in (rows, wanted))
-    return np.linalg.lstsq(*joined, rcond=None)[0].reshape(NUM_READ, POLYNOMIAL_DEGREE + 1).astype(np.float32)
+    fitted = np.linalg.lstsq(*joined, rcond=None)[0].reshape(NUM_READ, POLYNOMIAL_DEGREE + 1)
+    return np.round(fitted, 9).astype(np.float32)

@@ -22,6 +22,8 @@ from home_mjx.audio_jax.moving_sources.dispatch import (
 )
 from home_mjx.core.native.memory import address_of
 
+pytestmark = pytest.mark.cpu
+
 
 @njit
 def run_transform(size, lanes, turns, values, spare):

@@ -19,6 +19,8 @@ from home_mjx.physics.mujoco.house_mjcf import HouseRows
 from home_mjx.physics.mujoco.house_models import build_house_model
 from home_mjx.physics.mujoco.mujoco_model import check_platform
 
+pytestmark = pytest.mark.cpu
+
 STEPS = 20
 HOUSES = [
     shoebox(

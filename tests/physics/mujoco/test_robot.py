@@ -15,6 +15,8 @@ from home_mjx.errors import ConfigError
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.physics import MujocoModel, robot_in_house
 
+pytestmark = pytest.mark.cpu
+
 SUBSTEPS, DT = 5, 0.01
 DRIVE = np.array([8.0, 8.0, 0.5], np.float32)  # [rad/s] of both wheels, [rad] of the arm
 HOUSE = shoebox(furniture=[Furniture((-1.5, 0.5), mass=5.0), Furniture((1.0, 1.5), category="chair")])

@@ -72,7 +72,7 @@ def test_images_are_drawn_on_every_nth_step_only(look, batch):
         render_every(0, jnp.int32(0), dict, {})
 
 
-@pytest.mark.parametrize("backend", ["xla", "cpu"])
+@pytest.mark.parametrize("backend", ["xla", pytest.param("cpu", marks=pytest.mark.cpu)])
 @pytest.mark.parametrize("broken", ["camera", "body"])
 def test_a_pose_that_is_no_number_is_flagged_and_leaves_its_neighbours_alone(look, batch, broken, backend):
     x, body = batch

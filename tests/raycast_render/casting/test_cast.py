@@ -130,6 +130,7 @@ def test_64_bit_mode_changes_nothing(case, backend):
         np.testing.assert_array_equal(b, c)
 
 
+@pytest.mark.cpu
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_without_jit_nothing_changes(case, backend):
     """As users look for their own mistakes."""
@@ -177,7 +178,7 @@ def test_unknown_executor_names_the_known_ones(case):
         cast(case[1], jnp.zeros(3), jnp.ones(3), backend="cpuu")
 
 
-@pytest.mark.skipif(jax.default_backend() != "cpu", reason="there is a GPU")
+@pytest.mark.cpu
 def test_cuda_says_that_there_is_no_gpu(case):
     with pytest.raises(BackendError, match="no NVIDIA GPU"):
         cast(case[1], jnp.zeros(3), jnp.ones(3), backend="cuda")
