@@ -45,7 +45,8 @@ def make(
         env_id: Such as `PointNav-v0`, see `list_envs`; or an `EnvSpec`, which takes no other argument but `progress`.
         houses: A `HouseBank`, a `HouseSet`, a dataset, its folder or its name such as
             `procedural:16?seed=0`; None: the dataset that the environment variable `SUNCG_DATA_DIR` names,
-            or, if it is not set, generated houses, which are written once into the cache folder.
+            or, if it is not set, generated houses, which are written once into the cache folder. A `HouseSet` is
+            loaded whole.
         num_houses: Maximum number of houses; by default all of a name such as `procedural:16`, else 8.
         split: Only houses of `train`, `val` or `test`.
         filter: Only houses of a dataset that pass this `HouseFilter`.
@@ -63,7 +64,8 @@ def make(
         An environment with `reset(key)` and `step(state, action)`; `.core` has the functions that take `.params`.
 
     Raises:
-        ConfigError: An id or option is unknown; the message names the closest known one.
+        ConfigError: An id or option is unknown; the message names the closest known one. Or `num_houses`, `split` or
+            `filter` accompany a bank, a `HouseSet` or `episodes`, which choose the houses themselves.
         DatasetError: The dataset cannot be read.
         BackendError: This is a forked child of a process that has made an environment: JAX would wait there forever.
 

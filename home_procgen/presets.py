@@ -7,7 +7,7 @@ from home_mjx.core.checks import check_known
 from home_mjx.datasets.seeds import house_id
 from home_procgen.primitives.detail import DETAILS
 
-GENERATOR_VERSION = 4  # increase it whenever the same seed would produce another file
+GENERATOR_VERSION = 5  # increase it whenever the same seed would produce another file
 
 
 @dataclass(frozen=True)

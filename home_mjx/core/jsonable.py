@@ -30,7 +30,8 @@ def to_json(value: Any) -> str:
     """Serialize a value as JSON text that preserves dataclasses and tuples; keys of mappings become text.
 
     Raises:
-        ConfigError: A part is not a number, text, container or dataclass, or the text is too long for `from_json`.
+        ConfigError: A part is not None, a Python number, text, list, tuple, mapping or dataclass, or the text is too
+            long for `from_json`.
 
     Example:
         >>> to_json((1, "a"))

@@ -99,7 +99,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
 
     Example:
         >>> open_dataset("procedural:2?seed=3").house_ids[0]
-        '686f6d65000004000000000000000003'
+        '686f6d65000005000000000000000003'
     """
     if isinstance(name, str) and has_scheme(name):
         match = SCHEME.fullmatch(name)

@@ -20,7 +20,7 @@ def house_id(seed: int, variant: int) -> str:
 
     Example:
         >>> house_id(26, 0x400)
-        '686f6d6500000400000000000000001a'
+        '686f6d6500000500000000000000001a'
     """
     return f"{ID_PREFIX}{variant:08x}{seed:016x}"
 

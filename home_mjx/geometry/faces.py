@@ -132,7 +132,9 @@ def _ears(
 ) -> Iterator[tuple[int, Int[np.ndarray, "t 3"] | None]]:
     """Yield polygons of `rows` with triangles of their own corners by ear clipping; None: fan of the first corner.
 
-    None is for twisted polygons and, if `tolerant`, all that cannot be cut; for these, `FaceError` is raised otherwise.
+    None is for twisted polygons and, if `tolerant`, all that are not cut; for these, `FaceError` is raised otherwise.
+    No polygon of more than `MAX_POLYGON_CORNERS` corners is cut. If `rows` have more than `MAX_EAR_CORNERS` in all,
+    none is. Beyond these limits twisted ones raise, too.
     """
     is_small = bool(sides[rows].sum() <= MAX_EAR_CORNERS)
     for row in rows.tolist():

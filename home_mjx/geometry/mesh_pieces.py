@@ -26,7 +26,9 @@ class MeshPiece:
 
 
 def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
-    """Build the inner and the outer layer of a wall, with slots 0 (inside), 1 (cut faces) and 2 (outside).
+    """Build the inner and the outer layer of a wall, in this order.
+
+    Large faces have slot 0 (inside) on the inner layer and 2 (outside) on the outer one; cut faces of both have 1.
 
     Args:
         wall: The wall.

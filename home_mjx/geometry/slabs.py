@@ -40,7 +40,10 @@ def slab(
 def _piece(
     polygon: Polygon, low: float, high: float, outset: float
 ) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"], Float[np.ndarray, "f 3 2"]]:
-    """Build the slab of one polygon, see `slab`."""
+    """Build the slab of one polygon: vertices [m], triangles, and the UV of their corners, see `slab`.
+
+    The outset falls back to 0 where the grown outline would cross itself.
+    """
     outline, top = _outline(simplify(polygon), outset)
     count = len(outline)
     here, after = np.arange(count), np.roll(np.arange(count), -1)
@@ -126,8 +129,10 @@ def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
 def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
     """Triangulate a counter-clockwise polygon (see `signed_area`) by earcut, as three.js does; triangles face +y.
 
+    Repeated corners, also a last one equal to the first, must be dropped before, see `simplify`.
+
     Raises:
-        ValueError: The polygon crosses itself, or is clockwise.
+        ValueError: The polygon crosses itself, is clockwise, or has corners that earcut drops.
     """
     found = mapbox_earcut.triangulate_float64(polygon, np.array([len(polygon)], np.uint32))
     triangles = found.reshape(-1, 3).astype(np.int64)

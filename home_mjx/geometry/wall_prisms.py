@@ -66,7 +66,10 @@ def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
 
 
 def _prism(wall: WallSegment, panel: Panel, beyond: float, low: float, thickness: float) -> WallPrism:
-    """Extrude a panel, which begins `beyond` before the wall's start, from `low` along its interior normal [m]."""
+    """Extrude a panel along the wall's interior normal, from an offset of `low` from its line to `low + thickness` [m].
+
+    The panel begins `beyond` before the wall's start [m].
+    """
     points, faces, large = extrude_grid(*panel, (low, low + thickness))
     along = (wall.end - wall.start) / wall.length
     up = np.array([0.0, 1.0, 0.0])

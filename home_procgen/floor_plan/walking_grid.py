@@ -57,8 +57,13 @@ class WalkingGrid:
         self._free = self._without(boxes)
 
     def stays_connected(self, boxes: Sequence[Box]) -> bool:
-        """Return whether all doors and nearly all free floor are connected with boxes added; False without doors."""
+        """Return whether boxes leave all doors and nearly all free floor connected; True if they block no cell.
+
+        Without doors nothing is connected.
+        """
         free = self._without(boxes)
+        if boxes and np.array_equal(free, self._free):
+            return True
         label = np.empty(free.shape, np.int32)
         ndimage.label(free, CELL_CONNECTIVITY, output=label)
         at_doors = {int(label[cell]) for cell in self._doors}

@@ -375,17 +375,17 @@ def test_what_killed_writers_left_is_swept(copied):
 
 def test_a_broken_marker_in_the_cache_says_what_to_remove(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    (tmp_path / "generated-v4").mkdir()
-    (tmp_path / "generated-v4" / GENERATED_MARKER).write_text('{"gener')
+    (tmp_path / "generated-v5").mkdir()
+    (tmp_path / "generated-v5" / GENERATED_MARKER).write_text('{"gener')
     with pytest.raises(DatasetError, match=r"broken generated.json.*Remove that folder: it is made again"):
-        dataset_writer.claim_root(tmp_path / "generated-v4", FLAT)
+        dataset_writer.claim_root(tmp_path / "generated-v5", FLAT)
 
 
 def test_a_folder_of_the_cache_without_its_marker_may_be_removed(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    (tmp_path / "generated-v4" / "house").mkdir(parents=True)
-    with pytest.raises(DatasetError, match=r"generated-v4.*Remove that folder: it is made again"):
-        dataset_writer.claim_root(tmp_path / "generated-v4", FLAT)
+    (tmp_path / "generated-v5" / "house").mkdir(parents=True)
+    with pytest.raises(DatasetError, match=r"generated-v5.*Remove that folder: it is made again"):
+        dataset_writer.claim_root(tmp_path / "generated-v5", FLAT)
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder in which nobody can make another")

@@ -94,7 +94,7 @@ def test_the_variant_of_a_seed_has_an_id_and_a_folder_of_its_own(tmp_path, monke
     assert (
         len({dataset.house_ids[0] for dataset in opened}) == len({dataset.root for dataset in opened}) == len(options)
     )
-    assert opened[2].root == tmp_path / "generated-v4-flat-low"
+    assert opened[2].root == tmp_path / "generated-v5-flat-low"
     assert open_dataset("procedural:3?preset=flat&detail=low").house_ids[1] == opened[2].house_ids[1]
     opened[2].check_known(opened[2].house_ids[2])
     for other in (opened[3].house_ids[0], Variant("flat").house_id(3), "0" * 32):

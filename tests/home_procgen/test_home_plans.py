@@ -274,7 +274,7 @@ def test_names_of_generated_houses():
         ("procedural:99999999999999999999", "at most"),
         ("procedural:4?seed=a", "does not name"),
         ("procedural:4?sed=1", "seed"),
-        ("procedural:4?version=1", "all are of version 4.*preset=flat"),
+        ("procedural:4?version=1", "all are of version 5.*preset=flat"),
         ("procedural:4?preset=flats", "unknown preset"),
         ("procedural:4?detail=lo", "unknown detail"),
         ("procedural:4?", None),
@@ -294,7 +294,7 @@ def test_a_set_of_named_houses(tmp_path, monkeypatch):
     assert not houses.is_complete
     assert houses.house_ids == (Variant().house_id(3), Variant().house_id(4))
     houses.resolved_dataset.prepare(houses.house_ids)
-    assert (tmp_path / "generated-v4" / "house" / Variant().house_id(4) / "house.json").is_file()
+    assert (tmp_path / "generated-v5" / "house" / Variant().house_id(4) / "house.json").is_file()
     assert HouseSet("procedural:2?seed=3", num_houses=1).house_ids == (Variant().house_id(3),)
 
 

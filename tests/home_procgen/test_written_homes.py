@@ -214,7 +214,7 @@ def test_worker_processes_write_the_same_bytes(root, tmp_path, monkeypatch):
 
 def test_folders_of_another_version_are_refused(tmp_path):
     (tmp_path / "generated.json").write_text('{"generator": "home_mjx", "version": 1}')
-    with pytest.raises(DatasetError, match="houses of generator version 1, not 4") as caught:
+    with pytest.raises(DatasetError, match="houses of generator version 1, not 5") as caught:
         generate_dataset(tmp_path, [0])
     assert "Remove" not in caught.value.hint  # it would cost the houses
 

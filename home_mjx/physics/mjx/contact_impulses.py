@@ -45,9 +45,10 @@ def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " 
 
 
 def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Int[Array, " a"]:
-    """Count each agent's penetrating contact points after a physics step, except with floors and ramps under it.
+    """Count each agent's penetrating contact points after a physics step, except with what carries it.
 
-    These are the floor plane, and static boxes where the normal's upward part is at least `MIN_SUPPORT_NORMAL`.
+    The floor plane carries it, and any static box, a low table too, where the normal from the box to the agent has an
+    upward part of at least `MIN_SUPPORT_NORMAL`.
     `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)

@@ -114,7 +114,8 @@ def parked_boxes(num: int) -> OrientedBoxes:
 def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> OrientedBoxes:
     """Return the part of each box in a cube around `center`, aligned with the box, of half extent `radius` [m].
 
-    Its own half extents are at least 1 mm, also if the cube does not meet the box.
+    Its own half extents are at least 1 mm. Along an axis on which the cube misses the box, it is centred in the gap
+    between them, so outside the box.
     """
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]

@@ -149,6 +149,7 @@ def _nearest_end(center, axis, half):
 def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
     """Return the result of `_nearest_end`, given from `best` on, or that of the nearest of twelve edges if nearer.
 
+    `best` is a squared distance, `t` the position on the capsule's axis (-1 to 1), `length` half the axis' length.
     Of an edge, the kind is `EDGE` or `CORNER`. It is followed by the edge's axis, corner bits (k: positive side of axis
     k), and position on the edge (-1 to 1). Edges parallel to the capsule's axis are skipped.
     """

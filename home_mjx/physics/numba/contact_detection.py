@@ -252,7 +252,7 @@ def _add_sleeping_contacts(work, m, other):
 @compiled
 @no_type_check
 def _add_box_contacts(work, m, other, pos, rot, half):
-    """Add contacts of a body and a box, whose owner `other` is a dynamic body, `STATIC - c` or `SLEEPING_BODY - m`."""
+    """Add contacts of body `m` and a box; its owner `other` is a dynamic body, `STATIC - c` or `SLEEPING_BODY - k`."""
     points, normals, own = work.points, work.normals, offset_pointer(work.pos, 3 * m)
     if m < work.num_agents:
         size = offset_pointer(work.agent, AGENT_COLUMNS * m)

@@ -61,7 +61,10 @@ def write_rotation(quat, rot):
 @compiled
 @no_type_check
 def integrate(work, numbers):
-    """Integrate agents (yaw without contact), and bodies and doors that are awake, by semi-implicit Euler."""
+    """Integrate agents (yaw without contact), and bodies and doors that are awake, by semi-implicit Euler.
+
+    Speed and spin of bodies are then limited, see `_move_body`. The yaw part of an agent's `acc` becomes its `smooth`.
+    """
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
         _move_agent(work, numbers, a)

@@ -144,7 +144,8 @@ def _length(values, first):
 def put_to_sleep(work):
     """Zero velocity and acceleration of islands whose bodies are all calm: they sleep. Once per control step.
 
-    Islands are those of the last physics step; one with an agent never sleeps. `wakes` is overwritten as scratch.
+    Islands are those of the last physics step; one with an agent never sleeps. `wakes` must be 0 on entry, as
+    `wake_touched_bodies` leaves it; it is left with flags of islands.
     """
     for m in range(work.num_dynamic):
         if work.awake[m] and not work.calm[m]:

@@ -6,7 +6,6 @@ import numpy as np
 
 from home_procgen.floor_plan.openings import LevelPlan
 from home_procgen.floor_plan.placed_model import Box, PlacedModel
-from home_procgen.floor_plan.walking_grid import AGENT_HEIGHT, MAX_STEP_HEIGHT
 from home_procgen.floor_plan.walls import FLOOR_TOP, window_view_box
 from home_procgen.furnish.space.collision_boxes import Boxes, BoxStore, collision_boxes, extrude_footprint, is_flat
 from home_procgen.furnish.space.use_rules import keeps_rules
@@ -106,14 +105,10 @@ class RoomSpace:
             return False
         if (views and self.views.overlaps_any(boxes)) or not all(self._holds(item.box) for item in items):
             return False
-        tall = [
-            i.box
-            for i in items
-            if i.box[0, 1] < AGENT_HEIGHT and i.box[1, 1] > FLOOR_TOP + MAX_STEP_HEIGHT and self.is_on_floor(i)
-        ]
-        if tall and not self.grid.stays_connected(tall):
+        placed = [item.box for item in items]
+        if not self.grid.stays_connected(placed):
             return False
-        self.grid.remove_blocked(tall)
+        self.grid.remove_blocked(placed)
         self.solid.add(boxes)
         self.clear.add(extra)
         self.views.add(seen)

@@ -12,6 +12,7 @@ from home_procgen.model_store import library_model
 MIN_TOP_HEIGHT, MIN_TOP_AREA = 0.15, 0.015  # minimum height [m] and minimum area [m^2] of a surface
 BASE_HEIGHT = 0.006  # [m], height above an object's lowest point below which its vertices form its base
 EDGE_TOLERANCE = 1e-6
+MAX_OVERHANG = 0.05  # [m], of an object beyond the edge of the surface; boxes that overhang more creep in MuJoCo
 # [m], maximum height range of a level triangle, and height of the test for space above
 LEVEL_TOLERANCE, FREE_TEST_HEIGHT = 1e-6, 0.004
 
@@ -60,17 +61,32 @@ def _covered_mask(points: Float[np.ndarray, "p 3"], parts: Float[np.ndarray, "q 
 def base_points(model_id: str) -> Float[np.ndarray, "9 3"]:
     """Return the corners, side middles and centre, at height 0, of the rectangle around a model's base [m]."""
     vertices = library_model(model_id).mesh.vertices
-    low = vertices[vertices[:, 1] < vertices[:, 1].min() + BASE_HEIGHT][:, [0, 2]]
-    (x0, z0), (x1, z1) = low.min(axis=0).tolist(), low.max(axis=0).tolist()
+    return _rectangle_points(vertices[vertices[:, 1] < vertices[:, 1].min() + BASE_HEIGHT])
+
+
+@cache
+def _outline_points(model_id: str) -> Float[np.ndarray, "9 3"]:
+    """Return the same points of the rectangle around the whole model [m]."""
+    return _rectangle_points(library_model(model_id).mesh.vertices)
+
+
+def _rectangle_points(vertices: Float[np.ndarray, "v 3"]) -> Float[np.ndarray, "9 3"]:
+    (x0, _, z0), (x1, _, z1) = vertices.min(axis=0).tolist(), vertices.max(axis=0).tolist()
     return np.array([[x, 0.0, z] for x in (x0, (x0 + x1) / 2, x1) for z in (z0, (z0 + z1) / 2, z1)])
 
 
 def can_support(anchor: PlacedModel, top: SupportSurface, item: PlacedModel) -> bool:
-    """Return whether the whole base of an object is above a surface."""
-    points = base_points(item.model.id) @ item.linear.T + np.subtract(item.position, anchor.position)
+    """Return whether the whole base of an object is above a surface, and overhangs are at most `MAX_OVERHANG`."""
     # The transpose of a rotation times a scale, over its squared column lengths, is its inverse.
-    local = points @ anchor.linear / (anchor.linear**2).sum(axis=0)
-    return bool(_inside_mask(local[:, 0], local[:, 2], top).any(axis=0).all())
+    inverse = anchor.linear / (anchor.linear**2).sum(axis=0)
+    shift = np.subtract(item.position, anchor.position)
+    base, outline = (
+        (points(item.model.id) @ item.linear.T + shift) @ inverse for points in (base_points, _outline_points)
+    )
+    margin = MAX_OVERHANG / np.array([anchor.scale[0], anchor.scale[2]])
+    if (outline[:, [0, 2]] < top.low - margin).any() or (outline[:, [0, 2]] > top.high + margin).any():
+        return False
+    return bool(_inside_mask(base[:, 0], base[:, 2], top).any(axis=0).all())
 
 
 def _inside_mask(
