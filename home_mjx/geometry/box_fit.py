@@ -91,7 +91,10 @@ def _tighten(
 
 
 def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupied: Bool[np.ndarray, "x y z"]) -> bool:
-    """Return whether any cell of the grid adjacent to a box's `side` (0 low, 1 high) along `axis` is occupied."""
+    """Return whether any cell of the grid adjacent to a box's `side` (0 low, 1 high) along `axis` is occupied.
+
+    Rows of `box` are its first cell and one past its last. Beyond the grid nothing is occupied.
+    """
     start, stop = box.copy()
     start[axis] = box[1, axis] if side else box[0, axis] - 1
     stop[axis] = start[axis] + 1

@@ -137,7 +137,10 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
-    """If `opens`, empty a hand that holds a body; add `RELEASE_SPEED` down, by which kinematic physics detects it."""
+    """If `opens`, empty a hand that holds a body and cancel its placing; add `RELEASE_SPEED` down to the body.
+
+    Kinematic physics detects the release by that speed.
+    """
     opens = opens & (state.held[a] >= 0)
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
     qvel = state.qvel.at[row].add(jnp.where(opens, jnp.float32(-RELEASE_SPEED), 0.0))
@@ -151,7 +154,7 @@ def _set_where(condition: Bool[Array, ""], state: PhysicsState, a: int, **values
 
 
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
-    """Grasp `body` if the hand is empty and the body is used, held by nobody, within `reach` and not too heavy.
+    """Grasp `body` if the hand is empty and the body is used, held by nobody, within `reach` of the agent's axis and not too heavy.
 
     The grip is that of carrying, with the body's current orientation to the agent. An index out of range, such as -1,
     grasps nothing.

@@ -43,12 +43,12 @@ class DoorLeaves(Pytree):
 
     @property
     def valid(self) -> Array:
-        """Mask of leaves that exist, by nonnegative half extents; False for padding."""
+        """Mask of leaves with nonnegative half extents. Padding is False, but True once parked, see `house_doors`."""
         return self.size[..., 0] >= 0
 
     @property
     def hinge_mask(self) -> Float[Array, "*h"]:
-        """1 for a hinged leaf, 0 for a sliding one."""
+        """1 for a hinged leaf, 0 for a sliding one; padding of houses has the value of its row's kind, see `valid`."""
         return jnp.where(jnp.any(self.slide != 0, axis=-1), 0.0, jnp.float32(1.0))
 
     @property

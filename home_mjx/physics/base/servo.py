@@ -152,7 +152,10 @@ def _length(vector: Array) -> Array:
 
 
 def _approach_rate(gap: Array, fastest: float, time: Array) -> Array:
-    """Return the gain `1 / (2 time)` [1/s], reduced where gain times length of `gap` exceeds the speed `fastest`."""
+    """Return the scalar gain `1 / (2 time)` [1/s], less where the gain times `gap`'s length exceeds `fastest`.
+
+    `gap` is one vector, [m] or [rad], not a batch. `fastest` is in its unit per second, `time` in seconds.
+    """
     return jnp.minimum(1.0, jnp.float32(fastest) * 2 * time / _length(gap)) / (2 * time)
 
 
