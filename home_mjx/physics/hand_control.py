@@ -154,10 +154,10 @@ def _set_where(condition: Bool[Array, ""], state: PhysicsState, a: int, **values
 
 
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
-    """Grasp `body` if the hand is empty and the body is used, held by nobody, within `reach` of the agent's axis and not too heavy.
+    """Grasp `body` if the hand is empty, and the body used, held by nobody, not too heavy, and within `reach`.
 
-    The grip is that of carrying, with the body's current orientation to the agent. An index out of range, such as -1,
-    grasps nothing.
+    `reach` is from the agent's axis to the body. The grip is that of carrying, with the body's current orientation to
+    the agent. An index out of range, such as -1, grasps nothing.
     """
     config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
     _, quat = _body(template, state, own)
