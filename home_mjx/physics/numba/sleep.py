@@ -25,10 +25,11 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def mark_sleeping(work, numbers, held, goal):
-    """Set `awake` to 0 for sleeping bodies, `calm` to 1 for those that may fall asleep, and clear `wakes`.
+    """Set `awake` (0: sleeping or parked) and `calm` (1: may fall asleep) of all dynamic bodies, and clear `wakes`.
 
-    Agents, bodies in `held` (a; -1 none) and doors driven to a `goal` (h) are awake and not calm. If `numbers.sleep` is
-    0, so is everything that exists. Parked bodies are never awake.
+    A body sleeps if its loaded `vel` and `acc` are exactly 0. Agents, held bodies and doors driven to a `goal` (h) are
+    awake and not calm. So is everything that exists if `numbers.sleep` is 0. `held` (a) has indices of movable bodies,
+    not of dynamic ones; -1 none.
     """
     for m in range(work.num_dynamic):
         work.awake[m], work.wakes[m] = work.exists[m], 0
@@ -47,7 +48,10 @@ def mark_sleeping(work, numbers, held, goal):
 @compiled
 @no_type_check
 def _is_at_rest(work, m):
-    """Return whether all velocities and accelerations of body `m` are exactly zero."""
+    """Return whether velocities and accelerations of body `m` are exactly zero; NaN is not.
+
+    Only DoFs that contacts act on count, so not the yaw of an agent.
+    """
     moves = False
     for k in range(num_contact_dofs(work, m)):
         moves |= work.vel[6 * m + k] != 0 or work.acc[6 * m + k] != 0
@@ -57,7 +61,10 @@ def _is_at_rest(work, m):
 @compiled
 @no_type_check
 def _wake(work, m):
-    """Mark body `m` as awake, with a tiny acceleration so that its state does not read as asleep."""
+    """Mark body or door `m` as awake and not calm, and clear its `wakes`.
+
+    Overwrite its vertical acceleration, or its joint's, by a tiny value, so that its state does not read as asleep.
+    """
     work.awake[m], work.calm[m], work.wakes[m] = 1, 0, 0
     work.acc[6 * m + (2 if m < work.num_free else 0)] = -MIN_AWAKE_ACCELERATION
 
@@ -67,7 +74,8 @@ def _wake(work, m):
 def wake_touched_bodies(work):
     """Wake each body that `wakes` flags, but not the rest of its island, and clear its flag.
 
-    Its acceleration becomes tiny instead of 0, so that its state does not read as asleep.
+    It is not calm for the rest of the control step. Its acceleration becomes tiny instead of 0, so that its state does
+    not read as asleep.
     """
     for m in range(work.num_agents, work.num_dynamic):
         if work.wakes[m]:
@@ -77,10 +85,11 @@ def wake_touched_bodies(work):
 @compiled
 @no_type_check
 def wake_near_bodies(work, numbers):
-    """Wake sleeping bodies that an agent or a body that is not calm may touch in the next physics step.
+    """Wake sleeping bodies that an agent, or a moving (not calm) body or door, may touch in the next physics step.
 
-    They are within `WAKE_DISTANCE` plus at least twice the way of its fastest point in a step. Doors do not wake doors.
-    Bodies that are woken here wake no others before the next call.
+    They are within `WAKE_DISTANCE` plus at least twice the way of its fastest point in a step. Agents wake bodies also
+    while they stand still. Doors do not wake doors. Bodies that are woken here wake no others before the next call.
+    Poses of sleepers must be up to date, see `update_poses`.
     """
     for m in range(work.num_dynamic):
         if work.awake[m] and (m < work.num_agents or not work.calm[m]):
@@ -112,10 +121,10 @@ def _is_near(work, m, other, reach):
 @compiled
 @no_type_check
 def mark_moving(work, numbers):
-    """Set the flag `calm` to 0 for awake bodies and doors that move.
+    """Set the flag `calm` to 0 for awake bodies and doors that move; it is never set to 1 here.
 
-    Limits are `rest_speed` [m/s], `rest_spin` [rad/s] and, of the linear acceleration, `rest_pull` [m/s²].
-    Doors: only `rest_spin`, of sliding ones in [m/s].
+    A body moves if one of three vectors is longer than its limit: velocity `rest_speed` [m/s], angular velocity
+    `rest_spin` [rad/s], linear acceleration `rest_pull` [m/s²]. Doors: only `rest_spin`, of sliding ones in [m/s].
     """
     for m in range(work.num_agents, work.num_dynamic):
         if work.awake[m] and work.calm[m]:
@@ -144,8 +153,8 @@ def _length(values, first):
 def put_to_sleep(work):
     """Zero velocity and acceleration of islands whose bodies are all calm: they sleep. Once per control step.
 
-    Islands are those of the last physics step; one with an agent never sleeps. `wakes` must be 0 on entry, as
-    `wake_touched_bodies` leaves it; it is left with flags of islands.
+    Islands are those of the last physics step; one with an agent never sleeps. `awake` is unchanged. `wakes` must be 0
+    on entry, as `wake_touched_bodies` leaves it; it is left with flags of islands.
     """
     for m in range(work.num_dynamic):
         if work.awake[m] and not work.calm[m]:
