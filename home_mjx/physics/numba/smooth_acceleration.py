@@ -16,10 +16,11 @@ compiled = njit(error_model="numpy")
 @compiled
 @no_type_check
 def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
-    """Compute `smooth`, the accelerations without contact.
+    """Compute `smooth`, the accelerations without contact, of all dynamic bodies, also of sleeping and parked ones.
 
-    `control` is actions (a, 3), bodies held by the agents (a; -1 none), grips (a, 7) and goals of the doors (h). `ramp`
-    has `num_ramps` rows of `bank.physics.ramp`.
+    `control` is actions (a, 3), movable bodies held by the agents (a; -1 none; not checked), grips (a, 7) and goals of
+    the doors (h). `ramp` has `num_ramps` rows of `bank.physics.ramp`. `rot` must be up to date. If several agents hold
+    a body, the last one moves it, and all get the reaction.
     """
     action, held, grip, goal = control
     for a in range(work.num_agents):
@@ -37,7 +38,10 @@ def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
 @compiled
 @no_type_check
 def _drive_agent(work, numbers, a, action):
-    """Write agent `a`'s acceleration by its motors and gravity to `smooth`; see `control.motor_forces`."""
+    """Write agent `a`'s acceleration in the world by its motors and gravity to `smooth`; see `control.motor_forces`.
+
+    `action` (forward, left, counter-clockwise) is clipped to [-1, 1]. Element 5 is the yaw acceleration, not limited.
+    """
     agent = offset_pointer(work.agent, AGENT_COLUMNS * a)
     mass, push = agent[2], agent[7]
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])
@@ -58,7 +62,10 @@ def _drive_agent(work, numbers, a, action):
 @compiled
 @no_type_check
 def _hold_on_ramp(work, numbers, a, ramp, num_ramps):
-    """Add the acceleration that keeps agent `a` from sliding down a ramp to `smooth`; see `base.servo`."""
+    """Add the horizontal acceleration that keeps agent `a` from sliding down a ramp to `smooth`; nothing off ramps.
+
+    See `servo.ramp_acceleration`. Rows of `ramp` with slope 0, such as landings, are ignored.
+    """
     radius = work.agent[AGENT_COLUMNS * a]
     bottom, highest, pull_x, pull_y = work.pos[3 * a + 2] - work.radius[a], -NOT_DRIVEN, 0.0, 0.0
     for r in range(num_ramps):
@@ -83,7 +90,10 @@ def _hold_on_ramp(work, numbers, a, ramp, num_ramps):
 @compiled
 @no_type_check
 def _accelerate_free_body(work, numbers, m):
-    """Write body `m`'s acceleration by gravity, and by gyroscopic torque in its own frame, to `smooth`."""
+    """Write body `m`'s acceleration by gravity (world), and by gyroscopic torque in its own frame, to `smooth`.
+
+    It is written for held bodies too; `_pull_held_body` replaces it.
+    """
     work.smooth[6 * m] = work.smooth[6 * m + 1] = 0.0
     work.smooth[6 * m + 2] = -numbers.gravity
     for k in range(3):
@@ -97,7 +107,11 @@ def _accelerate_free_body(work, numbers, m):
 @compiled
 @no_type_check
 def _pull_held_body(work, numbers, a, m, grip):
-    """Write held body `m`'s acceleration towards its grip to `smooth`, add agent `a`'s reaction; see `base.servo`."""
+    """Write held body `m`'s acceleration towards its grip to `smooth`, and add the horizontal reaction on agent `a`.
+
+    The former replaces gravity and spin of `_accelerate_free_body`; call it after that and `_drive_agent`. `grip` (7)
+    is in the agent's frame. Formulas and limits are those of `servo.hand_accelerations`.
+    """
     c, s = cos(work.quat[4 * a]), sin(work.quat[4 * a])
     spin = work.vel[6 * a + 5]
     armx, army = c * grip[0] - s * grip[1], s * grip[0] + c * grip[1]
@@ -133,9 +147,10 @@ def _approach_rate(numbers, far, fastest):
 @compiled
 @no_type_check
 def _rotation_error(work, a, m, grip):
-    """Return the rotation vector [rad], to first order in a body's frame, from its orientation to its holder's grip.
+    """Return the rotation vector [rad], in body `m`'s own frame, to first order from its orientation to its holder's grip.
 
-    Of both directions of rotation, it is the shorter one.
+    Of both directions of rotation, it is the shorter one. Its length is 2 sin(angle / 2), so at most 2. Quaternions
+    must be unit.
     """
     half = work.quat[4 * a] / 2
     c, s = cos(half), sin(half)
@@ -153,7 +168,11 @@ def _rotation_error(work, a, m, grip):
 @compiled
 @no_type_check
 def _rotate_held_body(work, numbers, m, miss, spin):
-    """Write held body `m`'s angular acceleration by `_rotation_error` and its holder's yaw rate [rad/s] to `smooth`."""
+    """Write held body `m`'s angular acceleration about its own axes to `smooth`, at most `hand_twist` in length.
+
+    `miss` is from `_rotation_error`, `spin` the holder's yaw rate [rad/s]. The rate towards the grip is at most
+    `hand_spin`. `rot` must be up to date.
+    """
     pull = _approach_rate(numbers, sqrt(miss[0] * miss[0] + miss[1] * miss[1] + miss[2] * miss[2]), numbers.hand_spin)
     smooth = offset_pointer(work.smooth, 6 * m)
     square = 0.0
@@ -169,7 +188,11 @@ def _rotate_held_body(work, numbers, m, miss, spin):
 @compiled
 @no_type_check
 def _drive_door(work, numbers, m, goal):
-    """Write door `m`'s acceleration by drag, and by its drive unless `NOT_DRIVEN`, to `smooth`; see `base.servo`."""
+    """Write door `m`'s acceleration by drag, and by its drive unless |`goal`| is at least `NOT_DRIVEN`, to `smooth`.
+
+    `goal` [rad] or [m] is not clipped to the joint's range. Limits of the drive, which exclude the drag: see
+    `servo.door_acceleration`.
+    """
     rate = work.vel[6 * m]
     work.smooth[6 * m] = -numbers.door_drag * rate
     if abs(goal) < NOT_DRIVEN:
