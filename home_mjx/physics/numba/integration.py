@@ -34,7 +34,10 @@ def update_poses(work, also_sleepers):
 @compiled
 @no_type_check
 def _update_leaf_pose(work, m):
-    """Write centre and rotation of door leaf `m` from its joint coordinate; see `DoorLeaves.pose_at`."""
+    """Write centre and rotation of door leaf `m` from its joint coordinate; see `DoorLeaves.pose_at`.
+
+    The coordinate is not clipped.
+    """
     door, rot = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), offset_pointer(work.rot, 9 * m)
     way = work.quat[4 * m]
     angle = door[15] * way
@@ -63,7 +66,8 @@ def write_rotation(quat, rot):
 def integrate(work, numbers):
     """Integrate agents (yaw without contact), and bodies and doors that are awake, by semi-implicit Euler.
 
-    Speed and spin of bodies are then limited, see `_move_body`. The yaw part of an agent's `acc` becomes its `smooth`.
+    Speed and spin of bodies are then limited, see `_move_body`; those of agents and doors are not, nor are coordinates.
+    The yaw part of an agent's `acc` becomes its `smooth`.
     """
     for a in range(work.num_agents):
         work.acc[6 * a + 5] = work.smooth[6 * a + 5]
@@ -80,7 +84,10 @@ def integrate(work, numbers):
 @compiled
 @no_type_check
 def _move_agent(work, numbers, a):
-    """Integrate agent `a` in place by semi-implicit Euler: velocity by `acc`, then position; likewise yaw."""
+    """Integrate agent `a` in place by semi-implicit Euler: velocity by `acc`, then position; likewise yaw.
+
+    Yaw is not wrapped.
+    """
     for k in range(3):
         work.vel[6 * a + k] += numbers.sim_dt * work.acc[6 * a + k]
         work.pos[3 * a + k] += numbers.sim_dt * work.vel[6 * a + k]
@@ -105,7 +112,10 @@ def _move_body(work, numbers, m):
 @compiled
 @no_type_check
 def _rotate_quat(quat, x, y, z, dt):
-    """Rotate a quaternion wxyz in place for `dt` [s] by an angular velocity [rad/s] about the body's own axes."""
+    """Rotate a quaternion wxyz in place for `dt` [s] by an angular velocity [rad/s] about the body's own axes.
+
+    The result is normalised; below 1e-15 rad/s, `quat` is unchanged.
+    """
     rate = sqrt(x * x + y * y + z * z)
     if rate < 1e-15:
         return
