@@ -25,8 +25,9 @@ compiled = njit(error_model="numpy")
 def find_contacts(work, numbers, floor):
     """Write an environment's contacts, with its floor at `floor` [m], to `work`; set `wakes` of touched sleepers.
 
-    Every contact has at least one awake body. Doors touch agents, bodies and their joint limits only. Beyond
-    `most_points`, contacts are dropped and `POINT_OVERFLOW` is set.
+    `first` is an awake body; of two awake ones, that of lower index. Doors touch agents, bodies and their joint limits
+    only. Beyond `most_points`, contacts are dropped and `POINT_OVERFLOW` is set; flags are never cleared here. Poses,
+    also of sleepers, must be up to date.
     """
     work.counts[NUM_CONTACTS] = 0
     for m in range(work.num_dynamic):
@@ -45,7 +46,10 @@ def find_contacts(work, numbers, floor):
 @compiled
 @no_type_check
 def _add_house_contacts(work, numbers, m, floor):
-    """Add contacts of agent or body `m` with the floor at height `floor` [m] and with nearby static boxes."""
+    """Add contacts of agent or body `m` with the floor at height `floor` [m] and with nearby static boxes.
+
+    Their list is updated before, see `_update_near_boxes`.
+    """
     _update_near_boxes(work, m)
     if m < work.num_agents:
         _add_agent_floor_contact(work, m, floor)
@@ -58,7 +62,11 @@ def _add_house_contacts(work, numbers, m, floor):
 @compiled
 @no_type_check
 def _add_limit_contacts(work, m):
-    """Add a contact at each exceeded joint limit of door `m`; the normal's first element is the sign of the push."""
+    """Add a contact at each exceeded joint limit of door `m`; the normal's first element is the sign of the push.
+
+    Its distance is minus the excess, [rad] or [m] of a sliding door, its position the leaf's centre. Overwrite the
+    first row of `points` and `normals`.
+    """
     door, angle = offset_pointer(work.door, DOOR_COLUMNS * (m - work.num_free)), work.quat[4 * m]
     points, normals = work.points, work.normals
     for k in range(3):
@@ -74,7 +82,10 @@ def _add_limit_contacts(work, m):
 @compiled
 @no_type_check
 def invalidate_near_boxes(work):
-    """Invalidate the lists of nearby static boxes, so that the next physics step rebuilds them."""
+    """Invalidate the lists of nearby static boxes, so that the next physics step rebuilds them.
+
+    Call it for a new workspace, and after static boxes change: lists depend only on the motion of dynamic bodies.
+    """
     for m in range(work.num_dynamic):
         work.num_near[m] = -1
 
@@ -84,7 +95,8 @@ def invalidate_near_boxes(work):
 def _update_near_boxes(work, m):
     """List static boxes within `NEAR_DISTANCE` of body `m`, by `are_boxes_apart`, if it moved that far or has no list.
 
-    Of more than `MAX_NEAR_BOXES`, it lists the first and sets `STATIC_OVERFLOW`.
+    Of more than `MAX_NEAR_BOXES`, it lists the first by index, not the nearest, and sets `STATIC_OVERFLOW`. Missing
+    boxes (negative half extents) are skipped.
     """
     if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
         return
@@ -135,7 +147,8 @@ def _max_displacement(work, m):
 def are_boxes_apart(work, m, pos, rot, half, reach):
     """Return whether a face axis of either box separates body `m`'s box from another by more than `reach` [m].
 
-    Edge axes are not tested: False does not prove that the boxes are near.
+    Edge axes are not tested: False does not prove that the boxes are near. The box of an agent is its bounding box. The
+    other has centre `pos`, axes as columns `rot` (3, 3) and half extents `half`.
     """
     for k in range(3):
         own, other, along, across = 0.0, 0.0, 0.0, 0.0
@@ -169,7 +182,10 @@ def _add_agent_floor_contact(work, m, floor):
 @compiled
 @no_type_check
 def _add_body_floor_contacts(work, numbers, m, floor):
-    """Add the contacts, if any, of the small spheres at the corners of body `m`'s box with the floor at `floor` [m]."""
+    """Add the contacts, if any, of body `m` with the floor at `floor` [m], at most one per corner of its box.
+
+    A corner is a sphere of radius `corner_radius` that touches the box's faces from inside.
+    """
     if work.pos[3 * m + 2] - work.radius[m] > floor:
         return
     r = numbers.corner_radius
@@ -203,7 +219,10 @@ def do_spheres_overlap(work, a, b, reach):
 @compiled
 @no_type_check
 def _add_static_contacts(work, m, c):
-    """Add contacts, if any, of agent or body `m` and the static box of index `c`, with the code `STATIC - c`."""
+    """Add contacts, if any, of agent or body `m` and the static box of index `c`, with the code `STATIC - c`.
+
+    The box must exist, as listed ones do.
+    """
     pos, rot, half = (
         offset_pointer(work.static_pos, 3 * c),
         offset_pointer(work.static_rot, 9 * c),
@@ -217,7 +236,7 @@ def _add_static_contacts(work, m, c):
 @compiled
 @no_type_check
 def _add_body_contacts(work, a, b):
-    """Add contacts of two awake bodies, `a` < `b`: agents are capsules, bodies and door leaves one box each."""
+    """Add contacts, if any, of two awake bodies, `a` < `b`: agents are capsules, bodies and door leaves a box each."""
     if not do_spheres_overlap(work, a, b, 0.0):
         return
     pos = offset_pointer(work.pos, 3 * b)
@@ -235,7 +254,7 @@ def _add_body_contacts(work, a, b):
 def _add_sleeping_contacts(work, m, other):
     """Add contacts, if any, of awake body `m` with sleeping body `other`, and then set `wakes` of the latter.
 
-    It is fixed in this physics step and wakes for the next.
+    It is fixed in this physics step and wakes for the next. Contacts that are dropped as overflow do not wake it.
     """
     if do_spheres_overlap(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
@@ -252,7 +271,11 @@ def _add_sleeping_contacts(work, m, other):
 @compiled
 @no_type_check
 def _add_box_contacts(work, m, other, pos, rot, half):
-    """Add contacts of body `m` and a box; its owner `other` is a dynamic body, `STATIC - c` or `SLEEPING_BODY - k`."""
+    """Add contacts, if any, of dynamic body `m` (a capsule if an agent) with a box of the owner `other`.
+
+    `other` is the index of a dynamic body, `STATIC - c` or `SLEEPING_BODY - k`. Normals are from `m` to the box, which
+    has centre `pos`, axes as columns `rot` (3, 3) and half extents `half`.
+    """
     points, normals, own = work.points, work.normals, offset_pointer(work.pos, 3 * m)
     if m < work.num_agents:
         size = offset_pointer(work.agent, AGENT_COLUMNS * m)
@@ -276,8 +299,8 @@ def _add_agent_contacts(work, a, b, count):
 def _add_contact(work, a, b, place, normal):
     """Add a contact, or set `POINT_OVERFLOW` if there are `most_points` already.
 
-    `place` is its position and distance (4), `normal` points from body `a` to `b`, a body or code (`Workspace.second`).
-    Its frame is MuJoCo's: the first tangent is close to y, or to z if the normal is close to y.
+    `place` is its position and distance (4), the unit vector `normal` points from body `a` to `b`, a body or code
+    (`Workspace.second`). Its frame is MuJoCo's: the first tangent is close to y, or to z if the normal is close to y.
     """
     n = work.counts[NUM_CONTACTS]
     if n == work.most_points:
