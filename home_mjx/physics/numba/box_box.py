@@ -36,9 +36,9 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
     """Write the contact points of two boxes; return their number, 0 if a gap separates the boxes.
 
     Each box has its centre `pos` [m], its axes as columns `rot` (3, 3) and half extents `half` [m]. `points`
-    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and distances [m], 0 or negative. Further
-    points are dropped without a flag. `normal` (3) gets the unit vector from the first box to the second one; with no
-    points it is undefined.
+    (`MAX_PAIR_POINTS`, 4) gets positions half-way between the surfaces, and distances [m], 0 or negative. Points may
+    repeat, as of aligned faces; more than fit are dropped without a flag. `normal` (3) gets one unit vector for all,
+    from the first box to the second one; with no points it is undefined.
     """
     between, cosine = vector(), matrix()
     for i in range(3):
@@ -106,11 +106,12 @@ def _least_overlap(between, cosine, half1, half2, axis):
 def _best_edge(between, cosine, half1, half2, face, axis):
     """Find the pair of edges whose cross product has the least overlap, and write that unit vector to `axis`.
 
-    Arguments are those of `_least_overlap` and the code of the best face.
+    Arguments are those of `_least_overlap` and the code (0..5) of the best face. `axis` points towards the second box;
+    it is unchanged if all edges are parallel, and undefined if the boxes are apart.
 
     Returns:
         Code 3 i + j of the pair (`NO_EDGE` if all are parallel, `APART` if an axis separates the boxes); its overlap
-        [m]; the absolute cosine of its axis to the best face's normal.
+        [m], inf if all are parallel; the absolute cosine of its axis to the best face's normal.
     """
     least, best, likeness = np.inf, NO_EDGE, 0.0
     for i in range(3):
@@ -184,7 +185,8 @@ def _edge_contact(pos1, rot1, half1, between, cosine, half2, code, axis, points,
     """Write the contact of edges along axes i and j, `code` = 3 i + j, in the world; return whether they cross.
 
     Of the four edges along each axis, it is that which faces the other box. They cross if the nearest points of their
-    lines are on both. Results and other arguments: see `box_box` and `_least_overlap`.
+    lines are on both; else nothing is written. They must not be parallel. Results and other arguments: see `box_box`
+    and `_least_overlap`.
     """
     edge1, edge2 = code // 3, code % 3
     away = vector()  # the axis in the second box's frame
@@ -248,9 +250,9 @@ def _largest(x, y, z):
 def _clip(corner, edges, size, points):
     """Write contact points where a parallelogram is below a rectangle at z = 0; return their number.
 
-    Points are where its edges cross the rectangle's border, and the corners of each that the other covers. A point is
-    half-way to the plane, with its distance. Beyond `MAX_PAIR_POINTS`, points are dropped. The parallelogram has a
-    `corner` (3) from which two `edges` (2, 3) begin; `size` are the rectangle's half extents (2).
+    Points are where its edges cross the rectangle's border, and the corners of each that the other covers; they may
+    repeat. A point is half-way to the plane, with its distance. Beyond `MAX_PAIR_POINTS`, points are dropped. The
+    parallelogram has a `corner` (3) from which two `edges` (2, 3) begin; `size` are the rectangle's half extents (2).
     """
     start, edge = vector(), vector()
     number = 0
@@ -278,7 +280,8 @@ def _clip(corner, edges, size, points):
 def _add_crossings(start, edge, size, points, number):
     """Add points with z <= 0 where the edge `start` + t `edge` (t 0 to 1) meets the rectangle's border.
 
-    Rows of `points` are (x, y, z / 2, z), see `_add_point`. Return the new number of points.
+    An edge does not meet sides that are parallel to it. Rows of `points` are (x, y, z / 2, z), see `_add_point`. Return
+    the new number of points.
     """
     for q in range(2):
         if abs(edge[q]) <= MIN_CROSS_LENGTH:
@@ -329,7 +332,10 @@ def _add_point(x, y, z, points, number):
 @compiled
 @no_type_check
 def _to_world(pos, frame, height, points, number):
-    """Transform `number` points in place to the world, from a face's frame (axes as columns) at `height` over `pos`."""
+    """Transform `number` points in place to the world, from a face's frame (axes as columns) at `height` over `pos`.
+
+    Their distances, column 3, are unchanged.
+    """
     for i in range(number):
         x, y, z = points[4 * i], points[4 * i + 1], points[4 * i + 2] + height
         for k in range(3):

@@ -73,7 +73,8 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 
     The capsule has centre `pos` [m], `radius` [m] and half axis `length` [m]; the box has centre `box` [m], axes as
     columns `rot` (3, 3) and half extents `half` [m]. `points` (2, 4) gets positions half-way between the surfaces, and
-    distances [m], 0 or negative. `normals` (2, 3) gets unit vectors from the capsule to the box.
+    distances [m], 0 or negative. `normals` (2, 3) gets unit vectors from the capsule to the box. If `length` is 0, both
+    contacts may be the same.
     """
     center, axis = vector(), vector()
     for k in range(3):
@@ -89,9 +90,9 @@ def capsule_box(pos, radius, length, box, rot, half, points, normals):
 @compiled
 @no_type_check
 def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals, count):
-    """Write any contact of the sphere at `center` + t `axis` (box's frame) as number `count`; return the new number.
+    """Write any contact of the sphere at `center` + t `axis` (box's frame) as row `count`; return the new number.
 
-    Rows of `points` and `normals` are in the world, as in `capsule_box`.
+    Rows of `points` and `normals` are in the world, as in `capsule_box`; without contact they are unchanged.
     """
     point, normal = quad(), vector()
     x, y, z = center[0] + t * axis[0], center[1] + t * axis[1], center[2] + t * axis[2]
@@ -107,7 +108,10 @@ def _add_sphere_contact(center, axis, t, radius, box, rot, half, points, normals
 @compiled
 @no_type_check
 def _sphere_positions(center, axis, length, half):
-    """Return t (-1 to 1) of the spheres at `center` + t `axis` (box's frame) that may touch; NaN for no second one."""
+    """Return t (-1 to 1) of the spheres at `center` + t `axis` (box's frame) that may touch; NaN for no second one.
+
+    `axis` is half the capsule's axis, upwards, and `length` its length [m].
+    """
     best, t, kind, on, corner, at = _nearest_end(center, axis, half)
     best, t, kind, on, corner, at = _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at)
     if kind == FACE:
@@ -129,7 +133,8 @@ def _nearest_end(center, axis, half):
     """Find the end of the axis (box's frame) nearest to the box, of those in front of a face or inside.
 
     Returns:
-        Squared distance, inf if there is none; end, -1 or 1; `FACE` or `NONE`; axis of the face, -1 inside; 0, 0.
+        Squared distance, inf if there is none; end, -1 or 1 (0 if none, -1 if equally near); `FACE` or `NONE`; box axis
+        of the face's normal, -1 inside or if there is none; 0, 0.
     """
     best, t, kind, on = np.inf, 0.0, NONE, -1
     for end in (-1.0, 1.0):
@@ -193,7 +198,10 @@ def _nearest_edge(center, axis, length, half, best, t, kind, on, corner, at):
 @compiled
 @no_type_check
 def _length_beside_face(center, axis, half, end, face):
-    """Return the signed length [half axes], from end -1 or 1, over the face normal to box axis `face`; NaN if -1."""
+    """Return the signed length [half axes] from `end` (-1 or 1) of the axis towards the other, as far as over the face.
+
+    It is at most 2 in magnitude. `face` is the box axis of the face's normal; NaN if that is -1, for an end inside.
+    """
     if face < 0:
         return np.nan
     direction, reach = -end, 2.0
@@ -256,7 +264,7 @@ def capsule_capsule(pos1, radius1, length1, pos2, radius2, length2, points, norm
     """Write the contacts of two upright capsules; return their number, at most two; arguments as in `capsule_box`.
 
     They are at the ends of the height range that both axes share. Axes that share none have one contact, of their
-    nearest ends, twice. Normals are from the first to the second capsule, x if the axes meet.
+    nearest ends, twice. Normals are from the first to the second capsule, +x if those points of the axes coincide.
     """
     dx, dy = pos2[0] - pos1[0], pos2[1] - pos1[1]
     low = max(pos1[2] - length1, pos2[2] - length2)
