@@ -147,10 +147,10 @@ def _approach_rate(numbers, far, fastest):
 @compiled
 @no_type_check
 def _rotation_error(work, a, m, grip):
-    """Return the rotation vector [rad], in body `m`'s own frame, to first order from its orientation to its holder's grip.
+    """Return the rotation vector [rad], to first order, from body `m`'s orientation to its holder's grip.
 
-    Of both directions of rotation, it is the shorter one. Its length is 2 sin(angle / 2), so at most 2. Quaternions
-    must be unit.
+    It is about the body's own axes, in the shorter direction. Its length is 2 sin(angle / 2), so at most 2. The
+    quaternions of body and `grip` must be unit.
     """
     half = work.quat[4 * a] / 2
     c, s = cos(half), sin(half)
