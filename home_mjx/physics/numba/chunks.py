@@ -67,7 +67,7 @@ compiled = njit(error_model="numpy")
 
 
 def sources_digest() -> int:
-    """Return a hash of the source files that the step is compiled from.
+    """Return a 56-bit hash of the source files that the step is compiled from, except this one.
 
     Numba's cache checks only the file of the compiled function. That function refers to the hash, so that a change of
     the other files invalidates the cache as well.
@@ -118,9 +118,10 @@ def compile_chunks() -> tuple[Any, Any]:
 @compiled
 @no_type_check
 def _step_chunk(frame, chunk):
-    """Step the environments of one chunk, at most `CHUNK`, in a workspace of its own; house indices are clipped.
+    """Step the environments of one chunk, at most `CHUNK`, in a workspace of its own.
 
-    A house is loaded only where it differs from that of the environment before.
+    House indices are clipped, those of held bodies are not checked. A house is loaded only where it differs from that
+    of the environment before.
     """
     houses, colliders = operand_dim(frame, COLLIDER_POS, 0), operand_dim(frame, COLLIDER_POS, 1)
     bodies, agents = operand_dim(frame, BODY_VALID, 1), operand_dim(frame, ACTION, 1)
@@ -161,7 +162,7 @@ def _step_chunk(frame, chunk):
 @compiled
 @no_type_check
 def _load_house(frame, work, house):
-    """Load row `house` of the shared operands into the workspace, see `step.load_house`."""
+    """Load row `house` of the shared operands into the workspace, see `step.load_house`; the index is not checked."""
     static = (
         float_row(frame, COLLIDER_POS, house),
         float_row(frame, COLLIDER_QUAT, house),

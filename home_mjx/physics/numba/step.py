@@ -25,9 +25,9 @@ compiled = njit(error_model="numpy")
 def load_house(work, static, bodies, door):
     """Copy a house's static boxes, bodies and doors to `work`; negative half extents mark missing boxes and doors.
 
-    `static` is position, quaternion and half extents of the static boxes; `bodies` validity, half extents, mass,
+    `static` is position, unit quaternion and half extents of the static boxes; `bodies` validity, half extents, mass,
     inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`. Rotations, bounding radii
-    and inverse masses are derived; rotations of missing boxes are not written.
+    and inverse masses are derived; rotations of missing boxes are not written. Factors of `scale_bodies` are undone.
     """
     collider_pos, collider_quat, collider_half = static
     body_valid, body_size, body_mass, body_inertia, body_surface = bodies
@@ -58,7 +58,10 @@ def load_house(work, static, bodies, door):
 @compiled
 @no_type_check
 def scale_bodies(work, mass, inertia, surface, scale):
-    """Set friction, mass, inertia and inverse mass of bodies by a house's values times factors (friction, mass)."""
+    """Set friction, mass, inertia and inverse mass of bodies by a house's values times `scale` (friction, mass).
+
+    The mass factor also scales inertia. Earlier factors are replaced, not multiplied. Call it after `load_house`.
+    """
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         for k in range(3):
@@ -71,7 +74,10 @@ def scale_bodies(work, mass, inertia, surface, scale):
 @compiled
 @no_type_check
 def _load_door(work, m, door):
-    """Copy size, inertia, inverse weight and validity of leaf row `door` to body `m`; see `doors.door_table`."""
+    """Copy size, inertia, inverse weight and validity of leaf row `door` to body `m`; see `doors.door_table`.
+
+    Only element 0 of `mass` is written: inertia about the hinge [kg m^2], or the mass [kg] of a sliding leaf.
+    """
     work.exists[m] = 1 if door[6] >= 0 else 0
     square = 0.0
     for k in range(3):
@@ -83,7 +89,10 @@ def _load_door(work, m, door):
 @compiled
 @no_type_check
 def load_agents(work, table):
-    """Copy `control.agent_table` to `work`, and set the agents' half extents, radii, masses and inertias from it."""
+    """Copy `control.agent_table` to `work`, and set the agents' half extents, radii, masses and inertias from it.
+
+    Half extents are those of the upright bounding box. All three inertias are the yaw inertia.
+    """
     for i in range(AGENT_COLUMNS * work.num_agents):
         work.agent[i] = table[i]
     for a in range(work.num_agents):
@@ -107,16 +116,20 @@ def load_agents(work, table):
 def step_env(work, numbers, ground, state, control, result, report):
     """Step one environment whose house and agents are loaded in `work`.
 
+    Sizes are those of `work`; indices in `control` are not checked. Quaternions of awake bodies become unit.
+
     Args:
         work: Arrays, see `workspace.Workspace`.
         numbers: See `params.StepParams`.
         ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and their number.
         state: qpos, qvel and the last accelerations, flat as in the template.
-        control: Actions (a, 3), held bodies (a), grips (a, 7), goals of the doors (h).
+        control: Actions (a, 3), clipped to [-1, 1]; held bodies (a), indices of movable bodies, -1 none; grips (a, 7);
+            goals of the doors (h).
         result: State after the step, like `state`.
         report: Contacts of each agent but with floors and ramps (a), maximum over physics steps; overflow flags of
-            static boxes and contact points (2); each body's total impulse [N s], then the position of its strongest
-            contact [m] (m, 4), 0 without any; the partner in that contact (m), a code of `base.state`.
+            static boxes and contact points (2); each body's total normal impulse [N s], then the position of its
+            strongest contact [m] (m, 4), 0 without any; the partner in that contact (m), a code of `base.state`.
+            A body gets no impulse while it sleeps.
     """
     floor, ramp, num_ramps = ground
     qpos, qvel, qacc = state
@@ -148,7 +161,8 @@ def step_env(work, numbers, ground, state, control, result, report):
 def _load(work, qpos, qvel, qacc):
     """Copy the state to `work`, normalise body quaternions, and clear elements that agents and doors do not use.
 
-    The yaw acceleration of agents is cleared, too, since contacts do not act on it.
+    The yaw acceleration of agents is cleared, too, since contacts do not act on it. A zero quaternion becomes NaN.
+    Rotations and poses of leaves are not updated, see `update_poses`.
     """
     for a in range(work.num_agents):
         for k in range(3):
@@ -184,7 +198,10 @@ def _load(work, qpos, qvel, qacc):
 @compiled
 @no_type_check
 def _store(work, before, result):
-    """Write the state of `work` to `result`; sleeping or unused bodies and doors keep the pose `before`, at rest."""
+    """Write the state of `work` to `result`; sleeping or unused bodies and doors keep the pose `before`, at rest.
+
+    `before` is the qpos before the step. Bodies that fell asleep in this step are still `awake` and get their new pose.
+    """
     qpos, qvel, qacc = result
     for a in range(work.num_agents):
         for k in range(3):
@@ -216,7 +233,10 @@ def _store(work, before, result):
 @compiled
 @no_type_check
 def _clear_report(work, touched, push, other):
-    """Clear the reports of `step_env`: zero contacts and impulses, no partner."""
+    """Clear the reports of `step_env` and `work.push`: zero contacts and impulses, no partner.
+
+    Overflow flags are not cleared.
+    """
     for a in range(work.num_agents):
         touched[a] = 0
     for m in range(work.num_dynamic):
@@ -229,7 +249,10 @@ def _clear_report(work, touched, push, other):
 @compiled
 @no_type_check
 def _count_agent_contacts(work, touched):
-    """Raise each agent's `touched` to its number of contacts in this step, except with floors and ramps under it."""
+    """Raise each agent's `touched` to its number of contact points in this physics step, if that is larger.
+
+    Contacts with floors, and with static boxes that carry it (`MIN_SUPPORT_NORMAL`), do not count.
+    """
     for a in range(work.num_agents):
         count = 0
         for n in range(work.counts[NUM_CONTACTS]):
@@ -242,9 +265,10 @@ def _count_agent_contacts(work, touched):
 @compiled
 @no_type_check
 def _record_impulses(work, numbers, push, other):
-    """Add a physics step's impulses, without joint limits, and keep each body's strongest contact; see `step_env`.
+    """Add a physics step's normal impulses, but no joint limits, and keep each body's strongest contact; see `step_env`.
 
-    Of equal ones the first is kept, also over physics steps. Partners that sleep are reported by their body index.
+    Both sides get the impulse, except sleeping bodies and static boxes. Of equal ones the first is kept, also over
+    physics steps. Partners that sleep are reported by their body index.
     """
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
@@ -267,9 +291,9 @@ def _record_impulses(work, numbers, push, other):
 @compiled
 @no_type_check
 def _impulse(work, numbers, n):
-    """Compute the normal impulse of a contact at the solved accelerations [N s].
+    """Compute the normal impulse of a contact at the solved accelerations [N s]; at a joint limit [N m s] if hinged.
 
-    It is `sim_dt` times the sum over rows of `weight` max(0, `target` - J acc).
+    It is `sim_dt` times the sum over rows of `weight` max(0, `target` - J acc). Call it before the next `make_rows`.
     """
     friction, force = work.friction[n], 0.0
     normal, first, second = contact_velocity(work, n, work.acc)
