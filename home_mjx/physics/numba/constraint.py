@@ -26,7 +26,8 @@ def make_rows(work, numbers):
 
     With impedance d and inverse masses w of both sides, `weight` is 1 / (w (1 - d) / d). With friction f, w is
     multiplied by 2 f² (1 + f²). A joint limit has w = 1 / inertia. `target` is -stiffness d distance - damping
-    velocity, along the row's edge.
+    velocity, along the row's edge, at the present `vel`. Jacobians of sides that are not dynamic bodies, and targets of
+    rows beyond `num_rows`, are not written.
     """
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
@@ -71,7 +72,8 @@ def contact_velocity(work, n, values):
     """Return contact `n`'s velocity, or acceleration, of the second body relative to the first: normal, two tangents.
 
     `values` is `work.vel` or `work.acc`: six per dynamic body, unlike MuJoCo's `qvel`. Sides that are not
-    dynamic bodies are at rest. At a joint limit, the normal part is the door's rate away from the limit.
+    dynamic bodies are at rest, and yaw of agents does not count. At a joint limit, the normal part is the door's rate
+    away from the limit. Jacobians are those of the last `make_rows`.
     """
     x = y = z = 0.0
     a, b = work.first[n], work.second[n]
@@ -141,10 +143,10 @@ def _write_door_jacobian(work, n, side, m, sign):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _surface(work, numbers, a, b):
-    """Return friction, stiffness, damping, impedance and its width of a contact or joint limit; agents are `a`.
+    """Return friction, stiffness, damping, minimum impedance and width of a contact or joint limit; agents are `a`.
 
-    Agents' contacts and joint limits have no friction and the common parameters. Two bodies have the larger
-    friction, stiffness and damping, and mean impedances. Other contacts have those of the body.
+    Agents' contacts and joint limits have no friction and the common parameters. Two bodies, also if one sleeps, have
+    the larger friction, stiffness and damping, and mean impedances and widths. Other contacts have those of the body.
     """
     if b == JOINT_LIMIT or a < work.num_agents:
         return 0.0, numbers.stiffness, numbers.damping, numbers.impedance_low, numbers.impedance_width
@@ -162,7 +164,10 @@ def _surface(work, numbers, a, b):
 @njit(error_model="numpy", inline="always")
 @no_type_check
 def _impedance(low, high, x):
-    """Evaluate MuJoCo's impedance curve (midpoint 0.5, power 2) at depth / width `x`: `low` at 0, `high` from 1 on."""
+    """Evaluate MuJoCo's impedance curve (midpoint 0.5, power 2) at depth / width `x`: `low` at 0, `high` from 1 on.
+
+    `x` must not be negative.
+    """
     if x >= 1:
         return high
     y = 2 * x * x if x < 0.5 else 1 - 2 * (1 - x) * (1 - x)

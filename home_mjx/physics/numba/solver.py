@@ -33,8 +33,9 @@ compiled = njit(error_model="numpy")
 def solve(work, numbers):
     """Replace `acc` of awake bodies, the initial guess, by the solution: accelerations with contact forces.
 
-    Bodies without contacts get `smooth`; sleeping ones are unchanged. `counts[NEWTON_STEPS]` becomes the number of
-    Newton iterations of all islands.
+    Bodies without contacts get `smooth`; sleeping ones are unchanged, as is the yaw part of agents with contacts.
+    `counts[NEWTON_STEPS]` becomes the number of Newton iterations of all islands. An island that has not converged
+    after `numbers.iterations` keeps its last iterate, without a flag.
     """
     work.counts[NEWTON_STEPS] = 0
     _find_islands(work)
@@ -57,7 +58,10 @@ def solve(work, numbers):
 @compiled
 @no_type_check
 def _find_islands(work):
-    """Label each body (`island`) with the lowest index in its island, the bodies connected by contacts."""
+    """Label each body (`island`) with the lowest index in its island, the awake bodies connected by contacts.
+
+    Static boxes, the floor and sleeping bodies do not connect others; a sleeping body is an island of its own.
+    """
     for m in range(work.num_dynamic):
         work.island[m] = m
     for n in range(work.counts[NUM_CONTACTS]):
@@ -80,7 +84,10 @@ def _root(work, m):
 @compiled
 @no_type_check
 def _collect_members(work, root):
-    """List an island's awake bodies in `work.members`, assign their offsets; return the numbers of bodies and DoFs."""
+    """List an island's awake bodies in `work.members`, assign their offsets; return the numbers of bodies and DoFs.
+
+    They are in ascending order from `root`, the lowest index.
+    """
     members, size = 0, 0
     for m in range(root, work.num_dynamic):
         if work.awake[m] and work.island[m] == root:
@@ -96,7 +103,8 @@ def _collect_members(work, root):
 def _newton(work, members, rows, size, iterations):
     """Iterate Newton's method on an island's `acc` until a full step leaves the active rows unchanged or none helps.
 
-    `members`, `rows` and `size` are its numbers of bodies, contacts and DoFs; `iterations` is the maximum.
+    `members`, `rows` and `size` are its numbers of bodies, contacts and DoFs; `iterations` is the maximum. Iterations
+    are added to `counts[NEWTON_STEPS]`.
     """
     full = False
     for _ in range(iterations):
@@ -120,7 +128,10 @@ def _newton(work, members, rows, size, iterations):
 @compiled
 @no_type_check
 def _update_residuals(work, rows):
-    """Write J a - target and the active (negative) rows of `rows` contacts; return whether the active set changed."""
+    """Write J a - target and the active (negative) rows of `rows` contacts; return whether the active set changed.
+
+    An island's first result in a physics step has no meaning, since `active` is then of earlier contacts.
+    """
     changed = False
     for i in range(rows):
         n = work.rows[i]
@@ -142,7 +153,8 @@ def _update_residuals(work, rows):
 def _assemble(work, members, rows, size):
     """Assemble the gradient and the lower triangle of the Hessian (`size`, `size`) of an island's cost.
 
-    The island has `members` bodies, listed in `work.members`, and `rows` contacts, listed in `work.rows`.
+    The island has `members` bodies, listed in `work.members`, and `rows` contacts, listed in `work.rows`. Residuals and
+    active rows must be up to date. The upper triangle is not written.
     """
     hessian, gradient = work.hessian, work.gradient
     for i in range(size):
@@ -163,7 +175,10 @@ def _assemble(work, members, rows, size):
 @compiled
 @no_type_check
 def _add_contact(work, n, size):
-    """Add contact `n`'s force to the gradient and its stiffness to the lower Hessian (`size`, `size`)."""
+    """Add contact `n`'s active rows: forces to the gradient, stiffness to the lower Hessian (`size`, `size`).
+
+    Of two dynamic bodies, `first` must have the lower index, as `find_contacts` orders them.
+    """
     weight, friction, active = work.weight[n], work.friction[n], work.active[n]
     f0 = f1 = f2 = w00 = w01 = w02 = w11 = w22 = 0.0
     for row in range(num_rows(friction)):
@@ -199,7 +214,10 @@ def _add_contact(work, n, size):
 @compiled
 @no_type_check
 def _factorise(matrix, size):
-    """Replace a symmetric matrix's lower triangle by its Cholesky factor; squared pivots are at least `MIN_PIVOT`."""
+    """Replace a symmetric matrix's lower triangle by its Cholesky factor; squared pivots are at least `MIN_PIVOT`.
+
+    An indefinite matrix is not reported. The upper triangle is neither read nor written.
+    """
     for j in range(size):
         pivot = matrix[size * j + j]
         for k in range(j):
@@ -232,10 +250,10 @@ def _back_substitute(factor, gradient, search, size):
 @compiled
 @no_type_check
 def _line_search(work, members, rows):
-    """Return the step along `search` that minimises the cost; exactly 1 if a full step does, 0 if converged.
+    """Return the step along `search` that minimises the cost; exactly 1 if a full step does, 0 if converged or NaN.
 
     After `MAX_LINE_STEPS` the last estimate is returned. The island has `members` bodies, listed in `work.members`, and
-    `rows` contacts, listed in `work.rows`.
+    `rows` contacts, listed in `work.rows`; `slope` of these is overwritten.
     """
     start, curve, scale = _inertial_derivatives(work, members)
     _write_residual_slopes(work, rows)
