@@ -37,7 +37,11 @@ AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 16, 8, 5
 
 
 class StepParams(NamedTuple):
-    """Parameters in [m], [kg], [s], [N] and their products; arrays have the same order."""
+    """Parameters in [m], [kg], [s], [N] and their products; arrays have the same order.
+
+    Counts, flags and codes are floats, too. `hand_time` is also the velocity time constant of door drives, and
+    `door_time` that of their position.
+    """
 
     sim_dt: float
     substeps: float
@@ -118,9 +122,9 @@ def step_params(config: PhysicsSetup) -> StepParams:
 
 
 def reference_surfaces(surfaces: Values) -> Values:
-    """Divide stiffness by `SOLIMP[1]` ** 2 and damping by `SOLIMP[1]` in rows of `base.surfaces`.
+    """Return a copy of rows of `base.surfaces` with stiffness over `SOLIMP[1]` ** 2 and damping over `SOLIMP[1]`.
 
-    The reference acceleration is then `stiffness * impedance * depth - damping * velocity`.
+    The reference acceleration is then `stiffness * impedance * depth - damping * velocity`. Apply it once.
     """
     factor = np.array([1, SOLIMP[1] ** -2, 1 / SOLIMP[1], 1, 1], surfaces.dtype)
     return surfaces * factor.reshape((1,) * (surfaces.ndim - 1) + (-1,))

@@ -32,7 +32,9 @@ floats, ints = pointer_to(types.float64), pointer_to(types.int64)
 class Workspace(NamedTuple):
     """Arrays of one environment.
 
-    Dynamic bodies are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds.
+    Dynamic bodies are the agents, then the movable bodies, then the doors. Lengths in metres, times in seconds. An
+    agent's yaw rate and yaw acceleration are element 5 of its rows. Rows of contacts beyond their number are stale.
+    Each island overwrites `members` to `search`.
     """
 
     num_agents: int
@@ -90,7 +92,11 @@ class Workspace(NamedTuple):
 @njit(error_model="numpy")
 @no_type_check
 def allocate_workspace(num_agents, num_bodies, num_doors, num_static):
-    """Allocate zeroed memory for environments of these sizes; release it with `free_workspace`."""
+    """Allocate zeroed memory for environments of these sizes; release it with `free_workspace`.
+
+    `num_bodies` counts movable bodies only. Failure of the allocation is not checked. Zeroed lists of nearby boxes are
+    valid and empty, so that `invalidate_near_boxes` must precede `find_contacts`, as in `step_env`.
+    """
     _, size = _lay_out(0, num_agents, num_bodies, num_doors, num_static)  # from address 0: the total size
     block = allocate(size)
     zeros = ints(block)
@@ -112,7 +118,10 @@ def num_contact_dofs(work, m):
 @njit(error_model="numpy")
 @no_type_check
 def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
-    """Assign consecutive addresses from `at` on to all arrays; return the workspace and the address behind it."""
+    """Assign consecutive addresses from `at` on to all arrays; return the workspace and the address behind it.
+
+    No memory is read or written. Sizes are those of `allocate_workspace`.
+    """
     m, c = num_agents + num_bodies + num_doors, num_static
     n, d = POINTS_PER_BODY * m, AGENT_DOFS * num_agents + BODY_DOFS * num_bodies + DOOR_DOFS * num_doors
     pos, at = floats(at), at + WORD * (3 * m)
