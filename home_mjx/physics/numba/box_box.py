@@ -146,8 +146,8 @@ def _best_edge(between, cosine, half1, half2, face, axis):
 def _face_contacts(pos1, rot1, half1, pos2, rot2, half2, up, sign, points, normal):
     """Clip the facing side of box 2 by box 1's face on axis `up`; write contact points, return their number.
 
-    `normal` becomes `sign` times the outward normal of that face, which is the one towards box 2. Results are in the
-    world, as in `box_box`.
+    `normal` becomes `sign` times the outward normal of that face, which is the one towards box 2. Pass the boxes
+    swapped, and `sign` -1, for a face of the second box. Results are in the world, as in `box_box`.
     """
     toward = sum3(rot1[up], rot1[3 + up], rot1[6 + up], pos2, pos1)
     side = -1.0 if toward < 0 else 1.0

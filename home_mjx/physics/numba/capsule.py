@@ -220,8 +220,8 @@ def _length_beside_face(center, axis, half, end, face):
 def _length_from_corner(axis, length, half, t, turn):
     """Return the signed length [half axes] beside a corner's edge or face; NaN if the axis points away or at it.
 
-    `t` (-1 to 1) is the corner's position along the axis, see `_sphere_positions`. Bits of `turn` are box axes along
-    which the capsule's axis goes inwards.
+    It starts at `t` (-1 to 1), the corner's position along the axis, see `_sphere_positions`. Bits of `turn` are box
+    axes along which the capsule's axis goes inwards.
     """
     if turn in (0, 7):
         return np.nan

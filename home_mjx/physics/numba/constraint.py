@@ -94,11 +94,11 @@ def contact_velocity(work, n, values):
 @compiled
 @no_type_check
 def _write_jacobian(work, n, side, m, sign):
-    """Write contact `n`'s Jacobian (3, 6) of body or door `m` at `side` 0 or 1, times `sign`.
+    """Write contact `n`'s Jacobian (3, 6) of dynamic body `m` at `side` 0 (first) or 1 (second), times `sign`.
 
     Rows are the directions of the contact's frame. Columns are linear velocity in the world, then angular velocity
-    about the body's own axes; these are 0 for agents. A door's first column is of its joint rate, the others are 0, see
-    `_write_door_jacobian`.
+    about the body's own axes; the angular ones are 0 for agents. A door's first column is of its joint rate, the others
+    are 0, see `_write_door_jacobian`.
     """
     if m >= work.num_free:
         _write_door_jacobian(work, n, side, m, sign)

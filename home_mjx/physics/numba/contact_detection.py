@@ -169,7 +169,7 @@ def are_boxes_apart(work, m, pos, rot, half, reach):
 @compiled
 @no_type_check
 def _add_agent_floor_contact(work, m, floor):
-    """Add the contact, if any, of an agent's lower hemisphere with the floor at height `floor` [m]."""
+    """Add the contact of an agent's lowest point with the floor at height `floor` [m], if it is below."""
     bottom = work.pos[3 * m + 2] - work.agent[AGENT_COLUMNS * m + 1] - work.agent[AGENT_COLUMNS * m]
     if bottom < floor:
         points, normals = work.points, work.normals

@@ -17,7 +17,8 @@ compiled = njit(error_model="numpy")
 def update_poses(work, also_sleepers):
     """Update `rot` of bodies, and `pos` and `rot` of doors, from `quat`; set `rot` of agents to the identity.
 
-    Sleeping bodies and doors are updated only if `also_sleepers`, unused ones never.
+    The yaw of agents has no part in it. Sleeping bodies and doors are updated only if `also_sleepers`, unused ones
+    never. Quaternions must be unit.
     """
     for a in range(work.num_agents):
         for k in range(3):
@@ -98,7 +99,10 @@ def _move_agent(work, numbers, a):
 @compiled
 @no_type_check
 def _move_body(work, numbers, m):
-    """Integrate body `m` in place; its pose follows the velocity before the speed limit, as in `apply_state_limits`."""
+    """Integrate body `m` in place, then limit lengths of velocity and angular velocity to those of `numbers`.
+
+    Its pose follows the velocity before that limit, as in `apply_state_limits`.
+    """
     dt = numbers.sim_dt
     for k in range(6):
         work.vel[6 * m + k] += dt * work.acc[6 * m + k]

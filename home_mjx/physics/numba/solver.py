@@ -317,7 +317,10 @@ def _write_residual_slopes(work, rows):
 @compiled
 @no_type_check
 def _derivatives(work, rows, start, curve, length):
-    """Return slope and curvature of the cost at `length` along `search`; `start`, `curve`: those of inertia at 0."""
+    """Return slope and curvature of the cost at `length` along `search`; `start`, `curve`: those of inertia at 0.
+
+    Residuals (at 0) and their slopes, of the `rows` contacts in `work.rows`, must be up to date.
+    """
     slope, bend = start + length * curve, curve
     for i in range(rows):
         n = work.rows[i]

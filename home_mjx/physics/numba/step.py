@@ -265,10 +265,10 @@ def _count_agent_contacts(work, touched):
 @compiled
 @no_type_check
 def _record_impulses(work, numbers, push, other):
-    """Add a physics step's normal impulses, but no joint limits, and keep each body's strongest contact; see `step_env`.
+    """Add a physics step's normal impulses, and keep each body's strongest contact; see `step_env`.
 
-    Both sides get the impulse, except sleeping bodies and static boxes. Of equal ones the first is kept, also over
-    physics steps. Partners that sleep are reported by their body index.
+    Both sides get the impulse, except sleeping bodies and static boxes; joint limits do not count. Of equal ones the
+    first is kept, also over physics steps. Partners that sleep are reported by their body index.
     """
     for n in range(work.counts[NUM_CONTACTS]):
         a, b = work.first[n], work.second[n]
