@@ -37,6 +37,24 @@ def map_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> li
 
 
 @contextmanager
+def worker_threads(workers: int) -> Iterator[ThreadPoolExecutor]:
+    """Create a pool of `workers` threads for the duration of a `with` block.
+
+    At the end, all submitted work finishes. A keyboard interrupt cancels pending work and does not wait for running
+    work, such as a compilation of a minute; only the end of the interpreter does.
+    """
+    pool = ThreadPoolExecutor(workers)
+    waits = True
+    try:
+        yield pool
+    except KeyboardInterrupt:
+        waits = False
+        raise
+    finally:
+        pool.shutdown(waits, cancel_futures=not waits)
+
+
+@contextmanager
 def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
     """Create a pool of `workers` spawned processes for the duration of a `with` block.
 

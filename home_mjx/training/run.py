@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +11,7 @@ import jax
 import jax.numpy as jnp
 
 from home_mjx.core.progress import say, silence
+from home_mjx.core.workers import usable_cores, worker_threads
 from home_mjx.env_factory import make, make_core
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.registry import EnvSpec
@@ -155,7 +155,7 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
     Others have fresh parameters, which `_Run.learn` replaces by those of the stage before.
     """
     found, last = [], 0
-    with ThreadPoolExecutor() as pool:
+    with worker_threads(usable_cores()) as pool:
         for number, (algorithm, options) in enumerate(config.stages):
             first, last = last, last + options.num_updates
             if done >= last and number < len(config.stages) - 1:

@@ -166,9 +166,7 @@ def test_agents_that_the_task_leads_are_no_rows_to_learn_from(generated_bank, fi
 @pytest.mark.slow
 def test_it_learns_in_one_small_house():
     """60,000 steps of short episodes: success of the last ones is far above chance."""
-    env = home_mjx.make(
-        "PointNav-v0", "procedural:1?preset=flat", sensors=("goal",), ctrl_dt=0.3, episode_length=40
-    )
+    env = home_mjx.make("PointNav-v0", "procedural:1?preset=flat", sensors=("goal",), ctrl_dt=0.3, episode_length=40)
     config = PPOConfig(
         num_envs=64, num_timesteps=64 * 16 * 60, unroll_length=16, num_minibatches=4, num_epochs=4, optimizer="adam",
         learning_rate=2e-3, weight_decay=0.0, entropy_cost=0.0, network=NetworkConfig(features=64, memory=64),

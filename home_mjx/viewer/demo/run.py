@@ -16,6 +16,7 @@ import numpy as np
 from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
 from home_mjx.core import profiling
 from home_mjx.core.files import write_all_or_none
+from home_mjx.core.workers import worker_threads
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
 from home_mjx.houses.load import load_bank
@@ -74,7 +75,7 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=(COARSE_BAKE,), texture_size=TEXTURE_SIZE)
     env = make("PointNav-v0", bank, episode_length=10**6)
     observer.on_update(1)
-    with write_all_or_none(options.out, "demo") as folder, ThreadPoolExecutor(1) as thread:
+    with write_all_or_none(options.out, "demo") as folder, worker_threads(1) as thread:
         report = _walk_and_search(env, options, folder, thread, observer)
         report["peak_memory_bytes"] = profiling.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
