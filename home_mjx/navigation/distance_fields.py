@@ -33,7 +33,6 @@ def distance_field(
     step_factor: Float[Array, "ny nx"] | float = 1.0,
     height: Float[Array, "ny nx"] | None = None,
     passable: Bool[Array, "ny nx"] | None = None,
-    offset: Float[Array, "ny nx"] | float = 0.0,
 ) -> Float[Array, "ny nx"]:
     """Compute the length of the shortest 8-connected path over free cells to the nearest source, without corner cuts.
 
@@ -43,13 +42,12 @@ def distance_field(
 
     Args:
         free: Cells that a path may cross.
-        source: Cells with distance `offset`; cells that are not free are ignored.
+        source: Cells with distance 0; cells that are not free are ignored.
         cell: Cell size [m].
         step_factor: Factor on the length of steps between cells; positive. A step has that of its farther cell from
             the source.
         height: Height of the cells [m], which are joined as in `geometry.geodesic.grid_edges`; None: equal heights.
         passable: Cells of which both must be beside a diagonal step; None: `free`.
-        offset: Remaining distance from each source [m].
 
     Returns:
         Distances in plan [m]; inf if there is no path, and in cells that are not free. With a factor of 1 and equal
@@ -59,7 +57,7 @@ def distance_field(
         >>> fields = jax.vmap(distance_field, (None, 0, None))(free, sources, 0.1)  # doctest: +SKIP
     """
     far = jnp.float32(jnp.inf)
-    start = jnp.where(free & source, jnp.asarray(offset, jnp.float32), far)
+    start = jnp.where(free & source, jnp.float32(0), far)
     step = jnp.broadcast_to(jnp.float32(cell) * step_factor, free.shape)
     corners = free if passable is None else passable
     down, up = (

@@ -1,4 +1,4 @@
-"""Distance fields of an agent's level, computed at run time for door leaves at their current angles."""
+"""Path to the nearest of a set of cells that is known only at run time."""
 
 import jax
 import jax.numpy as jnp
@@ -9,7 +9,7 @@ from home_mjx.navigation.distance_fields import distance_field
 from home_mjx.navigation.grid import cell_at_feet, is_home_cell, is_passable_cell, row_of_cell, stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cell_cost_factors
-from home_mjx.tasks.experts.field_descent import DistanceFunction, descend_field
+from home_mjx.tasks.experts.field_descent import descend_field
 from home_mjx.tasks.experts.path_follower import to_actions, turn_towards
 
 NEIGHBOUR_OFFSETS = np.array([-1, 0, 1])  # [cells], neighbourhood of an agent
@@ -74,36 +74,3 @@ def turns_to_nearest_cell(
 
     aim, done = jax.vmap(one)(agents)
     return turn_towards(snapshot, aim, agents), done
-
-
-def distances_past_leaves(snapshot: Snapshot, agent: Int[Array, ""], goal: Int[Array, ""]) -> DistanceFunction:
-    """Return a function of remaining distances to one of the house's goals, past door leaves at their current angles.
-
-    The stored field ignores leaves. Where one fills a passage, its shortest path pushes the leaf shut. On the agent's
-    level a field is computed from the goal, or from where the stored paths leave the level, with `cell_cost_factors`.
-    Distances on other levels are the stored ones.
-    """
-    bank, house = snapshot.bank, snapshot.house
-    navigation, numbers = bank.navigation, bank.navigation.cell[house]
-    level = cell_at_feet(bank, house, snapshot.feet[agent])[0]
-    cells = numbers[level]
-    home, height = is_home_cell(bank, house, cells), navigation.height[row_of_cell(cells)]
-    stored = stored_distance(navigation.field, cells.reshape(-1), goal).reshape(cells.shape)
-    stored = jnp.where(home, stored, jnp.inf)
-    # Patience varies with the step. A field that varied with it would lead agents to and fro between two ways.
-    slow = cell_cost_factors(snapshot.replace(step=jnp.zeros_like(snapshot.step)))[level]
-    is_end = stored <= _lowest_around(stored)
-    passable = is_passable_cell(bank, house, cells)
-    near = distance_field(home, is_end, bank.spec.cell, slow, height, passable, stored)
-
-    def far(places: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
-        """Return distances [m] of cells: level, row, column, and number."""
-        there = stored_distance(navigation.field, cell, goal)
-        return jnp.where(places[:, 0] == level, near[places[:, 1], places[:, 2]], there)
-
-    return far
-
-
-def _lowest_around(values: Float[Array, "ny nx"]) -> Float[Array, "ny nx"]:
-    """Return the minimum of the 3 × 3 cells around each cell."""
-    return jax.lax.reduce_window(values, jnp.inf, jax.lax.min, (3, 3), (1, 1), "SAME")

@@ -7,13 +7,13 @@ import jax.numpy as jnp
 from jaxtyping import Array
 
 from home_mjx.errors import ConfigError
+from home_mjx.navigation.grid import stored_distance
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.experts.cell_search import distances_past_leaves
 from home_mjx.tasks.experts.field_descent import descend_field
 from home_mjx.tasks.experts.path_follower import expert_action, to_actions, turn_towards
 from home_mjx.tasks.rules.row_task import RowState, RowTask
@@ -79,11 +79,11 @@ def _point_nav_action(task: PointNav, snapshot: Snapshot, state: PointNavState) 
 
     Only the task's option `stop` leads to `stop`; without it agents walk on.
     """
-    pose = snapshot.pose
+    field, pose = snapshot.bank.navigation.field, snapshot.pose
 
     def ahead(agent: Array) -> tuple[Array, Array]:
         """Return one agent's waypoint (x, y) [m], and whether its path ends."""
-        far = distances_past_leaves(snapshot, agent, state.goal)
+        far = lambda _, cell: stored_distance(field, cell, state.goal)  # noqa: E731
         return descend_field(snapshot, agent, far, tolerance=STOP_RADIUS_FRACTION * task.success_distance / 2)
 
     aim, there = jax.vmap(ahead)(jnp.arange(snapshot.config.num_agents))
