@@ -354,8 +354,9 @@ def test_the_distance_at_the_start_has_all_legs(reset):
 def test_experts_bring_things_and_put_them_down(env, reset):
     done = played(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0], MOST_STEPS)
     success, left = np.asarray(done.metrics["success"]), np.asarray(done.metrics["distance"])
-    assert left[success > 0].max() < 2.0  # it was that to the first thing, however far from its destination
-    progress = 1 - left / np.asarray(done.task.length)
+    length = np.asarray(done.task.length)  # at the end it was that to the first thing, however far from its destination
+    assert (left < np.maximum(2.0, 0.3 * length))[success > 0].all()  # large beds are reached from all sides
+    progress = 1 - left / length
     ratio = np.asarray(done.metrics["spl"])[success > 0]
     np.testing.assert_allclose(
         np.asarray(done.metrics["soft_spl"])[success > 0], (progress[success > 0] * ratio).clip(0), atol=1e-5
