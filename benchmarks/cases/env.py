@@ -27,9 +27,9 @@ def mix(settings: BenchSettings) -> Measurement:
     from home_mjx.tasks.suite import HouseTasks, InstructionFollowing, ObjectNav, PointGoals, RoomNav
 
     options: dict[str, Any] = {"actions": "discrete", "stop": True}
-    alone = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
+    alone = make("PointNav-v0", settings.late_bank, episode_length=10**6, **options)
     tasks = [task(stop=True) for task in (PointGoals, RoomNav, ObjectNav, InstructionFollowing)]
-    mixed = HouseholdEnv(alone.config, HouseTasks(tasks=tuple(tasks), num_tasks=8)).bind(settings.bank)
+    mixed = HouseholdEnv(alone.config, HouseTasks(tasks=tuple(tasks), num_tasks=8)).bind(settings.late_bank)
     peer = ("PointNav-v0 alone", _rate(settings, alone)[0])
     rate, seconds = _rate(settings, mixed)
     note = f"{', '.join(mixed.params.tasks.names)} with {', '.join(alone.config.sensors or ())}; {settings.houses}"
@@ -39,7 +39,7 @@ def mix(settings: BenchSettings) -> Measurement:
 
 
 def _steps(settings: BenchSettings, case: str, **options: Any) -> Measurement:
-    env = make("PointNav-v0", settings.bank, episode_length=10**6, **options)
+    env = make("PointNav-v0", settings.late_bank, episode_length=10**6, **options)
     rate, seconds = _rate(settings, env)
     note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
     return make_measurement(case, rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)

@@ -349,6 +349,13 @@ def test_bench_of_rays_names_batch_and_compile_time(houses: Path, capsys: pytest
     assert record["ratio"] == pytest.approx(record["value"] / record["peer_value"])
 
 
+@pytest.mark.slow
+def test_bench_of_all_sensors_bakes_the_houses_of_a_dataset(houses: Path, capsys: pytest.CaptureFixture):
+    args = ["--json", "--dataset", str(houses), "--houses", "1", "--envs", "2", "--seconds", "1"]
+    assert main(["bench", "env/all-sensors", *args]) == 0
+    assert json.loads(capsys.readouterr().out)["value"] > 1
+
+
 def test_streams_of_a_dataset_of_one_house_are_measured_on_generated_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ):
