@@ -1,4 +1,4 @@
-"""What this package plugs into `home_mjx`: houses by a name such as `procedural:16?seed=100`, and fallback models.
+"""Plugin of `home_mjx`: houses by a name such as `procedural:16?seed=100`, and fallback models.
 
 Importing this module is cheap: generators are imported when a house is written.
 """

@@ -15,7 +15,7 @@ from scipy import fft
 
 
 class Canvas(NamedTuple):
-    """What an image covers."""
+    """Size of a texture image in texels and metres."""
 
     size: int = 128  # edge [px]
     metres: int = 1  # edge [m]
