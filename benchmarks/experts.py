@@ -114,8 +114,9 @@ def usable(dataset: Dataset, ids: list[str]) -> list[str]:
 
 def with_rows(bank: HouseBank, name: str, rows: int) -> Env[HouseholdEnv]:
     """Return the environment of an id with its expert and `rows` episodes for each house."""
-    if name.startswith("PointNav"):
-        env = home_mjx.make(name, bank, actions="discrete", stop=True, sensors=("state",))
+    sampled = {"PointNav-v0": {"actions": "discrete", "stop": True}, "Exploration-v0": {}}
+    if name in sampled:
+        env = home_mjx.make(name, bank, sensors=("state",), **sampled[name])
         return add_expert(env.with_tasks(sample_episodes(bank, rows * bank.num_houses, min_length=MIN_LENGTH)))
     return add_expert(home_mjx.make(name, bank, num_tasks=rows, sensors=("state",)))
 
