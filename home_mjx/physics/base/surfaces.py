@@ -33,5 +33,8 @@ def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5
 
 
 def default_surface(config: PhysicsSetup) -> Float[np.ndarray, "5"]:
-    """Return the row of `body_surfaces` for unused bodies: default friction, critical damping, so no bounce."""
+    """Return the row of `body_surfaces` for unused bodies: friction of `DEFAULT_CONTACT`, critical damping: no bounce.
+
+    Of `config`, only the length of a physics step is used, not `friction` or `restitution`.
+    """
     return np.array([DEFAULT_CONTACT.friction, *contact_parameters(np.ones(()), config.timing.sim_dt)])

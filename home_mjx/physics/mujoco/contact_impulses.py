@@ -20,11 +20,15 @@ class ContactReport(NamedTuple):
 
 
 def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt: float) -> ContactReport:
-    """Collect contact impulses and counts of a `mujoco.MjData`'s last physics step; 0 and `NOTHING` without contact.
+    """Collect contact impulses and counts of a `mujoco.MjData`'s last physics step; 0 and `NOTHING` without impulse.
 
-    Each dynamic body has the sum of its normal impulses and its strongest contact, the last of equal ones. Agents have
-    counts of points, except with floors and ramps under them. `owner` has the dynamic body of each geom, or a code of
-    `base.state`; `dt` is the length of the step [s].
+    Each dynamic body has the sum of its normal impulses, and impulse, position and other side of its strongest contact
+    point. Of equal ones it is the last; points with the body as second geom follow all others.
+
+    Agents have counts of points, also of those without impulse. Points on floors do not count. Neither do those on
+    static boxes whose normal is upward by at least `MIN_SUPPORT_NORMAL`: ramps, tops and edges of steps.
+
+    `owner` has the dynamic body of each geom, or a code of `base.state`; `dt` is the length of the step [s].
     """
     contact, mobiles = data.contact, layout.num_dynamic
     one, two = owner[contact.geom].reshape(-1, 2).T

@@ -50,7 +50,12 @@ class MujocoHouses:
         register_host_call(self.step_target, self._step)
 
     def _find(self, given: Arrays, results: Arrays) -> None:
-        """Write the numbers of houses (`find_target`); build models not cached, evict the least recently used ones."""
+        """Write the number of each environment's house, as in `find_target`; build models that are not cached.
+
+        House indices are clipped. Houses with equal rows share a number; numbers are not reused. Then the least
+        recently used models beyond `MAX_CACHED_HOUSES` are evicted, but none of this call; their numbers become
+        invalid.
+        """
         *tables, house = given
         chosen, inverse = np.unique(np.clip(house, 0, len(tables[0]) - 1), return_inverse=True)
         with self._lock:

@@ -58,9 +58,10 @@ def load_house(work, static, bodies, door):
 @compiled
 @no_type_check
 def scale_bodies(work, mass, inertia, surface, scale):
-    """Set friction, mass, inertia and inverse mass of bodies by a house's values times `scale` (friction, mass).
+    """Set friction, mass, inertia and inverse mass of the movable bodies to a house's values times `scale`.
 
-    The mass factor also scales inertia. Earlier factors are replaced, not multiplied. Call it after `load_house`.
+    `scale` (2) has the friction factor and the mass factor, the same for all bodies. The mass factor also scales
+    inertia. Agents and doors are unchanged. Earlier factors are replaced, not multiplied. Call it after `load_house`.
     """
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
