@@ -23,8 +23,8 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
 
     The surface is sampled into voxels, and enclosed ones are filled (the floor closes the mesh from below). The voxels
     are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume, also
-    below `max_boxes` while that is at most `MAX_OPTIONAL_WASTE`. Merged boxes may overlap others. Half extents are at
-    least `MIN_HALF_EXTENT`.
+    below `max_boxes` while that is at most `MAX_OPTIONAL_WASTE` of the bounding box. Merged boxes may overlap others.
+    Sides are then moved inwards to the surface, by at most a cell. Half extents are at least `MIN_HALF_EXTENT`.
 
     Args:
         triangles: Corners of the mesh, Z up [m]; at least one triangle.
@@ -192,7 +192,10 @@ def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray
 
 
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
-    """Return the upright box of least plan area around points, along a side of their hull; yaw 0 if all on a line."""
+    """Return the upright box of least plan area around points, along a side of their hull in plan.
+
+    Yaw is 0 if all are on one line in plan. Half extents may be 0.
+    """
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]
     except (QhullError, ValueError):  # all points on one line

@@ -103,7 +103,11 @@ def _graph(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> csr_matrix:
-    """Return a symmetric sparse matrix of `grid_edges` lengths [m] between cells in one room, or both standable."""
+    """Return a symmetric sparse matrix of `grid_edges` lengths [m] between cells in one room, or both standable.
+
+    Its rows are the True entries of `cells` in C order, as are `standable` and `room`; `height` covers the whole grid.
+    Cells outside all rooms (-1) count as one room.
+    """
     sources, targets, lengths = grid_edges(cells, height, cell)
     kept = (room[sources] == room[targets]) | (standable[sources] & standable[targets])
     half = csr_matrix((lengths[kept], (sources[kept], targets[kept])), shape=(int(cells.sum()),) * 2)

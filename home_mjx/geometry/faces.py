@@ -101,7 +101,10 @@ def _is_fan(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
 
 
 def _winds_once(away: Float[np.ndarray, "m k 3"], along: Float[np.ndarray, "m j"]) -> Bool[np.ndarray, " m"]:
-    """Return whether polygons make at most one turn around their first corner and return to it only at the end.
+    """Return whether polygons make at most one turn around their first corner and do not return to it in between.
+
+    Corners equal to the first may only be directly after it or at the end; if all are, the result is False. Angles are
+    not signed: `along` must not be negative but for rounding errors, and is clipped to 0.
 
     `away` are the other corners relative to the first, `along` twice the area of each fan triangle along the vector
     area.

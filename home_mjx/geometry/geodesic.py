@@ -103,9 +103,9 @@ def _neighbours(
 def has_clear_diagonals(cell: float, radius: float) -> bool:
     """Return whether no obstacle is between two diagonal neighbours that both have a clearance of `radius` [m].
 
-    That is so if 2 `radius`² >= `cell`². Then diagonal steps may pass cells whose clearance lacks the margin. With a
-    clearance of r + m at both ends, it is at least sqrt((r + m)² - cell² / 2) along the step: 0.132 m for agents of
-    0.1 m with the default margin.
+    That is so if 2 `radius`² >= `cell`². Then the two cells beside a diagonal step may lack the margin, but must still
+    be passable, see `grid_edges`. With a clearance of r + m at both ends, it is at least sqrt((r + m)² - cell² / 2)
+    along the step: 0.132 m for agents of 0.1 m with the default margin.
     """
     return 2 * radius**2 >= cell**2
 

@@ -184,7 +184,7 @@ def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"])
     """Return the first principal axis of a wall's area-weighted normals: a horizontal unit vector of either sign.
 
     Args:
-        normal: x and y of each triangle's normal, scaled by its area [m^2].
+        normal: Horizontal components of each triangle's normal, scaled by its area [m^2]: x and y, or x and z.
         area: Area of each triangle [m^2].
     """
     flat = normal / np.sqrt(np.maximum(area, 1e-12))[:, None]

@@ -40,9 +40,13 @@ def slab(
 def _piece(
     polygon: Polygon, low: float, high: float, outset: float
 ) -> tuple[Float[np.ndarray, "v 3"], Int[np.ndarray, "f 3"], Float[np.ndarray, "f 3 2"]]:
-    """Build the slab of one polygon: vertices [m], triangles, and the UV of their corners, see `slab`.
+    """Build the closed slab of one polygon of corners (x, z) [m]: vertices [m], Y up, triangles, and their corners' UV.
 
-    The outset falls back to 0 where the grown outline would cross itself.
+    See `slab`. UV are x and z in metres from the minimum of `polygon`, so negative in the outset. The outset falls back
+    to 0 if the grown outline would cross itself.
+
+    Raises:
+        ValueError: The polygon has no area or crosses itself.
     """
     outline, top = _outline(simplify(polygon), outset)
     count = len(outline)
