@@ -40,13 +40,14 @@ def reset(
         template: Model of the bank's capacity.
         bank: Houses.
         house: Index of the house, clipped to the bank.
-        agent_pos: Position of each agent's feet in the world, on the floor [m].
+        agent_pos: Position of each agent's feet in the world, on the floor [m]; not checked for collisions.
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m];
             not clipped to its range. None: the authored pose.
-        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`. Negative, None, or
-            a bank without arrangements: the authored poses.
-        scale: Factors for the friction and mass of bodies in this episode. None: the house's values.
+        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`, clipped to the
+            last. Negative, None, or a bank without arrangements: the authored poses.
+        scale: Factors for the friction and mass of bodies in this episode; C MuJoCo rejects them in `step`. None: the
+            house's values.
 
     Raises:
         ConfigError: Positions or angles do not have one row per agent or door.
@@ -108,11 +109,13 @@ def step(
 
     `action` is the forward, left and counter-clockwise command of each agent in its own frame, clipped to [-1, 1]. It
     is a fraction of maximum speeds. In force control (`PhysicsConfig.control`), forward and left are fractions of
-    `max_push_force` instead.
+    `max_push_force` instead, but not in kinematic physics. Held bodies and driven doors move, but no hand opens and no
+    drive ends, see `hand_control.update_hands`. `house` is clipped to the bank.
 
     Raises:
-        ConfigError: The action does not have three numbers per agent, or the program is compiled for a platform that
-            `PhysicsConfig.impl` does not support.
+        ConfigError: The action does not have three numbers per agent. Or `PhysicsConfig.impl` does not support the
+            platform, gradients, scaled bodies ("c"), or agents so fast ("kinematic").
+        BackendError: "fused" or "c" steps in a child that was forked after houses were made or physics stepped.
     """
     return step_checked(template, bank, house, state, action)[0]
 
@@ -135,7 +138,7 @@ def with_agent_speed(template: Template, state: PhysicsState, action: Float[Arra
     """Return the state with each agent's velocity and yaw rate set to the action's target; vertical velocity is kept.
 
     `action` is that of `step` but is not clipped. In free space, a step with the same action then moves an agent that
-    does not turn at exactly that velocity.
+    does not turn at exactly that velocity. Kinematic steps ignore velocities of agents.
     """
     fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
     forward, left, turn = (action * fastest).T
@@ -147,7 +150,10 @@ def with_agent_speed(template: Template, state: PhysicsState, action: Float[Arra
 
 
 def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsState) -> PhysicsState:
-    """Return `before` if the scalar `broken` is True, else `state`; works inside `jit`."""
+    """Return `before` if the scalar `broken` is True, else `state`; works inside `jit`.
+
+    Either both states have a `scale` or neither has.
+    """
     return jax.tree.map(lambda new, old: jnp.where(broken, old, new), state, before)
 
 
@@ -163,6 +169,7 @@ def is_out_of_bounds(
 
     Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
     ground floor. Bodies that fell through an upper floor only are not reported, nor NaN poses (see `is_unstable`).
+    Doors are omitted.
     """
     physics, agents, house = bank.physics, agent_pose(template, state)[0], bank.clip_house_index(house)
     pos, quat = body_pose(template, state)
@@ -184,7 +191,7 @@ def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a
 
 
 def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3"]:
-    """Return each agent's forward and left velocity in its own frame [m/s], and its yaw rate [rad/s]."""
+    """Return each agent's forward and left velocity in its own frame [m/s], and its yaw rate [rad/s], by `qvel`."""
     _, yaw = agent_pose(template, state)
     velocity = state.qvel[template.layout.agent_qpos].reshape(-1, 4)
     x, y = velocity[:, 0], velocity[:, 1]
@@ -202,10 +209,16 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
 
 
 def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
-    """Return each door's rotation about +z from its authored pose [rad], or the displacement of a sliding door [m]."""
+    """Return each door's rotation about +z from its authored pose [rad], or the displacement of a sliding door [m].
+
+    It is not clipped to the door's range; unused doors are included.
+    """
     return state.qpos[template.layout.door_qpos]
 
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:
-    """Return whether each agent touched anything but what carries it (floors, ramps) in the last control step."""
+    """Return whether each agent touched anything but what carries it (floors, ramps) in the last control step.
+
+    The body that it holds counts too, except in kinematic physics.
+    """
     return state.num_contacts > 0

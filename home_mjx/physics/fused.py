@@ -86,7 +86,11 @@ def _newton_words(mobiles: int) -> int:
 
 
 def compile_kernel() -> str:
-    """Return the PTX of the CUDA sources, compiled for all GPUs of this process."""
+    """Return the PTX of the CUDA sources, compiled for all GPUs of this process, at least one.
+
+    Raises:
+        BackendError: NVRTC was not found, or it rejects the source.
+    """
     return compile_sources(*SOURCES)
 
 
@@ -111,7 +115,7 @@ def step_fused(
 
     Raises:
         ConfigError: A gradient of the kernel is requested.
-        BackendError: This is a forked child of a process that has already stepped.
+        BackendError: This is a forked child of a process that has made houses, cast rays or stepped physics.
     """
     check_not_forked("step physics")
 
@@ -129,7 +133,7 @@ def _step_native(
     """Step with the kernel of `platform`, "cpu" or "cuda"; return the new state and the overflow flags.
 
     `held` is clipped to the bank's bodies, since native code does not check bounds. The kernel tests all pairs, so that
-    `contact_pairs` is False.
+    `contact_pairs` is False. Hands and door goals are unchanged.
     """
     numbers = jnp.asarray(step_params(template.config), jnp.float32)
     scale = (state.scale or BodyScale()).factors
@@ -181,7 +185,10 @@ def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
 
 @functools.cache
 def _batched(platform: str) -> Step:
-    """Return the kernel call of a platform; `vmap` batches it, and gradients raise `ConfigError`."""
+    """Return the kernel call of a platform; `vmap` batches it, and gradients raise `ConfigError`.
+
+    Operands after the first `NUM_SHARED`, and all results, have a leading environment axis even without `vmap`.
+    """
     run = functools.partial(_run, STEPS[platform])
     return forbid_gradient(batch_kernel(run, NUM_SHARED, NUM_RESULTS), "the fused physics step")
 
