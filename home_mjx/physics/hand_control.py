@@ -36,7 +36,7 @@ MAX_THROW_SPEED = 5.0  # [m/s], maximum speed of a throw
 
 
 class HandCommands(Pytree):
-    """Hand commands of all agents for one control step; A agents."""
+    """Hand commands of all agents for one control step, in the world frame; A agents."""
 
     pick: Int[Array, " a"]  # movable body to pick; -1 none
     place: Float[Array, "a 3"]  # [m], surface point on which to place the held body; inf: none
@@ -61,7 +61,8 @@ def apply_hand_commands(
     An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
     hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight. Agents
     follow one another by index: a body that one drops, the next may pick; of two commands for a door the last applies.
-    No pose changes: only the fields of hands, door goals and a released body's velocity are set.
+    No pose changes: only the fields of hands, door goals and a released body's velocity are set. Give a `place` once:
+    each repetition restarts its `MAX_PLACE_STEPS`. `house` must be valid; unlike in `step`, it is not clipped.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -81,7 +82,8 @@ def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], sta
     is beyond `MAX_HOLD_DISTANCE` from its grip after it was once within it. It is also torn away if it has not come
     that near after more than `MAX_PLACE_STEPS` steps. A body not placed within as many steps is carried again. Released
     bodies get `RELEASE_SPEED` downwards in addition to their velocity. Doors within `DOOR_TOLERANCE` of their goal,
-    clipped to their range, are no longer driven.
+    clipped to their range, are no longer driven. Call it once per control step, since it counts them; `house` must be
+    valid.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -114,8 +116,8 @@ def _release(
     """Open a hand that holds a body and is commanded to drop or throw it.
 
     The velocity of a thrown body becomes the agent's plus min(`MAX_THROW_SPEED`, `MAX_THROW_IMPULSE` / mass) along the
-    throw's direction, in the world. A dropped body keeps its own. Then `_open_hand` adds `RELEASE_SPEED` downwards to
-    both. A throw has priority over a drop; without a held body nothing changes.
+    throw's direction, in the world; its spin is kept. A dropped body keeps both. Then `_open_hand` adds `RELEASE_SPEED`
+    downwards to either. A throw has priority over a drop; without a held body nothing changes.
     """
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
@@ -214,10 +216,11 @@ def _carry_grip(
 def _start_place(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, spot: Float[Array, "3"]
 ) -> PhysicsState:
-    """Start to place the held body on the surface point `spot` [m] if it is finite, in reach, and a body is held.
+    """Start to place the held body on the world point `spot` [m] if it is finite, in reach, and a body is held.
 
-    The agent's `reach`, inclusive, counts from its vertical axis, over its height. Otherwise an earlier placement, if
-    any, goes on. Both update the grip, see `_track_place_target`.
+    The agent's `reach`, inclusive, counts from its vertical axis, over its height. A start replaces an earlier
+    placement and sets `hand_steps` to 0. Otherwise an earlier one, if any, goes on. Both update the grip, see
+    `_track_place_target`.
     """
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
@@ -226,7 +229,7 @@ def _start_place(
 
 
 def _place_target(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> Float[Array, "3"]:
-    """Return the held body's target centre [m]: `place_target`, raised by its half height and `PLACE_CLEARANCE`.
+    """Return the held body's target centre in the world [m]: `place_target` plus its half height and `PLACE_CLEARANCE`.
 
     The height is its vertical extent in its current orientation. Without a target the result is inf in all coordinates.
     An empty hand has no target.
@@ -283,7 +286,8 @@ def _command_door(
 ) -> PhysicsState:
     """Set the drive goal of the commanded door to fully open or closed; no effect if out of reach, unused or no index.
 
-    Reach counts to the leaf's box at its current coordinate, from the agent's vertical axis.
+    Reach counts to the leaf's box at its current coordinate, from the agent's vertical axis. A goal replaces the
+    earlier one.
     """
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)
