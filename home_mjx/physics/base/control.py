@@ -13,7 +13,8 @@ RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, 
 def agent_table(config: PhysicsSetup, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
     """Pack a row per agent: radius, half length of the axis, mass, yaw inertia, maximum speeds (3) and push force [SI].
 
-    The speeds are forward, left and turning. `yaw_inertia` has that of each agent [kg m^2].
+    The speeds are forward, left and turning. The axis excludes the hemispheres. `yaw_inertia` has one element per agent
+    [kg m^2]; other lengths raise `ValueError`.
     """
     rows = [
         (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.max_push_force)

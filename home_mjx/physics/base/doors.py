@@ -26,7 +26,10 @@ class DoorLeaves(Pytree):
 
     @classmethod
     def from_physics(cls, physics: Physics) -> "DoorLeaves":
-        """Gather the leaves of all houses, with leading axes (house, door); padding has half extents of -1."""
+        """Gather the leaves of all houses, with leading axes (house, door); padding has half extents of -1.
+
+        Inertias and weights of padding are finite, but have no meaning.
+        """
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
         return cls(
@@ -94,9 +97,10 @@ class DoorLeaves(Pytree):
 def door_table(leaves: DoorLeaves) -> Float[Array, "*h 16"]:
     """Pack one row per leaf; missing leaves have half extents of -1, inertia and inverse weight 1.
 
-    Their other columns are those of `leaves`. Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia,
-    inverse weight, minimum and maximum coordinate, slide direction (2), and 1 if the leaf is hinged, else 0. Units are
-    those of `DoorLeaves`.
+    Their other columns are those of `leaves`. Parked leaves of `house_doors` are not missing, so pass `from_physics`.
+    Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia, inverse weight, minimum and maximum coordinate,
+    slide direction (2), and 1 if the leaf is hinged, else 0. Units are those of `DoorLeaves`; the weight is
+    `inverse_weight`.
     """
     valid = leaves.valid
     inertia = jnp.where(valid, leaves.inertia, jnp.float32(1.0))

@@ -42,7 +42,10 @@ def hand_time_constant(config: PhysicsSetup) -> float:
 
 
 class HeldBody(Pytree):
-    """Held body and its holder, in the world frame; `spin` is about the body's own axes."""
+    """Held body and its holder, in the world frame; `spin` is about the body's own axes.
+
+    `quat` must be normalised; `agent_pos` is the agent's centre [m], `agent_yaw` in [rad].
+    """
 
     pos: Float[Array, "3"]  # [m]
     quat: Float[Array, "4"]
@@ -138,7 +141,8 @@ def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tupl
     """Return a point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m].
 
     Offsets are horizontal. The height is that of the ramp's plane, also beyond its edges. Columns of `ramps`: centre
-    (x, y), uphill unit vector (x, y), half length and width in plan, centre height [m], slope (rise over run).
+    (x, y), uphill unit vector (x, y), half length and width in plan, centre height [m], slope (rise over run). Padding,
+    which has negative half lengths, gives meaningless values: mask it.
     """
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
@@ -147,7 +151,7 @@ def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tupl
 
 
 def _length(vector: Array) -> Array:
-    """Return the Euclidean length, at least 1e-12, so that divisions and gradients stay finite."""
+    """Return the length of one vector, not a batch; at least 1e-12, so that divisions and gradients stay finite."""
     return jnp.sqrt(jnp.sum(vector * vector) + jnp.float32(1e-24))
 
 
@@ -160,5 +164,5 @@ def _approach_rate(gap: Array, fastest: float, time: Array) -> Array:
 
 
 def _clip_length(vector: Array, most: Array) -> Array:
-    """Scale a vector down to the length `most` if it is longer; a zero vector stays zero."""
+    """Scale one vector, not a batch, down to the length `most` if it is longer; a zero vector stays zero."""
     return vector * jnp.minimum(1.0, most / _length(vector))
