@@ -75,7 +75,8 @@ def move_and_slide(
 
     Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, horizontally, by
     `DEPENETRATION_ITERATIONS` displacements out of the deepest one. It stays at `old` if more than `MAX_PENETRATION`
-    remains, as in a narrow gap, unless it overlaps more there. `way` is at most one radius.
+    remains, as in a narrow gap, unless it overlaps more there. `way` is at most one radius, or it may jump over an
+    obstacle. The agent's own row of `agents.pos` is ignored.
     """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)
@@ -93,7 +94,7 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
     """Return the moving agent's horizontal penetration at `pos` of each box, then of each agent [m].
 
     Negative values mean apart: -1 for boxes and agents above or below it, and for itself. A box that begins above the
-    capsule's axis, or ends below it, meets the smaller disc of the hemisphere at that height.
+    capsule's axis, or ends below it, meets the smaller disc of the hemisphere at that height. Agents meet as cylinders.
     """
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)

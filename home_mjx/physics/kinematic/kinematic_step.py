@@ -31,10 +31,14 @@ def step_kinematic(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
 
-    Doors are driven first and then pushed by agents, which move in substeps; see `_num_substeps`. Held bodies are set
-    to their grips and released ones dropped at the end. Velocities are displacements divided by the step's length; only
-    agents have one. `qacc` is 0. `num_contacts` is the maximum over substeps of the obstacles that an agent touches at
-    once. Contacts have no impulses: these fields are unchanged. Nothing overflows.
+    Doors are driven first and then pushed by agents, which move in substeps; see `_num_substeps`. Actions are always
+    fractions of maximum speeds, reached at once. Held bodies are set to their grips, through obstacles, and released
+    ones dropped at the end. Velocities are displacements divided by the step's length; only agents have one. `qacc` is
+    0. `num_contacts` is the maximum over substeps of the obstacles that an agent touches at once. Contacts have no
+    impulses: these fields are unchanged. Nothing overflows.
+
+    Raises:
+        ConfigError: Agents are too fast for their radius, see `_num_substeps`.
     """
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)

@@ -29,8 +29,8 @@ def drop_released_bodies(
     the static boxes, then the movable bodies. Ramps of the house support, too. One supports a body if the body's centre
     is over it or at most `MAX_SUPPORT_REACH` beside it, and its top at most `MAX_SUPPORT_OVERLAP` above the body's
     bottom. The top of a ramp is its height at the body's centre. A body without a support rests on the ground floor.
-    Other tilted boxes support at the height of their highest corner only. If more bodies were released than there are
-    agents, the fastest drop and the others stay in the air.
+    Other tilted boxes support at the height of their highest corner only. `boxes` do not move with bodies dropped here.
+    If more bodies were released than there are agents, the fastest drop and the others stay in the air.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
