@@ -104,7 +104,7 @@ def _num_substeps(config: PhysicsSetup) -> int:
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
     """Return static boxes, then movable bodies, unused ones too; `bottom` and `top` of ramps and held bodies are inf.
 
-    They are thus neither obstacles nor supports; see `support_height` for ramps.
+    They are thus neither obstacles nor supports; see `support_height` for ramps. Doors are not included.
     """
     static = _static_footprints(physics, house)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
