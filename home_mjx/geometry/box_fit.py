@@ -29,7 +29,7 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
     Args:
         triangles: Corners of the mesh, Z up [m]; at least one triangle.
         yaw: Yaw of the boxes about +z [rad].
-        max_boxes: Maximum number of boxes.
+        max_boxes: Maximum number of boxes; one box results even if it is 0.
     """
     turn = yaw_matrix(yaw)
     points = triangles @ turn
@@ -78,7 +78,7 @@ def _tighten(
 ) -> Float[np.ndarray, "2 3"]:
     """Return the corners `edge` [m] of a box of cells (first, one past the last), moved inwards to the surface in it.
 
-    A side is not moved if that would be by more than a cell, or if the next cell beyond it contains surface.
+    A side is not moved if that would be by more than a cell, or if any of the cells beyond it contains surface.
     """
     inner = surface[_block(box[0], box[1])]
     tight = np.stack([inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))])
@@ -102,7 +102,7 @@ def _surface_continues(box: Int[np.ndarray, "2 3"], side: int, axis: int, occupi
 
 
 def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Float[np.ndarray, "p 3"]:
-    """Return points on triangles, at least one, such that neighbours on a triangle are at most `spacing` [m] apart.
+    """Return points on at least one triangle, such that neighbours on a triangle are at most `spacing` [m] apart.
 
     Each triangle is divided into n^2 similar ones, n = ceil(longest edge / `spacing`), and has all their corners.
     Points are in order of n, then of the triangles; those on common edges are repeated.
@@ -121,7 +121,7 @@ def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Flo
 def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]:
     """Cover exactly the occupied cells with disjoint boxes, given by their first cell and one past their last.
 
-    Boxes are grown greedily from the first cell in C order, along z, then y, then x.
+    Boxes are grown greedily from the first cell in C order, along z, then y, then x. `occupied` is not modified.
     """
     left, boxes = occupied.copy(), []
     for start in np.argwhere(occupied):
@@ -135,7 +135,10 @@ def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]
 
 
 def _stretch(left: Bool[np.ndarray, "x y z"], start: np.ndarray, stop: np.ndarray, axis: int) -> int:
-    """Return the end to which the cell block [start, stop) can extend along +`axis` with all cells in `left`."""
+    """Return the end to which the cell block [start, stop) can extend along +`axis` with all cells in `left`.
+
+    The end is one past the last cell; at least `stop[axis]`.
+    """
     end = stop.copy()
     while end[axis] < left.shape[axis]:
         layer = start.copy()
@@ -158,7 +161,7 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
     Args:
         boxes: First cell and one past the last, see `cover_cells`; not modified.
-        max_boxes: Maximum number of boxes in the result.
+        max_boxes: Maximum number of boxes in the result, which has at least one unless `boxes` is empty.
         max_waste: Maximum volume [cells] added by each merge after `max_boxes` is reached.
     """
     boxes = boxes.copy()
@@ -192,9 +195,9 @@ def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray
 
 
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
-    """Return the upright box of least plan area around points, along a side of their hull in plan.
+    """Return a set of one box: the upright one of least plan area around at least one point [m].
 
-    Yaw is 0 if all are on one line in plan. Half extents may be 0.
+    It is along a side of the points' hull in plan; its yaw is 0 if they are all on one line in plan.
     """
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]

@@ -20,7 +20,7 @@ def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) 
 
 @dataclass(frozen=True)
 class BoxSet:
-    """Boxes rotated about the vertical axis only."""
+    """Boxes rotated about the vertical axis only; sets may share arrays, so do not modify these in place."""
 
     center: Float[np.ndarray, "n 3"]  # [m]
     half: Float[np.ndarray, "n 3"]  # [m], half extents
@@ -51,7 +51,10 @@ class BoxSet:
 
 
 def make_boxes(center: object, half: object, yaw: object = 0.0) -> BoxSet:
-    """Create boxes from one or several centres [m]; half extents [m] and yaws [rad] are broadcast to them."""
+    """Create boxes from one or several centres [m]; half extents [m] and yaws [rad] are broadcast to them.
+
+    `center` is not copied if it is an array of floats.
+    """
     center = np.atleast_2d(np.asarray(center, float))
     half = np.broadcast_to(np.asarray(half, float), center.shape)
     return BoxSet(center, half.copy(), np.broadcast_to(np.asarray(yaw, float), len(center)).copy())
@@ -71,7 +74,7 @@ def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
 def unique_boxes(boxes: BoxSet) -> BoxSet:
     """Return the boxes without later exact duplicates (centre, half extents and yaw), in their order.
 
-    Without duplicates it is the same object.
+    Without duplicates it is the same object. Equal boxes of other yaws, such as half a turn, are kept.
     """
     first: dict[tuple[float, ...], int] = {}
     for row, values in enumerate(np.c_[boxes.center, boxes.half, boxes.yaw].tolist()):
@@ -94,7 +97,10 @@ def thicken_boxes(boxes: BoxSet, half: float) -> BoxSet:
 
 
 def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:
-    """Rotate boxes by `angle` [rad] about the vertical line through `pivot` (x, y) [m]."""
+    """Rotate boxes counter-clockwise by `angle` [rad] about the vertical line through `pivot` (x, y) [m].
+
+    Yaws are not wrapped.
+    """
     arm = boxes.center - [*pivot, 0.0]
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
 
