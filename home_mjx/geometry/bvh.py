@@ -29,7 +29,8 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[B
     """Build a binary tree over boxes by the surface-area heuristic; its boxes are enlarged by `RELATIVE_BOX_MARGIN`.
 
     Args:
-        boxes: Minimum and maximum corners [m]; without any, the tree is a root with two empty leaves.
+        boxes: Minimum and maximum corners [m], rounded to float32; without any, the tree is a root with two empty
+            leaves.
         leaf_size: Maximum number of primitives in a leaf, 1 to 15.
 
     Returns:
@@ -187,7 +188,10 @@ def _center(bounds, row, axis):
 @njit(cache=True)
 @no_type_check
 def _sweep(bounds, rows, cost, add):
-    """Return half the area of the rows' box; set, or `add` to, `cost[k]` k + 1 times that of the first k + 1 rows."""
+    """Return half the area of the rows' box; set, or `add` to, `cost[k]` k + 1 times that of the first k + 1 rows.
+
+    `cost` may be shorter than `rows`; it limits only what is written.
+    """
     x0, y0, z0, x1, y1, z1 = np.inf, np.inf, np.inf, -np.inf, -np.inf, -np.inf
     area = 0.0
     for k in range(len(rows)):
@@ -204,7 +208,10 @@ def _sweep(bounds, rows, cost, add):
 @njit(cache=True)
 @no_type_check
 def _part(order, axis, count, is_left):
-    """Move the first `count` primitives of `order[axis]` to the front of the other orders, in place and stably."""
+    """Move the first `count` primitives of `order[axis]` to the front of the other orders, in place and stably.
+
+    `is_left`, indexed by primitive, is overwritten.
+    """
     for k in range(order.shape[1]):
         is_left[order[axis, k]] = k < count
     for other in range(3):

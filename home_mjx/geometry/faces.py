@@ -46,7 +46,8 @@ def triangulate_faces(
         tolerant: Take the fan of the first corner for polygons that cannot be cut, instead of raising an error.
 
     Returns:
-        Indices into `points`, and the polygon of each triangle.
+        Indices into `points`, and the polygon of each triangle. Polygons cut by ears have fewer than n - 2 triangles if
+        they repeat corners.
 
     Raises:
         FaceError: A polygon crosses itself, or ear clipping would take too long.

@@ -26,7 +26,7 @@ class MeshPiece:
 
 
 def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
-    """Build the inner and the outer layer of a wall, in this order.
+    """Build the inner and the outer layer of a wall, in this order, Y up [m].
 
     Large faces have slot 0 (inside) on the inner layer and 2 (outside) on the outer one; cut faces of both have 1.
 
@@ -49,7 +49,7 @@ def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Mat
     Args:
         path: `Mesh.path`; nothing is written.
         pieces: Pieces, at least one. Their groups and parts are numbered by first appearance.
-        materials: One per slot; they are renamed `material_0`, `material_1`, ...
+        materials: One per slot; copies are named `material_0`, `material_1`, ...
         scale: Metres per unit of the vertices and the texture coordinates.
     """
     starts = np.cumsum([0, *(len(piece.vertices) for piece in pieces)])

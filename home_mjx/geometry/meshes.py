@@ -38,7 +38,10 @@ def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
-    """Return the outward-wound surface of a box of half extents `half` [m], two triangles per `FACE_NORMALS` row."""
+    """Return the outward-wound surface of an axis-aligned box, two triangles per `FACE_NORMALS` row.
+
+    `center` and the half extents `half` are in [m].
+    """
     corners = center + _CORNERS * half
     return corners[_QUADS[:, [[0, 1, 2], [0, 2, 3]]]].reshape(12, 3, 3)
 
@@ -52,6 +55,8 @@ def bounds(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "2 3"]:
 def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
     """Return the smallest extent of points [m] along the axes and along their principal axes; 0 for a flat set.
 
+    It is at least the width of the set, since other directions are not tried. There must be a point.
+
     Example:
         >>> sheet = np.array([[0.0, 0, 0], [1, 1, 0], [0, 0, 2], [1, 1, 2]])
         >>> round(min_thickness(sheet), 9)
@@ -64,7 +69,7 @@ def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
 
 
 def transform(pose: Float[np.ndarray, "3 4"], points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Apply an affine map, a 3 x 3 linear part and a translation as last column, to points."""
+    """Apply one affine map, a 3 x 3 linear part and a translation as last column, to points."""
     return points @ pose[:, :3].T + pose[:, 3]
 
 
@@ -99,6 +104,9 @@ def make_model(
         part: Semantic part of each triangle; 0 if None.
         normal: Unit normals of the corners; computed by `crease_normals` if None.
         find: Looks up a model by key; if it returns one, no tree is built and that model is the result.
+
+    Raises:
+        DatasetError: A corner is not finite.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
@@ -142,7 +150,7 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
 
     A corner's normal is the area-weighted mean of the adjacent faces that differ from its own by less than the crease
     angle. A face without area has zero normals. Positions with more than `MAX_CORNER_FACES` corners have those of the
-    faces.
+    faces. Corners are in metres: those within about `WELD_DISTANCE` are adjacent.
 
     Example:
         >>> flat = crease_normals(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]))
@@ -197,7 +205,7 @@ def build_instance_tree(
     """Build a BVH over static instances, one per leaf, whose codes have instance indices; boxes get a small margin.
 
     Args:
-        instances: Instances of a house; movable bodies are omitted.
+        instances: Instances of a house; movable bodies are omitted. At least one must remain.
         models: Models by key.
         doors: Instances of door leaves, which are omitted as well; None without doors.
     """
