@@ -51,6 +51,7 @@ def cover_with_rectangles(
 
     Returns:
         One row u0, v0, u1, v1 per rectangle, in the unit of the ascending grid lines; no rows if no cell is solid.
+        `solid` is not modified.
     """
     left = solid.copy()
     found = []
@@ -85,7 +86,7 @@ def _is_taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
 
 
 def split_rectangles(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
-    """Cut each rectangle (u0, v0, u1, v1) across u into equal pieces of at most `length` along u, in order."""
+    """Cut each rectangle (u0, v0, u1, v1) across u into equal pieces of at most `length` > 0 along u, in order."""
     pieces = []
     for u0, v0, u1, v1 in rectangles:
         edges = np.linspace(u0, u1, max(int(np.ceil((u1 - u0) / length - 1e-9)), 1) + 1)

@@ -20,13 +20,14 @@ def slab(
     """Build closed, outward-wound slabs over polygons of either winding.
 
     Args:
-        polygons: Corners (x, z) [m]; each polygon becomes a slab of its own.
+        polygons: Corners (x, z) [m] of at least one; each polygon becomes a slab of its own, see `simplify`.
         low: Height of the underside [m].
         high: Height of the upper side [m].
         outset: Distance by which the sides extend beyond the polygon [m]; 0 for one that would then cross itself.
 
     Returns:
-        Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's minimum x and z.
+        Vertices [m], Y up; triangles; texture coordinates in metres from the polygon's minimum x and z, also on the
+        sides, where they do not depend on height.
 
     Raises:
         ValueError: A polygon has no area or crosses itself.

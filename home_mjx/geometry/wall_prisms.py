@@ -51,7 +51,8 @@ def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
     """Build a wall's inner prism, on its interior side, and its outer one, Y up [m]; they overlap by depth / 19.
 
     Args:
-        wall: The wall; holes that reach its ends, its base or its nominal height are open there.
+        wall: The wall, of positive length. Holes that reach its ends, its base or its nominal height are open there.
+            Holes that touch become one, see `merge_holes`.
 
     Example:
         >>> inner, outer = wall_prisms(WallSegment(np.zeros(3), np.array([4.0, 0, 0]), 2.7))
@@ -159,7 +160,7 @@ def _topology(
     """Return the topology of `extrude_grid` for a mask in bytes: nodes, triangles, and mask of large faces.
 
     Nodes are numbered in C order, first those at the low end of w, then those at the high end; unused ones are left
-    out.
+    out. The cached arrays are shared: do not modify them.
     """
     keep = np.frombuffer(kept, bool).reshape(shape)
     node = np.arange((shape[0] + 1) * (shape[1] + 1)).reshape(shape[0] + 1, shape[1] + 1)
