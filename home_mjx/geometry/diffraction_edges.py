@@ -26,6 +26,8 @@ def edge_rows() -> np.ndarray:
 def edge_number(u: int, side_u: int, v: int, side_v: int) -> int:
     """Return the row in `edge_rows` of the edge between the faces on the sides (-1 or 1) of two axes `u` and `v`.
 
+    The axes must differ; their order does not matter.
+
     Example:
         >>> edge_number(1, 1, 0, 1) == edge_number(0, 1, 1, 1) == 11
         True
@@ -43,7 +45,8 @@ def find_exposed_edges(
     """Return the mask of edges, in the order of `edge_rows`, that are exposed to air and thus diffract sound.
 
     At `MIN_FREE_PROBES` or more positions along an edge, three points must be in air: one in front of each of its
-    faces, and one outside both. Air is between the floor and ceiling of some room, and in no other box.
+    faces, and one outside both. Air is between the floor and ceiling of some room, whatever its outline, and in no
+    other box.
 
     Args:
         center: Box centres [m].

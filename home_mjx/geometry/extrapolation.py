@@ -39,7 +39,7 @@ def extrapolate_fields(
         standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
         room: Room of each cell; -1 outside.
         height: Floor height of each cell [m].
-        field: Distances of the home cells to the goals [m].
+        field: Distances of the home cells, in C order, to the goals [m].
         cell: Cell size [m].
 
     Returns:

@@ -36,14 +36,15 @@ def distance_fields(
 
     Args:
         free: Mask of walkable cells, by grid, row and column.
-        goals: Grid, row and column of each goal; must be free.
+        goals: Grid, row and column of each goal; must be free, which is not checked.
         cell: Cell size [m].
         links: Two-way connections between cells, no two of the same pair; ignored if an end is not free.
         height: Floor height of each cell [m]; None: flat.
         passable: Cells at the corners of diagonal steps, see `grid_edges`; None: `free`.
 
     Returns:
-        Distances [m], one row per free cell in C order (grid, row, column); inf if there is no path.
+        Distances [m], one row per free cell in C order (grid, row, column); inf if there is no path. Grids are joined
+        by `links` only.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
     edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell, passable)]
@@ -62,9 +63,9 @@ def grid_edges(
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
     """Return the edges (source, target, length [m]) of the 8-connected graph of free cells, each pair of cells once.
 
-    Free cells are numbered from 0 in C order. Lengths include the difference in height; edges that are no
-    `is_walkable_rise` are omitted. Corners are not cut: a diagonal step needs both cells beside it passable, and
-    walkable from both of its ends.
+    Free cells are numbered from 0 in C order; different grids are not joined. Lengths include the difference in height;
+    edges that are no `is_walkable_rise` are omitted. Corners are not cut: a diagonal step needs both cells beside it
+    passable, and walkable from both of its ends.
 
     Args:
         free: Mask of walkable cells, by grid, row and column.

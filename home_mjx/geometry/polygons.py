@@ -98,7 +98,10 @@ def find_innermost_point(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray,
 def find_smallest_room(
     rooms: RoomTable, candidates: Int[np.ndarray, " r"], points: Float[np.ndarray, "*p 2"]
 ) -> Int[np.ndarray, "*p"]:
-    """Return the room of `candidates` of least area (the last of equal ones) that contains each point; -1 if none."""
+    """Return the room of `candidates` of least area (the last of equal ones) that contains each point; -1 if none.
+
+    Heights are ignored, so candidates should be of one level.
+    """
     found = np.full(points.shape[:-1], -1, np.int32)
     order = sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r]))
     for room, inside in zip(order, are_inside_polygons([rooms.polygon[r] for r in order], points), strict=True):
@@ -107,7 +110,7 @@ def find_smallest_room(
 
 
 def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
-    """Return the corners (x, y) of the axis-aligned rectangle around Z-up triangles, counter-clockwise."""
+    """Return the corners (x, y) of the axis-aligned rectangle around at least one triangle, Z up, counter-clockwise."""
     (x0, y0), (x1, y1) = triangles[..., :2].min(axis=(0, 1)), triangles[..., :2].max(axis=(0, 1))
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
 
@@ -118,7 +121,7 @@ def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float
     If no closed loop encloses more than 90 % of the upper side's area, return its `bounding_outline`.
 
     Args:
-        slab: Triangles of the slab, Z up [m].
+        slab: Triangles of the slab, Z up [m], outward-wound; at least one.
         with_holes: Cut out holes of at least `MIN_HOLE_RADIUS`. A bridge along x joins each of them to the edge, see
             `boundary_edges`. It changes neither `polygon_area` nor `is_inside_polygon`.
     """
@@ -159,7 +162,7 @@ def _find_holes(
 
 
 def _edge_distance(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "p 2"]) -> Float[np.ndarray, " p"]:
-    """Return the distances from points to the `boundary_edges` of a polygon [m]."""
+    """Return the distances from points to the `boundary_edges` of a polygon [m], also from inside; one must exist."""
     return np.min([_segment_distance(points, a, b) for a, b in boundary_edges(polygon)], axis=0)
 
 
