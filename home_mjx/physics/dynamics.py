@@ -36,6 +36,8 @@ def reset(
 ) -> PhysicsState:
     """Return the initial state: agents, movable bodies and doors at rest, hands empty, doors not driven.
 
+    Bodies and doors are awake: their `qacc` is not 0. Unused bodies are parked.
+
     Args:
         template: Model of the bank's capacity.
         bank: Houses.

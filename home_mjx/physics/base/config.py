@@ -40,14 +40,14 @@ class PhysicsConfig:
         max_body_spin: [rad/s], angular speed limit of movable bodies.
         iterations: Newton iterations per physics step, of MJX.
         ls_iterations: Line-search iterations of MJX; it always runs all of them.
-        agent_slots: Maximum number of static boxes that an agent can touch at once.
-        body_slots: Maximum number of static boxes that a movable body can touch at once.
-        max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that are tested, nearest
+        agent_slots: Maximum number of static boxes that an agent can touch at once in MJX; elsewhere it has no effect.
+        body_slots: Maximum number of static boxes that a movable body can touch at once in MJX, likewise.
+        max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that MJX tests, nearest
             bounding spheres first. None: two per body plus one per door; at least four per agent, and 8.
-        max_contact_points: Maximum number of contact points of agents, and of bodies, deepest first. None: six per
-            body; at least eight per agent, and 16.
+        max_contact_points: Maximum number of contact points of agents, and of bodies, that MJX solves, deepest first.
+            None: six per body; at least eight per agent, and 16.
         sleep: Whether the fused step skips bodies at rest until an awake body touches them.
-        jacobian: MuJoCo's option. "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
+        jacobian: MuJoCo's option, of MJX. "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a control step in one compiled function on CPUs and NVIDIA GPUs, MJX
             elsewhere; no gradients. "jax": MJX everywhere, with forward-mode gradients (`jax.jvp`). Reverse mode needs
             `iterations=1`, since MJX's solver is a loop of unknown length. "c": C MuJoCo on each house's own model, on

@@ -28,7 +28,9 @@ class BodyScale(Pytree):
 class PhysicsState(Pytree):
     """Poses and speeds of an environment's agents, movable bodies and doors; see `layout.Layout`.
 
-    Field names follow MuJoCo. Dynamic bodies are the agents, then the movable bodies, then the doors.
+    Field names follow MuJoCo. Dynamic bodies are the agents, then the movable bodies, then the doors. `num_contacts` is
+    the maximum over physics steps of the last control step; impulses are sums. Sleeping bodies keep their last contact,
+    and kinematic physics has no impulses.
     """
 
     # agent: x, y, z [m] and yaw [rad]; body: x, y, z [m] and quaternion wxyz; door: [rad] or [m]
