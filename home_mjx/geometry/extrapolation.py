@@ -37,7 +37,7 @@ def extrapolate_fields(
         extensions: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
             in earlier ones, so distances next to a movable object ignore the shortcut through its position.
         standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
-        room: Room of each cell; -1 outside.
+        room: Room of each cell; -1 outside, which counts as one more room.
         height: Floor height of each cell [m].
         field: Distances of the home cells, in C order, to the goals [m].
         cell: Cell size [m].

@@ -118,7 +118,8 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
 def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float[np.ndarray, "n 2"]:
     """Return the outer edge (x, y) of a slab's upper side, counter-clockwise: its largest closed boundary loop.
 
-    If no closed loop encloses more than 90 % of the upper side's area, return its `bounding_outline`.
+    Corners are rounded to `MERGE_DISTANCE`, and those within `MAX_BEND` of the rest are dropped. If no closed loop
+    encloses more than 90 % of the upper side's area, return the slab's `bounding_outline`.
 
     Args:
         slab: Triangles of the slab, Z up [m], outward-wound; at least one.
@@ -136,7 +137,8 @@ def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float
 def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.ndarray, "_ 2"]], float]:
     """Return the boundary loops of a slab's upper side [m], holes clockwise and others not, and its area [m^2].
 
-    Without upward triangles, there are no loops and the area is 0.
+    The upper side has the triangles whose unit normals have z > 0.7; without any, there are no loops and the area is 0.
+    Corners are rounded and dropped as in `outline`.
     """
     normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
     upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
