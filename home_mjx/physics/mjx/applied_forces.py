@@ -29,13 +29,14 @@ def applied_forces(
 ) -> tuple[Float[Array, "a 3"], Float[Array, " v"]]:
     """Compute the forces that drive agents, doors and held bodies at the positions and velocities `qpos`, `qvel`.
 
-    `house` has the house's bodies, doors and ramps. Held bodies and door goals are those of `state`; its `qpos` and
-    `qvel` are not used.
+    `house` has the house's bodies, doors and ramps. Of `state`, only `held`, `grip` and `door_goal` are used, not its
+    `qpos` and `qvel`. Gravity, contacts and door damping are left out; the force of a hand includes the weight that it
+    lifts.
 
     Returns:
         Forces on the agents, along world x and y [N], torque about z [N m]: `motor_forces`, plus mass times
         `ramp_acceleration`, plus hand reactions. Forces on all other degrees of freedom, as MuJoCo's `qfrc_applied`:
-        inertia times `door_acceleration`, and hands; 0 for those of agents.
+        inertia times `door_acceleration`, and hands; 0 for those of agents, and without hand or drive.
     """
     bodies, leaves, ramps = house
     layout, table = template.layout, jnp.asarray(template.agents, jnp.float32)
@@ -69,7 +70,8 @@ def _add_hand_force(
     acceleration, plus the gyroscopic torque, so that MuJoCo's terms cancel.
 
     Returns:
-        `applied` with the force added, and the reaction on the agent along world x and y [N]; 0 if the hand is empty.
+        A copy of `applied` with the force added, and the reaction on the agent along world x and y [N]. That is 0 if
+        the hand is empty. The agent has no vertical reaction and no torque.
     """
     layout, body, (qpos, qvel) = template.layout, jnp.maximum(state.held[a], 0), now
     pos, velocity = qpos[layout.body_qpos].reshape(-1, 7)[body], qvel[layout.body_qvel].reshape(-1, 6)[body]

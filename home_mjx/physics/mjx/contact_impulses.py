@@ -22,11 +22,11 @@ class ContactImpulses(Pytree):
 
 
 def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> ContactImpulses:
-    """Return each dynamic body's contacts in one physics step of MJX; 0 and `NOTHING` for bodies without contact.
+    """Return each dynamic body's contacts in one physics step of MJX; 0 and `NOTHING` for bodies without impulse.
 
-    They are the sum of normal impulses [N s]; and the impulse, position [m] and partner of the strongest contact, or of
-    the first of equal ones.
-    `slot_box` is the index of the static box in each slot.
+    They are the sum of normal impulses [N s]; and the impulse, position [m] and partner of the strongest contact point.
+    Of equal ones it is the first in MJX's order. `slot_box` is the index of the static box in each slot. `data` is the
+    result of `mjx.step`.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
     impulse = _normal_forces(data) * jnp.float32(template.config.timing.sim_dt)
@@ -45,11 +45,11 @@ def collect_impulses(template: Template, data: mjx.Data, slot_box: Int[Array, " 
 
 
 def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"]) -> Int[Array, " a"]:
-    """Count each agent's penetrating contact points after a physics step, except with what carries it.
+    """Count each agent's penetrating contact points in a physics step, also those without impulse.
 
-    The floor plane carries it, and any static box, a low table too, where the normal from the box to the agent has an
-    upward part of at least `MIN_SUPPORT_NORMAL`.
-    `slot_box` is the index of the static box in each slot.
+    Points on the floor plane do not count. Neither do those on a static box, a low table too, if the normal towards
+    the agent has an upward part of at least `MIN_SUPPORT_NORMAL`. A point between two agents counts for both. Points
+    that MJX dropped are missing. `slot_box` is the index of the static box in each slot.
     """
     contact, first, second = _contact_sides(template, data, slot_box)
     upward = contact.frame[:, 0, 2]  # of the normal, from the first side to the second one
@@ -67,7 +67,8 @@ def count_contacts(template: Template, data: mjx.Data, slot_box: Int[Array, " s"
 def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
     """Combine the physics steps, along the leading axis: sum each body's impulses and keep its strongest contact.
 
-    Of equally strong contacts, the earliest is kept.
+    All fields have exactly one leading axis. Of equally strong contacts, the earliest is kept; `strongest` is the
+    impulse in its own step.
     """
     best = jnp.argmax(pushes.strongest, axis=0)
     mobile = jnp.arange(best.shape[0], dtype=jnp.int32)
@@ -80,7 +81,10 @@ def combine_substeps(pushes: ContactImpulses) -> ContactImpulses:
 def _contact_sides(
     template: Template, data: mjx.Data, slot_box: Int[Array, " s"]
 ) -> tuple[Any, Int[Array, " n"], Int[Array, " n"]]:
-    """Return MJX's contacts, and the owner of the first and of the second geom of each, coded as in `_owner_codes`."""
+    """Return MJX's contacts, and the owner of the first and of the second geom of each, coded as in `_owner_codes`.
+
+    MJX's arrays have a fixed length: contacts with a distance of at least 0 are included.
+    """
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     code = _owner_codes(template, slot_box)
     return contact, code[contact.geom[:, 0]], code[contact.geom[:, 1]]
@@ -98,7 +102,8 @@ def _owner_codes(template: Template, slot_box: Int[Array, " s"]) -> Int[Array, "
 def _normal_forces(data: mjx.Data) -> Float[Array, " n"]:
     """Return the normal force of each contact [N]: the sum over its constraint rows.
 
-    A frictionless contact has one row; one with friction has four, the edges of a pyramid.
+    A frictionless contact has one row; any other has four, the edges of a pyramid of `condim` 3. A contact without rows
+    has 0. Higher `condim` and elliptic cones are not supported.
     """
     contact, forces = data._impl.contact, data._impl.efc_force  # pyright: ignore[reportAttributeAccessIssue]
     rows = np.where(np.asarray(contact.dim) == 1, 1, 4)[:, None]

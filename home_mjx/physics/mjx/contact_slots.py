@@ -33,7 +33,7 @@ class OrientedBoxes(Pytree):
 
     @property
     def axes(self) -> list[Vector]:
-        """The three box axes in the world frame, each as a list of its x, y and z arrays."""
+        """The three box axes in the world frame, each as a list of its x, y and z arrays; `quat` must be normalised."""
         w, x, y, z = (self.quat[..., i] for i in range(4))
         one = jnp.ones_like(w)
         return [
@@ -54,7 +54,10 @@ class OrientedBoxes(Pytree):
 
 
 def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
-    """Return half extents [m] of all houses' static boxes; -1 for boxes that do not `rise_above` the ground floor."""
+    """Return half extents [m] of all houses' static boxes; -1 for boxes that do not `rise_above` the ground floor.
+
+    Padding, which is far below, is -1, too.
+    """
     boxes = OrientedBoxes(physics.collider_pos, physics.collider_quat, physics.collider_size)
     above = boxes.rise_above(physics.floor[:, None])
     return jnp.where(above[..., None], physics.collider_size, jnp.float32(-1.0))
@@ -63,8 +66,9 @@ def half_above_floor(physics: Physics) -> Float[Array, "h c 3"]:
 def separation(owner: OrientedBoxes, static: OrientedBoxes) -> Float[Array, " c"]:
     """Return the largest gap between the owner's box and each static box along the six face axes of both [m].
 
-    Negative values mean overlap. The result is a lower bound of the distance, and exact if faces are opposite each
-    other. The edge pairs of the separating axis test are omitted (Gottschalk et al. 1996).
+    `owner` is one box. The result is a lower bound of the distance, and exact if faces are opposite each other. The
+    edge pairs of the separating axis test are omitted (Gottschalk et al. 1996). Negative values therefore mean overlap
+    along these six axes, also of boxes that only an edge pair separates.
     """
     axes_a, axes_b = owner.axes, static.axes
     half_a, half_b = _components(owner.half), _components(static.half)
@@ -82,12 +86,12 @@ def fill_slots(
 ) -> tuple[OrientedBoxes, Int[Array, " num"], Bool[Array, ""]]:
     """Select the `num` (at most all) static boxes nearest to an owner's box by `separation`, cropped around it.
 
-    MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls would displace real
-    contacts. Boxes at `MAX_SLOT_DISTANCE` or farther are parked for the same reason.
+    `owner` is one box. MJX's broad phase ranks pairs by bounding spheres. Without the crop, the spheres of long walls
+    would displace real contacts. Boxes at `MAX_SLOT_DISTANCE` or farther are parked for the same reason.
 
     Returns:
         The boxes in the slots, nearest first; their indices in `static` (also if parked); whether more than `num` boxes
-        overlap the owner.
+        have a negative `separation`. Of equally near boxes, the lower index is first.
     """
     gap = separation(owner, static)
     _, index = jax.lax.top_k(-gap, num)
@@ -100,7 +104,7 @@ def fill_slots(
 
 
 def parked_boxes(num: int) -> OrientedBoxes:
-    """Return `num` small boxes `PARKED_HEIGHT` below the ground, all in one place, which nothing touches."""
+    """Return `num` boxes of half extents `PARKED_SIZE`, all `PARKED_HEIGHT` below the world's origin, out of reach."""
 
     def rows(*row: float) -> Array:
         """Repeat one row `num` times."""
@@ -114,8 +118,8 @@ def parked_boxes(num: int) -> OrientedBoxes:
 def _crop(boxes: OrientedBoxes, center: Float[Array, "3"], radius: Float[Array, ""]) -> OrientedBoxes:
     """Return the part of each box in a cube around `center`, aligned with the box, of half extent `radius` [m].
 
-    Its own half extents are at least 1 mm. Along an axis on which the cube misses the box, it is centred in the gap
-    between them, so outside the box.
+    `center` is one point for all boxes. A part's half extents are at least 1 mm. Along an axis on which the cube misses
+    the box, the part is centred in the gap between them, so outside the box.
     """
     axes, pos = boxes.axes, _components(boxes.pos)
     between = [c - p for c, p in zip(_components(center), pos, strict=True)]

@@ -43,8 +43,9 @@ class MovableBodies(Pytree):
 def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None) -> MovableBodies:
     """Return a house's movable bodies at authored poses, unused ones parked.
 
-    `scale.mass` multiplies mass and inertia of used bodies; friction is not among the fields. Parked bodies are
-    upright, 2 m apart along x at `PARKED_HEIGHT`, with half extents `PARKED_SIZE` and mass `PARKED_MASS`.
+    `scale.mass` multiplies mass and inertia of used bodies; `scale.friction` is ignored. Parked bodies are upright, 2 m
+    apart along x at `PARKED_HEIGHT`, with half extents `PARKED_SIZE` and mass `PARKED_MASS`. `house` must be a valid
+    index; the caller clips it.
     """
     bodies = _movable_bodies(physics, house)
     if scale is None or scale.mass is None:
@@ -54,7 +55,7 @@ def movable_bodies(physics: Physics, house: Int[Array, ""], scale: BodyScale | N
 
 
 def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
-    """Return a house's bodies with authored values, unused ones parked."""
+    """Return a house's movable bodies with authored, unscaled values, unused ones parked; see `movable_bodies`."""
     valid = physics.body_valid[house]
     num = valid.shape[0]
     row = jnp.arange(num, dtype=jnp.float32)
@@ -63,7 +64,7 @@ def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
     inertia = PARKED_MASS * 2 / 3 * PARKED_SIZE**2
 
     def choose(values: Array, parked: Any) -> Array:
-        """Return the house's values, and `parked` for unused bodies."""
+        """Return the house's row of `values` (h, k, ...), with `parked` for unused bodies."""
         shape = (num, *[1] * (values.ndim - 2))
         return jnp.where(valid.reshape(shape), values[house], jnp.asarray(parked, jnp.float32))
 
@@ -79,6 +80,9 @@ def _movable_bodies(physics: Physics, house: Int[Array, ""]) -> MovableBodies:
 
 def house_model(model: mjx.Model, layout: Layout, bodies: MovableBodies, floor: Float[Array, ""]) -> mjx.Model:
     """Return the template with a house's floor height and bodies, and all that MuJoCo's compiler derives from them.
+
+    `model` must have the template's parked bodies, as the mass of the world's subtree changes by the difference. Doors,
+    contact slots and contact parameters are unchanged.
 
     For a free body whose inertial frame is its body frame, `mj_setConst` sets `body_invweight0` = (1/m, mean of 1/I).
     It sets `dof_invweight0` to each of these three times, and `dof_M0` = (m, m, m, I).
@@ -110,7 +114,10 @@ def _set_rows(model: mjx.Model, rows: Any, **values: Array) -> mjx.Model:
 
 
 def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]) -> mjx.Model:
-    """Return the model with box sizes, corner-sphere positions and bounding volumes for half extents `size` [m]."""
+    """Return the model with box sizes, corner-sphere positions and bounding volumes for half extents `size` [m].
+
+    `size` has a row of each movable body, unused ones too, larger than `CORNER_RADIUS`.
+    """
     at, num = layout.body_geoms, layout.num_bodies
 
     def set_boxes(field: Array, boxes: Array) -> Array:
@@ -131,9 +138,11 @@ def _with_body_geoms(model: mjx.Model, layout: Layout, size: Float[Array, "k 3"]
 def house_surfaces(
     config: PhysicsSetup, physics: Physics, house: Int[Array, ""], scale: BodyScale | None = None
 ) -> Float[Array, "k 5"]:
-    """Return contact parameters of a house's bodies, see `base.surfaces`, with friction times `scale.friction`.
+    """Return contact parameters of a house's movable bodies, see `body_surfaces`, with friction times `scale.friction`.
 
-    Unused bodies have the template's default parameters. Columns: friction, stiffness, damping, impedance, its width.
+    That factor applies to `config.friction`, too; `scale.mass` is ignored. Unused bodies have `default_surface`,
+    without the factor. Columns: friction, stiffness, damping, minimum impedance, its width. `house` must be a valid
+    index.
     """
     usual = jnp.asarray(default_surface(config), jnp.float32)
     own = body_surfaces(config, physics)[house]
@@ -150,7 +159,7 @@ def with_surfaces(
     `pairs` has the dynamic bodies of each geom pair of the template; -1 is the world. Pairs with agents are unchanged.
     `surfaces` has a row of `base.surfaces` per movable body. Against doors and the world, a body's own row applies.
     Between two bodies the larger friction, stiffness and damping apply, and mean impedances. The maximum impedance is
-    unchanged.
+    unchanged. Without movable bodies, the model is returned as it is.
     """
     rows = np.flatnonzero(~((pairs >= 0) & (pairs < layout.num_agents)).any(axis=1))
     if not layout.num_bodies:
@@ -172,7 +181,8 @@ def with_surfaces(
 def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
     """Return the door leaves of a house; padding is parked at `PARKED_HEIGHT` [m] with valid sizes, mass and range.
 
-    Padding keeps its slide direction, which is 0 for hinged rows.
+    Padding keeps its slide direction, which is 0 for hinged rows. Its `valid` is True: only a `height` below
+    `PARKED_HEIGHT` identifies real leaves. `house` must be a valid index; the caller clips it.
     """
     leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
@@ -196,7 +206,8 @@ def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
 def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Model:
     """Return the model with a house's door leaves: poses, masses, joint axes, ranges and damping, geoms.
 
-    `leaves` are those of `house_doors`, so padding is parked. Without doors the model is unchanged.
+    `leaves` are those of `house_doors`, so padding is parked. `model` must have the template's parked doors, as the
+    mass of the world's subtree changes by the difference. Without doors the model is unchanged.
     """
     if not layout.num_doors:
         return model
@@ -231,5 +242,8 @@ def _set_boxes(
 
 
 def with_slots(model: mjx.Model, layout: Layout, slots: OrientedBoxes) -> mjx.Model:
-    """Return the model with its contact slots filled: one static box per slot geom, in the order of `Layout.slots`."""
+    """Return the model with its contact slots filled: one static box per slot geom, in the order of `Layout.slots`.
+
+    Boxes of earlier calls are replaced.
+    """
     return _set_boxes(model, layout.slots, slots.pos, slots.quat, slots.half)

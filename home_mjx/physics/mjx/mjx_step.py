@@ -32,7 +32,11 @@ from home_mjx.physics.mjx.template_mjcf import PARKED_HEIGHT
 def step_mjx(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance the state by one control step with MJX, on any platform; see `dynamics.step_checked`."""
+    """Advance the state by one control step with MJX, on any platform; see `dynamics.step_checked`.
+
+    `num_contacts` is the maximum over the physics steps. The flags `contact_pairs` and `contact_points` are those of
+    the last physics step. `house` must be a valid index; the caller clips it.
+    """
     bodies, leaves = movable_bodies(physics, house, state.scale), house_doors(physics, house)
     static = padded_static_boxes(template, physics, house)
     parts = bodies, leaves, physics.ramp[house]
@@ -82,8 +86,8 @@ def step_mjx(
 def padded_static_boxes(template: Template, physics: Physics, house: Int[Array, ""]) -> OrientedBoxes:
     """Return a house's static boxes in the bank's order; parked ones are added if they are fewer than an owner's slots.
 
-    Parked ones also replace boxes in or flat on the floor. The floor plane already supports bodies there, and contact
-    with a rug must count as contact with the floor.
+    Parked ones also replace padding and boxes in or flat on the ground floor, in the same rows. The floor plane already
+    supports bodies there, and contact with a rug must count as contact with the floor.
     """
     own = OrientedBoxes(physics.collider_pos[house], physics.collider_quat[house], physics.collider_size[house])
     above = own.rise_above(physics.floor[house])
@@ -97,10 +101,12 @@ def fill_contact_slots(
 ) -> tuple[OrientedBoxes, Int[Array, " s"], Bool[Array, ""]]:
     """Fill all contact slots, ordered as `Layout.slots`, with the static boxes nearest to each agent and each body.
 
-    Agents are upright boxes. All poses are those of `data.qpos`; `body_size` has half extents [m].
+    Agents are upright boxes. All poses are those of `data.qpos`; `body_size` has half extents [m] of all movable
+    bodies, unused ones too. `static` is that of `padded_static_boxes`.
 
     Returns:
-        The boxes in the slots, their rows in `static`, and whether an owner overlaps more boxes than it has slots.
+        The boxes in the slots, their rows in `static`, and whether any owner overlaps more boxes than it has slots.
+        Boxes are cropped or parked as in `fill_slots`; parked ones have rows, too.
     """
     config = template.config
     slots, rows, crowded = [], [], jnp.zeros((), bool)
@@ -126,9 +132,11 @@ def apply_state_limits(
     """Return `moved` (qpos, qvel) with unused bodies and doors restored and the speed and spin of used bodies limited.
 
     Unused bodies get exactly their parked poses in `bodies`, and unused doors their coordinates in `before`, both at
-    rest, so that they never drift. Poses are not corrected for limited speeds. The limits keep a body that starts deep
-    inside another from being shot through a wall. They also limit the spin, since explicit integration of the
-    gyroscopic torque diverges from about 1 rad per physics step on.
+    rest, so that they never drift. `leaves` are those of `house_doors`. Agents and used doors are unchanged.
+
+    Poses are not corrected for limited speeds. The limits keep a body that starts deep inside another from being shot
+    through a wall. They also limit the spin, since explicit integration of the gyroscopic torque diverges from about
+    1 rad per physics step on.
     """
     layout, (qpos, qvel) = template.layout, moved
     if layout.num_doors:
@@ -150,7 +158,7 @@ def apply_state_limits(
 
 
 def _limit_length(vectors: Float[Array, "k 3"], longest: float) -> Float[Array, "k 3"]:
-    """Return vectors scaled down to the length `longest` where they are longer."""
+    """Return the vectors, each longer one scaled down to the length `longest`; NaN stays NaN."""
     square = jnp.sum(vectors * vectors, axis=-1, keepdims=True)
     scale = jnp.float32(longest) * jax.lax.rsqrt(jnp.maximum(square, jnp.float32(longest**2)))
     return jnp.where(square > jnp.float32(longest**2), vectors * scale, vectors)
@@ -166,14 +174,17 @@ def _agent_boxes(template: Template, data: mjx.Data) -> OrientedBoxes:
 
 
 def _body_boxes(template: Template, data: mjx.Data, size: Float[Array, "k 3"]) -> OrientedBoxes:
-    """Return the boxes of the movable bodies at the poses in `data.qpos`; `size` has their half extents [m]."""
+    """Return the boxes of all movable bodies at the poses in `data.qpos`; `size` has their half extents [m].
+
+    Quaternions are not normalised.
+    """
     bodies = data.qpos[template.layout.body_qpos].reshape(-1, 7)
     return OrientedBoxes(bodies[:, :3], bodies[:, 3:], size)
 
 
 @contextlib.contextmanager
 def _mjx_numerics() -> Iterator[None]:
-    """Relax strict JAX settings for MJX.
+    """Relax strict JAX settings for MJX inside the `with` block, and restore them after it.
 
     MJX mixes dtypes and ranks, and its solver needs more precision than a GPU's 10-bit TF32.
     """

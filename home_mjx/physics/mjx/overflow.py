@@ -38,15 +38,18 @@ class Overflow(Pytree):
 
 
 def numeric_limit(model: Any, name: str) -> int:
-    """Return a `mujoco.MjModel`'s custom numeric, such as `max_geom_pairs`, as an integer."""
+    """Return the first value of a `mujoco.MjModel`'s custom numeric, such as `max_geom_pairs`, as an integer.
+
+    A missing name raises `KeyError`.
+    """
     return int(model.numeric(name).data[0])
 
 
 def are_points_full(data: mjx.Data, max_points: int) -> Bool[Array, ""]:
     """Return whether MJX may have dropped contact points in its last physics step.
 
-    That is if all points of one `condim` penetrate and they are at least `max_points`. It can be True without a loss. A
-    `condim` with fewer points never overflows.
+    That is if all entries of one `condim` in MJX's contact array penetrate and they are at least `max_points`. It can
+    be True without a loss. A `condim` with fewer entries never overflows.
     """
     contact = data._impl.contact  # pyright: ignore[reportAttributeAccessIssue]
     dims = np.asarray(contact.dim)
@@ -73,7 +76,10 @@ class GeomPairs:
 
     @classmethod
     def from_model(cls, model: Any) -> "GeomPairs":
-        """Group a `mujoco.MjModel`'s box-box and box-capsule pairs; keep kinds of more than `max_geom_pairs`."""
+        """Group a `mujoco.MjModel`'s explicit box-box and box-capsule pairs; keep kinds of more than `max_geom_pairs`.
+
+        Pairs that touch by masks (`contype`) are left out. The model must have that numeric.
+        """
         most, kinds = numeric_limit(model, "max_geom_pairs"), defaultdict(list)
         for a, b in zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True):
             kind = frozenset((int(model.geom_type[a]), int(model.geom_type[b])))
@@ -92,14 +98,20 @@ class GeomPairs:
         return jnp.any(jnp.stack(missed)) if missed else jnp.zeros((), bool)
 
     def _untested(self, sizes: GeomSizes, data: mjx.Data, pairs: Int[np.ndarray, "p 2"]) -> Int[Array, "q 2"]:
-        """Return the pairs that MJX skips: all but the `max_tested` with the nearest bounding spheres."""
+        """Return the pairs that MJX skips: all but the `max_tested` with the nearest bounding spheres.
+
+        Of equally near ones, the later are skipped. `pairs` is one kind with more than `max_tested` rows.
+        """
         first, second = data.geom_xpos[pairs[:, 0]], data.geom_xpos[pairs[:, 1]]
         apart = jnp.linalg.norm(second - first, axis=-1) - sizes.rbound[pairs].sum(axis=-1)
         _, order = jax.lax.top_k(-apart, len(pairs))
         return jnp.asarray(pairs)[order[self.max_tested :]]
 
     def _touch(self, sizes: GeomSizes, data: mjx.Data, pairs: Int[Array, "q 2"]) -> Bool[Array, " q"]:
-        """Return whether the two boxes of each pair overlap along all six face axes; capsules as bounding boxes."""
+        """Return whether the two boxes of each pair overlap along all six face axes; capsules as bounding boxes.
+
+        Edge pairs are not tested, so it can be True for boxes that are apart; boxes that only touch are False.
+        """
         boxes = self._boxes(sizes)
         between = data.geom_xpos[pairs[:, 1]] - data.geom_xpos[pairs[:, 0]]
         a, b = data.geom_xmat[pairs[:, 0]], data.geom_xmat[pairs[:, 1]]

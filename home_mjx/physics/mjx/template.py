@@ -69,7 +69,10 @@ class Template:
 
 
 def _jacobian(config: PhysicsSetup) -> str:
-    """Return MuJoCo's `jacobian` option, with "auto" resolved to sparse on CPUs and dense elsewhere."""
+    """Return MuJoCo's `jacobian` option, with "auto" resolved to sparse on CPUs and dense elsewhere.
+
+    The platform is JAX's default backend at the time of the call.
+    """
     if config.jacobian != "auto":
         return config.jacobian
     return "sparse" if jax.default_backend() == "cpu" else "dense"

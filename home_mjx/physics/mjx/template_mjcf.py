@@ -23,6 +23,8 @@ CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)), np.float32)
 def template_mjcf(config: PhysicsSetup, layout: Layout, jacobian: str) -> str:
     """Return the MJCF of an empty house with every body, door and slot parked; `jacobian` is MuJoCo's option.
 
+    `jacobian`, `friction` and `restitution` of `config` are ignored; numbers of slots are those of `layout`.
+
     Door leaves collide with agents and bodies only, since the house defines their ranges. The joint type of a leaf
     cannot differ between houses: the last leaves slide.
 
@@ -69,7 +71,10 @@ def _add_agent(world: ET.Element, config: PhysicsSetup, a: int) -> None:
 
 
 def _add_pair(contact: ET.Element, config: PhysicsSetup, first: str, second: str, agent: bool) -> None:
-    """Add the contact pair of two geoms; a frictionless one if `agent`, else with friction of the default surface."""
+    """Add the contact pair of two geoms, given by name; frictionless if `agent`, else with `default_surface`.
+
+    Friction and restitution of `config` are ignored: `with_surfaces` replaces those of movable bodies.
+    """
     friction, stiffness, damping, _, _ = default_surface(config).tolist()  # of unused bodies
     body = {"condim": "3", "solref": f"{-stiffness} {-damping}", "friction": f"{friction} {friction}"}
     kind = {"condim": "1", "solref": SOLREF} if agent else body
@@ -79,7 +84,8 @@ def _add_pair(contact: ET.Element, config: PhysicsSetup, first: str, second: str
 def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobian: str) -> None:
     """Add solver options, MJX's limits of geom pairs and contact points as custom numerics, and a default material.
 
-    Limits that `config` leaves out are those of `PhysicsConfig`. Damping is explicit (`eulerdamp` disabled).
+    Limits that are None in `config` are those that `PhysicsConfig` documents. `config.jacobian` is ignored in favour of
+    `jacobian`. Damping is explicit (`eulerdamp` disabled).
     """
     option = ET.SubElement(
         root,
@@ -100,7 +106,10 @@ def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobia
 
 
 def _add_body(world: ET.Element, k: int) -> None:
-    """Add the parked movable body `body<k>` with a free joint: a box and eight spheres `body<k>_corner<c>`."""
+    """Add the parked movable body `body<k>` with a free joint: a box and eight spheres `body<k>_corner<c>`.
+
+    Its geoms touch nothing before `_add_pairs`.
+    """
     # Explicit inertia keeps the inertial frame equal to the body frame for all proportions of the box.
     body = ET.SubElement(world, "body", name=f"body{k}", pos=f"{2 * k} 0 {PARKED_HEIGHT}")
     ET.SubElement(body, "freejoint", name=f"body{k}")
@@ -133,7 +142,9 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
 def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> None:
     """Add contact pairs: agents and bodies with their slots, doors and one another; feet and corners with the floor.
 
-    Doors touch neither one another nor slots nor the floor. Pairs with an agent are frictionless.
+    Agents and bodies touch only their own slots. An agent's capsule and a body's box do not touch the floor; feet and
+    corners touch nothing else. Doors touch neither one another nor slots nor the floor. Pairs with an agent are
+    frictionless.
     """
     for a in range(layout.num_agents):
         others = [f"agent{a}_slot{s}" for s in range(layout.agent_slots)]

@@ -28,7 +28,8 @@ def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt
     Agents have counts of points, also of those without impulse. Points on floors do not count. Neither do those on
     static boxes whose normal is upward by at least `MIN_SUPPORT_NORMAL`: ramps, tops and edges of steps.
 
-    `owner` has the dynamic body of each geom, or a code of `base.state`; `dt` is the length of the step [s].
+    `owner` has the dynamic body of each geom, or a code of `base.state`. Contacts with geoms of code `NOTHING` count
+    like others, but leave `contact_partner` at `NOTHING`. `dt` is the length of the step [s].
     """
     contact, mobiles = data.contact, layout.num_dynamic
     one, two = owner[contact.geom].reshape(-1, 2).T
@@ -50,7 +51,8 @@ def collect_contacts(data: Any, owner: Int[np.ndarray, " g"], layout: Layout, dt
 def _normal_forces(data: Any) -> Float[np.ndarray, " n"]:
     """Return the normal force of each contact [N]: the sum over its constraint rows; 0 for a contact without rows.
 
-    A frictionless contact has one row; one of `condim` 3 has four, the edges of a pyramid.
+    A frictionless contact has one row; one of `condim` 3 has four, the edges of a pyramid. Elliptic cones, whose rows
+    are not alike, are not supported.
     """
     contact = data.contact
     sums = np.concatenate([np.zeros(1), np.cumsum(data.efc_force)])

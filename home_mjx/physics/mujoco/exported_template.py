@@ -63,11 +63,12 @@ def build_exported_model(
     """Build C MuJoCo's model of an exported house with frictionless agents, and its index maps to the state.
 
     Rows of movable bodies and doors are those of the house in its bank; unused rows have no body. Visual geoms are left
-    out, and an unstable state is not reset (`mjDSBL_AUTORESET`).
+    out, and an unstable state is not reset (`mjDSBL_AUTORESET`). In `qpos0`, agents are at the world's origin.
 
     Args:
-        config: Options; `friction` and `restitution`, unless None, replace those of all movable bodies.
-        layout: Layout of the state.
+        config: Options. `friction` and `restitution`, unless None, replace those of all movable bodies. The agents'
+            bodies and the length of a physics step are used, too; solver options such as `iterations` are ignored.
+        layout: Layout of the state, with the agents of `config` and at least the house's bodies and doors.
         house: A compiled house.
         collision: `box` or `exact`, as in `to_mjcf`, whose errors come through.
     """
@@ -97,9 +98,10 @@ def build_exported_model(
 
 
 def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
-    """Map names of static geoms to static box indices; a convex piece maps to the first box of its object.
+    """Map names of static geoms to indices of the house's static boxes: `static<c>` to c, pieces to a box.
 
-    Pieces of movable objects, and geoms of other names, are left out.
+    A convex piece `piece<instance>_<n>` maps to the first box of its object, which must have one. Pieces of movable
+    objects, and geoms of other names or without a name, are left out.
     """
     found = {}
     for name in filter(None, (model.geom(geom).name for geom in range(model.ngeom))):
@@ -115,7 +117,8 @@ def _static_geoms(model: Any, house: CompiledHouse) -> dict[str, int]:
 def _with_model_poses(physics: Physics, layout: Layout, houses: Sequence[MujocoHouse]) -> Physics:
     """Return the physics arrays with movable bodies at their poses in `qpos0` of the houses' MuJoCo models.
 
-    Unused rows keep their poses; `physics` is unchanged.
+    There is one model per house of the bank, in its order. Unused rows keep their poses. Doors and arrangements are
+    not adapted; `physics` itself is unchanged.
     """
     poses = np.concatenate([physics.body_pos, physics.body_quat], axis=-1)
     for row, house in zip(poses, houses, strict=True):

@@ -55,9 +55,12 @@ class HouseRows(NamedTuple):
 def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
     """Return the MJCF of a house with its agents.
 
-    Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank; unused
-    rows are omitted. Shapes, masses and contact parameters are those of the template (`template_mjcf`), but every
-    static box can touch every body. Agents and movable bodies are at the origin, since the state sets their poses.
+    Bodies are named `agent<a>`, `body<k>` and `door<h>`, geoms `floor` and `static<c>`, numbered as in the bank. Unused
+    bodies and doors, and static boxes without three positive half extents, are omitted: see `half_above_floor`.
+
+    Every static box can touch every agent and movable body. Agents and movable bodies are at the origin, since the
+    state sets their poses; doors are as authored. There are no actuators. Of `config`, the agents' bodies, the length
+    of a physics step, `friction` and `restitution` are used.
     """
     root = ET.Element("mujoco", model="house")
     _add_options(root, config)
@@ -80,7 +83,10 @@ def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
 
 
 def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
-    """Add solver options: Newton to convergence with a dense Jacobian; disable `eulerdamp` and `autoreset`."""
+    """Add solver options: Newton to convergence with a dense Jacobian; disable `eulerdamp` and `autoreset`.
+
+    Of `config`, only the length of a physics step is used: `iterations`, `ls_iterations` and `jacobian` are ignored.
+    """
     solver = {"iterations": str(ITERATIONS), "ls_iterations": str(LS_ITERATIONS), "tolerance": str(TOLERANCE)}
     # MuJoCo 4.0.0 uses a sparse Jacobian from 60 DoFs on, with which Newton's method stalls in some heaps of bodies.
     option = ET.SubElement(root, "option", solver, timestep=str(config.timing.sim_dt), jacobian="dense")
@@ -89,7 +95,10 @@ def _add_options(root: ET.Element, config: PhysicsSetup) -> None:
 
 
 def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) -> None:
-    """Add movable body `k` with a free joint at the origin: its box; corner spheres touch the floor in its place."""
+    """Add movable body `k` with a free joint at the origin: its box; corner spheres touch the floor in its place.
+
+    `k` is its row. `friction` and `restitution` of `config`, unless None, replace those of `rows`.
+    """
     body = ET.SubElement(world, "body", name=f"body{k}")
     ET.SubElement(body, "freejoint")
     inertia = numbers(box_inertia(rows.body_mass[k : k + 1], rows.body_size[k : k + 1]))
@@ -103,7 +112,10 @@ def _add_body(config: PhysicsSetup, world: ET.Element, rows: HouseRows, k: int) 
 
 
 def _doors(rows: HouseRows) -> Doors:
-    """Convert the rows' doors to the compiler's record, with closed and fully open at the joint limits."""
+    """Convert the rows' doors, with padding, to the compiler's record, closed at `low` and fully open at `high`.
+
+    `instance` is the row, not the door's instance in the house.
+    """
     names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
     place = {name: getattr(rows, f"door_{name}") for name in names}
     return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, fully_open=rows.door_high, **place)

@@ -65,8 +65,8 @@ class MujocoHouse:
         """Advance by one physics step; arrays are as in `PhysicsState`, and `qacc` is the solver's warm start.
 
         Bodies that the house does not have keep their state, with `qacc` 0. With NaN or infinite `qpos`, `qvel` or
-        `applied`, the given arrays are returned, without contacts; else the result is new. `applied` are the forces on
-        all joints [N], [N m].
+        `applied`, the given arrays are returned, without contacts; else the result is new. `qacc` must be finite, and
+        is not checked. `applied` are the forces on all joints [N], [N m]; those on missing bodies are ignored.
         """
         if not all(np.isfinite(x).all() for x in (qpos, qvel, applied)):  # MuJoCo would write a log file
             mobiles = self._layout.num_dynamic
@@ -87,13 +87,19 @@ class MujocoHouse:
             self._spare.append(data)
 
     def initial_poses(self, qpos: Float[np.ndarray, " q"]) -> Float[np.ndarray, " q"]:
-        """Return a copy of `qpos` with the agents, bodies and doors of the house at `qpos0`; unused rows are kept."""
+        """Return a copy of `qpos` with the agents, bodies and doors of the house at `qpos0`; unused rows are kept.
+
+        In `qpos0`, agents are at the world's origin; so are movable bodies, except in models of exported houses.
+        """
         after = qpos.copy()
         after[self._qpos] = self.model.qpos0
         return after
 
     def _take(self) -> Any:
-        """Return a spare `MjData`, or a new one if other threads use all; the caller puts it back in `_spare`."""
+        """Remove and return a spare `MjData`, or a new one if none is left; the caller puts it back in `_spare`.
+
+        A spare one contains an earlier step, also of another environment.
+        """
         try:
             return self._spare.pop()
         except IndexError:
@@ -101,14 +107,17 @@ class MujocoHouse:
 
 
 def _state_sizes(layout: Layout, mobile: int) -> tuple[int, int]:
-    """Return a dynamic body's number of elements in the state's `qpos` and `qvel`."""
+    """Return a dynamic body's number of elements in the state's `qpos` and `qvel`; its index is not checked."""
     if mobile < layout.num_agents:
         return 4, 4
     return (7, 6) if mobile < layout.num_agents + layout.num_bodies else (1, 1)
 
 
 def _has_overflow(data: Any) -> bool:
-    """Return whether MuJoCo has dropped contacts (`OVERFLOW_WARNINGS`), and reset these warning counters."""
+    """Return whether MuJoCo has dropped contacts (`OVERFLOW_WARNINGS`) since the last call on this `mujoco.MjData`.
+
+    Reset these warning counters.
+    """
     warnings = [data.warning[getattr(mujoco.mjtWarning, f"mjWARN_{name}")] for name in OVERFLOW_WARNINGS]  # pyright: ignore[reportAttributeAccessIssue]
     full = any(warning.number for warning in warnings)
     for warning in warnings:

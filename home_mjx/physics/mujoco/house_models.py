@@ -65,7 +65,10 @@ class MujocoHouses:
         results[0][:] = np.array(numbers, np.int32)[inverse.reshape(-1)]
 
     def _number(self, rows: HouseRows) -> int:
-        """Return the number of the house with these rows; build its model on first use. The caller holds the lock."""
+        """Return the number of the house with these rows; build its model if it is not cached.
+
+        Mark it as most recently used; evict nothing. The caller holds the lock.
+        """
         digest = hashlib.blake2b(b"".join(np.ascontiguousarray(row).tobytes() for row in rows)).digest()
         number = self._numbers.get(digest)
         if number is None:
@@ -75,7 +78,10 @@ class MujocoHouses:
         return number
 
     def _step(self, given: Arrays, results: Arrays) -> None:
-        """Run a physics step of all environments, on all cores; the host function of `step_target`."""
+        """Run a physics step of all environments, at least one, on all cores; the host function of `step_target`.
+
+        Return when all are done. A number whose model was evicted raises `KeyError`.
+        """
         envs = np.array_split(np.arange(len(given[0])), min(usable_cores(), len(given[0])))
         if len(envs) == 1:
             return self._step_some(given, results, envs[0])
@@ -84,7 +90,7 @@ class MujocoHouses:
         return None
 
     def _step_some(self, given: Arrays, results: Arrays, envs: np.ndarray) -> None:
-        """Step the environments with these indices one by one, and write their rows of `results`."""
+        """Step the environments with these indices one by one, and write their rows of `results`; keep other rows."""
         for env in envs.tolist():
             number, *state = (x[env] for x in given)
             moved = self._houses[int(number)].step(*state)
@@ -96,7 +102,8 @@ class MujocoHouses:
 def build_house_model(config: PhysicsSetup, layout: Layout, rows: HouseRows) -> MujocoHouse:
     """Build C MuJoCo's model of a house from its rows (`house_mjcf`), with the index maps between model and state.
 
-    Static boxes with a negative half extent, and unused bodies and doors, are left out.
+    Unused bodies and doors, and static boxes without three positive half extents, are left out. The lengths of `rows`
+    and the agents of `config` must be those of `layout`.
     """
     model = mujoco.MjModel.from_xml_string(house_mjcf(config, rows))  # pyright: ignore[reportAttributeAccessIssue]
     agents = [f"agent{a}" for a in range(layout.num_agents)]
@@ -123,17 +130,20 @@ class PrebuiltHouses(MujocoHouses):
         return len(self._houses)
 
     def _find(self, given: Arrays, results: Arrays) -> None:
-        """Write each environment's house index, clipped to the list, as its number."""
+        """Write each environment's house index, clipped to the list, as its number; the houses' rows are ignored."""
         np.clip(given[-1], 0, len(self) - 1, out=results[0])
 
 
 @functools.cache
 def shared_house_models(config: PhysicsSetup, layout: Layout) -> MujocoHouses:
-    """Return the store of models, built on first use, that all templates of these options and capacities share."""
+    """Return the store of models, built on first use, that all templates of these options and capacities share.
+
+    The process keeps every store to its end.
+    """
     return MujocoHouses(config, layout)
 
 
 @functools.cache
 def _pool() -> ThreadPoolExecutor:
-    """Return the thread pool that all houses share."""
+    """Return the thread pool that all stores share, made on first use and never shut down."""
     return ThreadPoolExecutor(usable_cores(), "home_mjx_c")

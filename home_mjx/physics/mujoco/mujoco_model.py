@@ -65,11 +65,14 @@ class MujocoModel:
     def step(
         self, state: Float[Array, " s"], ctrl: Float[Array, " u"]
     ) -> tuple[Float[Array, " s"], Float[Array, " n"]]:
-        """Advance one environment by `substeps` physics steps.
+        """Advance one environment by `substeps` physics steps; use `vmap` for more.
+
+        After a warning of MuJoCo, the remaining physics steps are skipped. An unstable state, such as NaN, is replaced
+        by `start` unless the model disables `autoreset`. Neither is reported.
 
         Args:
             state: State vector, like `start`.
-            ctrl: Controls of the model's actuators.
+            ctrl: Controls of the model's actuators, the same in all physics steps.
 
         Returns:
             The state after the step, and MuJoCo's `sensordata` of the last physics step.
@@ -94,7 +97,8 @@ class MujocoModel:
     def _run(self, given: Sequence[np.ndarray], results: Sequence[np.ndarray]) -> None:
         """Step all environments by C MuJoCo's threaded rollout in float64; the host function of `step`.
 
-        `given` is controls (e, u), then states (e, s). `results` receive the states and the last sensor data.
+        `given` is controls (e, u), then states (e, s). `results` receive the states and the last sensor data. Calls on
+        several threads run one after another.
         """
         ctrl, state = (x.astype(np.float64) for x in given)
         with self._lock:
@@ -107,7 +111,8 @@ class MujocoModel:
 def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]) -> tuple[Array, ...]:
     """Call a host function of `register_host_call` on environments (e, ...); an empty batch gives zeros without a call.
 
-    `results` are the shapes and types of the results. The last operand determines the size of the batch.
+    `results` are the shapes and types of the results. The last operand determines the size of the batch; the others may
+    be shared by all environments. There is no rule for `vmap`: wrap the caller with `batch_kernel`.
     """
     if operands[-1].shape[0] == 0:
         return tuple(jnp.zeros(x.shape, x.dtype) for x in results)
@@ -116,6 +121,8 @@ def call_host(target: str, operands: Sequence[Array], results: Sequence[jax.Shap
 
 def check_platform() -> None:
     """Raise an error, while tracing, if C MuJoCo cannot run the program.
+
+    Only JAX's default device or, without one, its default backend is checked, not the devices of arrays.
 
     Raises:
         ConfigError: JAX's default device is a GPU or TPU; C MuJoCo runs on the host.

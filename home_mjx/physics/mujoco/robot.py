@@ -39,7 +39,7 @@ def robot_in_house(
         yaw: Yaw of that frame [rad], counter-clockwise from +x.
         timestep: [s]
         collision: `box` or `exact`, as in `to_mjcf`.
-        movable: If False, movable objects are fixed, which is much faster in MJX.
+        movable: If False, movable objects are fixed, which is much faster in MJX; door leaves and the robot are not.
         visuals: If False, visual-only geoms are omitted, including the robot's.
 
     Returns:
@@ -87,8 +87,8 @@ def _read(robot: Any) -> Any:
 def _enable_leaf_contacts(house: Any, robot: Any) -> None:
     """Let door leaves, which otherwise collide with movable bodies only, collide with the robot; change both specs.
 
-    Leaves get `LEAF_CONTACT_BIT` in `contype`. Geoms of the robot get it in `conaffinity`, unless both their masks are
-    0.
+    Leaves are the geoms with the masks `COLLIDES_WITH_MOVABLES`; `house` must not contain the robot yet. They get
+    `LEAF_CONTACT_BIT` in `contype`. Geoms of the robot get it in `conaffinity`, unless both their masks are 0.
     """
     for geom in house.geoms:
         if str(geom.contype) == COLLIDES_WITH_MOVABLES["contype"] and not geom.conaffinity:

@@ -33,10 +33,11 @@ def step_mujoco(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance the state by one control step; see `dynamics.step_checked`. There is no gradient.
 
-    Contacts that MuJoCo drops set the flag `contact_points`; the other flags are False.
+    Contacts that MuJoCo drops set the flag `contact_points`; the other flags are False. `num_contacts` is the maximum
+    over the physics steps. `house` must be a valid index; the caller clips it.
 
     Raises:
-        ConfigError: The program is compiled for a platform other than CPU, or the state has scaled bodies. Or an
+        ConfigError: The program is compiled for a platform other than CPU, or `state.scale` is not None. Or an
             exported template has another number of houses than the bank.
         BackendError: This is a forked child of a process that has already stepped.
     """
@@ -75,7 +76,9 @@ def _motor_dofs(layout: Layout) -> Int[np.ndarray, " n"]:
 
 
 def _houses(template: Template, physics: Physics) -> MujocoHouses:
-    """Return the models to step: those of an `ExportedTemplate`, else models built from the bank.
+    """Return the models to step: those of an `ExportedTemplate`, else the store of models built from banks.
+
+    Of `physics`, only the number of houses is used.
 
     Raises:
         ConfigError: An exported template has another number of houses than the bank.
@@ -101,7 +104,7 @@ def _calls(houses: MujocoHouses) -> tuple[Step, Step]:
     """
 
     def find(*operands: Array) -> tuple[Array, ...]:
-        """Map house indices (last operand) to numbers of models."""
+        """Map house indices (e), the last operand, to numbers of models (e)."""
         house = operands[-1].astype(jnp.int32)
         return call_host(houses.find_target, (*operands[:-1], house), [jax.ShapeDtypeStruct(house.shape, jnp.int32)])
 
