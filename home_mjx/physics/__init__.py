@@ -70,7 +70,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import `ExportedTemplate` and `robot_in_house` on first access; they import the house compiler."""
+    """Import and return `ExportedTemplate` or `robot_in_house` on access; they import the house compiler.
+
+    Raises:
+        AttributeError: The name is another one.
+    """
     if name not in _EXPORTED:
         raise AttributeError(f"module 'home_mjx.physics' has no attribute {name!r}")
     return getattr(importlib.import_module(f"home_mjx.physics.mujoco.{_EXPORTED[name]}"), name)

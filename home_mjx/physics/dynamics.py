@@ -34,7 +34,9 @@ def reset(
     arrangement: Int[Array, ""] | int | None = None,
     scale: BodyScale | None = None,
 ) -> PhysicsState:
-    """Return the initial state: agents, movable bodies and doors at rest, hands empty, doors not driven.
+    """Return the initial state of one environment: everything at rest, hands empty, doors not driven.
+
+    Bodies and doors are awake, so bodies settle in the first steps. Poses are not checked for collisions.
 
     Bodies and doors are awake: their `qacc` is not 0. Unused bodies are parked.
 
@@ -46,10 +48,10 @@ def reset(
         agent_yaw: [rad], counter-clockwise from +x.
         door_angle: Rotation of each door about +z from its authored pose [rad], or displacement of a sliding door [m];
             not clipped to its range. None: the authored pose.
-        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`, clipped to the
-            last. Negative, None, or a bank without arrangements: the authored poses.
-        scale: Factors for the friction and mass of bodies in this episode; C MuJoCo rejects them in `step`. None: the
-            house's values.
+        arrangement: Index of one of the house's arrangements, see `arrangements.with_arrangements`; too large ones
+            give the last. Negative, None, or a bank without arrangements: the authored poses.
+        scale: Factors for the friction and mass of movable bodies in this episode. None: the house's values. Steps with
+            `impl="c"` reject it, kinematic ones ignore it.
 
     Raises:
         ConfigError: Positions or angles do not have one row per agent or door.
@@ -96,7 +98,8 @@ def _check_initial_poses(layout: Layout, agent_pos: Array, agent_yaw: Array, doo
 def _awake_accelerations(layout: Layout) -> Float[Array, " v"]:
     """Return the initial `qacc`: bodies fall by gravity, doors have `MIN_AWAKE_ACCELERATION`, agents 0.
 
-    Bodies and doors whose velocity and acceleration are both zero would be asleep.
+    Unused bodies and doors have the same values as used ones. Bodies and doors whose velocity and acceleration are both
+    zero would be asleep.
     """
     bodies = jnp.zeros((layout.num_bodies, 6), jnp.float32).at[:, 2].set(-GRAVITY)
     agents = jnp.zeros(4 * layout.num_agents, jnp.float32)
@@ -111,13 +114,14 @@ def step(
 
     `action` is the forward, left and counter-clockwise command of each agent in its own frame, clipped to [-1, 1]. It
     is a fraction of maximum speeds. In force control (`PhysicsConfig.control`), forward and left are fractions of
-    `max_push_force` instead, but not in kinematic physics. Held bodies and driven doors move, but no hand opens and no
-    drive ends, see `hand_control.update_hands`. `house` is clipped to the bank.
+    `max_push_force` instead; kinematic physics has no force control.
+
+    `house` is clipped to the bank. Held bodies follow their grips, and doors their goals; these fields of the state are
+    unchanged, see `hand_control`. Overflows and NaN are not reported.
 
     Raises:
-        ConfigError: The action does not have three numbers per agent. Or `PhysicsConfig.impl` does not support the
-            platform, gradients, scaled bodies ("c"), or agents so fast ("kinematic").
-        BackendError: "fused" or "c" steps in a child that was forked after houses were made or physics stepped.
+        ConfigError: The action does not have three numbers per agent, or the program is compiled for a platform that
+            `PhysicsConfig.impl` does not support. Or `impl` is "c" and the state has scaled bodies.
     """
     return step_checked(template, bank, house, state, action)[0]
 
@@ -125,7 +129,7 @@ def step(
 def step_checked(
     template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Step as `step` does, and also report overflows of fixed-size contact buffers.
+    """Step as `step` does, with the same errors, and also report overflows of fixed-size contact buffers.
 
     Returns:
         The new state and the overflow flags. MJX reports overflow of contact pairs and contact points for the last
@@ -139,8 +143,9 @@ def step_checked(
 def with_agent_speed(template: Template, state: PhysicsState, action: Float[Array, "a 3"]) -> PhysicsState:
     """Return the state with each agent's velocity and yaw rate set to the action's target; vertical velocity is kept.
 
-    `action` is that of `step` but is not clipped. In free space, a step with the same action then moves an agent that
-    does not turn at exactly that velocity. Kinematic steps ignore velocities of agents.
+    `action` is that of `step`, but its shape is not checked and it is not clipped. It is a fraction of maximum speeds
+    in force control, too. Kinematic physics does not use the velocities. In free space, a step with the same action
+    then moves an agent that does not turn at exactly that velocity.
     """
     fastest = jnp.asarray(template.agents[:, FORWARD_SPEED : TURN_RATE + 1], jnp.float32)
     forward, left, turn = (action * fastest).T
@@ -154,13 +159,16 @@ def with_agent_speed(template: Template, state: PhysicsState, action: Float[Arra
 def undo_where(broken: Bool[Array, ""], state: PhysicsState, before: PhysicsState) -> PhysicsState:
     """Return `before` if the scalar `broken` is True, else `state`; works inside `jit`.
 
-    Either both states have a `scale` or neither has.
+    All fields are chosen together, so both states must have the same structure. Use `vmap` for a batch.
     """
     return jax.tree.map(lambda new, old: jnp.where(broken, old, new), state, before)
 
 
 def is_unstable(state: PhysicsState) -> Bool[Array, ""]:
-    """Return whether any element of `qpos` or `qvel` is NaN or at least `MAX_VALID_MAGNITUDE` in magnitude."""
+    """Return whether any element of `qpos` or `qvel` is NaN or at least `MAX_VALID_MAGNITUDE` in magnitude.
+
+    Elements of unused bodies count, other fields do not. A batch of states gives one result: use `vmap`.
+    """
     return ~(jnp.all(jnp.abs(state.qpos) < MAX_VALID_MAGNITUDE) & jnp.all(jnp.abs(state.qvel) < MAX_VALID_MAGNITUDE))
 
 
@@ -171,7 +179,7 @@ def is_out_of_bounds(
 
     Its centre is outside the rectangle of the fence, or its lowest point more than `MIN_DEPTH_BELOW_FLOOR` below the
     ground floor. Bodies that fell through an upper floor only are not reported, nor NaN poses (see `is_unstable`).
-    Doors are omitted.
+    Doors have no element, so the length is that of agents and bodies. `house` is clipped to the bank.
     """
     physics, agents, house = bank.physics, agent_pose(template, state)[0], bank.clip_house_index(house)
     pos, quat = body_pose(template, state)
@@ -187,13 +195,19 @@ def is_out_of_bounds(
 
 
 def agent_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "a 3"], Float[Array, " a"]]:
-    """Return a pair of each agent's centre in the world [m] and its yaw, not wrapped [rad], by `qpos`."""
+    """Return a pair of each agent's centre in the world [m] and its yaw, not wrapped [rad], by `qpos`.
+
+    The state is that of one environment: use `vmap` for a batch.
+    """
     agents = state.qpos[template.layout.agent_qpos].reshape(-1, 4)
     return agents[:, :3], agents[:, 3]
 
 
 def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3"]:
-    """Return each agent's forward and left velocity in its own frame [m/s], and its yaw rate [rad/s], by `qvel`."""
+    """Return each agent's forward and left velocity in its own frame [m/s], and its yaw rate [rad/s].
+
+    Vertical velocity is left out. The state is that of one environment: use `vmap` for a batch.
+    """
     _, yaw = agent_pose(template, state)
     velocity = state.qvel[template.layout.agent_qpos].reshape(-1, 4)
     x, y = velocity[:, 0], velocity[:, 1]
@@ -204,7 +218,8 @@ def agent_velocity(template: Template, state: PhysicsState) -> Float[Array, "a 3
 def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 3"], Float[Array, "k 4"]]:
     """Return a pair of each movable body's centre [m] and orientation (wxyz) in the world, by `qpos`.
 
-    Unused bodies are parked high above the house. Quaternions are not normalised.
+    Unused bodies are included, parked high above the house. Quaternions are not normalised. The state is that of one
+    environment: use `vmap` for a batch.
     """
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
     return bodies[:, :3], bodies[:, 3:]
@@ -213,14 +228,15 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
 def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
     """Return each door's rotation about +z from its authored pose [rad], or the displacement of a sliding door [m].
 
-    It is not clipped to the door's range; unused doors are included.
+    Unused doors keep the value of `reset`. The state is that of one environment: use `vmap` for a batch.
     """
     return state.qpos[template.layout.door_qpos]
 
 
 def agent_contact(template: Template, state: PhysicsState) -> Bool[Array, " a"]:
-    """Return whether each agent touched anything but what carries it (floors, ramps) in the last control step.
+    """Return whether each agent touched anything but what carries it in the last control step; False after `reset`.
 
-    The body that it holds counts too, except in kinematic physics.
+    Floors, ramps and static boxes below it carry it. Movable bodies, doors and other agents count. Kinematic physics
+    ignores held bodies, and boxes that end less than its step height above the feet. `template` is not used.
     """
     return state.num_contacts > 0

@@ -57,6 +57,7 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     """Run the GPU kernel; return its results without the scratch memory.
 
     `operands` are in the order of `numba.params`: `NUM_SHARED` of all houses, then one row per environment (e, ...).
+    There must be at least one environment and one agent, see `_run`. Indices of houses and held bodies must be valid.
     """
     houses, statics = operands[COLLIDER_POS].shape[:2]
     bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
@@ -74,22 +75,26 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
 def _start_order(qvel: Float[Array, "e v"], qacc: Float[Array, "e v"]) -> Int[Array, " e"]:
     """Return the indices of environments by number of moving DoFs, most first: the longest should not start last.
 
-    A DoF moves if its velocity or acceleration is not 0.
+    A DoF moves if its velocity or acceleration is not 0; those of agents count, too. Equal environments keep their
+    order.
     """
     return jnp.argsort(-jnp.sum((qvel != 0) | (qacc != 0), axis=1))
 
 
 def _newton_words(mobiles: int) -> int:
-    """Return the number of 4-byte words for an island of `mobiles` bodies: Hessian triangle, gradient and search."""
+    """Return the number of 4-byte words for an island of `mobiles` bodies: Hessian triangle, gradient and search.
+
+    All kinds of dynamic bodies, doors too, count with `BODY_DOFS` degrees of freedom.
+    """
     size = BODY_DOFS * mobiles
     return size * (size + 1) // 2 + 2 * size
 
 
 def compile_kernel() -> str:
-    """Return the PTX of the CUDA sources, compiled for all GPUs of this process, at least one.
+    """Return the PTX of the CUDA sources, compiled for all GPUs of this process; there must be at least one.
 
     Raises:
-        BackendError: NVRTC was not found, or it rejects the source.
+        BackendError: NVRTC was not found, or it rejects a source.
     """
     return compile_sources(*SOURCES)
 
@@ -113,6 +118,8 @@ def step_fused(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance the state by one control step, by MJX where no kernel exists; see `dynamics.step_checked`.
 
+    `house` must be a valid index: native code does not check bounds, and `step_checked` clips it.
+
     Raises:
         ConfigError: A gradient of the kernel is requested.
         BackendError: This is a forked child of a process that has made houses, cast rays or stepped physics.
@@ -120,7 +127,7 @@ def step_fused(
     check_not_forked("step physics")
 
     def mjx(house: Array, state: PhysicsState, action: Array) -> tuple[PhysicsState, Overflow]:
-        """Step where no kernel exists."""
+        """Step with MJX, where no kernel exists or it is not usable."""
         return step_mjx(template, physics, house, state, action)
 
     native = {platform: functools.partial(_step_native, platform, template, physics) for platform in STEPS}
@@ -132,8 +139,8 @@ def _step_native(
 ) -> tuple[PhysicsState, Overflow]:
     """Step with the kernel of `platform`, "cpu" or "cuda"; return the new state and the overflow flags.
 
-    `held` is clipped to the bank's bodies, since native code does not check bounds. The kernel tests all pairs, so that
-    `contact_pairs` is False. Hands and door goals are unchanged.
+    `held` is clipped to the bank's bodies, since native code does not check bounds; `house` is not. The new state has
+    the old `held`. The kernel tests all pairs, so that `contact_pairs` is False.
     """
     numbers = jnp.asarray(step_params(template.config), jnp.float32)
     scale = (state.scale or BodyScale()).factors
@@ -167,14 +174,21 @@ def _keep_sleeping_contacts(
 
 
 def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:
-    """Return whether each dynamic body sleeps: all its velocities and accelerations are 0. Agents never do."""
+    """Return whether each dynamic body sleeps: all its velocities and accelerations are 0. Agents never do.
+
+    `PhysicsConfig.sleep` is not used. Unused bodies and doors are tested likewise.
+    """
     layout, moves = template.layout, (qvel != 0) | (qacc != 0)
     free = moves[layout.body_qvel].reshape(-1, 6).any(axis=-1)
     return ~jnp.concatenate([jnp.ones(layout.num_agents, bool), free, moves[layout.door_qvel]])
 
 
 def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
-    """Return the arrays of all houses, ordered as `numba.params`; boxes not above the floor get half extents of -1."""
+    """Return the arrays of all houses, ordered as `numba.params`; boxes not above the floor get half extents of -1.
+
+    That is the ground floor. Padding is included: bodies are not parked, doors have half extents of -1. Factors of
+    `BodyScale` are not applied.
+    """
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
@@ -194,7 +208,10 @@ def _batched(platform: str) -> Step:
 
 
 def _run(step: Callable[..., Sequence[Array]], *operands: Array) -> tuple[Array, ...]:
-    """Call `step` with operands as in `numba.params` and its result shapes; zeros without environments or agents."""
+    """Call `step` with operands as in `numba.params` and its result shapes.
+
+    Without environments or agents, `step` is not called and all results are zeros, poses too.
+    """
     _, qpos, qvel, qacc, action, _, _, goal, _ = operands[NUM_SHARED:]
     envs, agents = action.shape[:2]
     mobiles = agents + operands[BODY_VALID].shape[1] + goal.shape[1]

@@ -47,7 +47,10 @@ class HandCommands(Pytree):
 
     @classmethod
     def idle(cls, num_agents: int) -> "HandCommands":
-        """Return commands that change no hand and no door; a placement or door drive that has begun goes on."""
+        """Return one environment's commands that change no hand and no door.
+
+        A placement or door drive that has begun goes on, and held bodies stay held.
+        """
         nothing, no = jnp.full(num_agents, -1, jnp.int32), jnp.zeros(num_agents, bool)
         nowhere = jnp.full((num_agents, 3), jnp.inf, jnp.float32)
         return cls(nothing, nowhere, no, jnp.zeros_like(nowhere), nothing, no)
@@ -58,11 +61,12 @@ def apply_hand_commands(
 ) -> PhysicsState:
     """Apply each agent's drop or throw, then pick, place and door command; ignore commands that are not possible.
 
-    An empty hand picks a body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no other
-    hand holds it. Surfaces and doors must be within reach as well. The caller must check the line of sight. Agents
-    follow one another by index: a body that one drops, the next may pick; of two commands for a door the last applies.
-    No pose changes: only the fields of hands, door goals and a released body's velocity are set. Give a `place` once:
-    each repetition restarts its `MAX_PLACE_STEPS`. `house` must be valid; unlike in `step`, it is not clipped.
+    An empty hand picks a used body within its agent's `reach` if the body's mass is at most `max_lift_mass` and no
+    other hand holds it. The mass includes `state.scale`. Surfaces and doors must be within reach as well. The caller
+    must check the line of sight. Agents follow one another by index: a body that one drops, the next may pick; of two
+    commands for a door the last applies. No pose changes: only the fields of hands, door goals and a released body's
+    velocity are set. A hand that drops a body can pick in the same call. Each accepted place command restarts the count
+    of `MAX_PLACE_STEPS`. `house` must be a valid index: it is not clipped as by `step`.
     """
     bodies = movable_bodies(bank.physics, house, state.scale)
     for a in range(template.layout.num_agents):
@@ -78,12 +82,13 @@ def apply_hand_commands(
 def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], state: PhysicsState) -> PhysicsState:
     """Update hands and door goals after a control step, by the poses in `qpos`.
 
+    Call it once per control step, as it counts steps. `house` must be a valid index: it is not clipped as by `step`.
+
     Hands release bodies within `PLACE_TOLERANCE` of their target, and torn-away ones. A carried body is torn away if it
     is beyond `MAX_HOLD_DISTANCE` from its grip after it was once within it. It is also torn away if it has not come
     that near after more than `MAX_PLACE_STEPS` steps. A body not placed within as many steps is carried again. Released
     bodies get `RELEASE_SPEED` downwards in addition to their velocity. Doors within `DOOR_TOLERANCE` of their goal,
-    clipped to their range, are no longer driven. Call it once per control step, since it counts them; `house` must be
-    valid.
+    clipped to their range, are no longer driven; blocked ones stay driven.
     """
     if template.layout.num_bodies:
         bodies = movable_bodies(bank.physics, house, state.scale)
@@ -98,7 +103,7 @@ def update_hands(template: Template, bank: HouseBank, house: Int[Array, ""], sta
 def _body(template: Template, state: PhysicsState, body: Int[Array, ""]) -> tuple[Array, Array]:
     """Return a pair of position [m] and orientation (wxyz) of a movable body in the world, by `qpos`.
 
-    An empty hand's index of -1 reads body 0: callers must discard the result.
+    An empty hand's index of -1 reads body 0, and too large ones the last body: callers must discard the result.
     """
     pos, quat = body_pose(template, state)
     return pos[jnp.maximum(body, 0)], quat[jnp.maximum(body, 0)]
@@ -113,11 +118,11 @@ def _agent(template: Template, state: PhysicsState, a: int) -> tuple[Array, Arra
 def _release(
     template: Template, bodies: MovableBodies, state: PhysicsState, a: int, commands: HandCommands
 ) -> PhysicsState:
-    """Open a hand that holds a body and is commanded to drop or throw it.
+    """Open agent `a`'s hand if it holds a body and is commanded to drop or throw it.
 
     The velocity of a thrown body becomes the agent's plus min(`MAX_THROW_SPEED`, `MAX_THROW_IMPULSE` / mass) along the
-    throw's direction, in the world; its spin is kept. A dropped body keeps both. Then `_open_hand` adds `RELEASE_SPEED`
-    downwards to either. A throw has priority over a drop; without a held body nothing changes.
+    throw's direction, in the world. A dropped body keeps its own, and both keep their spin. Then `_open_hand` adds
+    `RELEASE_SPEED` downwards to both. A throw has priority over a drop; without a held body nothing changes.
     """
     held, aim = state.held[a], _direction(commands.throw[a])
     throws = (held >= 0) & jnp.any(aim != 0)
@@ -131,7 +136,7 @@ def _release(
 
 
 def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
-    """Return the unit vector of a direction; 0 if it is zero or not finite."""
+    """Return the unit vector of one direction, not a batch; 0 if any element is not finite or all are zero."""
     largest = jnp.max(jnp.abs(vector))
     points = jnp.all(jnp.isfinite(vector)) & (largest > 0)
     scaled = jnp.where(points, vector, 1.0) / jnp.where(points, largest, 1.0)  # avoids overflow of the square
@@ -139,9 +144,9 @@ def _direction(vector: Float[Array, "3"]) -> Float[Array, "3"]:
 
 
 def _open_hand(template: Template, state: PhysicsState, a: int, opens: Bool[Array, ""]) -> PhysicsState:
-    """If `opens`, empty a hand that holds a body and cancel its placing; add `RELEASE_SPEED` down to the body.
+    """Empty agent `a`'s hand and cancel its placing if `opens` and it holds a body; add `RELEASE_SPEED` downwards.
 
-    Kinematic physics detects the release by that speed.
+    Kinematic physics detects the release by that speed. Grip and `hand_steps` keep their values.
     """
     opens = opens & (state.held[a] >= 0)
     row = template.layout.body_qvel.start + 6 * jnp.maximum(state.held[a], 0) + 2
@@ -158,8 +163,9 @@ def _set_where(condition: Bool[Array, ""], state: PhysicsState, a: int, **values
 def _pick(template: Template, bodies: MovableBodies, state: PhysicsState, a: int, body: Int[Array, ""]) -> PhysicsState:
     """Grasp `body` if the hand is empty, and the body used, held by nobody, not too heavy, and within `reach`.
 
-    `reach` is from the agent's axis to the body. The grip is that of carrying, with the body's current orientation to
-    the agent. An index out of range, such as -1, grasps nothing.
+    Both limits are those of agent `a`, inclusive; the mass is that of `bodies`. `reach` is from the agent's axis to the
+    body. The grip is that of carrying, with the body's current orientation to the agent. An index out of range, such as
+    -1, grasps nothing.
     """
     config, own = template.config.agents[a], jnp.clip(body, 0, template.layout.num_bodies - 1)
     _, quat = _body(template, state, own)
@@ -177,8 +183,9 @@ def _distance(
 ) -> Float[Array, ""]:
     """Return the distance from an agent's vertical axis, over its height, to the nearest point of a body's box [m].
 
-    The axis is sampled at 17 evenly spaced heights, so the result is an upper bound. For agents up to 2 m tall, it is
-    too large by less than 1 cm from 0.2 m on, and by less than 6.5 cm below.
+    It is 0 if a sample is inside the box. `body` must be a valid index. The axis is sampled at 17 evenly spaced
+    heights, so the result is an upper bound. For agents up to 2 m tall, it is too large by less than 1 cm from 0.2 m
+    on, and by less than 6.5 cm below.
     """
     at, _ = _agent(template, state, a)
     pos, quat = _body(template, state, body)
@@ -204,7 +211,8 @@ def _carry_grip(
     """Return the carrying grip (xyz, wxyz) in the agent's frame, with orientation `turned`.
 
     The body's centre is straight ahead, at radius + `CARRY_CLEARANCE` + half the diagonal of its horizontal extent when
-    turned so. It is `CARRY_HEIGHT_BELOW_EYES` below the eyes. The origin is the agent's centre.
+    turned so. It is `CARRY_HEIGHT_BELOW_EYES` below the eyes. The origin is the agent's centre. Poses of agent and body
+    are not used, and obstacles are not checked.
     """
     config, half = template.config.agents[a], bodies.size[body]
     extent = jnp.matmul(jnp.abs(quat_matrix(turned)), half, precision="highest")
@@ -218,9 +226,9 @@ def _start_place(
 ) -> PhysicsState:
     """Start to place the held body on the world point `spot` [m] if it is finite, in reach, and a body is held.
 
-    The agent's `reach`, inclusive, counts from its vertical axis, over its height. A start replaces an earlier
-    placement and sets `hand_steps` to 0. Otherwise an earlier one, if any, goes on. Both update the grip, see
-    `_track_place_target`.
+    The agent's `reach`, inclusive, counts from its vertical axis, over its height. Otherwise an earlier placement, if
+    any, goes on. Both update the grip, see `_track_place_target`. A start replaces an earlier target and sets
+    `hand_steps` to 0. The point is not checked for a surface or free space.
     """
     at, _ = _agent(template, state, a)
     away = jnp.linalg.norm(_offset_from_axis(spot - at, template.config.agents[a]))
@@ -244,7 +252,7 @@ def _track_place_target(template: Template, bodies: MovableBodies, state: Physic
     """Update the grip position of a placing hand as its agent moves; other hands are unchanged.
 
     While the body is more than 2 `PLACE_TOLERANCE` away horizontally, the grip is 0.1 m above the target, or at the
-    body's height if greater. Then it is the target itself.
+    body's height if greater. Then it is the target itself. The grip's orientation is unchanged.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
@@ -259,9 +267,10 @@ def _track_place_target(template: Template, bodies: MovableBodies, state: Physic
 def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
     """Open the hand, by `_open_hand`, if its body is placed or torn away; stop placing after `MAX_PLACE_STEPS` steps.
 
-    A hand that stops placing carries its body again. A carried body is torn away if it is beyond `MAX_HOLD_DISTANCE`
-    from its grip after it was once within it. A picked body that never comes that near is torn away after more than
-    `MAX_PLACE_STEPS` steps; one being placed never is. `hand_steps` is counted up, and is 0 for an empty hand.
+    The hand is agent `a`'s. If it stops placing, it carries its body again. A carried body is torn away if it is beyond
+    `MAX_HOLD_DISTANCE` from its grip after it was once within it. A picked body that never comes that near is torn away
+    after more than `MAX_PLACE_STEPS` steps; one being placed never is. `hand_steps` is counted up, and is 0 for an
+    empty hand.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])
@@ -286,8 +295,9 @@ def _command_door(
 ) -> PhysicsState:
     """Set the drive goal of the commanded door to fully open or closed; no effect if out of reach, unused or no index.
 
-    Reach counts to the leaf's box at its current coordinate, from the agent's vertical axis. A goal replaces the
-    earlier one.
+    Reach, inclusive, counts to the leaf's box at its current coordinate, from the agent's vertical axis over its
+    height. `house` must be a valid index. The hand's content does not matter. The goal is not clipped to the door's
+    range.
     """
     leaves, at = house_doors(bank.physics, house), _agent(template, state, a)[0]
     door = jnp.clip(commands.door[a], 0, template.layout.num_doors - 1)

@@ -32,7 +32,8 @@ class PhysicsConfig:
         control: "velocity": actions are fractions of an agent's maximum speeds, which its motors reach within
             `response_time`. "force": forward and left are fractions of its `max_push_force`, against a drag that
             balances it at maximum speed.
-        response_time: [s], time constant of an agent's approach to its target velocity.
+        response_time: [s], time constant of an agent's approach to its target velocity; in force control only of its
+            yaw rate.
         friction: Sliding friction of all movable bodies; wood on wood is 0.4. None: by material. Agents are
             frictionless.
         restitution: Coefficient of restitution of all movable bodies, at most 0.9. None: by material.
@@ -40,12 +41,12 @@ class PhysicsConfig:
         max_body_spin: [rad/s], angular speed limit of movable bodies.
         iterations: Newton iterations per physics step, of MJX.
         ls_iterations: Line-search iterations of MJX; it always runs all of them.
-        agent_slots: Maximum number of static boxes that an agent can touch at once in MJX; elsewhere it has no effect.
-        body_slots: Maximum number of static boxes that a movable body can touch at once in MJX, likewise.
-        max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that MJX tests, nearest
-            bounding spheres first. None: two per body plus one per door; at least four per agent, and 8.
-        max_contact_points: Maximum number of contact points of agents, and of bodies, that MJX solves, deepest first.
-            None: six per body; at least eight per agent, and 16.
+        agent_slots: Maximum number of static boxes that an agent can touch at once, of MJX.
+        body_slots: Maximum number of static boxes that a movable body can touch at once, of MJX.
+        max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that MJX tests, nearest bounding
+            spheres first. None: two per body plus one per door; at least four per agent, and 8.
+        max_contact_points: Maximum number of contact points of agents, and of bodies, in MJX, deepest first. None: six
+            per body; at least eight per agent, and 16.
         sleep: Whether the fused step skips bodies at rest until an awake body touches them.
         jacobian: MuJoCo's option, of MJX. "auto" is sparse on CPU, where it is a third faster, and dense elsewhere.
         impl: "fused": all physics steps of a control step in one compiled function on CPUs and NVIDIA GPUs, MJX
@@ -90,7 +91,7 @@ class PhysicsConfig:
         self._check_bodies()
 
     def _check_bodies(self) -> None:
-        """Raise `ConfigError` unless `bodies` is a tuple of `AgentBody`, either empty or one per agent."""
+        """Raise `ConfigError` unless `bodies` is a tuple, not a list, of `AgentBody`, either empty or one per agent."""
         if not isinstance(self.bodies, tuple):
             raise ConfigError(f"`bodies` must be a tuple, got {self.bodies!r}", element="PhysicsConfig.bodies")
         for body in self.bodies:
@@ -114,7 +115,8 @@ class PhysicsConfig:
     def _check_numbers(self) -> None:
         """Raise `ConfigError` unless all numbers are positive and finite; booleans are not numbers.
 
-        `WHOLE_NUMBERS` must be integers, and `OPTIONAL_NUMBERS` may be None.
+        `WHOLE_NUMBERS` must be integers, and `OPTIONAL_NUMBERS` may be None. `NON_NUMERIC_OPTIONS`, among them
+        `restitution`, and the maximum of `num_agents` are not checked here.
         """
         for name, value in vars(self).items():
             if name in NON_NUMERIC_OPTIONS or (value is None and name in OPTIONAL_NUMBERS):
@@ -160,6 +162,8 @@ class PhysicsSetup(PhysicsConfig):
     def compose(cls, config: PhysicsConfig, body: AgentBody, timing: Timing) -> "PhysicsSetup":
         """Return a setup with the options of `config` and the given body and timing, which replace those of a setup.
 
+        `bodies` of `config` are kept; unless they are empty, `body` has no effect.
+
         Example:
             >>> PhysicsSetup.compose(PhysicsConfig(friction=0.5), AgentBody(), Timing()).friction
             0.5
@@ -169,7 +173,7 @@ class PhysicsSetup(PhysicsConfig):
 
     @property
     def agents(self) -> tuple[AgentBody, ...]:
-        """Body of each agent: `bodies`, or the common `body` `num_agents` times.
+        """Body of each agent: `bodies` unless it is empty, else the common `body` `num_agents` times.
 
         Example:
             >>> len(PhysicsSetup(num_agents=2).agents)

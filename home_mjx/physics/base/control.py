@@ -13,8 +13,11 @@ RADIUS, HALF_LENGTH, MASS, YAW_INERTIA, FORWARD_SPEED, STRAFE_SPEED, TURN_RATE, 
 def agent_table(config: PhysicsSetup, yaw_inertia: Float[np.ndarray, " a"]) -> Float[np.ndarray, "a 8"]:
     """Pack a row per agent: radius, half length of the axis, mass, yaw inertia, maximum speeds (3) and push force [SI].
 
-    The speeds are forward, left and turning. The axis excludes the hemispheres. `yaw_inertia` has one element per agent
-    [kg m^2]; other lengths raise `ValueError`.
+    The speeds are forward, left and turning. `yaw_inertia` has that of each agent [kg m^2]. The array is NumPy float64.
+    Of `config`, only `agents` are used.
+
+    Raises:
+        ValueError: `yaw_inertia` has not one element per agent.
     """
     rows = [
         (b.radius, b.half_length, b.mass, inertia, b.forward_speed, b.strafe_speed, b.turn_rate, b.max_push_force)
@@ -30,18 +33,20 @@ def motor_forces(
     yaw: Float[Array, ""],
     velocity: Float[Array, "4"],
 ) -> Float[Array, "3"]:
-    """Compute the motor forces of an agent along world x and y [N], and its torque about z [N m].
+    """Compute the motor forces of one agent along world x and y [N], and its torque about z [N m].
 
     In velocity control, `f = m (v_target - v) / response_time`. The length of its horizontal part is clipped to
     `max_push_force`. In force control, `f = max_push_force (action - v / max_speed)`, for forward and left separately.
-    In both, the torque is `yaw_inertia (rate_target - rate) / response_time`, without a limit.
+    It is not clipped, so a force against a motion can be larger than `max_push_force`. In both, the torque is
+    `yaw_inertia (rate_target - rate) / response_time`, without a limit.
 
     Args:
-        config: Options.
+        config: Options; only `control` and `response_time` are used.
         agent: Row of `agent_table`.
-        action: Forward, left and counter-clockwise fractions of the maximum speeds, clipped to [-1, 1].
+        action: Forward, left and counter-clockwise fractions of the maximum speeds, clipped to [-1, 1]. In force
+            control, forward and left are fractions of `max_push_force`.
         yaw: [rad]
-        velocity: World frame x, y, z [m/s] and yaw rate [rad/s].
+        velocity: World frame x, y, z [m/s] and yaw rate [rad/s]; z is ignored.
     """
     part = jnp.clip(action, -1.0, 1.0)
     cos, sin = jnp.cos(yaw), jnp.sin(yaw)

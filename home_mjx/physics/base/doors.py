@@ -26,9 +26,10 @@ class DoorLeaves(Pytree):
 
     @classmethod
     def from_physics(cls, physics: Physics) -> "DoorLeaves":
-        """Gather the leaves of all houses, with leading axes (house, door); padding has half extents of -1.
+        """Gather the leaves of all houses, with leading axes (house, door).
 
-        Inertias and weights of padding are finite, but have no meaning.
+        Padding has half extents of -1, a mass of 1 kg and the slide direction of its row's kind; the rest is 0. It is
+        not parked, see `house_doors`.
         """
         quat = physics.door_quat
         valid = physics.door_valid[..., None]
@@ -56,23 +57,35 @@ class DoorLeaves(Pytree):
 
     @property
     def box_inertia(self) -> Float[Array, "*h 3"]:
-        """Moments of inertia of each leaf, a solid box, about the box's axes through its centre [kg m^2]."""
+        """Moments of inertia of each leaf, a solid box, about the box's axes through its centre [kg m^2].
+
+        Those of padding are positive but have no meaning.
+        """
         x, y, z = (self.size[..., k] ** 2 for k in range(3))
         return self.mass[..., None] / 3 * jnp.stack([y + z, x + z, x + y], axis=-1)
 
     @property
     def hinge_distance_sq(self) -> Float[Array, "*h"]:
-        """Squared horizontal distance from the hinge to the leaf's centre [m^2]; 0 for a sliding leaf."""
+        """Squared horizontal distance from the hinge to the leaf's centre [m^2].
+
+        It is 0 for a sliding leaf, except if that is parked padding, see `house_doors`.
+        """
         return jnp.sum(self.arm * self.arm, axis=-1)
 
     @property
     def inertia(self) -> Float[Array, "*h"]:
-        """Moment of inertia about the hinge [kg m^2], by Steiner's theorem; of a sliding leaf its mass [kg]."""
+        """Moment of inertia about the hinge [kg m^2], by Steiner's theorem; of a sliding leaf its mass [kg].
+
+        That of padding is positive but has no meaning.
+        """
         return jnp.where(self.hinge_mask > 0, self.box_inertia[..., 2] + self.mass * self.hinge_distance_sq, self.mass)
 
     @property
     def inverse_weight(self) -> Float[Array, "*h"]:
-        """MuJoCo's translational `body_invweight0` [1/kg]: d² / (3 I) for a hinged leaf, 1 / (3 m) if sliding."""
+        """MuJoCo's translational `body_invweight0` [1/kg]: d² / (3 I) for a hinged leaf, 1 / (3 m) if sliding.
+
+        It is 0 for hinged padding of `from_physics`, whose arm is 0; parked padding has a positive value.
+        """
         return jnp.where(self.hinge_mask > 0, self.hinge_distance_sq, 1.0) / self.inertia / 3
 
     @property
@@ -83,7 +96,8 @@ class DoorLeaves(Pytree):
     def pose_at(self, coordinate: Float[Array, "*h"]) -> tuple[Float[Array, "*h 3"], Float[Array, "*h 4"]]:
         """Return centres [m] and orientations (wxyz) in the world at joint coordinates, [rad] or [m] if sliding.
 
-        Coordinates are not clipped to their range.
+        Coordinates are not clipped to their range. There is one per leaf, also for padding. Padding of `from_physics`
+        is at the origin, or on the x-axis if sliding; that of `house_doors` is parked.
         """
         angle = self.hinge_mask * coordinate
         cos, sin = jnp.cos(angle), jnp.sin(angle)
@@ -95,12 +109,12 @@ class DoorLeaves(Pytree):
 
 
 def door_table(leaves: DoorLeaves) -> Float[Array, "*h 16"]:
-    """Pack one row per leaf; missing leaves have half extents of -1, inertia and inverse weight 1.
+    """Pack one row per leaf; padding of `DoorLeaves.from_physics` gets inertia and inverse weight 1.
 
-    Their other columns are those of `leaves`. Parked leaves of `house_doors` are not missing, so pass `from_physics`.
-    Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia, inverse weight, minimum and maximum coordinate,
-    slide direction (2), and 1 if the leaf is hinged, else 0. Units are those of `DoorLeaves`; the weight is
-    `inverse_weight`.
+    Its half extents stay -1, and its other columns are those of `leaves`. Padding parked by `house_doors` counts as a
+    leaf. Columns: pivot (2), arm (2), height, yaw, half extents (3), inertia,
+    inverse weight, minimum and maximum coordinate, slide direction (2), and 1 if the leaf is hinged, else 0. Units are
+    those of `DoorLeaves`.
     """
     valid = leaves.valid
     inertia = jnp.where(valid, leaves.inertia, jnp.float32(1.0))

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Layout:
-    """Addresses in `qpos`, `qvel`, bodies and geoms of the template.
+    """Addresses in `qpos`, `qvel`, bodies and geoms of the template, for one environment.
 
+    Numbers of bodies and doors are the bank's capacity: a house's unused rows count, too.
     Order of bodies: world, agents, movable bodies, doors. All except the world are dynamic bodies, which are counted
     from 0.
     Order of geoms: floor, slots of the agents, slots of the bodies, then two per agent (capsule, foot), nine per body
@@ -25,59 +26,59 @@ class Layout:
 
     @property
     def num_slots(self) -> int:
-        """Number of contact slots of all agents and movable bodies."""
+        """Number of contact slots of all agents and movable bodies, unused bodies included; doors have none."""
         return self.num_agents * self.agent_slots + self.num_bodies * self.body_slots
 
     @property
     def num_dynamic(self) -> int:
-        """Number of agents, movable bodies and doors."""
+        """Number of agents, movable bodies and doors, unused ones included; the world is not counted."""
         return self.num_agents + self.num_bodies + self.num_doors
 
     @property
     def num_dofs(self) -> int:
-        """Length of `qvel`."""
+        """Length of `qvel`; that of `qpos` is larger by one per movable body."""
         return 4 * self.num_agents + 6 * self.num_bodies + self.num_doors
 
     @property
     def agent_qpos(self) -> slice:
-        """Slice of the agents in `qpos` and in `qvel`."""
+        """Slice of the agents in `qpos` and in `qvel`, 4 numbers each."""
         return slice(0, 4 * self.num_agents)
 
     @property
     def body_qpos(self) -> slice:
-        """Slice of the movable bodies in `qpos`."""
+        """Slice of the movable bodies in `qpos`, 7 numbers each."""
         return slice(4 * self.num_agents, 4 * self.num_agents + 7 * self.num_bodies)
 
     @property
     def body_qvel(self) -> slice:
-        """Slice of the movable bodies in `qvel`."""
+        """Slice of the movable bodies in `qvel`, 6 numbers each."""
         return slice(4 * self.num_agents, 4 * self.num_agents + 6 * self.num_bodies)
 
     @property
     def door_qpos(self) -> slice:
-        """Slice of the doors in `qpos`."""
+        """Slice of the doors in `qpos`, one number each."""
         first = 4 * self.num_agents + 7 * self.num_bodies
         return slice(first, first + self.num_doors)
 
     @property
     def door_qvel(self) -> slice:
-        """Slice of the doors in `qvel`."""
+        """Slice of the doors in `qvel`, one number each."""
         first = 4 * self.num_agents + 6 * self.num_bodies
         return slice(first, first + self.num_doors)
 
     @property
     def bodies(self) -> slice:
-        """Slice of the movable bodies among the template's bodies, of which 0 is the world."""
+        """Slice of the movable bodies among the template's bodies, where 0 is the world; dynamic indices are 1 less."""
         return slice(1 + self.num_agents, 1 + self.num_agents + self.num_bodies)
 
     @property
     def doors(self) -> slice:
-        """Slice of the doors among the template's bodies, of which 0 is the world."""
+        """Slice of the doors among the template's bodies, where 0 is the world; dynamic indices are 1 less."""
         return slice(1 + self.num_agents + self.num_bodies, 1 + self.num_dynamic)
 
     @property
     def slots(self) -> slice:
-        """Slice of the slots among the geoms: `agent_slots` of each agent, then `body_slots` of each body."""
+        """Slice of the slots among the geoms: `agent_slots` of each agent, then `body_slots` of each movable body."""
         return slice(1, 1 + self.num_slots)
 
     @property
@@ -88,6 +89,6 @@ class Layout:
 
     @property
     def door_geoms(self) -> slice:
-        """Slice of the geoms of the doors."""
+        """Slice of the geoms of the doors, one per door."""
         first = self.body_geoms.stop
         return slice(first, first + self.num_doors)

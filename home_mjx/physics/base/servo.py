@@ -36,7 +36,7 @@ NOT_DRIVEN = 1e9  # goal of a door that is not driven
 def hand_time_constant(config: PhysicsSetup) -> float:
     """Return the velocity time constant of hands [s]: the larger of `HAND_TIME_CONSTANT` and two physics steps.
 
-    The latter is for stability.
+    The latter is for stability. Door drives have the same velocity time constant. Of `config`, only `timing` is used.
     """
     return max(HAND_TIME_CONSTANT, 2 * config.timing.sim_dt)
 
@@ -60,13 +60,15 @@ class HeldBody(Pytree):
 def hand_accelerations(
     config: PhysicsSetup, held: HeldBody, grip: Float[Array, "7"]
 ) -> tuple[Float[Array, "3"], Float[Array, "3"], Float[Array, "2"]]:
-    """Compute the limited accelerations of a held body towards its grip, and the reaction on its holder.
+    """Compute the limited accelerations of one held body towards its grip, and the reaction on its holder.
 
     `grip` is the body's target pose: position [m] from the agent's centre and quaternion, both rotated by the agent's
     yaw. With `t` of `hand_time_constant`, the desired velocity is that of the grip plus `gap / (2 t)`. That second part
     is at most `MAX_HAND_SPEED`. The acceleration is `(desired - velocity) / t`, in length at most the smaller of
     `MAX_HAND_ACCELERATION` and `MAX_HAND_FORCE / mass`. The angular one is likewise, with `MAX_HAND_SPIN` and
     `MAX_HAND_ANGULAR_ACCELERATION`.
+
+    Quaternions must have unit length. Of `config`, only the length of a physics step is used.
 
     The reaction pulls the agent horizontally from the grip towards the body. It is `HAND_STIFFNESS` times the excess of
     the horizontal gap over `MIN_SPRING_LAG`, and 0 from a gap of `MAX_SPRING_LAG` on.
@@ -105,9 +107,9 @@ def door_acceleration(
 
     The desired rate is `(goal - place) / DOOR_TIME_CONSTANT`, clipped to `MAX_DOOR_SPEED` in magnitude. The
     acceleration is `(desired - rate) / time`, clipped to `MAX_DOOR_TORQUE / inertia`. It is 0 for goals of magnitude
-    `NOT_DRIVEN` or more; others are not clipped. Hinge drag is not included. `place`, `rate` and `goal` are in [rad]
-    and [rad/s], or [m] and [m/s]. `inertia` is about the hinge [kg m^2], or the mass [kg]. `time` is the time constant
-    of the velocity [s].
+    `NOT_DRIVEN` or more; others are not clipped. Joint limits and hinge drag are not included. `place`,
+    `rate` and `goal` are in [rad] and [rad/s], or [m] and [m/s]. `inertia` is about the hinge [kg m^2], or the mass
+    [kg]. `time` is the time constant of the velocity [s].
     """
     wanted = jnp.clip((goal - place) / jnp.float32(DOOR_TIME_CONSTANT), -MAX_DOOR_SPEED, MAX_DOOR_SPEED)
     most = jnp.float32(MAX_DOOR_TORQUE) / inertia
@@ -117,13 +119,14 @@ def door_acceleration(
 def ramp_acceleration(
     ramps: Float[Array, "r 8"], agent: Float[Array, "8"], pos: Float[Array, "3"]
 ) -> Float[Array, "2"]:
-    """Compute the acceleration (world x, y) that keeps an agent from sliding down a ramp [m/s^2]; 0 off ramps.
+    """Compute the acceleration (world x, y) that keeps one agent from sliding down a ramp [m/s^2]; 0 off ramps.
 
     Contacts of agents are frictionless. On a ramp, `g * slope` uphill balances the ramp's normal force. The agent is on
     a ramp if its lowest point is less than `MAX_RAMP_GAP` from its plane and over it in plan. That is from 0.3 radii
     before the lower end to radius times sine of the slope before the upper. The highest of overlapping ramps, as on
-    turning stairs, applies, or the first of equal ones. Landings have slope 0 and are ignored. `ramps` are rows of
-    `bank.physics.ramp`, `agent` is a row of `control.agent_table`, `pos` the centre of its capsule [m].
+    turning stairs, applies, or the first of equal ones. Landings and padding have slope 0 and are ignored. `ramps` are
+    one house's rows of `bank.physics.ramp`, at least one. `agent` is a row of `control.agent_table`, `pos` the centre
+    of its capsule [m].
     """
     _, _, up_x, up_y, half_u, half_v, _, slope = ramps.T
     along, across, surface = ramp_coordinates(ramps, pos)
@@ -138,11 +141,11 @@ def ramp_acceleration(
 
 
 def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m].
+    """Return one point's offsets from each ramp's centre, uphill and to the left, and the ramp's height there [m].
 
-    Offsets are horizontal. The height is that of the ramp's plane, also beyond its edges. Columns of `ramps`: centre
-    (x, y), uphill unit vector (x, y), half length and width in plan, centre height [m], slope (rise over run). Padding,
-    which has negative half lengths, gives meaningless values: mask it.
+    Offsets are horizontal. The height is that of the ramp's plane, also beyond its edges. It is 0 for padding, which
+    the caller must mask. Columns of `ramps`: centre
+    (x, y), uphill unit vector (x, y), half length and width in plan, centre height [m], slope (rise over run).
     """
     x, y, up_x, up_y, _, _, middle, slope = ramps.T
     along = (pos[0] - x) * up_x + (pos[1] - y) * up_y
@@ -151,7 +154,10 @@ def ramp_coordinates(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> tupl
 
 
 def _length(vector: Array) -> Array:
-    """Return the length of one vector, not a batch; at least 1e-12, so that divisions and gradients stay finite."""
+    """Return the Euclidean length of one vector, at least 1e-12, so that divisions and gradients stay finite.
+
+    All elements are summed, so a batch would give one length.
+    """
     return jnp.sqrt(jnp.sum(vector * vector) + jnp.float32(1e-24))
 
 

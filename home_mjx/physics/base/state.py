@@ -20,7 +20,7 @@ class BodyScale(Pytree):
 
     @property
     def factors(self) -> Float[Array, "2"]:
-        """Friction factor, then mass factor, of one environment, not of a batch; None counts as 1."""
+        """Friction factor, then mass factor, of one environment; None counts as 1."""
         one = jnp.ones((), jnp.float32)
         return jnp.stack([one if x is None else x for x in (self.friction, self.mass)])
 

@@ -20,10 +20,10 @@ FRICTION, IMPEDANCE_LOW = 0, 3  # columns of `body_surfaces`
 def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5"]:
     """Return the contact parameters of all houses' movable bodies (house, body, 5); padding is included.
 
-    Friction and restitution of `config` replace those of the materials unless they are None. Factors of `BodyScale` are
-    not applied. Columns: sliding friction, stiffness [1/s^2], damping [1/s], minimum impedance, width of the impedance
-    curve [m]. All but friction are those of `contact_parameters` for the body's damping ratio and the length of a
-    physics step.
+    Friction and restitution of `config`, unless they are None, replace those of the materials, also in padding. Factors
+    of `BodyScale` are not applied. Columns: sliding friction,
+    stiffness [1/s^2], damping [1/s], minimum impedance, width of the impedance curve [m]. All but friction are those of
+    `contact_parameters` for the body's damping ratio and the length of a physics step.
     """
     friction, ratio = physics.body_friction, physics.body_damping_ratio
     if config.friction is not None:
@@ -36,6 +36,6 @@ def body_surfaces(config: PhysicsSetup, physics: Physics) -> Float[Array, "h k 5
 def default_surface(config: PhysicsSetup) -> Float[np.ndarray, "5"]:
     """Return the row of `body_surfaces` for unused bodies: default friction, critical damping, so no bounce.
 
-    Friction and restitution of `config` are ignored.
+    Of `config`, only the length of a physics step is used, not `friction` or `restitution`. The row is NumPy float64.
     """
     return np.array([DEFAULT_CONTACT.friction, *contact_parameters(np.ones(()), config.timing.sim_dt)])

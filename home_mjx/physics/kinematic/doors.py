@@ -11,7 +11,10 @@ MIN_PUSH_LEVER = 0.1  # [m], minimum distance from the hinge at which a leaf can
 
 
 def leaf_boxes(leaves: DoorLeaves, angle: Float[Array, " h"]) -> OrientedBoxes:
-    """Return the leaves' boxes in the world at joint coordinates [rad], or [m] if sliding; these are not clipped."""
+    """Return the leaves' boxes in the world at joint coordinates [rad], or [m] if sliding.
+
+    Coordinates are not clipped. Padding is included, so `leaves` should be those of `house_doors`, which parks it.
+    """
     return OrientedBoxes(*leaves.pose_at(angle), leaves.size)
 
 
@@ -20,8 +23,8 @@ def drive_doors(
 ) -> Float[Array, " h"]:
     """Return joint coordinates moved to their goals by at most `MAX_DOOR_SPEED * dt`; unchanged where `NOT_DRIVEN`.
 
-    Goals are clipped to the joint ranges, coordinates that are not driven are not; `dt` is in seconds. Obstacles are
-    ignored, see `push_doors`.
+    Goals are clipped to the joint ranges; those of at least `NOT_DRIVEN` drive no door. Nothing blocks a leaf, not even
+    an agent. `dt` is in seconds.
     """
     most = jnp.float32(MAX_DOOR_SPEED * dt)
     way = jnp.clip(jnp.clip(goal, leaves.low, leaves.high) - angle, -most, most)
@@ -40,8 +43,9 @@ def push_doors(
     Agents push hinged leaves at their faces and sliding ones at their narrow ends. A hinged leaf turns by penetration
     over lever, the distance from the hinge along the leaf, if that exceeds `MIN_PUSH_LEVER`. A sliding leaf moves by
     the penetration. This is first order and summed over agents, so overlap can remain. Agents above or below a leaf do
-    not push it. `angle` is in [rad], of sliding leaves [m]. `pos`, `radius` and `half` are the agents' centres after
-    their intended move, radii and half heights [m].
+    not push it. Bodies and walls neither push nor block leaves. Coordinates are clipped without a push, too. `leaves`
+    are those of `house_doors`, with padding parked out of reach. `angle` is in [rad], of sliding leaves [m]. `pos`,
+    `radius` and `half` are the agents' centres, radii and half heights [m].
     """
     turned = leaves.hinge_mask * angle + leaves.yaw
     along = leaves.size[:, 0] >= leaves.size[:, 1]  # the box's first axis is the leaf's long axis

@@ -35,7 +35,7 @@ class Footprints(Pytree):
         """Convert oriented boxes, exactly if an axis is vertical.
 
         Other boxes become the smallest upright box around them, with u along their most level axis, or the first of
-        equally level ones.
+        equally level ones. Quaternions must have unit length. Padding is converted as all boxes.
         """
         axes, half = boxes.axes, [boxes.half[..., k] for k in range(3)]
         x, y, steep = axes[0][0], axes[0][1], jnp.abs(axes[0][2])
@@ -73,10 +73,11 @@ def move_and_slide(
 ) -> tuple[Float[Array, "3"], Int[Array, ""]]:
     """Move agent `agents.index` from centre `old` by `way` [m]; return its centre and the number of touched obstacles.
 
-    Boxes and other agents that overlap it at `old + way` count as touched. It slides along obstacles, horizontally, by
+    Boxes and other agents that overlap it at `old + way` count as touched, also if it then stays at `old`. Other agents
+    are at `agents.pos`; the row of `index` there is ignored. It slides along obstacles, horizontally, by
     `DEPENETRATION_ITERATIONS` displacements out of the deepest one. It stays at `old` if more than `MAX_PENETRATION`
-    remains, as in a narrow gap, unless it overlaps more there. `way` is at most one radius, or it may jump over an
-    obstacle. The agent's own row of `agents.pos` is ignored.
+    remains, as in a narrow gap, unless it overlaps more there. `way` must be at most one radius, and there must be at
+    least one box.
     """
     pos = old + way
     depth = _penetration_depths(boxes, agents, pos)
@@ -93,8 +94,9 @@ def move_and_slide(
 def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
     """Return the moving agent's horizontal penetration at `pos` of each box, then of each agent [m].
 
-    Negative values mean apart: -1 for boxes and agents above or below it, and for itself. A box that begins above the
-    capsule's axis, or ends below it, meets the smaller disc of the hemisphere at that height. Agents meet as cylinders.
+    Negative values mean apart: -1 for boxes and agents above or below it, and for itself. Other agents count as upright
+    cylinders of their total height. A box that begins above the capsule's axis, or ends below it, meets the smaller
+    disc of the hemisphere at that height.
     """
     radius, length = agents.size
     above = jnp.maximum(boxes.bottom - (pos[2] + length), pos[2] - length - boxes.top)
@@ -109,8 +111,9 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
 
 
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
-    """Return a point's horizontal signed distance from each box [m], negative inside, and outward unit u, v.
+    """Return one point's horizontal signed distance from each box [m], negative inside, and outward unit u, v.
 
+    Heights are ignored.
     u and v are the components of the distance's gradient along the box's own axes. It points away from the nearest side
     or corner, but from inside towards the nearest side. Both are 0 if the point is inside, exactly half-way between
     the nearest sides.
@@ -132,8 +135,8 @@ def _depenetration(
 ) -> Array:
     """Return the displacement (x, y, 0) [m] that resolves the deepest `_penetration_depths`; 0 if none is positive.
 
-    Of equal depths, the first counts. It is also 0 at a point of a box half-way between its nearest sides, and for an
-    agent at the same x and y.
+    Of equal depths, the first counts, so boxes before agents. Only one obstacle is resolved. The result is also 0 at a
+    point of a box half-way between its nearest sides. So it is for an agent at the same x and y.
     """
     worst, num_boxes = jnp.argmax(depth), boxes.x.shape[0]
     box = jax.tree.map(lambda x: x[jnp.minimum(worst, num_boxes - 1)], boxes)

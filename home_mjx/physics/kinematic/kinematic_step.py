@@ -31,14 +31,14 @@ def step_kinematic(
 ) -> tuple[PhysicsState, Overflow]:
     """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
 
-    Doors are driven first and then pushed by agents, which move in substeps; see `_num_substeps`. Actions are always
-    fractions of maximum speeds, reached at once. Held bodies are set to their grips, through obstacles, and released
-    ones dropped at the end. Velocities are displacements divided by the step's length; only agents have one. `qacc` is
-    0. `num_contacts` is the maximum over substeps of the obstacles that an agent touches at once. Contacts have no
-    impulses: these fields are unchanged. Nothing overflows.
+    Agents have their commanded speeds at once, and the height of their support after each substep: they never fall.
+    `control`, forces, masses, friction and `state.scale` are ignored. `house` must be a valid index, as it is not
+    clipped.
 
-    Raises:
-        ConfigError: Agents are too fast for their radius, see `_num_substeps`.
+    Doors are driven first and then pushed by agents, which move in substeps; see `_num_substeps`. Held bodies are set
+    to their grips and released ones dropped at the end. Velocities are displacements divided by the step's length; only
+    agents have one. `qacc` is 0. `num_contacts` is the maximum over substeps of the obstacles that an agent touches at
+    once. Contacts have no impulses: these fields are unchanged. Nothing overflows.
     """
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
@@ -87,6 +87,8 @@ def step_kinematic(
 def _num_substeps(config: PhysicsSetup) -> int:
     """Return the number of substeps, in each of which no agent moves farther than its radius, against tunnelling.
 
+    It is common to all agents, and at least 1. It is computed from maximum speeds, not from actions.
+
     Raises:
         ConfigError: It exceeds `MAX_SUBSTEPS`.
     """
@@ -104,7 +106,8 @@ def _num_substeps(config: PhysicsSetup) -> int:
 def _obstacles(template: Template, physics: Physics, house: Array, state: PhysicsState) -> Footprints:
     """Return static boxes, then movable bodies, unused ones too; `bottom` and `top` of ramps and held bodies are inf.
 
-    They are thus neither obstacles nor supports; see `support_height` for ramps. Doors are not included.
+    They are thus neither obstacles nor supports; see `support_height` for ramps. Doors are not included. Bodies are at
+    their poses in `state.qpos`.
     """
     static = _static_footprints(physics, house)
     bodies = state.qpos[template.layout.body_qpos].reshape(-1, 7)
@@ -115,7 +118,10 @@ def _obstacles(template: Template, physics: Physics, house: Array, state: Physic
 
 
 def _static_footprints(physics: Physics, house: Array) -> Footprints:
-    """Return the static boxes of a house; ramps are disabled as obstacles (`bottom` inf) and supports (`top` inf)."""
+    """Return the static boxes of a house; ramps are disabled as obstacles (`bottom` inf) and supports (`top` inf).
+
+    Rows are those of the bank, padding far below included.
+    """
     every = Footprints.from_boxes(OrientedBoxes(physics.collider_pos, physics.collider_quat, physics.collider_size))
     row = jnp.arange(every.x.shape[1], dtype=jnp.int32)
     is_ramp = jnp.any(row[None, :, None] == physics.ramp_collider[:, None], axis=-1)
@@ -124,7 +130,10 @@ def _static_footprints(physics: Physics, house: Array) -> Footprints:
 
 
 def _place_held_bodies(template: Template, state: PhysicsState, qpos: Float[Array, " q"]) -> Float[Array, " q"]:
-    """Return `qpos` with held bodies at their grips, by their holders' poses in it; other elements are unchanged."""
+    """Return `qpos` with held bodies at their grips, by their holders' poses in it; other elements are unchanged.
+
+    Obstacles do not stop held bodies. Of two agents that hold one body, the last has it.
+    """
     layout = template.layout
     if not layout.num_bodies:
         return qpos

@@ -25,12 +25,13 @@ def drop_released_bodies(
 ) -> Float[Array, " q"]:
     """Return `qpos` with released bodies dropped straight down onto their highest support, at most one per agent.
 
-    `state` is that before the step, in which released bodies have a nonzero velocity. `boxes` are possible supports:
-    the static boxes, then the movable bodies. Ramps of the house support, too. One supports a body if the body's centre
-    is over it or at most `MAX_SUPPORT_REACH` beside it, and its top at most `MAX_SUPPORT_OVERLAP` above the body's
-    bottom. The top of a ramp is its height at the body's centre. A body without a support rests on the ground floor.
-    Other tilted boxes support at the height of their highest corner only. `boxes` do not move with bodies dropped here.
-    If more bodies were released than there are agents, the fastest drop and the others stay in the air.
+    `state` is that before the step. Each body with a nonzero velocity there counts as released, even one held again by
+    now. `boxes` are possible supports: the static boxes, then the movable bodies. Doors are no supports, ramps of the
+    house are. One supports a body if the body's centre is over it or at most `MAX_SUPPORT_REACH` beside it. Its top
+    must be at most `MAX_SUPPORT_OVERLAP` above the body's bottom. The top of a ramp is its height at the body's centre.
+    A body without a support rests on the ground floor. Other tilted boxes support at the height of their highest corner
+    only. If more bodies were released than there are agents, the fastest drop and the others stay in the air. Only z
+    changes, also of thrown bodies. There must be at least one movable body.
     """
     layout = template.layout
     rows = qpos[layout.body_qpos].reshape(-1, 7)
@@ -58,11 +59,12 @@ def support_height(
     pos: Float[Array, "3"],
     foot: Float[Array, ""],
 ) -> tuple[Float[Array, ""], Float[Array, ""]]:
-    """Return the height of the highest support under an agent's centre: ground floor, ramp, or box to step on.
+    """Return the height of the highest support under one agent's centre: ground floor, ramp, or box to step on.
 
     `ramps` are rows of `bank.physics.ramp`, `floor` is the ground floor's height, `pos` the agent's centre, `foot` its
-    lowest height [m]. Ramps count within `MAX_RAMP_GAP` of that, boxes up to `MAX_SUPPORT_OVERLAP` above it. Both reach
-    `MAX_SUPPORT_REACH` beyond their edges, level with these.
+    lowest height [m]. Ramps count within `MAX_RAMP_GAP` of that, boxes up to `MAX_SUPPORT_OVERLAP` above it and at any
+    depth below. Both reach `MAX_SUPPORT_REACH` beyond their edges, level with these. The ground floor is everywhere, so
+    the height is never below it. There must be at least one box and one row of `ramps`; padding there is no support.
 
     Returns:
         Height of the support [m], and an extra step height below which obstacles do not stop the agent [m]. The latter
@@ -78,7 +80,7 @@ def support_height(
 def _ramp_heights(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> Float[Array, " r"]:
     """Return each ramp's height at a point in plan [m]; -inf for padding and more than `MAX_SUPPORT_REACH` beside it.
 
-    Beyond its lower or upper end, a ramp is level with that end.
+    Beyond its lower or upper end, a ramp is level with that end. The height of the point is ignored.
     """
     half_u, half_v, slope, reach = ramps[:, 4], ramps[:, 5], ramps[:, 7], jnp.float32(MAX_SUPPORT_REACH)
     along, across, surface = ramp_coordinates(ramps, pos)
@@ -90,7 +92,8 @@ def _ramp_heights(ramps: Float[Array, "r 8"], pos: Float[Array, "3"]) -> Float[A
 def _box_support(boxes: Footprints, pos: Float[Array, "3"], bottom: Float[Array, ""]) -> Float[Array, ""]:
     """Return the highest box top under a point, up to `bottom + MAX_SUPPORT_OVERLAP` [m]; -inf if there is none.
 
-    A box is under points at most `MAX_SUPPORT_REACH` beyond its edges, too.
+    A box is under points at most `MAX_SUPPORT_REACH` beyond its edges, too. The point's own height is ignored. There
+    must be at least one box.
     """
     reach = jnp.float32(MAX_SUPPORT_REACH)
     x, y = pos[0] - boxes.x, pos[1] - boxes.y
