@@ -228,7 +228,8 @@ def body_pose(template: Template, state: PhysicsState) -> tuple[Float[Array, "k 
 def door_angle(template: Template, state: PhysicsState) -> Float[Array, " h"]:
     """Return each door's rotation about +z from its authored pose [rad], or the displacement of a sliding door [m].
 
-    Unused doors keep the value of `reset`. The state is that of one environment: use `vmap` for a batch.
+    Unused doors keep the value of `reset`, but kinematic steps clip it to `PARKED_RANGE`. The state is that of one
+    environment: use `vmap` for a batch.
     """
     return state.qpos[template.layout.door_qpos]
 

@@ -267,10 +267,12 @@ def _track_place_target(template: Template, bodies: MovableBodies, state: Physic
 def _update_hand(template: Template, bodies: MovableBodies, state: PhysicsState, a: int) -> PhysicsState:
     """Open the hand, by `_open_hand`, if its body is placed or torn away; stop placing after `MAX_PLACE_STEPS` steps.
 
-    The hand is agent `a`'s. If it stops placing, it carries its body again. A carried body is torn away if it is beyond
-    `MAX_HOLD_DISTANCE` from its grip after it was once within it. A picked body that never comes that near is torn away
-    after more than `MAX_PLACE_STEPS` steps; one being placed never is. `hand_steps` is counted up, and is 0 for an
-    empty hand.
+    The hand is agent `a`'s. If it stops placing, it carries its body again, as if just picked. A carried body is torn
+    away if it is beyond `MAX_HOLD_DISTANCE` from its grip after it was once within it. One that never comes that near
+    is torn away after more than `MAX_PLACE_STEPS` steps; one being placed never is.
+
+    `hand_steps` is counted up, but set to `MAX_PLACE_STEPS` + 1 at once when a carried body is within that distance.
+    It becomes 0 if placing stops in vain, or if the hand was already empty before the call.
     """
     at, yaw = _agent(template, state, a)
     pos, _ = _body(template, state, state.held[a])

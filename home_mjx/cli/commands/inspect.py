@@ -18,7 +18,6 @@ from home_mjx.cli.houses import (
     selected_house,
 )
 from home_mjx.core.progress import is_progress_shown, plural, track
-from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
     from home_mjx.datasets.base import Dataset
@@ -209,11 +208,8 @@ def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
     Raises:
         ConfigError: The dataset is not in SUNCG's format.
     """
-    from home_mjx.datasets.suncg.dataset import SuncgDataset
     from home_mjx.datasets.suncg.validate.validate import validate_house
 
-    if not isinstance(dataset, SuncgDataset):
-        raise ConfigError(f"`{dataset.name}` is not in SUNCG's format, so there is no validator for it")
     findings = validate_house(dataset, house_id)
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:

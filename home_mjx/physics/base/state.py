@@ -40,7 +40,7 @@ class PhysicsState(Pytree):
     held: Int[Array, "*batch a"]  # movable body in each agent's hand; -1 none
     grip: Float[Array, "*batch a 7"]  # target pose of the held body in the agent's frame: position [m], quaternion
     place_target: Float[Array, "*batch a 3"]  # [m], surface point on which the hand places its body; inf: none
-    hand_steps: Int[Array, "*batch a"]  # control steps since the hand started to pick or to place
+    hand_steps: Int[Array, "*batch a"]  # control steps since it began to pick or place; MAX_PLACE_STEPS + 1 once near
     door_goal: Float[Array, "*batch h"]  # [rad] or [m], target of each door drive; `servo.NOT_DRIVEN`: not driven
     num_contacts: Int[Array, "*batch a"]  # contact points per agent; floors do not count, see `MIN_SUPPORT_NORMAL`
     contact_impulse: Float[Array, "*batch m"]  # [N s], of all contacts of each dynamic body in the last control step

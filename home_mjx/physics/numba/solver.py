@@ -298,7 +298,10 @@ def _inertial_derivatives(work, members):
 @compiled
 @no_type_check
 def _write_residual_slopes(work, rows):
-    """Write the slopes of the residuals of the `rows` contacts in `work.rows` along `search` to `slope`."""
+    """Write the slopes of the residuals of the `rows` contacts in `work.rows` along `search` to `slope`.
+
+    As in `residual`, these are pyramid edges, see `edge_value`: four elements with friction, else only the first.
+    """
     for i in range(rows):
         n = work.rows[i]
         x = y = z = 0.0

@@ -160,10 +160,12 @@ def step_env(work, numbers, ground, state, control, result, report):
 @compiled
 @no_type_check
 def _load(work, qpos, qvel, qacc):
-    """Copy the state to `work`, normalise body quaternions, and clear elements that agents and doors do not use.
+    """Copy the state to `work`, normalise body quaternions, and clear unused velocities and accelerations.
 
-    The yaw acceleration of agents is cleared, too, since contacts do not act on it. A zero quaternion becomes NaN.
-    Rotations and poses of leaves are not updated, see `update_poses`.
+    Those are elements 3 and 4 of agents' rows in `vel` and `acc`, and all but the first of doors' rows. The yaw
+    acceleration of agents is cleared, too, since contacts do not act on it. Elements 1 to 3 of `quat` of agents and
+    doors keep old values. A zero quaternion becomes NaN. Rotations and poses of leaves are not updated, see
+    `update_poses`.
     """
     for a in range(work.num_agents):
         for k in range(3):

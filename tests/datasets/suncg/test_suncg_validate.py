@@ -20,10 +20,12 @@ from tiny_dataset import (
 )
 
 from home_mjx.cli import main
+from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.finding import RULES
 from home_mjx.datasets.suncg.validate.validate import validate_house
-from home_mjx.errors import DatasetError
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.schema.house import Metadata
 
 NODES = "levels[0].nodes"
 
@@ -407,3 +409,17 @@ def test_the_real_house(suncg_root):
         ("warning", "room-overlap", f"{NODES}[1]"),
         ("warning", "outside-rooms", f"{NODES}[35]"),
     ]
+
+
+def test_datasets_of_other_formats_have_no_validator(tmp_path):
+    class Boxes(Dataset):
+        house_ids, metadata = ("box",), Metadata({})
+
+        def load_house(self, house_id, options=None):
+            raise NotImplementedError
+
+        def inputs(self):
+            raise NotImplementedError
+
+    with pytest.raises(ConfigError, match="`boxes:1` is not in SUNCG's format"):
+        validate_house(Boxes(tmp_path, "boxes:1"), "box")

@@ -5,7 +5,7 @@ from functools import cache
 from importlib.metadata import EntryPoint
 from typing import Any
 
-from home_mjx.datasets.base import ReadOptions
+from home_mjx.datasets.base import Dataset, ReadOptions
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.datasets.suncg.formats.json_value import read_json
 from home_mjx.datasets.suncg.read.house_json import build_house, house_path
@@ -18,7 +18,7 @@ from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.materials import check_materials
 from home_mjx.datasets.suncg.validate.meshes import check_joints, check_meshes
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
-from home_mjx.errors import DatasetError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.schema.house import Mesh, Metadata, RoomNode
 
 __all__ = ["RULES", "ValidationFinding", "validate_house"]
@@ -27,12 +27,13 @@ __all__ = ["RULES", "ValidationFinding", "validate_house"]
 ACCESS = EntryPoint("access", "home_mjx.houses.access:check_access", "home_mjx.house_checks")
 
 
-def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFinding, ...]:
+def validate_house(dataset: Dataset, house_id: str) -> tuple[ValidationFinding, ...]:
     """Validate a house and the files that it uses: return all faults, errors first.
 
     Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
 
     Raises:
+        ConfigError: The dataset is not in SUNCG's format.
         DatasetError: The house is unknown.
 
     Example:
@@ -40,6 +41,8 @@ def validate_house(dataset: SuncgDataset, house_id: str) -> tuple[ValidationFind
         ...     print(finding.severity, finding)
         error …/house.json: levels[0].nodes[3].bbox.min[2]: 0.57 m from the vertices of the base model [bbox-mismatch]
     """
+    if not isinstance(dataset, SuncgDataset):
+        raise ConfigError(f"`{dataset.name}` is not in SUNCG's format, so there is no validator for it")
     dataset.check_known(house_id)
     path = house_path(house_id, dataset.assets)
     try:
