@@ -22,14 +22,14 @@ def fit_boxes(triangles: Float[np.ndarray, "t 3 3"], yaw: float, max_boxes: int)
     """Cover the surface and the inside of a mesh with at most `max_boxes` boxes of one yaw.
 
     The surface is sampled into voxels, and enclosed ones are filled (the floor closes the mesh from below). The voxels
-    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume, also
-    below `max_boxes` while that is at most `MAX_OPTIONAL_WASTE` of the bounding box. Merged boxes may overlap others.
+    are grouped into disjoint boxes. Then boxes are merged, each time the pair that adds the least empty volume. Below
+    `max_boxes`, pairs are merged if they add at most `MAX_OPTIONAL_WASTE` of the bounding box. Results may overlap.
     Sides are then moved inwards to the surface, by at most a cell. Half extents are at least `MIN_HALF_EXTENT`.
 
     Args:
-        triangles: Corners of the mesh, Z up [m]; at least one triangle.
+        triangles: Corners of the mesh, Z up [m], of either winding; at least one triangle, which may have no area.
         yaw: Yaw of the boxes about +z [rad].
-        max_boxes: Maximum number of boxes; one box results even if it is 0.
+        max_boxes: Maximum number of boxes; values below 1 count as 1.
     """
     turn = yaw_matrix(yaw)
     points = triangles @ turn
@@ -49,7 +49,7 @@ def _voxels(
 ) -> tuple[Bool[np.ndarray, "x y z"], Float[np.ndarray, "x y z 2 3"]]:
     """Return a mask of cells with points, and the points' min and max in each cell (inf and -inf in empty cells).
 
-    Points outside the grid count for the nearest cell.
+    The grid begins at `low` and has `counts` cells of sides `size` [m]. Points outside it count for the nearest cell.
     """
     index = np.clip(((points - low) / size).astype(int), 0, counts - 1)
     flat = np.asarray(np.ravel_multi_index(tuple(index.T), tuple(counts)))
@@ -64,7 +64,11 @@ def _voxels(
 
 
 def _fill(occupied: Bool[np.ndarray, "x y z"]) -> Bool[np.ndarray, "x y z"]:
-    """Fill the enclosed cavities of a voxel mask; the plane below it counts as occupied."""
+    """Return a voxel mask with enclosed cavities filled; the plane below the grid counts as occupied.
+
+    A cavity is enclosed if its only openings are across edges or corners of voxels. One open to a side or the top is
+    not.
+    """
     floor = np.ones_like(occupied[:, :, :1])
     return np.asarray(ndimage.binary_fill_holes(np.concatenate([floor, occupied], axis=2)))[:, :, 1:]
 
@@ -78,7 +82,8 @@ def _tighten(
 ) -> Float[np.ndarray, "2 3"]:
     """Return the corners `edge` [m] of a box of cells (first, one past the last), moved inwards to the surface in it.
 
-    A side is not moved if that would be by more than a cell, or if any of the cells beyond it contains surface.
+    A side is not moved if that would be by more than a cell, or if any cell directly beyond it is `occupied`.
+    `surface` and `occupied` are those of `_voxels`: cells with surface, not the filled ones.
     """
     inner = surface[_block(box[0], box[1])]
     tight = np.stack([inner[..., 0, :].min(axis=(0, 1, 2)), inner[..., 1, :].max(axis=(0, 1, 2))])
@@ -105,7 +110,7 @@ def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Flo
     """Return points on at least one triangle, such that neighbours on a triangle are at most `spacing` [m] apart.
 
     Each triangle is divided into n^2 similar ones, n = ceil(longest edge / `spacing`), and has all their corners.
-    Points are in order of n, then of the triangles; those on common edges are repeated.
+    Points are in order of n, not of the triangles; those on common edges, or of triangles without area, are repeated.
     """
     edge = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=-1).max(axis=1)
     steps = np.maximum(np.ceil(edge / spacing), 1).astype(int)
@@ -121,7 +126,8 @@ def sample_surface(triangles: Float[np.ndarray, "t 3 3"], spacing: float) -> Flo
 def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]:
     """Cover exactly the occupied cells with disjoint boxes, given by their first cell and one past their last.
 
-    Boxes are grown greedily from the first cell in C order, along z, then y, then x. `occupied` is not modified.
+    Boxes are grown greedily from the first cell in C order, along z, then y, then x, so they may be more than needed.
+    Without occupied cells the result has no rows.
     """
     left, boxes = occupied.copy(), []
     for start in np.argwhere(occupied):
@@ -135,10 +141,7 @@ def cover_cells(occupied: Bool[np.ndarray, "x y z"]) -> Int[np.ndarray, "n 2 3"]
 
 
 def _stretch(left: Bool[np.ndarray, "x y z"], start: np.ndarray, stop: np.ndarray, axis: int) -> int:
-    """Return the end to which the cell block [start, stop) can extend along +`axis` with all cells in `left`.
-
-    The end is one past the last cell; at least `stop[axis]`.
-    """
+    """Return one past the last index along `axis` to which the cells [start, stop) can grow within `left`."""
     end = stop.copy()
     while end[axis] < left.shape[axis]:
         layer = start.copy()
@@ -157,11 +160,12 @@ def _block(start: np.ndarray, stop: np.ndarray) -> tuple[slice, ...]:
 def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: float) -> Int[np.ndarray, "m 2 3"]:
     """Merge pairs of boxes, and any inside their hull, least added volume first, to `max_boxes` and further if cheap.
 
-    A hull may overlap the boxes that remain. The added volume is that of the hull less those of the pair.
+    A hull may overlap the boxes that remain. The added volume is that of the hull less those of the pair, negative if
+    these overlap much.
 
     Args:
         boxes: First cell and one past the last, see `cover_cells`; not modified.
-        max_boxes: Maximum number of boxes in the result, which has at least one unless `boxes` is empty.
+        max_boxes: Maximum number of boxes in the result; values below 1 count as 1.
         max_waste: Maximum volume [cells] added by each merge after `max_boxes` is reached.
     """
     boxes = boxes.copy()
@@ -182,9 +186,10 @@ def merge_boxes(boxes: Int[np.ndarray, "n 2 3"], max_boxes: int, max_waste: floa
 
 
 def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
-    """Return each triangle's connected component, from 0, for at least one triangle.
+    """Return the connected component of each of at least one triangle, numbered from 0 in any order.
 
-    Triangles are connected that share a point; corners in one grid cell of `WELD_DISTANCE` count as one point.
+    Triangles are connected that share a corner; corners in one grid cell of `WELD_DISTANCE` count as one. Triangles
+    that touch or cross elsewhere are not connected.
     """
     corner = unique_cells(np.round(triangles.reshape(-1, 3) / WELD_DISTANCE).astype(np.int64))[1].reshape(-1, 3)
     count = int(corner.max()) + 1
@@ -197,7 +202,8 @@ def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
     """Return a set of one box: the upright one of least plan area around at least one point [m].
 
-    It is along a side of the points' hull in plan; its yaw is 0 if they are all on one line in plan.
+    The box's x axis is along this side, which may be the shorter one; yaw is in [-pi, pi]. If all points are on one
+    line in plan, yaw is 0, whatever the line's direction. Half extents may be 0. There must be at least one point.
     """
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]

@@ -13,7 +13,10 @@ MIN_HALF_EXTENT = 1e-4  # [m], minimum half extent of a collider; MuJoCo rejects
 
 
 def box_inertia(mass: Float[np.ndarray, "*b"], size: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Return principal moments of inertia of solid boxes [kg m^2], m/3 (b^2 + c^2); `size` has half extents [m]."""
+    """Return moments of inertia of uniform solid boxes about their x, y and z axes through the centre [kg m^2].
+
+    About x it is m/3 (b^2 + c^2); `mass` is in kg, and `size` has the half extents a, b, c [m].
+    """
     square = size**2
     return mass[..., None] / 3 * (square.sum(axis=-1, keepdims=True) - square)
 
@@ -41,7 +44,7 @@ class BoxSet:
         return len(self.yaw)
 
     def __getitem__(self, rows: np.ndarray | slice | list[int]) -> "BoxSet":
-        """Return the set of the boxes of a mask, a slice or row numbers, in that order; no single number."""
+        """Return the set of the boxes of a mask, a slice or row numbers, in that order; not of one number."""
         return BoxSet(self.center[rows], self.half[rows], self.yaw[rows])
 
     def colliders(self, object_id: Int[np.ndarray, " n"]) -> Colliders:
@@ -51,9 +54,9 @@ class BoxSet:
 
 
 def make_boxes(center: object, half: object, yaw: object = 0.0) -> BoxSet:
-    """Create boxes from one or several centres [m]; half extents [m] and yaws [rad] are broadcast to them.
+    """Create boxes from one centre, of shape (3,), or several, (n, 3) [m]; values are not checked.
 
-    `center` is not copied if it is an array of floats.
+    Half extents [m], a scalar, (3,) or (n, 3), and yaws [rad] about +z, a scalar or (n,), are broadcast to them.
     """
     center = np.atleast_2d(np.asarray(center, float))
     half = np.broadcast_to(np.asarray(half, float), center.shape)
@@ -74,7 +77,7 @@ def concat_boxes(sets: Iterable[BoxSet]) -> BoxSet:
 def unique_boxes(boxes: BoxSet) -> BoxSet:
     """Return the boxes without later exact duplicates (centre, half extents and yaw), in their order.
 
-    Without duplicates it is the same object. Equal boxes of other yaws, such as half a turn, are kept.
+    Yaws that differ by whole turns are not equal. Without duplicates, the result is `boxes` itself.
     """
     first: dict[tuple[float, ...], int] = {}
     for row, values in enumerate(np.c_[boxes.center, boxes.half, boxes.yaw].tolist()):
@@ -83,7 +86,10 @@ def unique_boxes(boxes: BoxSet) -> BoxSet:
 
 
 def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
-    """Return a set of one box, the smallest around at least one point [m] with this yaw about +z [rad]."""
+    """Return a set of one box, the smallest around at least one point [m] with this yaw about +z [rad].
+
+    Half extents may be 0.
+    """
     turn = yaw_matrix(yaw)
     local = points @ turn
     columns = np.ascontiguousarray(local.T)
@@ -92,14 +98,14 @@ def bounding_box(points: Float[np.ndarray, "n 3"], yaw: float = 0.0) -> BoxSet:
 
 
 def thicken_boxes(boxes: BoxSet, half: float) -> BoxSet:
-    """Return the boxes with half extents of at least `half` [m], around the same centres."""
+    """Return boxes with half extents of at least `half` [m] along x, y and z, around the same centres."""
     return BoxSet(boxes.center, np.maximum(boxes.half, half), boxes.yaw)
 
 
 def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> BoxSet:
-    """Rotate boxes counter-clockwise by `angle` [rad] about the vertical line through `pivot` (x, y) [m].
+    """Return boxes rotated by `angle` [rad], counter-clockwise from above, about the vertical line through `pivot`.
 
-    Yaws are not wrapped.
+    `pivot` is (x, y) [m]. Yaws increase by `angle` and are not wrapped.
     """
     arm = boxes.center - [*pivot, 0.0]
     return BoxSet(arm @ yaw_matrix(angle).T + [*pivot, 0.0], boxes.half, boxes.yaw + angle)
@@ -108,7 +114,8 @@ def rotate_boxes(boxes: BoxSet, angle: float, pivot: Float[np.ndarray, "2"]) -> 
 def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]:
     """Return the depth in plan of each box (rows) in each of the others [m], whatever their heights; negative if apart.
 
-    By separating axes (Gottschalk et al., 1996): exact for the depth, and a lower bound of the distance.
+    By separating axes (Gottschalk et al., 1996): exact for the depth, and minus a lower bound of the distance if apart.
+    It is 0 if boxes touch. Boxes above each other overlap in plan; callers compare heights themselves.
     """
     yaws = boxes.yaw[:, None], others.yaw
     halves = boxes.half.T[:2, :, None], others.half.T[:2]
@@ -125,7 +132,7 @@ def penetration_depth(boxes: BoxSet, others: BoxSet) -> Float[np.ndarray, "m n"]
 
 
 def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> Float[np.ndarray, "n *p"]:
-    """Return the distances in plan [m] from points (x, y) to each box; 0 inside.
+    """Return the distances in plan [m] from points (x, y) to each box, whatever its height; 0 inside.
 
     The first axis of `points` has the points of each box, or length 1 for all boxes.
     """
@@ -137,6 +144,9 @@ def footprint_distance(boxes: BoxSet, points: Float[np.ndarray, "#n *p 2"]) -> F
 
 
 def footprint(boxes: BoxSet, index: int) -> Float[np.ndarray, "4 2"]:
-    """Return x and y of the corners of box `index` [m], counter-clockwise from its own minimum corner."""
+    """Return world x and y of the corners of box `index` [m], counter-clockwise from above.
+
+    The first is the minimum corner in the box's own frame. The box may have no extent.
+    """
     corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * boxes.half[index, :2]
     return corners @ yaw_matrix(boxes.yaw[index])[:2, :2].T + boxes.center[index, :2]

@@ -29,8 +29,7 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[B
     """Build a binary tree over boxes by the surface-area heuristic; its boxes are enlarged by `RELATIVE_BOX_MARGIN`.
 
     Args:
-        boxes: Minimum and maximum corners [m], rounded to float32; without any, the tree is a root with two empty
-            leaves.
+        boxes: Minimum and maximum corners [m], equal or not; without any, the tree is a root with two empty leaves.
         leaf_size: Maximum number of primitives in a leaf, 1 to 15.
 
     Returns:
@@ -53,13 +52,13 @@ def build_tree(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int = 4) -> tuple[B
 
 
 def build_triangle_tree(triangles: Float[np.ndarray, "t 3 3"], leaf_size: int = 4) -> tuple[BVH, Int[np.ndarray, " t"]]:
-    """Build a tree over the bounding boxes of triangles; returns and errors as of `build_tree`."""
+    """Build a tree over the bounding boxes of triangles, also of ones without area; see `build_tree` for the rest."""
     boxes = np.stack([triangles.min(axis=1), triangles.max(axis=1)], axis=1)
     return build_tree(boxes, leaf_size)
 
 
 def _check(boxes: Float[np.ndarray, "n 2 3"], leaf_size: int) -> None:
-    """Raise the errors of `build_tree`."""
+    """Raise the errors of `build_tree`; that for boxes names the first bad one."""
     if not 1 <= leaf_size <= MAX_LEAF:
         raise ConfigError(f"expected leaf_size in 1..{MAX_LEAF}, got {leaf_size}")
     if len(boxes) >= MAX_PRIMITIVES:
@@ -80,7 +79,11 @@ def _built(bounds, leaf_size):
 @njit(cache=True)
 @no_type_check
 def _build(bounds, leaf_size):
-    """Return node boxes, child codes, the primitives in tree order, and the node count, from rows min xyz, max xyz."""
+    """Return node boxes, child codes, the primitives in tree order, and the node count, from rows min xyz, max xyz.
+
+    A node has the boxes of its two children. A code is a node, or ~(first << 4 | count) for a leaf. Only the first
+    `node count` rows are valid.
+    """
     n = len(bounds)
     # All three orders have the same primitives in each range, sorted by their centres along x, y and z.
     order = np.empty((3, n), np.int32)
@@ -112,7 +115,7 @@ def _build(bounds, leaf_size):
 @njit(cache=True)
 @no_type_check
 def _push(stack, slot, first, last, parent, side, depth):
-    """Write a pending range to row `slot` of the stack."""
+    """Write the pending range from `first` to one before `last` to row `slot` of the stack."""
     stack[slot, 0], stack[slot, 1] = first, last
     stack[slot, 2], stack[slot, 3], stack[slot, 4] = parent, side, depth
 
@@ -161,7 +164,8 @@ def _cheapest(bounds, order, cost):
     """Return the axis, left count and cost of the best split, and half the surface area of the range.
 
     The cost is the sum of count times half area over both parts. Ties are resolved in favour of the most even split.
-    Rows of `order` are the range's primitives, sorted by their centres along x, y and z; `cost` is overwritten.
+    Rows of `order` are the range's two or more primitives, sorted by their centres along x, y and z; `cost` is
+    overwritten. Axes along which all centres are equal are not split; if all three are, the split is along z.
     """
     n = order.shape[1]
     best, best_axis, best_count, area = np.inf, 0, n // 2, 0.0

@@ -12,6 +12,7 @@ def unique_cells(cells: Int[np.ndarray, "n k"]) -> tuple[Int[np.ndarray, " u"], 
     """Return the index of each distinct cell's first row, in lexicographic order of cells, and each row's cell number.
 
     The results are those of `np.unique` over rows, which compares rows as records and takes twenty times as long.
+    Coordinates may be negative. Without cells both results are empty.
 
     Example:
         >>> first, cell = unique_cells(np.array([[1, 0], [0, 5], [1, 0]]))

@@ -14,7 +14,9 @@ MAX_PAIRS = 1 << 18  # maximum number of pairs of boxes that are compared at onc
 
 
 def edge_rows() -> np.ndarray:
-    """Return for each edge the axis it is parallel to, and its side (-1, 1) on the other two axes, ascending: (12, 3).
+    """Return for each edge of a box, in its frame, one row: the axis of the edge and its sides on the other two axes.
+
+    An axis is 0 to 2, a side -1 or 1. The other two axes are in ascending order.
 
     Example:
         >>> edge_rows()[[0, 11]].tolist()
@@ -26,7 +28,7 @@ def edge_rows() -> np.ndarray:
 def edge_number(u: int, side_u: int, v: int, side_v: int) -> int:
     """Return the row in `edge_rows` of the edge between the faces on the sides (-1 or 1) of two axes `u` and `v`.
 
-    The axes must differ; their order does not matter.
+    The axes must differ, which is not checked; either may be the lower one.
 
     Example:
         >>> edge_number(1, 1, 0, 1) == edge_number(0, 1, 1, 1) == 11
@@ -45,14 +47,14 @@ def find_exposed_edges(
     """Return the mask of edges, in the order of `edge_rows`, that are exposed to air and thus diffract sound.
 
     At `MIN_FREE_PROBES` or more positions along an edge, three points must be in air: one in front of each of its
-    faces, and one outside both. Air is between the floor and ceiling of some room, whatever its outline, and in no
-    other box.
+    faces, and one outside both. Air is between the floor and ceiling of some room, wherever that room is in plan, and
+    not inside or on another box. Without rooms no edge is exposed.
 
     Args:
         center: Box centres [m].
-        rotation: Rotations from box to world.
+        rotation: Rotations of column vectors from box to world, Z up.
         half: Half extents [m].
-        heights: Floor and ceiling of each room [m].
+        heights: Floor and ceiling of each room, world z [m].
 
     Example:
         >>> one = np.zeros((1, 3)), np.eye(3)[None], np.ones((1, 3))
@@ -88,7 +90,10 @@ def _close_pairs(
     half: Float[np.ndarray, "n 3"],
     rows: Int[np.ndarray, " m"],
 ) -> Int[np.ndarray, "2 p"]:
-    """Return pairs (box of `rows`, other box that may contain one of its probe points), sorted by the first."""
+    """Return pairs of a box of `rows` (row 0) and another box that may contain one of its probe points (row 1).
+
+    They are sorted by the first if `rows` are; boxes without such a neighbour are left out.
+    """
     reach = half[rows] + 2 * PROBE_DISTANCE
     radius = np.linalg.norm(half, axis=1)
     apart = np.linalg.norm(center[rows, None] - center, axis=-1)

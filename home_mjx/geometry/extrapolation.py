@@ -29,22 +29,23 @@ def extrapolate_fields(
 ) -> list[tuple[Int[np.ndarray, "_ 3"], Float[np.ndarray, "_ g"]]]:
     """Extrapolate distances from the home region to the cells of each extension that are connected with it.
 
-    A distance is a harmonic function, whose boundary values are the distances at the border of the known cells, plus
-    the path length to this border.
+    A distance is a harmonic function plus the path length to the border of the known cells. The function's boundary
+    values are the distances at this border.
 
     Args:
-        home: Mask of the home region.
+        home: Mask of the home region, by grid, row and column as all masks and maps here.
         extensions: Additional masks of cells for an agent's axis, in priority order. Later masks never change distances
             in earlier ones, so distances next to a movable object ignore the shortcut through its position.
         standable: Cells where agents can go from room to room; elsewhere there may be a wall thinner than a cell.
         room: Room of each cell; -1 outside, which counts as one more room.
         height: Floor height of each cell [m].
-        field: Distances of the home cells, in C order, to the goals [m].
+        field: Distances [m], one row per home cell in C order and one column per goal; inf where there is no path.
         cell: Cell size [m].
 
     Returns:
         For each mask of `extensions`: grid, row and column of the cells not found by earlier masks, and their distances
-        [m]. Cells that are not connected are left out.
+        [m]. Home cells, and cells that are not connected, are left out. Cells connected to a border of inf have inf or
+        NaN, even if another part of that border is finite.
     """
     found = []
     values = np.full((*home.shape, field.shape[1]), np.nan)
@@ -71,7 +72,10 @@ def passable_cells(
     height: Float[np.ndarray, "l ny nx"],
     cell: float,
 ) -> Bool[np.ndarray, "l ny nx"]:
-    """Return the home cells, and those of `extension` that `extrapolate_fields` reaches as its first mask."""
+    """Return the mask of home cells, and those of `extension` that `extrapolate_fields` reaches as its first mask.
+
+    Arguments are those of `extrapolate_fields`; no distances are needed.
+    """
     found = home.copy()
     cells = home | extension
     found[tuple(np.argwhere(cells)[_extend(home, cells, standable, room, height, cell)[1]].T)] = True
@@ -119,7 +123,8 @@ def _harmonic(
 ) -> Float[np.ndarray, "e g"]:
     """Return the discrete harmonic function at inner nodes: each is the mean of its neighbours, weighted by 1 / length.
 
-    Values at border nodes are fixed to `known`; inner nodes must have no other neighbours. `graph` has lengths.
+    Values at border nodes, in their order, are fixed to `known`. Inner nodes must have no neighbours but inner and
+    border ones, and a path to the border; otherwise the matrix may be singular. `graph` has lengths [m].
     """
     weight = graph.copy()
     weight.data = 1 / weight.data
@@ -132,8 +137,9 @@ def nearest_cell_numbers(
 ) -> Int[np.ndarray, "l ny nx"]:
     """Return the number of each cell or, if it has none, of the nearest numbered cell in plan; at least one must exist.
 
-    The nearest cell is searched in the same room and level; if none has a number, or outside all rooms, in the level;
-    else in the level of the closest index, the lower of two.
+    The nearest cell is searched in the same room and level. If none has a number, or outside all rooms, it is searched
+    in the level. If none has a number there, it is searched in the level of the closest index, the lower of two.
+    Distances are straight, through walls; ties go to either.
 
     Args:
         number: Numbers of cells; -1 if none.
@@ -152,6 +158,9 @@ def nearest_cell_numbers(
 
 
 def _nearest(number: Int[np.ndarray, "ny nx"]) -> Int[np.ndarray, "ny nx"]:
-    """Return for each cell the number of the nearest cell (Euclidean) with a number >= 0; there must be one."""
+    """Return for each cell the number of the nearest cell (Euclidean) with a number >= 0; at least one must exist.
+
+    Ties go to either.
+    """
     y, x = np.asarray(ndimage.distance_transform_edt(number < 0, return_distances=False, return_indices=True))
     return number[y, x]

@@ -37,8 +37,8 @@ def triangulate_faces(
     A polygon that is star-shaped about its first corner, as all convex ones, becomes the fan (0, k, k + 1), degenerate
     triangles included. Others become the fan of another corner or, by `mapbox_earcut`, clipped ears. Non-planar
     polygons are projected along their vector area (Newell's method). A bridge to a hole, in both directions, is an edge
-    like others. A twisted polygon, which is far from any plane and crosses itself in this projection, is the fan of its
-    first corner; SUNCG has such quads of millimetres.
+    like others. A twisted polygon is far from any plane and crosses itself in this projection. It becomes the fan of
+    its first corner; SUNCG has such quads of millimetres.
 
     Args:
         points: Corners of all polygons, one after another [m].
@@ -46,11 +46,11 @@ def triangulate_faces(
         tolerant: Take the fan of the first corner for polygons that cannot be cut, instead of raising an error.
 
     Returns:
-        Indices into `points`, and the polygon of each triangle. Polygons cut by ears have fewer than n - 2 triangles if
-        they repeat corners.
+        Indices into `points`, and the polygon of each triangle. Each polygon has `sides` - 2 triangles if it is a fan,
+        and may have fewer if its ears are clipped.
 
     Raises:
-        FaceError: A polygon crosses itself, or ear clipping would take too long.
+        FaceError: A polygon crosses itself, or ear clipping would take too long. Corners all on a line never raise.
 
     Example:
         >>> notch = np.array([[0.0, 0, 0], [2, 0, 0], [1, 1, 0], [2, 2, 0], [0, 2, 0]])
@@ -73,7 +73,10 @@ def triangulate_faces(
 
 
 def _fan_starts(polygons: Float[np.ndarray, "m n 3"]) -> Int[np.ndarray, " m"]:
-    """Return the first of `MAX_FAN_STARTS` corners whose fan covers the polygon, see `_is_fan`; -1 if none does."""
+    """Return the first of `MAX_FAN_STARTS` corners whose fan covers the polygon, see `_is_fan`; -1 if none does.
+
+    Later corners are not tried.
+    """
     count = polygons.shape[1]
     found = np.full(len(polygons), -1)
     for corner in range(min(count, MAX_FAN_STARTS)):
@@ -85,7 +88,10 @@ def _fan_starts(polygons: Float[np.ndarray, "m n 3"]) -> Int[np.ndarray, " m"]:
 
 
 def _is_fan(polygons: Float[np.ndarray, "m n 3"]) -> Bool[np.ndarray, " m"]:
-    """Return whether the fan of the first corner covers each polygon once; always for polygons without any area."""
+    """Return whether the fan of the first corner covers each polygon once.
+
+    It is True if no triangle of the fan has an area, but False if areas cancel, as in a bow tie.
+    """
     away = polygons[:, 1:] - polygons[:, :1]
     areas = np.cross(away[:, :-1], away[:, 1:])  # twice the area vectors of the fan's triangles
     total = areas.sum(axis=1, keepdims=True)
@@ -119,7 +125,10 @@ def _winds_once(away: Float[np.ndarray, "m k 3"], along: Float[np.ndarray, "m j"
 def _fans(
     sides: Int[np.ndarray, " f"], start: Int[np.ndarray, " f"]
 ) -> tuple[Int[np.ndarray, "t 3"], Int[np.ndarray, " t"]]:
-    """Return the fans (indices of points, polygon) of all polygons, from corner `start`; none if `start` is -1."""
+    """Return the fans (indices of points, polygon) of all polygons, in order; none if `start` is -1.
+
+    `start` is the corner of each polygon, from 0, at which its fan begins.
+    """
     count = np.where(start < 0, 0, sides - 2)
     face = np.repeat(np.arange(len(sides)), count)
     step = np.arange(len(face)) - (np.cumsum(count) - count)[face]
@@ -176,7 +185,7 @@ def _in_order(
 
 
 def _clip_ears(polygon: Points) -> Int[np.ndarray, "t 3"] | None:
-    """Return triangles of a polygon's corners by ear clipping, in its winding.
+    """Return triangles of a polygon's corners by ear clipping, in its winding; consecutive equal corners count once.
 
     Return None if it has no area, winds more than once, or the areas of the triangles do not sum to its area.
     """
@@ -210,7 +219,10 @@ def _turns_once(flat: Float[np.ndarray, "n 2"]) -> bool:
 
 
 def _project(polygon: Points) -> Float[np.ndarray, "n 2"] | None:
-    """Return the polygon projected along its vector area, counter-clockwise [m]; None if it has no area."""
+    """Return the polygon projected along its vector area, counter-clockwise from its first corner at (0, 0) [m].
+
+    Return None if it has no vector area, as a bow tie, or fewer than 3 corners.
+    """
     if len(polygon) < 3:
         return None
     away = polygon - polygon[0]

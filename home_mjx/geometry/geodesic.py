@@ -36,15 +36,15 @@ def distance_fields(
 
     Args:
         free: Mask of walkable cells, by grid, row and column.
-        goals: Grid, row and column of each goal; must be free, which is not checked.
+        goals: Grid, row and column of each goal; must be free, or the distances of another cell are returned.
         cell: Cell size [m].
-        links: Two-way connections between cells, no two of the same pair; ignored if an end is not free.
+        links: Two-way connections between cells; ignored if an end is not free. No two may have the same ends, and
+            none may join neighbours: lengths would be added.
         height: Floor height of each cell [m]; None: flat.
         passable: Cells at the corners of diagonal steps, see `grid_edges`; None: `free`.
 
     Returns:
-        Distances [m], one row per free cell in C order (grid, row, column); inf if there is no path. Grids are joined
-        by `links` only.
+        Distances [m], one row per free cell in C order (grid, row, column) and one column per goal; inf without path.
     """
     number = np.where(free, np.cumsum(free).reshape(free.shape) - 1, -1)
     edges = [grid_edges(free, np.zeros(free.shape) if height is None else height, cell, passable)]
@@ -63,9 +63,9 @@ def grid_edges(
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
     """Return the edges (source, target, length [m]) of the 8-connected graph of free cells, each pair of cells once.
 
-    Free cells are numbered from 0 in C order; different grids are not joined. Lengths include the difference in height;
-    edges that are no `is_walkable_rise` are omitted. Corners are not cut: a diagonal step needs both cells beside it
-    passable, and walkable from both of its ends.
+    Free cells are numbered from 0 in C order. Lengths include the difference in height; edges whose rise is not
+    `is_walkable_rise` are omitted, and so are those between grids. Corners are not cut: a diagonal step needs both
+    cells beside it passable, and walkable from both of its ends. Edges are in no particular order.
 
     Args:
         free: Mask of walkable cells, by grid, row and column.
@@ -88,7 +88,10 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return the edges (source, target, length [m]) of cells one `step` (rows, columns) apart, see `grid_edges`."""
+    """Return the edges (source, target, length [m]) of free cells one `step` (rows, columns) apart, see `grid_edges`.
+
+    `number` is the number of each free cell.
+    """
     here, there = _shifted(*step)
     away = cell * float(np.hypot(*step))
     way = free[here] & free[there] & is_walkable_rise(height[here] - height[there], away)
@@ -112,7 +115,10 @@ def has_clear_diagonals(cell: float, radius: float) -> bool:
 
 
 def is_walkable_rise(rise: Float[Any, "*s"], away: float) -> Bool[Any, "*s"]:
-    """Return whether |rise| < max(`MAX_RISE`, `MAX_SLOPE` * away), for cells a plan distance `away` apart; both [m]."""
+    """Return whether |rise| < max(`MAX_RISE`, `MAX_SLOPE` * away), for cells a plan distance `away` apart; both [m].
+
+    Heights alone are compared: walls, obstacles and free cells are checked elsewhere.
+    """
     return abs(rise) < max(MAX_RISE, MAX_SLOPE * away)
 
 
@@ -127,6 +133,9 @@ def _corner(step: tuple[int, int], corner: tuple[int, int]) -> tuple:
 
 
 def _span(at: int, step: int) -> slice:
-    """Return the slice, shifted by `at`, of the positions on an axis that have a neighbour at offset `step`."""
+    """Return the slice, shifted by `at`, of the positions on an axis that have a neighbour at offset `step`.
+
+    Offsets are -1, 0 or 1; `at` is 0 or `step`.
+    """
     low, high = max(0, -step), min(0, -step)
     return slice(low + at, high + at or None)

@@ -28,10 +28,11 @@ class MeshPiece:
 def wall_pieces(wall: WallSegment, wall_id: str) -> list[MeshPiece]:
     """Build the inner and the outer layer of a wall, in this order, Y up [m].
 
-    Large faces have slot 0 (inside) on the inner layer and 2 (outside) on the outer one; cut faces of both have 1.
+    Vertices and texture coordinates are in metres, Y up. Both large sides of the inner layer have slot 0, those of the
+    outer one 2. Cut faces of both have slot 1: ends, top, base and the sides of holes.
 
     Args:
-        wall: The wall.
+        wall: The wall, see `wall_prisms`; start and end must differ.
         wall_id: Name of the wall, such as `0_1_3`: suffix of both group names, and their part.
     """
     layers = zip(("WallInside", "WallOutside"), wall_prisms(wall), (0, 2), strict=True)
@@ -44,7 +45,7 @@ def _wall_piece(group: str, prism: WallPrism, slot: int, wall_id: str) -> MeshPi
 
 
 def join_pieces(path: Path, pieces: Sequence[MeshPiece], materials: Sequence[Material], scale: float = 1.0) -> Mesh:
-    """Join pieces into one mesh; their slots must already index `materials`.
+    """Join pieces into one mesh without welding vertices; slots must already index `materials`, which is not checked.
 
     Args:
         path: `Mesh.path`; nothing is written.

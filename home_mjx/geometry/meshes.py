@@ -22,7 +22,7 @@ INSTANCE_BOX_MARGIN = 1e-4  # [m], margin of boxes; rays intersect instances in 
 
 
 def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " t"]:
-    """Return the areas of triangles [m^2]."""
+    """Return the areas of triangles [m^2], at least 0 whatever the winding."""
     normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return np.linalg.norm(normal, axis=1) / 2
 
@@ -38,22 +38,24 @@ def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:
 
 
 def box_triangles(center: Float[np.ndarray, "3"], half: Float[np.ndarray, "3"]) -> Float[np.ndarray, "12 3 3"]:
-    """Return the outward-wound surface of an axis-aligned box, two triangles per `FACE_NORMALS` row.
+    """Return the outward-wound surface of an axis-aligned box of half extents `half` [m].
 
-    `center` and the half extents `half` are in [m].
+    Triangles 2 i and 2 i + 1 are the face of row i of `FACE_NORMALS`.
     """
     corners = center + _CORNERS * half
     return corners[_QUADS[:, [[0, 1, 2], [0, 2, 3]]]].reshape(12, 3, 3)
 
 
 def bounds(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "2 3"]:
-    """Return the minimum and maximum corner of at least one point."""
+    """Return the minimum and maximum corner, as rows, of at least one point, over all leading axes."""
     columns = np.ascontiguousarray(points.reshape(-1, 3).T)  # NumPy reduces long rows ten times as fast
     return np.stack([columns.min(axis=1), columns.max(axis=1)])
 
 
 def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
-    """Return the smallest extent of points [m] along the axes and along their principal axes; 0 for a flat set.
+    """Return the smallest extent of points [m] along the axes and along their principal axes.
+
+    It is 0 for a flat set, up to rounding errors, and may exceed the true minimum width. There must be a point.
 
     It is at least the width of the set, since other directions are not tried. There must be a point.
 
@@ -69,7 +71,7 @@ def min_thickness(points: Float[np.ndarray, "*b 3"]) -> float:
 
 
 def transform(pose: Float[np.ndarray, "3 4"], points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
-    """Apply one affine map, a 3 x 3 linear part and a translation as last column, to points."""
+    """Apply an affine map, a 3 x 3 linear part for column vectors and a translation as last column, to points."""
     return points @ pose[:, :3].T + pose[:, 3]
 
 
@@ -80,7 +82,7 @@ def compose(outer: Float[np.ndarray, "3 4"], inner: Float[np.ndarray, "3 4"]) ->
 
 
 def invert(pose: Float[np.ndarray, "*b 3 4"]) -> Float[np.ndarray, "*b 3 4"]:
-    """Return the inverses of affine maps; raise `LinAlgError` if a linear part is singular."""
+    """Return the inverses of affine maps, rigid or not; raise `LinAlgError` if any linear part is singular."""
     linear = np.linalg.inv(pose[..., :3])
     return np.concatenate([linear, -linear @ pose[..., 3:]], axis=-1)
 
@@ -106,7 +108,7 @@ def make_model(
         find: Looks up a model by key; if it returns one, no tree is built and that model is the result.
 
     Raises:
-        DatasetError: A corner is not finite.
+        DatasetError: A corner is not finite. Triangles without area are kept.
     """
     count = len(triangles)
     # Rounded before the tree is built, so that its boxes bound the same numbers as rays test.
@@ -134,7 +136,10 @@ def make_model(
 
 
 def tree_order(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray, " t"]:
-    """Return the order in which `make_model` stores triangles: row i of the model is triangle `order[i]`."""
+    """Return the order in which `make_model` stores triangles: row i of the model is triangle `order[i]`.
+
+    Pass the triangles as they are passed to `make_model`: another frame or order may have another tree.
+    """
     return _triangle_tree(triangles.astype(np.float32))[1]
 
 
@@ -148,9 +153,9 @@ def _triangle_tree(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[BVH, Int[np.n
 def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "t 3 3"]:
     """Compute unit normals of outward-wound triangles' corners; edges sharper than the crease angle are not smoothed.
 
-    A corner's normal is the area-weighted mean of the adjacent faces that differ from its own by less than the crease
-    angle. A face without area has zero normals. Positions with more than `MAX_CORNER_FACES` corners have those of the
-    faces. Corners are in metres: those within about `WELD_DISTANCE` are adjacent.
+    A corner's normal is the area-weighted mean over the faces at its position that differ from its own by less than
+    the crease angle (`MIN_CREASE_COSINE`). A face without area has zero normals. Corners at positions with more than
+    `MAX_CORNER_FACES` corners have the normals of their faces.
 
     Example:
         >>> flat = crease_normals(np.array([[[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]]))
@@ -191,6 +196,8 @@ def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, 
 def facing_axis(normal: Float[np.ndarray, "t 2"], area: Float[np.ndarray, " t"]) -> Float[np.ndarray, "2"]:
     """Return the first principal axis of a wall's area-weighted normals: a horizontal unit vector of either sign.
 
+    It is across the wall, not along it. If there is no area, or no direction dominates, it is any unit vector.
+
     Args:
         normal: Horizontal components of each triangle's normal, scaled by its area [m^2]: x and y, or x and z.
         area: Area of each triangle [m^2].
@@ -220,6 +227,9 @@ def build_instance_tree(
 
 
 def instance_box(pose: Float[np.ndarray, "3 4"], box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
-    """Return the axis-aligned world bounds (min, max) [m] of a model's box, which has the affine pose `pose`."""
+    """Return the axis-aligned world bounds (min, max) [m] of a model's box, which has the affine pose `pose`.
+
+    For a rotated model they may be larger than those of its triangles.
+    """
     corners = np.stack(np.meshgrid(*box.astype(np.float64).T), axis=-1).reshape(-1, 3)
     return bounds(transform(pose, corners))

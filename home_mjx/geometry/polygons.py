@@ -21,21 +21,30 @@ Edge = tuple[int, int]
 
 
 def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
-    """Return the area of a simple polygon [m^2], by the shoelace formula."""
+    """Return the area of a simple polygon of either winding [m^2], by the shoelace formula; never negative.
+
+    Holes that bridges join to the polygon, see `outline`, are deducted. Without corners it is 0.
+    """
     x, y = polygon.T
     following_x, following_y = np.concatenate([polygon[1:], polygon[:1]]).T
     return float(abs(np.dot(x, following_y) - np.dot(y, following_x)) / 2)
 
 
 def is_inside_polygon(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Return whether points are inside a simple polygon of either winding; points on its edge may be either."""
+    """Return whether points are inside a simple polygon of either winding; points on its edge may be either.
+
+    Points in holes that bridges join to it, see `outline`, are outside. A polygon without area contains nothing.
+    """
     return are_inside_polygons([polygon], points)[0, ...]
 
 
 def are_inside_polygons(
     polygons: Sequence[Float[np.ndarray, "_ 2"]], points: Float[np.ndarray, "*p 2"]
 ) -> Bool[np.ndarray, "n *p"]:
-    """Return whether points (axes `*p`) are inside each of `n` polygons, see `is_inside_polygon`."""
+    """Return whether points (axes `*p`) are inside each of `n` polygons (first axis), see `is_inside_polygon`.
+
+    Polygons may overlap and differ in their number of corners; there may be none.
+    """
     x, y = points[..., 0], points[..., 1]
     inside = np.zeros((len(polygons), *x.shape), bool)
     edges = np.concatenate([np.zeros((0, 4)), *(np.c_[p, np.concatenate([p[1:], p[:1]])] for p in polygons)])
@@ -55,14 +64,18 @@ def are_inside_polygons(
 def _crosses(x: np.ndarray, y: np.ndarray, edges: Float[np.ndarray, "4 ..."]) -> Bool[np.ndarray, "..."]:
     """Return whether rays from points along +x cross edges (x0, y0, x1, y1), none of which is parallel to x.
 
-    A ray crosses an edge at its lower end, but not at its upper end, nor if it begins on the edge. Arguments broadcast.
+    A ray crosses an edge at its end of lower y, but not at the other end, nor if it begins on the edge. Points and
+    edges broadcast.
     """
     x0, y0, x1, y1 = edges
     return ((y0 > y) != (y1 > y)) & (x < x0 + (y - y0) * (x1 - x0) / (y1 - y0))
 
 
 def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray, "2"]) -> float:
-    """Return the distance from a point to a simple polygon [m]; 0 inside, inf if the polygon has no corners."""
+    """Return the distance from a point (x, y) to a simple polygon [m]; 0 inside, inf if the polygon has no corners.
+
+    In a hole it is the distance to the hole's edge.
+    """
     if is_inside_polygon(polygon, point):
         return 0.0
     way = np.roll(polygon, -1, axis=0) - polygon
@@ -72,7 +85,10 @@ def polygon_distance(polygon: Float[np.ndarray, "n 2"], point: Float[np.ndarray,
 
 
 def boundary_edges(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2 2"]:
-    """Return a polygon's edges (start, end) except bridges to its holes, which it has in both directions."""
+    """Return a polygon's edges (start, end), in order, except bridges to its holes and edges of no length.
+
+    An edge is a bridge if the polygon has it in both directions, with exactly equal coordinates.
+    """
     edges = np.stack([polygon, np.roll(polygon, -1, axis=0)], axis=1)
     return edges[~(edges[:, None] == edges[:, ::-1]).all(axis=(2, 3)).any(axis=1)]
 
@@ -81,7 +97,7 @@ def find_innermost_point(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray,
     """Return the point of a `HOLE_STEPS` x `HOLE_STEPS` grid inside a polygon that is farthest from its edges.
 
     0.1 % of a point's distance to the middle of the bounds is deducted, so that ties go to the nearest one. If no grid
-    point is inside, return the middle. The polygon must have corners.
+    point is inside, as without area, return the middle, which may be outside. The polygon must have corners.
     """
     low, high = polygon.min(axis=0), polygon.max(axis=0)
     x, y = (np.linspace(a, b, HOLE_STEPS + 2)[1:-1] for a, b in zip(low, high, strict=True))
@@ -100,7 +116,8 @@ def find_smallest_room(
 ) -> Int[np.ndarray, "*p"]:
     """Return the room of `candidates` of least area (the last of equal ones) that contains each point; -1 if none.
 
-    Heights are ignored, so candidates should be of one level.
+    The result is an index into `rooms`, not into `candidates`. Points are (x, y) [m]; heights and levels are not
+    compared. A point on an edge may be in either room or none.
     """
     found = np.full(points.shape[:-1], -1, np.int32)
     order = sorted(candidates, key=lambda r: -polygon_area(rooms.polygon[r]))
@@ -110,7 +127,10 @@ def find_smallest_room(
 
 
 def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "4 2"]:
-    """Return the corners (x, y) of the axis-aligned rectangle around at least one triangle, Z up, counter-clockwise."""
+    """Return the corners (x, y) of the axis-aligned rectangle around at least one Z-up triangle, counter-clockwise.
+
+    The first is the minimum corner. The rectangle may have no area.
+    """
     (x0, y0), (x1, y1) = triangles[..., :2].min(axis=(0, 1)), triangles[..., :2].max(axis=(0, 1))
     return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]])
 
@@ -118,13 +138,14 @@ def bounding_outline(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray,
 def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float[np.ndarray, "n 2"]:
     """Return the outer edge (x, y) of a slab's upper side, counter-clockwise: its largest closed boundary loop.
 
-    Corners are rounded to `MERGE_DISTANCE`, and those within `MAX_BEND` of the rest are dropped. If no closed loop
-    encloses more than 90 % of the upper side's area, return the slab's `bounding_outline`.
+    Corners on a line are dropped. If no loop encloses more than 90 % of the upper side's area, or no triangle faces up,
+    return the `bounding_outline` of the whole slab.
 
     Args:
-        slab: Triangles of the slab, Z up [m], outward-wound; at least one.
-        with_holes: Cut out holes of at least `MIN_HOLE_RADIUS`. A bridge along x joins each of them to the edge, see
-            `boundary_edges`. It changes neither `polygon_area` nor `is_inside_polygon`.
+        slab: Triangles of the slab, Z up [m], counter-clockwise seen from outside; at least one.
+        with_holes: Cut out holes of at least `MIN_HOLE_RADIUS`, else fill all. A bridge along x joins each of them to
+            the edge, see `boundary_edges`. It changes neither `polygon_area` nor `is_inside_polygon`, but the polygon
+            then repeats corners.
     """
     polygons, area = _boundary_polygons(slab)
     largest = max(polygons, key=_area, default=np.zeros((0, 2)))
@@ -135,10 +156,10 @@ def outline(slab: Float[np.ndarray, "t 3 3"], with_holes: bool = False) -> Float
 
 
 def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.ndarray, "_ 2"]], float]:
-    """Return the boundary loops of a slab's upper side [m], holes clockwise and others not, and its area [m^2].
+    """Return the boundary loops (x, y) of a slab's upper side [m], and the area of its triangles in plan [m^2].
 
-    The upper side has the triangles whose unit normals have z > 0.7; without any, there are no loops and the area is 0.
-    Corners are rounded and dropped as in `outline`.
+    Loops of holes are clockwise, others counter-clockwise. Corners within a grid cell of `MERGE_DISTANCE` are merged.
+    Without upward triangles, there are no loops and the area is 0.
     """
     normal = np.cross(slab[:, 1] - slab[:, 0], slab[:, 2] - slab[:, 0])
     upper = (normal[:, 2] > 0.7 * np.linalg.norm(normal, axis=1)) & (normal[:, 2] > 1e-12)
@@ -154,7 +175,10 @@ def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.
 def _find_holes(
     largest: Float[np.ndarray, "n 2"], polygons: Sequence[Float[np.ndarray, "_ 2"]]
 ) -> list[Float[np.ndarray, "_ 2"]]:
-    """Return the clockwise loops inside `largest` that contain a circle of `MIN_HOLE_RADIUS`."""
+    """Return the clockwise loops inside `largest` that contain a circle of `MIN_HOLE_RADIUS`.
+
+    Both are tested at `find_innermost_point` only, so a loop that is partly outside may be returned.
+    """
     found = [(p, find_innermost_point(p)) for p in polygons if signed_area(p) < 0]
     return [
         hole
@@ -164,7 +188,7 @@ def _find_holes(
 
 
 def _edge_distance(polygon: Float[np.ndarray, "n 2"], points: Float[np.ndarray, "p 2"]) -> Float[np.ndarray, " p"]:
-    """Return the distances from points to the `boundary_edges` of a polygon [m], also from inside; one must exist."""
+    """Return the distances from points to the `boundary_edges` of a polygon [m], also inside; it must have some."""
     return np.min([_segment_distance(points, a, b) for a, b in boundary_edges(polygon)], axis=0)
 
 
@@ -173,7 +197,7 @@ def _cut_holes(
 ) -> Float[np.ndarray, "_ 2"]:
     """Join clockwise holes to a counter-clockwise polygon by bridges along +x, the one with the highest x first.
 
-    A hole without an edge of the polygon at higher x is left out.
+    The result repeats the ends of each bridge. A hole without an edge of the polygon at higher x is left out.
     """
     for hole in sorted(holes, key=lambda h: -h[:, 0].max()):
         # A bridge through corners would be on a line with sides of both.
@@ -190,7 +214,7 @@ def _cut_holes(
 def _crossings(polygon: Float[np.ndarray, "n 2"], y: float) -> list[tuple[float, int]]:
     """Return (x, index of the start corner) of each edge of a polygon that crosses the height `y`, sorted by x.
 
-    No corner may be at `y`.
+    Edges along x do not cross it. No corner may be at `y`.
     """
     (x0, y0), (x1, y1) = polygon.T, np.roll(polygon, -1, axis=0).T
     edges = np.flatnonzero((y0 > y) != (y1 > y))
@@ -199,7 +223,10 @@ def _crossings(polygon: Float[np.ndarray, "n 2"], y: float) -> list[tuple[float,
 
 
 def _open_edges(triangles: Int[np.ndarray, "t 3"]) -> list[Edge]:
-    """Return the directed edges of triangles without an opposite edge, each once, in any order: their boundary."""
+    """Return the directed edges of triangles without an opposite edge, each once, in any order: their boundary.
+
+    Rows are corner indices. Edges from a corner to itself, of degenerate triangles, are dropped.
+    """
     edges = {(int(t[i]), int(t[(i + 1) % 3])) for t in triangles for i in range(3)}
     return [(a, b) for a, b in edges if a != b and (b, a) not in edges]
 
@@ -232,7 +259,10 @@ def _pieces(edge: Edge, ends: Int[np.ndarray, " e"], corners: Int[np.ndarray, "n
 
 
 def _boundary_loops(edges: list[Edge]) -> list[list[int]]:
-    """Return closed loops of at least three edges, as corner indices in edge direction; drop open chains."""
+    """Return closed loops of at least three edges, as corner indices in edge direction; drop open chains.
+
+    A loop may pass a corner twice, except its first. Edges are not used again.
+    """
     following: dict[int, list[int]] = {}
     for a, b in edges:
         following.setdefault(a, []).append(b)
@@ -245,7 +275,11 @@ def _boundary_loops(edges: list[Edge]) -> list[list[int]]:
 
 
 def _walk(following: dict[int, list[int]]) -> list[int]:
-    """Remove a chain of edges from `following` and return its corners; [] if it does not close."""
+    """Remove a chain of edges from `following`, in place, and return its corners.
+
+    The result is [] if the chain does not return to its first corner; its edges are removed all the same.
+    `following` must not be empty.
+    """
     first = corner = next(iter(following))
     loop = []
     while corner in following:
@@ -287,12 +321,12 @@ def _straighten(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
 def _segment_distance(
     points: Float[np.ndarray, "n 2"], start: Float[np.ndarray, "2"], stop: Float[np.ndarray, "2"]
 ) -> Float[np.ndarray, " n"]:
-    """Return the distances from points to a segment, ends included [m]."""
+    """Return the distances from points to a segment, ends included [m]; the ends may be equal."""
     way = stop - start
     along = np.clip((points - start) @ way / max(float(way @ way), MERGE_DISTANCE**2), 0, 1)
     return np.linalg.norm(start + along[:, None] * way - points, axis=1)
 
 
 def _area(polygon: Float[np.ndarray, "n 2"]) -> float:
-    """Return the area of a polygon of either winding [m^2]; 0 without corners."""
+    """Return the area of a polygon of either winding [m^2], never negative; 0 without corners."""
     return abs(signed_area(polygon)) if len(polygon) else 0.0

@@ -9,8 +9,8 @@ from jaxtyping import Bool, Float
 def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
     """Return the sorted distinct values; chains of neighbours up to `tolerance` apart are merged into their mean.
 
-    The minimum and the maximum are kept exactly, unless all values merge into one. Without values the
-    result is empty.
+    A chain may be longer than `tolerance`. The minimum and the maximum are kept exactly, unless all values merge into
+    their mean. Without values the result is empty.
 
     Example:
         >>> merge_close_values(np.array([2.0, 0.0, 1.0, 1.02]), 0.05)
@@ -26,12 +26,18 @@ def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Flo
 
 
 def cell_centers(u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"]) -> Float[np.ndarray, "_ _ 2"]:
-    """Return the centres (u, v) of the cells between ascending grid lines; row = v, column = u."""
+    """Return the centres (u, v) of the cells between ascending grid lines; row = v, column = u.
+
+    The shape is (`len(v)` - 1, `len(u)` - 1, 2).
+    """
     return np.stack(np.meshgrid((u[1:] + u[:-1]) / 2, (v[1:] + v[:-1]) / 2), axis=-1)
 
 
 def is_in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndarray, "*p 2"]) -> Bool[np.ndarray, "*p"]:
-    """Return whether points are in or on the edge of any triangle, of either winding; one without area has none."""
+    """Return whether points are in or on the edge of any triangle, of either winding.
+
+    A triangle without area contains no point.
+    """
     a, b, c = (triangles[:, i] for i in range(3))
     sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
     inside = np.all([s >= 0 for s in sides], axis=0) | np.all([s <= 0 for s in sides], axis=0)
@@ -47,7 +53,10 @@ def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:
 def cover_with_rectangles(
     u: Float[np.ndarray, " nu"], v: Float[np.ndarray, " nv"], solid: Bool[np.ndarray, "_ _"]
 ) -> Float[np.ndarray, "r 4"]:
-    """Cover the solid cells (row = v, column = u) with disjoint rectangles, grown greedily along v, then along u.
+    """Cover exactly the solid cells (row = v, column = u) with disjoint rectangles, grown along v, then along u.
+
+    The cover is greedy, so it may have more rectangles than needed, and depends on which axis is u. `solid` is not
+    modified; its shape is (`len(v)` - 1, `len(u)` - 1).
 
     Returns:
         One row u0, v0, u1, v1 per rectangle, in the unit of the ascending grid lines; no rows if no cell is solid.
@@ -65,7 +74,7 @@ def cover_with_rectangles(
 
 
 def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, int]:
-    """Return one past the last row and column of the rectangle that begins at a cell.
+    """Return one past the last row and column of the rectangle that begins at a cell, which must be in `left`.
 
     Its rows are the run of remaining cells in the first column, from that cell on. The next column joins if it has the
     same run: all of these cells, but neither the one before nor the one after.
@@ -81,12 +90,15 @@ def _grow(left: Bool[np.ndarray, "_ _"], row: int, column: int) -> tuple[int, in
 
 
 def _is_taller(run: Bool[np.ndarray, " _"], row: int, top: int) -> bool:
-    """Return whether the cell before `row` or the cell `top` is set in a column."""
+    """Return whether the cell before `row` or the cell `top` is set in a column; none is set beyond its ends."""
     return bool((row > 0 and run[row - 1]) or (top < len(run) and run[top]))
 
 
 def split_rectangles(rectangles: Float[np.ndarray, "r 4"], length: float) -> Float[np.ndarray, "_ 4"]:
-    """Cut each rectangle (u0, v0, u1, v1) across u into equal pieces of at most `length` > 0 along u, in order."""
+    """Cut each rectangle (u0, v0, u1, v1) across u into equal pieces of at most `length` along u, in order.
+
+    v is not cut. `length` must be positive. Excess by rounding errors makes no further piece.
+    """
     pieces = []
     for u0, v0, u1, v1 in rectangles:
         edges = np.linspace(u0, u1, max(int(np.ceil((u1 - u0) / length - 1e-9)), 1) + 1)

@@ -5,13 +5,15 @@ from jaxtyping import Float
 
 
 def yaw_quat(yaw: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 4"]:
-    """Return quaternions wxyz of rotations by `yaw` [rad] about +z."""
+    """Return unit quaternions wxyz of rotations by `yaw` [rad] about +z, counter-clockwise seen from above."""
     zero = np.zeros_like(yaw)
     return np.stack([np.cos(yaw / 2), zero, zero, np.sin(yaw / 2)], axis=-1)
 
 
 def yaw_matrix(yaw: float) -> Float[np.ndarray, "3 3"]:
     """Return the rotation of column vectors by `yaw` [rad] about +z, from rotated to world axes.
+
+    Rows of points are rotated by `points @ yaw_matrix(yaw).T`; without the transpose, by -`yaw`.
 
     Example:
         >>> yaw_matrix(np.pi / 2).round().tolist()
@@ -38,6 +40,9 @@ def quat_matrix(quat: Float[np.ndarray, "n 4"]) -> Float[np.ndarray, "n 3 3"]:
 
 
 def plane_matrix(angle: float) -> Float[np.ndarray, "2 2"]:
-    """Return the counter-clockwise rotation of column vectors in the plane by `angle` [rad]."""
+    """Return the counter-clockwise rotation of column vectors (x, y) in the plane by `angle` [rad].
+
+    Rows of points are rotated by `points @ plane_matrix(angle).T`.
+    """
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c, -s], [s, c]])

@@ -20,9 +20,11 @@ def slab(
     """Build closed, outward-wound slabs over polygons of either winding.
 
     Args:
-        polygons: Corners (x, z) [m] of at least one; each polygon becomes a slab of its own, see `simplify`.
+        polygons: Corners (x, z) [m], at least one polygon. Each becomes a slab of its own, also where they overlap.
+            Repeated and collinear corners are dropped, see `simplify`. A bridge must join each hole to the edge, as in
+            `polygons.outline`; the slab has faces on both sides of it.
         low: Height of the underside [m].
-        high: Height of the upper side [m].
+        high: Height of the upper side [m]; must exceed `low`, which is not checked.
         outset: Distance by which the sides extend beyond the polygon [m]; 0 for one that would then cross itself.
 
     Returns:
@@ -64,7 +66,7 @@ def _piece(
 def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, "t 3"]]:
     """Return a counter-clockwise polygon, grown by `outset` [m] unless it then crosses itself, and its triangles.
 
-    Triangles face +y.
+    The polygon (x, z) [m] is one of `simplify`. Triangles face +y.
 
     Raises:
         ValueError: The polygon crosses itself even without the outset, or is clockwise.
@@ -77,18 +79,23 @@ def _outline(polygon: Polygon, outset: float) -> tuple[Polygon, Int[np.ndarray, 
 
 
 def signed_area(polygon: Polygon) -> float:
-    """Return the signed area [m^2] (shoelace), positive if counter-clockwise in a plot with x right and z up."""
+    """Return the signed area [m^2] (shoelace), positive if counter-clockwise in a plot with x right and z up.
+
+    With Y up, such a polygon (x, z) is clockwise seen from above. Corners (x, y) with Z up are counter-clockwise.
+    """
     x, z = polygon.T
     return float((x * np.roll(z, -1) - np.roll(x, -1) * z).sum() / 2)
 
 
 def simplify(polygon: Polygon) -> Float[np.ndarray, "_ 2"]:
-    """Return the polygon counter-clockwise (see `signed_area`), without repeated and collinear corners.
+    """Return the polygon (x, z) [m] counter-clockwise (see `signed_area`), without repeated and collinear corners.
 
-    A polygon that crosses itself is not rejected.
+    Corners of a hole's bridge are kept, as equal ones are not neighbours. A spike, whose sides return along themselves,
+    is dropped. The first corner may be another one than before.
+    A polygon that crosses itself is not rejected; `triangulate` does that.
 
     Raises:
-        ValueError: The remaining polygon has no area.
+        ValueError: Fewer than 3 corners remain, or their area is at most 1e-6 m^2.
     """
     turned = polygon if signed_area(polygon) > 0 else polygon[::-1]
     for _ in range(MAX_SIMPLIFY_PASSES):
@@ -119,8 +126,10 @@ def _every_second(mask: Bool[np.ndarray, " n"]) -> Bool[np.ndarray, " n"]:
 def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
     """Move the sides of a counter-clockwise polygon outwards by `outset` [m], or inwards if it is negative.
 
-    Corners are mitred; those of less than 60 degrees move by less than a mitre, at most `MAX_MITRE` outsets. The result
-    may cross itself. The polygon must not have repeated corners, see `simplify`.
+    The winding is that of `signed_area`; a clockwise polygon shrinks. Corners are mitred; those of less than 60 degrees
+    move by less than a mitre, at most `MAX_MITRE` outsets. The result may cross itself, which `triangulate` rejects. It
+    does not detect a polygon that is moved inwards beyond its middle, as a square becomes a turned square. Corners
+    repeated directly become NaN, see `simplify`; collinear ones are kept.
     """
     way = np.roll(polygon, -1, 0) - polygon
     way /= np.linalg.norm(way, axis=1, keepdims=True)
@@ -134,10 +143,11 @@ def offset_outwards(polygon: Polygon, outset: float) -> Polygon:
 def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
     """Triangulate a counter-clockwise polygon (see `signed_area`) by earcut, as three.js does; triangles face +y.
 
-    Repeated corners, also a last one equal to the first, must be dropped before, see `simplify`.
+    The polygon (x, z) has at least 3 corners; a bridge must join each hole to its edge. Corners repeated directly, also
+    a last one equal to the first, must be dropped before, see `simplify`. Rows are indices of three corners.
 
     Raises:
-        ValueError: The polygon crosses itself, is clockwise, or has corners that earcut drops.
+        ValueError: The polygon crosses itself, is clockwise, has no area, or has corners that earcut drops.
     """
     found = mapbox_earcut.triangulate_float64(polygon, np.array([len(polygon)], np.uint32))
     triangles = found.reshape(-1, 3).astype(np.int64)

@@ -50,9 +50,11 @@ class WallPrism:
 def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
     """Build a wall's inner prism, on its interior side, and its outer one, Y up [m]; they overlap by depth / 19.
 
+    Both extend beyond the wall's ends by 2/5 of its depth, and above its nominal height by `extra_height`.
+
     Args:
-        wall: The wall, of positive length. Holes that reach its ends, its base or its nominal height are open there.
-            Holes that touch become one, see `merge_holes`.
+        wall: The wall; start and end must differ, or vertices are NaN. Holes that reach its ends, its base or its
+            nominal height are open there. Holes that touch are merged, see `merge_holes`.
 
     Example:
         >>> inner, outer = wall_prisms(WallSegment(np.zeros(3), np.array([4.0, 0, 0]), 2.7))
@@ -69,7 +71,7 @@ def wall_prisms(wall: WallSegment) -> tuple[WallPrism, WallPrism]:
 def _prism(wall: WallSegment, panel: Panel, beyond: float, low: float, thickness: float) -> WallPrism:
     """Extrude a panel along the wall's interior normal, from an offset of `low` from its line to `low + thickness` [m].
 
-    The panel begins `beyond` before the wall's start [m].
+    The panel begins `beyond` before the wall's start [m]. A panel without solid cells gives a prism without faces.
     """
     points, faces, large = extrude_grid(*panel, (low, low + thickness))
     along = (wall.end - wall.start) / wall.length
@@ -95,6 +97,9 @@ def _panel(wall: WallSegment, beyond: float) -> Panel:
 def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
     """Merge holes that touch or overlap into their bounding rectangle, until none touch; the input is not modified.
 
+    Holes are (from, to along the wall, from, to above its base) [m]. A merged one may cover solid parts between its
+    holes, and has the place of the last of them.
+
     Example:
         >>> merge_holes([(0, 1, 0, 1), (3, 4, 0, 1), (0.5, 2, 0.5, 2)])
         [(3, 4, 0, 1), (0, 2, 0, 2)]
@@ -110,7 +115,7 @@ def merge_holes(holes: Sequence[Hole]) -> list[Hole]:
 
 
 def _meet(a: Hole, b: Hole) -> bool:
-    """Return whether two holes overlap or touch."""
+    """Return whether two holes overlap or touch, also in a corner only."""
     return a[0] <= b[1] and b[0] <= a[1] and a[2] <= b[3] and b[2] <= a[3]
 
 
@@ -136,16 +141,18 @@ def extrude_grid(
 ) -> tuple[Float[np.ndarray, "p 3"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
     """Extrude the kept cells of a rectangular grid: rectangles with rectangular holes, and rectilinear polygons.
 
-    Faces are cut along all grid lines, which avoids T-junctions, so the solid is watertight.
+    Faces are cut along all grid lines, which avoids T-junctions, so the solid is watertight. Cells that touch in a
+    corner share an edge of four faces.
 
     Args:
-        us: Grid lines along u, ascending.
-        vs: Grid lines along v, ascending.
+        us: Grid lines along u, ascending, without repetition.
+        vs: Grid lines along v, ascending, without repetition.
         keep: Mask of solid cells; row = u, column = v.
-        depth: Extent along w, where (u, v, w) is right-handed.
+        depth: Low and high end along w, where (u, v, w) is right-handed.
 
     Returns:
-        Corners (u, v, w), outward triangles, and the mask of triangles on large faces (the others are cut faces).
+        Corners (u, v, w) in the unit of the lines, outward triangles, and the mask of triangles on large faces. Large
+        faces are at both ends of w, the others are cut faces. All results are empty if no cell is solid.
     """
     used, faces, large = _topology(keep.shape, keep.tobytes())
     grid = np.stack(np.meshgrid(us, vs, indexing="ij"), -1).reshape(-1, 2)
@@ -159,8 +166,8 @@ def _topology(
 ) -> tuple[Int[np.ndarray, " p"], Int[np.ndarray, "f 3"], Bool[np.ndarray, " f"]]:
     """Return the topology of `extrude_grid` for a mask in bytes: nodes, triangles, and mask of large faces.
 
-    Nodes are numbered in C order, first those at the low end of w, then those at the high end; unused ones are left
-    out. The cached arrays are shared: do not modify them.
+    Nodes are numbered in C order, first those at the low end of w, then those at the high end. Triangles index the used
+    ones, which are returned. Results are cached; callers must copy before they modify them.
     """
     keep = np.frombuffer(kept, bool).reshape(shape)
     node = np.arange((shape[0] + 1) * (shape[1] + 1)).reshape(shape[0] + 1, shape[1] + 1)
