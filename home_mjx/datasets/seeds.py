@@ -19,7 +19,7 @@ def house_id(seed: int, variant: int) -> str:
     """Return the id of a generated house: 32 hexadecimal digits, which sort by variant, then by seed (< 2**63).
 
     Example:
-        >>> house_id(26, 0x400)
+        >>> house_id(26, 0x500)
         '686f6d6500000500000000000000001a'
     """
     return f"{ID_PREFIX}{variant:08x}{seed:016x}"

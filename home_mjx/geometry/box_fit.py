@@ -202,8 +202,9 @@ def triangle_components(triangles: Float[np.ndarray, "t 3 3"]) -> Int[np.ndarray
 def narrowest_box(points: Float[np.ndarray, "n 3"]) -> BoxSet:
     """Return a set of one box: the upright one of least plan area around at least one point [m].
 
-    The box's x axis is along this side, which may be the shorter one; yaw is in [-pi, pi]. If all points are on one
-    line in plan, yaw is 0, whatever the line's direction. Half extents may be 0. There must be at least one point.
+    One of its sides lies on an edge of the points' convex hull in plan. The box's x axis is along this side, which may
+    be the shorter one; yaw is in [-pi, pi]. If all points are on one line in plan, yaw is 0, whatever the line's
+    direction. Half extents may be 0.
     """
     try:
         hull = points[ConvexHull(points[:, :2]).vertices]

@@ -88,9 +88,10 @@ def _neighbours(
     step: tuple[int, int],
     cell: float,
 ) -> tuple[Int[np.ndarray, " e"], Int[np.ndarray, " e"], Float[np.ndarray, " e"]]:
-    """Return the edges (source, target, length [m]) of free cells one `step` (rows, columns) apart, see `grid_edges`.
+    """Return the edges (source, target, length [m]) from free cells to their free neighbours at offset `step`.
 
-    `number` is the number of each free cell.
+    `step` is (rows, columns), each -1, 0 or 1. Edges that rise too steeply or cut a corner are omitted, and lengths
+    include the rise, see `grid_edges`. `number` is the number of each free cell.
     """
     here, there = _shifted(*step)
     away = cell * float(np.hypot(*step))

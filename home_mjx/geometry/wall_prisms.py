@@ -82,7 +82,12 @@ def _prism(wall: WallSegment, panel: Panel, beyond: float, low: float, thickness
 
 
 def _panel(wall: WallSegment, beyond: float) -> Panel:
-    """Return grid lines along the prism from its start and upwards [m], and the mask (along, up) of solid cells."""
+    """Return grid lines along the prism and upwards [m], and the mask (along, up) of solid cells.
+
+    Lines along begin at 0, `beyond` [m] before the wall's start, and end as far after its end. Lines upwards include
+    `split_heights` and end at the prism's top. Holes are first merged, and opened at ends, base and top, see
+    `merge_holes` and `_open`: cells outside the given holes may be empty, too.
+    """
     width, top = wall.length + 2 * beyond, wall.height + wall.extra_height
     holes = np.array([_open(hole, wall, beyond, width, top) for hole in merge_holes(wall.holes)]).reshape(-1, 4)
     us = np.unique(np.clip([0.0, width, *holes[:, 0], *holes[:, 1]], 0, width))

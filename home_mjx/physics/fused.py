@@ -116,13 +116,15 @@ STEPS = {"cpu": functools.partial(call_native, KERNEL.name), "cuda": step_cuda}
 def step_fused(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance the state by one control step, by MJX where no kernel exists; see `dynamics.step_checked`.
+    """Advance the state by one control step, by the kernel of the platform of lowering, else by MJX.
 
+    MJX runs where there is no kernel, or where it does not work, which is warned of once; see `dynamics.step_checked`.
     `house` must be a valid index: native code does not check bounds, and `step_checked` clips it.
 
     Raises:
-        ConfigError: A gradient of the kernel is requested.
-        BackendError: This is a forked child of a process that has made houses, cast rays or stepped physics.
+        ConfigError: A gradient of the kernel is requested; where MJX runs, this error is not raised.
+        BackendError: This is a forked child of a process that has made houses, cast rays or stepped physics. Or a
+            program is lowered for a CPU that is not the default platform, and the kernel has a fault there.
     """
     check_not_forked("step physics")
 

@@ -429,7 +429,7 @@ TARGETS = {
     "sums": Target(kept_text(b'{"a.nbi": "00", "a.nbc": "11"}', sums), JSON, ()),
     "digests": Target(digest_index, (of_bytes,), ()),
     "whole-house": Target(whole_house, JSON, ()),
-    "marker": Target(kept_text(b'{"generator": "home_mjx", "version": 4}', marker, "generated.json"), JSON),
+    "marker": Target(kept_text(b'{"generator": "home_mjx", "version": 5}', marker, "generated.json"), JSON),
     "checkpoint": Target(checkpoint(alone=False), ARCHIVE),
     "agent": Target(checkpoint(alone=True), ARCHIVE),
     "options": Target(options, (of_json,)),

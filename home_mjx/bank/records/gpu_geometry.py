@@ -60,10 +60,7 @@ def to_center_half(low: Float[Array, "*n 3"], high: Float[Array, "*n 3"]) -> Flo
 
 
 def _nodes(box: Float[Array, "n 2 6"], child: Int[Array, "n 2"]) -> Float[Array, "n 16"]:
-    """Pack nodes, given the boxes (low, high) and the codes of their two children; see `to_center_half`.
-
-    A row has centre and half size of child 0, of child 1, then the bits of both codes, 0, 0.
-    """
+    """Pack nodes of two children's boxes (low, high) and codes: centre and half size of each, bits of codes, 0, 0."""
     codes = _bits(jnp.pad(child, [(0, 0), (0, 2)]))
     return jnp.concatenate([to_center_half(box[..., :3], box[..., 3:]).reshape(-1, 12), codes], axis=1)
 

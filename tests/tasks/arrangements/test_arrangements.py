@@ -55,7 +55,7 @@ def each(made):
 def moved_of(made, house, arrangement):
     """Bodies that are elsewhere than in the file."""
     away = poses_of(made, house, arrangement)[:, :3] - made.houses[house].bodies.pos
-    return np.linalg.norm(away, axis=1) > 0.02
+    return np.linalg.norm(away, axis=1) > 1e-3
 
 
 def test_a_bank_has_none_at_first_and_nothing_else_changes(made):
