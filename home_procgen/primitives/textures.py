@@ -15,7 +15,7 @@ from scipy import fft
 
 
 class Canvas(NamedTuple):
-    """Size of a texture image in texels and metres."""
+    """What an image covers."""
 
     size: int = 128  # edge [px]
     metres: int = 1  # edge [m]
