@@ -13,12 +13,12 @@ from home_mjx.env_factory import make
 
 def all_sensors(settings: BenchSettings) -> Measurement:
     """Measure steps of all environments with the default sensors."""
-    return _steps(settings, "env/all-sensors")
+    return _steps(settings, settings.late_bank, "env/all-sensors")
 
 
 def depth(settings: BenchSettings) -> Measurement:
     """Measure steps with the depth image only."""
-    return _steps(settings, "env/depth", sensors=("depth",))
+    return _steps(settings, settings.bank, "env/depth", sensors=("depth",))
 
 
 def mix(settings: BenchSettings) -> Measurement:
@@ -38,8 +38,8 @@ def mix(settings: BenchSettings) -> Measurement:
     )  # fmt: skip
 
 
-def _steps(settings: BenchSettings, case: str, **options: Any) -> Measurement:
-    env = make("PointNav-v0", settings.late_bank, episode_length=10**6, **options)
+def _steps(settings: BenchSettings, bank: Any, case: str, **options: Any) -> Measurement:
+    env = make("PointNav-v0", bank, episode_length=10**6, **options)
     rate, seconds = _rate(settings, env)
     note = f"PointNav-v0 with {', '.join(env.config.sensors or ())}; {settings.houses}"
     return make_measurement(case, rate, "steps/s", note, num_envs=settings.num_envs, compile_seconds=seconds)
