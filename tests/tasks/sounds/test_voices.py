@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
 from home_mjx import physics
 from home_mjx.audio_jax import AudioConfig
@@ -71,9 +72,9 @@ def audible(env):
     return np.flatnonzero(np.asarray(env.params.tasks.rows.columns["task"]) == 1)
 
 
-def begun(env, step, doors="open"):
+def begun(env, step, **options):
     """Every row after a step in which nobody said anything."""
-    core = HouseholdEnv(make_config(**OPTIONS | {"doors": doors}), MIX)
+    core = HouseholdEnv(make_config(**OPTIONS | options), MIX)
     rows = len(env.params.tasks)
     keys, index = jax.random.split(jax.random.key(0), rows), jnp.arange(rows)
     states = jax.jit(jax.vmap(lambda key, row: core.reset(env.params, key, None, row, observe=False)))(keys, index)
@@ -102,7 +103,7 @@ def recovered(env, states, said):
 
 @pytest.mark.parametrize("doors", ["open", "closed"])
 def test_every_word_is_told_by_ear_in_one_room_and_through_doors(env, step, quiet, doors):
-    states = quiet if doors == "open" else begun(env, step, doors)
+    states = quiet if doors == "open" else begun(env, step, doors=doors)
     said = drawn_words(env, 0)
     after = step(env.params, states, acts(said))
     assert len(audible(env)) == 16
@@ -161,44 +162,63 @@ def test_both_voices_are_heard_where_they_are(env, step, quiet):
     assert np.asarray(after.world.sounds.clip)[audible(env)].tolist() == [[VOICE_CLIP_NUMBER, VOICE_CLIP_NUMBER]] * 16
 
 
+def open_line(bank, house, lengths):
+    """A listener's and speakers' cells [m] on a line of the largest room of a house, far from its walls."""
+    first, count = int(bank.navigation.first_cell[house]), int(bank.navigation.num_cells[house])
+    cells = np.asarray(bank.navigation.cell_coords[first : first + count])
+    rooms = np.asarray(bank.navigation.room[house])[tuple(cells.T)]
+    own = cells[rooms == np.bincount(rooms[rooms >= 0]).argmax()]
+    free = np.zeros(bank.navigation.room.shape[1:], bool)
+    free[tuple(own.T)] = True
+    clear = distance_transform_edt(np.pad(free[own[0, 0]], 64))  # both flats have one storey
+    steps = np.round(np.array([0.0, *lengths]) / bank.spec.cell).astype(int)
+    sides = [step * np.array([side]) for side in [(0, 1), (0, -1), (1, 0), (-1, 0)] for step in steps[:, None]]
+    lines = own[:, None, None, 1:] + np.reshape(sides, (1, 4, len(steps), 2))
+    best = clear[tuple(np.moveaxis(lines + 64, -1, 0))].min(axis=-1)
+    line = lines[np.unravel_index(best.argmax(), best.shape)]
+    assert best.max() > 0
+    return (line[:, ::-1] + 0.5) * bank.spec.cell + np.asarray(bank.navigation.origin[house])
+
+
 def test_the_level_falls_with_distance(env, step, quiet):
-    """Along a line of free cells of one room."""
+    """Between cells of one room that are far from its walls; the direct sound alone by the inverse of the way."""
     bank, number = env.bank, int(audible(env)[0])
     house = int(env.params.tasks.rows.house[number])
-    first, count = int(bank.navigation.first_cell[house]), int(bank.navigation.num_cells[house])
-    level, row, column = np.asarray(bank.navigation.cell_coords[first : first + count]).T
-    rooms = np.asarray(bank.navigation.room[house])[level, row, column]
-    own = rooms == np.bincount(rooms[rooms >= 0]).argmax()
-    plan = (np.stack([column, row], axis=1)[own] + 0.5) * bank.spec.cell + np.asarray(bank.navigation.origin[house])
-    corner = plan[plan.sum(axis=1).argmin()]
-    away = np.linalg.norm(plan - corner, axis=1)
-    places = [plan[np.abs(away - wanted).argmin()] for wanted in (0.7, 1.4, 2.8)]
-    one = jax.tree.map(lambda x: x[number], quiet)
+    listener, *places = open_line(bank, house, (0.7, 1.4, 2.8))
     floor = float(env.params.tasks.rows.start[number][2])
     template = env.core.template(bank)
 
-    def stands(place):
-        pos = jnp.asarray([[*corner, floor], [*place, floor]], jnp.float32)
+    def heard(step, quiet):
+        one = jax.tree.map(lambda x: x[number], quiet)
         angle = physics.door_angle(template, one.physics)
-        return one.replace(physics=physics.reset(template, bank, jnp.int32(house), pos, jnp.zeros(2), angle, None))
 
-    many = [stands(place) for place in places] * len(env.params.tasks)
-    states = jax.tree.map(lambda *x: jnp.stack(x), *many[: len(env.params.tasks)])
-    states = step(env.params, states, acts(np.full(len(env.params.tasks), LOOK_UP)))
-    states = step(env.params, states, acts(np.full(len(env.params.tasks), min(SAYS))))
-    pos = np.asarray(jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)(states))[:3]
+        def stands(place):
+            pos = jnp.asarray([[*listener, floor], [*place, floor]], jnp.float32)
+            return one.replace(physics=physics.reset(template, bank, jnp.int32(house), pos, jnp.zeros(2), angle, None))
+
+        many = [stands(place) for place in places] * len(env.params.tasks)
+        states = jax.tree.map(lambda *x: jnp.stack(x), *many[: len(env.params.tasks)])
+        for word in (LOOK_UP, min(SAYS)):
+            states = step(env.params, states, acts(np.full(len(env.params.tasks), word)))
+        pos = np.asarray(jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)(states))[:3]
+        return pos, np.asarray(states.obs["audio"])[:3, LISTENER]
+
+    dry = {"late": "none", "num_reflections": 0}
+    dry_step = jax.jit(jax.vmap(HouseholdEnv(make_config(**OPTIONS, **dry), MIX).step, (None, 0, 0)))
+    pos, direct = heard(dry_step, begun(env, dry_step, **dry))
     rise = env.config.body.eye_height - env.config.body.height / 2
     way = np.linalg.norm(pos[:, SPEAKER] - pos[:, LISTENER] - [0, 0, rise], axis=1)
     first = [round(length / 343.2 * RATE) for length in way]
-    audio = np.asarray(states.obs["audio"])[:3, LISTENER]
-    # 1.25 ms, before most reflections. With 2.5 ms, as before, those of the corner add 14 % to the first place.
-    level = [np.abs(sound[:, begin - 10 : begin + 20]).max(axis=1) for sound, begin in zip(audio, first, strict=True)]
+    level = [np.abs(sound[:, begin : begin + 400]).max() for sound, begin in zip(direct, first, strict=True)]
+    np.testing.assert_allclose(level * way, level[0] * way[0], rtol=0.05)
+
+    _, audio = heard(step, quiet)
     before = [np.abs(sound[:, : begin - 20]).max() for sound, begin in zip(audio, first, strict=True)]
-    # What comes first falls as the way grows; at the third place a wall beside the listener adds to it.
-    np.testing.assert_allclose(np.mean(level[0]) / np.mean(level[1]), way[1] / way[0], rtol=0.1)
-    assert np.min(np.max(level, axis=1)) > 10 * max(before)  # nothing comes before it
+    loudest = [np.abs(sound[:, begin - 10 : begin + 20]).max() for sound, begin in zip(audio, first, strict=True)]
+    assert min(loudest) > 10 * max(before)  # nothing comes before the direct sound
     power = np.sum(audio**2, axis=(-2, -1))
     assert min(power[:2]) > power[2]  # near the speaker tones and their reflections add up as it happens
+    assert (power > np.sum(direct**2, axis=(-2, -1))).all()
 
 
 def test_any_two_words_differ_in_two_tones_at_least():
