@@ -136,8 +136,8 @@ def test_it_says_what_is_made_and_compiled_once_each(
     assert [line for line in lines if not line.startswith(("generating", "loading 2"))] == [
         "moving 2 houses to the device",
         "baking area of 2 houses (once, then cached) 0/2",
-        "compiling reset (once, about a minute)",
-        "compiling step (once, about a minute)",
+        "compiling reset (once, up to half a minute)",
+        "compiling step (once, up to half a minute)",
     ]
 
 

@@ -220,7 +220,7 @@ class HouseholdEnv:
         What `progress` suppresses is not printed, and may be printed later.
         """
         is_traced = isinstance(argument, jax.core.Tracer)  # pyright: ignore[reportAttributeAccessIssue]
-        text = f"compiling {name} (once, about a minute)"
+        text = f"compiling {name} (once, up to half a minute)"
         if is_traced and name not in self._announced and say(text, self.progress):
             self._announced.add(name)
 

@@ -9,7 +9,7 @@ AGENT_FILE = Path(__file__).with_name("agent.npz")  # for its training see docs/
 RADIO_OPTIONS = {"clip_split": "radio"}
 
 
-def film_search(out: Path, suncg: str | Path | None = None, episodes: int = 3, seed: int = 0) -> list[EpisodeResult]:
+def film_search(out: Path, suncg: str | Path | None = None, episodes: int = 1, seed: int = 0) -> list[EpisodeResult]:
     """Film the packaged agent while it searches for a radio; print nothing, return the result of each episode.
 
     Args:

@@ -52,7 +52,7 @@ class FilmCamera:
         """Render the first agent's view in a state of one environment; return it as NumPy arrays with the positions."""
         if not self._is_compiled:
             self._is_compiled = True
-            say("compiling the film's camera (once, about a minute)", self.env.core.progress)
+            say("compiling the film's camera (once, some seconds)", self.env.core.progress)
         return CameraShot(*(np.asarray(x) for x in self._see(self.env.params, state)))
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:

@@ -1,5 +1,6 @@
 """Episodes from reset to end, step by step; observers are called at each step."""
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
@@ -7,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.core.progress import say
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.task import path_scores
 from home_mjx.tasks.env.actions import action_names
@@ -26,8 +28,11 @@ class EpisodeRunner:
 
     def __init__(self, env: Env[HouseholdEnv]) -> None:
         self.env = env
-        self._reset = jax.jit(env.core.reset)
-        self._step = jax.jit(env.core.step)
+        # Two programs for a step: the one of the sensors, which takes longest to compile, serves resets as well.
+        self._reset = jax.jit(functools.partial(env.core.reset, observe=False))
+        self._step = jax.jit(functools.partial(env.core.step, observe=False))
+        self._sense = jax.jit(functools.partial(env.core.observe, update=True))
+        self._has_sensed = False
         self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
 
     def run(self, player: Player, number: int, key: Any, row: int | None, observer: Observer) -> EpisodeResult:
@@ -43,7 +48,7 @@ class EpisodeRunner:
             observer: Observer of the episode.
         """
         params = self.env.params
-        state = self._reset(params, key, None, row)
+        state = self._observe(self._reset(params, key, None, row))
         start, step = self._start(number, row, state), EpisodeStep(0, state, None, 0.0)
         pos, walked = np.asarray(self._pos(params, state)), 0.0
         player.reset()
@@ -53,7 +58,7 @@ class EpisodeRunner:
             action = player.act(step.state)
             if action is None:
                 break
-            state = self._step(params, step.state, action)
+            state = self._observe(self._step(params, step.state, action))
             before, pos = pos, np.asarray(self._pos(params, state))
             walked += float(np.linalg.norm(pos - before))
             reward = float(np.reshape(state.reward, -1)[0])
@@ -62,6 +67,13 @@ class EpisodeRunner:
         result = _result(start, step, walked)
         observer.on_episode_end(result)
         return result
+
+    def _observe(self, state: State) -> State:
+        """Return the state with its sensors' observations, after a reset or a step without; say that they compile."""
+        if not self._has_sensed:
+            self._has_sensed = True
+            say("compiling the sensors (once, up to half a minute)", self.env.core.progress)
+        return self._sense(self.env.params, state)
 
     def _start(self, number: int, row: int | None, state: State) -> EpisodeStart:
         """Describe the episode that begins in `state`, for observers."""

@@ -29,6 +29,7 @@ class TopDownOverlay:
 
     def __init__(self, bank: HouseBank, house: int) -> None:
         self.bank, self.house, self.views = bank, house, {}
+        self.levels: list[list[int]] = []  # of all agents, by step
 
     def draw(
         self,
@@ -41,11 +42,12 @@ class TopDownOverlay:
 
         Args:
             scene: The house without agents, to render again; None: use the previous scene, not at the first call.
-            sights: All steps so far, at least one; the last one is the current.
+            sights: All steps so far, at least one: those of the last call and later ones; the last one is the current.
             goals: The current goal.
             shortest: Points on the floor along the shortest path to the goal [m], drawn on their storey; None: no path.
         """
-        level = self._level(sights[-1].pos[0])
+        self.levels += [[self._level(pos) for pos in sight.pos] for sight in sights[len(self.levels) :]]
+        level = self.levels[-1][0]
         if scene is not None:
             self.views.clear()
             self.scene = scene
@@ -99,13 +101,17 @@ class TopDownOverlay:
             if self._level(place + np.array([0, 0, FLOOR_MARGIN])) == level:
                 _dot(draw, top.to_pixel(place), 9 * unit, None, GOAL_COLOUR)
         for agent in range(len(sights[-1].yaw)):
-            path = [top.to_pixel(s.pos[agent]) for s in sights if self._level(s.pos[agent]) == level]
+            path = [
+                top.to_pixel(s.pos[agent])
+                for s, levels in zip(sights, self.levels, strict=True)
+                if levels[agent] == level
+            ]
             if len(path) > 1:
                 draw.line(path, fill=PATH_COLOUR, width=round(4 * unit), joint="curve")
             if agent == 0 and path:
                 _dot(draw, path[0], 4 * unit, START_COLOUR, PATH_COLOUR)
             pos, yaw = sights[-1].pos[agent], float(sights[-1].yaw[agent])
-            if self._level(pos) == level:
+            if self.levels[-1][agent] == level:
                 self._look(draw, top, pos, yaw, AGENT_COLOURS[agent % len(AGENT_COLOURS)])
                 _dot(draw, top.to_pixel(pos), 7 * unit, AGENT_COLOURS[agent % len(AGENT_COLOURS)], (10, 10, 10))
 
