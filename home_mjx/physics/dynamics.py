@@ -12,7 +12,7 @@ from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.servo import GRAVITY, NOT_DRIVEN
 from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION, NOTHING, BodyScale, PhysicsState
 from home_mjx.physics.fused import step_fused
-from home_mjx.physics.kinematic.kinematic_step import step_kinematic
+from home_mjx.physics.kinematic.native import step_kinematic
 from home_mjx.physics.mjx.house_model import movable_bodies
 from home_mjx.physics.mjx.mjx_step import step_mjx
 from home_mjx.physics.mjx.overflow import Overflow

@@ -26,7 +26,7 @@ MAX_SUBSTEPS = 100  # maximum number of substeps, which are unrolled in the prog
 MAX_STEP_HEIGHT = MAX_SUPPORT_OVERLAP
 
 
-def step_kinematic(
+def step_in_jax(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
     """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
@@ -35,7 +35,7 @@ def step_kinematic(
     `control`, forces, masses, friction and `state.scale` are ignored. `house` must be a valid index, as it is not
     clipped.
 
-    Doors are driven first and then pushed by agents, which move in substeps; see `_num_substeps`. Held bodies are set
+    Doors are driven first and then pushed by agents, which move in substeps; see `num_substeps`. Held bodies are set
     to their grips and released ones dropped at the end. Velocities are displacements divided by the step's length; only
     agents have one. `qacc` is 0. `num_contacts` is the maximum over substeps of the obstacles that an agent touches at
     once. Contacts have no impulses: these fields are unchanged. Nothing overflows.
@@ -43,7 +43,7 @@ def step_kinematic(
     config, layout = template.config, template.layout
     agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
     angle = drive_doors(leaves, state.qpos[layout.door_qpos], state.door_goal, config.timing.ctrl_dt)
-    fixed, steps = _obstacles(template, physics, house, state), _num_substeps(config)
+    fixed, steps = _obstacles(template, physics, house, state), num_substeps(config)
     table = jnp.asarray(template.agents, jnp.float32)
     fastest, sizes = table[:, FORWARD_SPEED : TURN_RATE + 1], (table[:, RADIUS], table[:, HALF_LENGTH])
     wanted = jnp.clip(action, -1.0, 1.0) * fastest * jnp.float32(config.timing.ctrl_dt / steps)
@@ -84,7 +84,7 @@ def step_kinematic(
     return moved, Overflow(no, no, no)
 
 
-def _num_substeps(config: PhysicsSetup) -> int:
+def num_substeps(config: PhysicsSetup) -> int:
     """Return the number of substeps, in each of which no agent moves farther than its radius, against tunnelling.
 
     It is common to all agents, and at least 1. It is computed from maximum speeds, not from actions.
