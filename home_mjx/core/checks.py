@@ -9,7 +9,7 @@ from typing import TypeGuard
 
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 
-INT64_BOUND = 2.0**63  # exclusive bound of signed 64-bit integers
+INT64_BOUND = 2**63  # exclusive bound of signed 64-bit integers
 MAX_VALUE_LENGTH = 200  # maximum length of a value in a message [characters]
 
 
@@ -101,7 +101,9 @@ def _is_number(value: object, whole: bool) -> TypeGuard[float]:
         finite = math.isfinite(value)
     except OverflowError:
         return False
-    return finite and (not whole or abs(float(value)) < INT64_BOUND)
+    if isinstance(value, numbers.Integral) and whole:
+        return abs(int(value)) < INT64_BOUND
+    return finite
 
 
 def shorten(value: object) -> str:

@@ -9,7 +9,7 @@ from home_mjx.core.checks import check_number, check_type, names_hint, shorten
 from home_mjx.errors import ConfigError
 
 
-@pytest.mark.parametrize("value", [0, 5, 2**62, np.int32(7)])
+@pytest.mark.parametrize("value", [0, 5, 2**63 - 1, np.int32(7)])
 def test_whole_numbers(value: int):
     check_number("n", value, 0, integer=True)
 

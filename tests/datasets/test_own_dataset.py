@@ -1,5 +1,6 @@
 """A dataset from a user's file: registered, opened by its scheme, compiled, put into a bank, walked in."""
 
+import functools
 import importlib.util
 import json
 import os
@@ -146,25 +147,36 @@ def test_entries_are_cached_until_the_file_changes(module, user_file, cache):
         user_file.write_text(text)
 
 
+def home_mjx_in(folder: Path, cache: Path, paths: list[Path], *arguments: str) -> str:
+    """Output of the command line in a folder, with a cache of its own."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(map(str, paths)), CACHE_VARIABLE: str(cache)}
+    command = [sys.executable, "-m", "home_mjx.cli", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
 def test_the_command_line_finds_it_by_its_entry_point(user_file, tmp_path):
     """A distribution is a folder beside the module that names its entry points."""
     info = user_file.parent / "my_boxes-1.0.dist-info"
     info.mkdir(exist_ok=True)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: my-boxes\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[home_mjx.datasets]\nboxes = my_boxes:BoxDataset\n")
-    paths = os.pathsep.join([str(user_file.parent), str(ROOT)])
-    environment = os.environ | {"PYTHONPATH": paths, CACHE_VARIABLE: str(tmp_path / "cache")}
-
-    def run(*arguments: str) -> str:
-        command = [sys.executable, "-m", "home_mjx.cli", *arguments]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=environment, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
-        return done.stdout
-
+    run = functools.partial(home_mjx_in, tmp_path, tmp_path / "cache", [user_file.parent, ROOT])
     assert "2 compiled" in run("compile", "boxes:2", "--workers", "1")
     found = json.loads(run("inspect", "boxes-1", "--dataset", "boxes:2", "--json"))
     assert (found["id"], found["counts"]["rooms"]) == ("boxes-1", 2)
     assert json.loads(run("inspect", "boxes:2", "--json"))["counts"]["houses"] == 2
+
+
+def test_commands_import_its_module(user_file, tmp_path):
+    """From the current folder, also in the processes that compile."""
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "my_boxes.py").write_text(user_file.read_text())
+    run = functools.partial(home_mjx_in, own, tmp_path / "cache", [ROOT])
+    assert "2 compiled" in run("compile", "boxes:2", "--workers", "2", "--import", "my_boxes")
+    assert json.loads(run("inspect", "boxes:2", "--json", "--import", "my_boxes"))["counts"]["houses"] == 2
 
 
 def test_another_reader_of_the_same_files_has_its_own_cache_entries(module, cache):

@@ -14,6 +14,7 @@ from home_mjx.cli.houses import (
     load_compiled_house,
     selected_houses,
 )
+from home_mjx.cli.learning.arguments import add_import_option, import_modules
 from home_mjx.cli.parsing import MAX_WORKERS, parse_names, parse_path, whole_number_type
 from home_mjx.core.checks import check_known
 from home_mjx.errors import ConfigError
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `HOUSE`, an id or the root of a dataset, the other options of `home-mjx compile`, and their defaults.
 
-    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`. `--mjcf OUT` is the path of a folder; None:
-    compile. `--collision`, by default `box`, is a text that `run` checks.
+    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`, `--import` as in `add_import_option`.
+    `--mjcf OUT` is the path of a folder; None: compile. `--collision`, by default `box`, is a text that `run` checks.
 
     For whole datasets, `--workers` is from 1 to `MAX_WORKERS`, by default the number of processors. `--resume` is a
     flag. `--report FILE` is a path and `--scheduler ADDRESS` a text; both are None by default. `--bakes A,B` is a tuple
@@ -37,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_house_arguments(parser, "id of a house, or root of a dataset to compile all its houses")
     add_strict_option(parser)
     add_movable_option(parser)
+    add_import_option(parser)
     parser.add_argument(
         "--mjcf", type=parse_path, metavar="OUT", help="write one house as MJCF into this folder instead"
     )
@@ -65,6 +67,7 @@ def run(args: argparse.Namespace) -> int:
     An unknown `--collision` or bake raises `UnknownNameError` before anything is compiled. Bakes are computed last,
     also if some houses failed; they are neither checked nor computed with `--mjcf`.
     """
+    import_modules(args.modules)
     check_known("collision", [args.collision], COLLISIONS)
     if args.mjcf is not None:
         return _write_mjcf(args)

@@ -17,6 +17,7 @@ from home_mjx.cli.houses import (
     open_selected_dataset,
     selected_house,
 )
+from home_mjx.cli.learning.arguments import add_import_option, import_modules
 from home_mjx.core.progress import is_progress_shown, plural, track
 
 if TYPE_CHECKING:
@@ -28,14 +29,15 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `HOUSE`, an id or the root of a dataset, and the options of `home-mjx inspect`.
 
-    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`. `--json`, `--semantics` and `--validate` are
-    flags; the last two exclude each other.
+    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`, `--import` as in `add_import_option`.
+    `--json`, `--semantics` and `--validate` are flags; the last two exclude each other.
     """
     add_house_arguments(
         parser, "id of the house (default: the dataset's first), or root of a dataset for all its houses"
     )
     add_strict_option(parser)
     add_movable_option(parser)
+    add_import_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
     doing = parser.add_mutually_exclusive_group()
     doing.add_argument(
@@ -53,6 +55,7 @@ def run(args: argparse.Namespace) -> int:
     fallbacks and fixed objects follow, one line each. With `--json` it is one object instead, or one per house with
     `--validate`.
     """
+    import_modules(args.modules)
     if args.validate:
         return _validate(args)
     if args.semantics:

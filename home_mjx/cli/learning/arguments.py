@@ -24,7 +24,7 @@ def add_import_option(parser: argparse.ArgumentParser) -> None:
     """Add the repeatable `--import MODULE`: a list `modules` for `import_modules`, empty by default."""
     parser.add_argument(
         "--import", dest="modules", action="append", default=[], metavar="MODULE",
-        help="import a module first, such as one that registers your tasks or shaders",
+        help="import a module first, such as one that registers your tasks, shaders or datasets",
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ import itertools
 import threading
 from collections import OrderedDict
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 
 import mujoco
 import numpy as np
@@ -85,8 +85,10 @@ class MujocoHouses:
         envs = np.array_split(np.arange(len(given[0])), min(usable_cores(), len(given[0])))
         if len(envs) == 1:
             return self._step_some(given, results, envs[0])
-        for done in [_pool().submit(self._step_some, given, results, some) for some in envs]:
-            done.result()
+        steps = [_pool().submit(self._step_some, given, results, some) for some in envs]
+        wait(steps)  # all of them before an error is raised: `results` is freed then
+        for step in steps:
+            step.result()
         return None
 
     def _step_some(self, given: Arrays, results: Arrays, envs: np.ndarray) -> None:

@@ -144,11 +144,15 @@ def load_states(path: str | Path, env: Env) -> State:
         like: Any = jax.eval_shape(env.core.reset, env.params, key)
     leaves, structure = jax.tree_util.tree_flatten_with_path(like.replace(info={}))
     arrays = _read(path, [jax.tree_util.keystr(place) for place, _ in leaves])
+    num = arrays[0].shape[:1]
     for (place, leaf), array in zip(leaves, arrays, strict=True):
         if array.shape[1:] != leaf.shape or array.dtype != leaf.dtype:
             message = f"expected {leaf.dtype} {leaf.shape}, got {array.dtype} {array.shape[1:]}"
             hint = "Make the environment with the options that the states were saved with."
             raise DatasetError(message, file=path, element=jax.tree_util.keystr(place), hint=hint)
+        if array.shape[:1] != num:
+            message = f"expected {num[0]} environments, as in the first array, got {array.shape[0]}"
+            raise DatasetError(message, file=path, element=jax.tree_util.keystr(place))
     states = jax.tree.unflatten(structure, [jnp.asarray(array) for array in arrays])
     try:
         check_state(env.core.template(env.bank).layout, env.params, states)

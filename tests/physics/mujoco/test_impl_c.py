@@ -1,5 +1,6 @@
 """C MuJoCo inside `jit`: against the fused step, on exported houses, and what it refuses."""
 
+import time
 from dataclasses import replace
 
 import jax
@@ -13,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
-from home_mjx.physics import ExportedTemplate, PhysicsConfig, Template
+from home_mjx.physics import ExportedTemplate, PhysicsConfig, PhysicsSetup, Template
 from home_mjx.physics.mujoco import house_models as c_houses
 from home_mjx.physics.mujoco.house_mjcf import HouseRows
 from home_mjx.physics.mujoco.house_models import build_house_model
@@ -206,3 +207,25 @@ def test_other_devices_are_refused(monkeypatch):
         check_platform()
     with jax.default_device(jax.devices("cpu")[0]):
         check_platform()
+
+
+def test_an_error_is_raised_when_all_threads_have_ended(monkeypatch, bank):
+    """XLA frees the results then: a thread that still wrote to them corrupted memory."""
+    written = []
+
+    class Slow:
+        def step(self, *state):
+            time.sleep(0.3)
+            written.append(1)
+            raise KeyError
+
+    class Broken:
+        def step(self, *state):
+            raise ValueError("broken")
+
+    houses = c_houses.MujocoHouses(PhysicsSetup(impl="c"), Template(PhysicsConfig(impl="c"), bank.spec).layout)
+    monkeypatch.setattr(c_houses, "usable_cores", lambda: 2)
+    houses._houses = {0: Broken(), 1: Slow()}
+    with pytest.raises(ValueError, match="broken"):
+        houses._step([np.arange(2)], [])
+    assert written

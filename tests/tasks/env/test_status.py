@@ -141,6 +141,11 @@ def test_states_are_kept_and_go_on(begun, step, batch, tmp_path):
     jax.tree.map(np.testing.assert_array_equal, again, step(states, jnp.zeros((NUM, 4))))
     with pytest.raises(DatasetError):
         load_states(tmp_path / "none.npz", env)
+    with np.load(tmp_path / "all.npz") as file:
+        arrays = dict(file)
+    np.savez(tmp_path / "cut.npz", **arrays | {".world.step": arrays[".world.step"][:2]})
+    with pytest.raises(DatasetError, match=r"expected 4 environments.*\.world\.step"):
+        load_states(tmp_path / "cut.npz", env)
     two = HouseholdEnv(make_config(sensors=("state",), num_agents=2)).bind(batch.bank)
     with pytest.raises(DatasetError, match=r"qpos|qvel|physics"):
         load_states(tmp_path / "all.npz", two)
