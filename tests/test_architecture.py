@@ -70,6 +70,7 @@ LAZY: Mapping[str, str] = {
     "home_mjx.geometry.meshes": "Numba is loaded where trees are built",
     "home_mjx.physics.fused": "kernels of a device are loaded for that device",
     "home_mjx.physics.kinematic.native": "kernels of a device are loaded for that device",
+    "home_mjx.navigation.distance_fields": "kernels of a device are loaded for that device",
     "home_mjx.raycast_render.backends.cpu": "Numba kernels compile on first use",
     "home_mjx.registry": "a filter of houses is checked where one is given",
     "home_mjx.viewer.demo.search": "policies need Flax, which is loaded with a checkpoint",

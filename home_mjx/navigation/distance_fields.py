@@ -2,13 +2,15 @@
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.native.kernel import Kernel, call_native
+from home_mjx.core.native.vmap_call import call_kernel
 from home_mjx.geometry.geodesic import is_walkable_rise
 from home_mjx.navigation.grid import is_passable_cell, row_of_cell
 
@@ -56,13 +58,22 @@ def distance_field(
     Example:
         >>> fields = jax.vmap(distance_field, (None, 0, None))(free, sources, 0.1)  # doctest: +SKIP
     """
-    far = jnp.float32(jnp.inf)
-    start = jnp.where(free & source, jnp.float32(0), far)
+    start = jnp.where(free & source, jnp.float32(0), jnp.inf)
     step = jnp.broadcast_to(jnp.float32(cell) * step_factor, free.shape)
     corners = free if passable is None else passable
     down, up = (
         _grid_moves(free[way], corners[way], None if height is None else height[way], cell) for way in (FORTH, BACK)
     )
+    return KERNEL.select(_sweep_in_jax, {"cpu": _sweep_natively}, start, step, down, up)
+
+
+def _sweep_in_jax(
+    start: Float[Array, "ny nx"], step: Float[Array, "ny nx"], down: _GridMoves, up: _GridMoves
+) -> Float[Array, "ny nx"]:
+    """Return the distances [m] that sweeps converge to from `start`, 0 at sources, else inf.
+
+    `step` is the length of a straight step into each cell [m], `up` has the moves of the grid upside down.
+    """
 
     def changed(carry: tuple[Array, Array]) -> Array:
         """Return whether the last round lowered a distance."""
@@ -73,9 +84,39 @@ def distance_field(
         distance, _ = carry
         return _sweep(up, _sweep(down, distance, step)[BACK], step[BACK])[BACK], distance
 
-    first = jnp.where(jnp.isfinite(start), start, far)
-    distance, _ = jax.lax.while_loop(changed, rounds, rounds((first, first)))
+    distance, _ = jax.lax.while_loop(changed, rounds, rounds((start, start)))
     return distance
+
+
+@jax.custom_jvp
+def _sweep_natively(
+    start: Float[Array, "ny nx"], step: Float[Array, "ny nx"], down: _GridMoves, up: _GridMoves
+) -> Float[Array, "ny nx"]:
+    """Return the same as `_sweep_in_jax` by the kernel, up to rounding; moves upwards are those downwards, reversed."""
+    bits = (
+        move.astype(jnp.int32) << bit for bit, move in enumerate((down.straight, down.right, down.left, down.along))
+    )
+    return call_kernel(_call_sweeps, (), (), (start, step, sum(bits, jnp.zeros(start.shape, jnp.int32))))
+
+
+_sweep_natively.defjvp(lambda primals, tangents: jax.jvp(_sweep_in_jax, primals, tangents))
+
+
+def _call_sweeps(start: Float[Array, "e ny nx"], *grids: Array) -> tuple[Array, ...]:
+    """Call the kernel for at least one cell."""
+    if start.size == 0:
+        return (start,)
+    return tuple(call_native(KERNEL.name, (start, *grids), [jax.ShapeDtypeStruct(start.shape, jnp.float32)]))
+
+
+def _compile_chunks() -> tuple[Any, Any]:
+    """Compile the kernel; Numba is imported only here, because it loads slowly."""
+    from home_mjx.navigation.numba_sweeps import compile_chunks
+
+    return compile_chunks()
+
+
+KERNEL = Kernel("home_mjx_distance_field", "distance fields on the CPU are slower", cpu=_compile_chunks)
 
 
 def _grid_moves(

@@ -12,7 +12,16 @@ from scipy.sparse.csgraph import dijkstra
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.geometry import geodesic as host
-from home_mjx.navigation.distance_fields import distance_field, goal_fields
+from home_mjx.navigation.distance_fields import (
+    BACK,
+    FORTH,
+    KERNEL,
+    _grid_moves,
+    _sweep_in_jax,
+    _sweep_natively,
+    distance_field,
+    goal_fields,
+)
 
 
 def on_device(free: np.ndarray, sources: np.ndarray, cell: float = 0.1) -> np.ndarray:
@@ -157,3 +166,39 @@ def test_a_diagonal_gap_is_a_step_only_where_both_corners_are_passable():
 def test_diagonals_are_clear_unless_cells_are_coarse():
     assert host.has_clear_diagonals(0.1, 0.1)
     assert not host.has_clear_diagonals(0.3, 0.1)
+
+
+def test_the_kernel_sweeps_as_jax_does(rng):
+    """Grids with heights, narrow cells and slow ones; most of them wind."""
+    assert KERNEL.find_problem("cpu") is None
+    count, rows, columns = 24, 37, 53
+    free = rng.random((count, rows, columns)) < 0.7
+    source = rng.random(free.shape) < 0.004
+    slow = rng.choice([1.0, 1.5, 4.0], free.shape).astype(np.float32)
+    height = np.cumsum(rng.choice([0.0, 0.01, 0.2], free.shape, p=[0.5, 0.45, 0.05]), axis=1).astype(np.float32)
+    passable = free | (rng.random(free.shape) < 0.3)
+    grids = tuple(map(jnp.asarray, (free, source, slow, height, passable)))
+
+    def fields(sweep):
+        def one(free, source, slow, height, passable):
+            start = jnp.where(free & source, jnp.float32(0), jnp.inf)
+            moves = (_grid_moves(free[way], passable[way], height[way], 0.1) for way in (FORTH, BACK))
+            return sweep(start, jnp.float32(0.1) * slow, *moves)
+
+        return np.asarray(jax.jit(jax.vmap(one))(*grids))
+
+    by_kernel, by_jax = fields(_sweep_natively), fields(_sweep_in_jax)
+    np.testing.assert_allclose(by_kernel, by_jax, rtol=2e-6)
+    assert np.isfinite(by_jax).sum() > 1000
+    assert (np.isinf(by_jax) & free).sum() > 1000
+    whole = jax.vmap(
+        lambda free, source, slow, height, passable: distance_field(free, source, 0.1, slow, height, passable)
+    )
+    np.testing.assert_array_equal(whole(*grids), by_kernel)
+
+
+def test_a_field_has_the_gradient_of_its_steps():
+    """In forward mode, in which the sweeps in JAX have one; it is the length of the steps on the shortest path."""
+    free, source = jnp.ones((1, 5), bool), jnp.zeros((1, 5), bool).at[0, 0].set(True)
+    slope = jax.jacfwd(lambda factor: distance_field(free, source, 0.5, factor)[0, 4])(jnp.ones((1, 5)))
+    np.testing.assert_allclose(slope, [[0.0, 0.5, 0.5, 0.5, 0.5]])

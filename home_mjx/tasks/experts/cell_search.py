@@ -47,7 +47,7 @@ def turns_to_nearest_cell(
     bank, house = snapshot.bank, snapshot.house
     agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num_agents < 0 else slice(num_agents)]
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
-    home, slow = is_home_cell(bank, house, numbers), cell_cost_factors(snapshot)
+    home = is_home_cell(bank, house, numbers)
     goals = jax.vmap(lambda at: cell_at_feet(bank, house, at))(navigation.goal[house])
     is_left = unvisited[goals[:, 0], goals[:, 1], goals[:, 2]]
 
@@ -56,7 +56,8 @@ def turns_to_nearest_cell(
         level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
         height = navigation.height[row_of_cell(numbers[level])]
         passable = is_passable_cell(bank, house, numbers[level])
-        near = distance_field(home[level], targets[level], bank.spec.cell, slow[level], height, passable)
+        slow = cell_cost_factors(snapshot, level)
+        near = distance_field(home[level], targets[level], bank.spec.cell, slow, height, passable)
         y, x = (
             jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
         )

@@ -192,16 +192,15 @@ def _edge_positions(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Arr
     return leaves.pivot[leaf] + way * far[:, None]
 
 
-def cell_cost_factors(snapshot: Snapshot) -> Float[Array, "levels rows columns"]:
-    """Return the `cost_factors` of all cells of the house's grids, from door leaves only.
+def cell_cost_factors(snapshot: Snapshot, level: Int[Array, ""]) -> Float[Array, "rows columns"]:
+    """Return the `cost_factors` of all cells of one level of the house's grids, from door leaves only.
 
     Agents and carried objects do not count. Cells without a number have the height of the nearest numbered one.
     """
     bank, house = snapshot.bank, snapshot.house
-    levels, rows, columns = bank.navigation.room.shape[1:]
+    rows, columns = bank.navigation.room.shape[2:]
     y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) for n in (rows, columns))
     origin = bank.navigation.origin[house]
-    z = bank.navigation.height[row_of_cell(bank.navigation.cell[house])]
-    y, x = jnp.broadcast_arrays(y[:, None] + origin[1], x[None] + origin[0])
-    place = jnp.stack([*jnp.broadcast_arrays(x, y, z)], axis=-1).reshape(-1, 3)
-    return cost_factors(snapshot, place).reshape(levels, rows, columns)
+    z = bank.navigation.height[row_of_cell(bank.navigation.cell[house, level])]
+    place = jnp.stack(jnp.broadcast_arrays(x[None] + origin[0], y[:, None] + origin[1], z), axis=-1).reshape(-1, 3)
+    return cost_factors(snapshot, place).reshape(rows, columns)

@@ -57,14 +57,15 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
     near |= graph.cut_off  # there nothing begins, whether or not a leaf is beside it
     np.testing.assert_array_equal(found[~near], graph.at_leaf[~near])
     cells = np.asarray(jax.jit(jax.vmap(lambda p: cell_at_feet(snapshot.bank, snapshot.house, p)))(place))
-    slow = np.asarray(jax.jit(cell_cost_factors)(snapshot))[tuple(cells.T)]
+    assert not cells[:, 0].any()  # the house has one storey
+    slow = np.asarray(jax.jit(cell_cost_factors)(snapshot, jnp.int32(0)))[tuple(cells[:, 1:].T)]
     np.testing.assert_array_equal(slow[~near] >= BRUSH_COST_FACTOR, graph.at_leaf[~near])
 
 
 def test_agents_brush_leaves_after_some_steps_but_do_not_push_them(snapshot):
     """Who turned round at a leaf, and comes back for it, walks past it in the end, and does not shut it for good."""
     last = snapshot.replace(step=jnp.int32(PATIENCE_PERIOD - NUM_IMPATIENT_STEPS - 1))
-    before, after = (jax.jit(cell_cost_factors)(last.replace(step=last.step + k)) for k in (0, 1))
+    before, after = (jax.jit(cell_cost_factors)(last.replace(step=last.step + k), jnp.int32(0)) for k in (0, 1))
     assert (before == BRUSH_COST_FACTOR).any()
     assert (before == PUSH_COST_FACTOR).any()
     np.testing.assert_array_equal(after, jnp.where(before == PUSH_COST_FACTOR, before, 1))
