@@ -4,11 +4,12 @@
 from typing import Any, no_type_check
 
 import numpy as np
-from numba import cfunc, njit
+from numba import cfunc
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.ffi import float_result, float_row, int_row, operand_dim
 from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.core.native.numba_cache import verify_cache
 
@@ -16,7 +17,7 @@ START, STEP, MOVES = range(3)  # operands: a grid (ny, nx) for each field
 STRAIGHT, RIGHT, LEFT, ALONG = 1, 2, 4, 8  # bits of `MOVES`, as the fields of `distance_fields._GridMoves`
 DIAGONAL = np.float32(2**0.5)
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 def sources_digest() -> int:

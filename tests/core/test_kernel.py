@@ -3,6 +3,7 @@
 import time
 import warnings
 from concurrent.futures import ThreadPoolExecutor
+from typing import no_type_check
 
 import jax
 import jax.numpy as jnp
@@ -13,6 +14,7 @@ from numba import cfunc, njit, types
 from home_mjx.core.native import ffi
 from home_mjx.core.native import kernel as native_kernel
 from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.kernel import Kernel, call_native, launch_ptx
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.vmap_call import batch_kernel
@@ -181,3 +183,14 @@ def test_shared_operands_may_be_mapped_inside_another_vmap():
     inner = jax.vmap(lambda factor, rows: step(factor, rows)[0])
     found = jax.jit(jax.vmap(inner, (None, 0)))(shared, own)
     np.testing.assert_array_equal(found, shared[None, :, None] * own)
+
+
+def test_inner_functions_are_linked_and_refuse_calls_from_python():
+    inner = compile_inner()(no_type_check(lambda x: 2 * x + 1))
+    outer = njit(no_type_check(lambda x: inner(x) + inner(inner(x))))
+    assert (outer(3), outer(0.5)) == (7 + 15, 2.0 + 5.0)
+    for _ in range(2):
+        with pytest.raises(TypeError):
+            inner(3)
+    with pytest.raises(TypeError):
+        inner(np.ones(3))  # of types that nothing has compiled

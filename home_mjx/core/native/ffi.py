@@ -13,8 +13,9 @@ import hashlib
 from pathlib import Path
 from typing import no_type_check
 
-from numba import njit, types
+from numba import types
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, call, fetch_add, pointer_to, stack_of
 
 API_VERSION = 0 | 3 << 32  # major and minor version as one word in memory
@@ -33,7 +34,7 @@ argument_words = stack_of(types.int64, 5)
 allocate = types.ExternalFunction("malloc", types.intp(types.intp))
 release = types.ExternalFunction("free", types.void(types.intp))
 yield_thread = types.ExternalFunction("sched_yield", types.int32())
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 def hash_sources(*paths: str) -> int:

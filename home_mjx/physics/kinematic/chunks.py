@@ -3,11 +3,12 @@
 
 from typing import Any, no_type_check
 
-from numba import cfunc, njit
+from numba import cfunc
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.ffi import float_result, float_row, int_result, int_row, operand_dim
 from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.physics.base import servo
 from home_mjx.physics.kinematic import doors, footprints, numba_step, support
@@ -19,7 +20,7 @@ HOUSE, QPOS, QVEL, ACTION, HELD, GRIP, GOAL = range(10, 17)
 NEW_QPOS, NEW_QVEL, TOUCHED = range(3)
 CHUNK = 16  # environments per chunk of work
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 def sources_digest() -> int:

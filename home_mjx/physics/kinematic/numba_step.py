@@ -7,10 +7,11 @@ Numbers are float64 here and float32 there, so that both agree up to rounding.
 from math import cos, inf, sin, sqrt
 from typing import Any, NamedTuple, no_type_check
 
-from numba import njit, types
+from numba import types
 
 from home_mjx.bank.records.physics import PADDING_POS
 from home_mjx.core.native.ffi import WORD, allocate, release
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, offset_pointer, pointer_to
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, STRAFE_SPEED, TURN_RATE
 from home_mjx.physics.base.servo import MAX_DOOR_SPEED, MAX_RAMP_GAP, NOT_DRIVEN
@@ -27,7 +28,7 @@ PARKED_LOW, PARKED_HIGH = PARKED_RANGE
 TINY = 1e-12
 
 floats = pointer_to(types.float64)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 class NearObstacles(NamedTuple):

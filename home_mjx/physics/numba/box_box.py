@@ -13,8 +13,9 @@ from math import sqrt
 from typing import no_type_check
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import stack_of
 
 MAX_PAIR_POINTS = 16  # maximum number of contact points of a pair of shapes
@@ -27,7 +28,7 @@ APART, NO_EDGE = -2, -1
 EDGE = 6  # codes from here on: EDGE + 3 * axis of the first box + axis of the second one
 
 vector, matrix = stack_of(types.float64, 3), stack_of(types.float64, 9)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled
@@ -58,7 +59,7 @@ def box_box(pos1, rot1, half1, pos2, rot2, half2, points, normal):
     return count
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def sum3(x, y, z, end, start):
     """Return the scalar product of (x, y, z) and end - start."""
@@ -319,7 +320,7 @@ def _add_covered_corners(corner, edges, size, points, number):
     return number
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def _add_point(x, y, z, points, number):
     """Add the midpoint of (x, y, z) and (x, y, 0), distance z, unless z > 0 or `points` is full; return the number."""

@@ -9,15 +9,16 @@ from math import sqrt
 from typing import no_type_check
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import stack_of
 
 TINY = 1e-15
 NONE, FACE, EDGE, CORNER = -1, 0, 1, 2  # kind of the nearest feature of a box
 
 vector, quad = stack_of(types.float64, 3), stack_of(types.float64, 4)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

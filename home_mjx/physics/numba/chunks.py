@@ -4,12 +4,13 @@
 from typing import Any, no_type_check
 
 import numpy as np
-from numba import carray, cfunc, njit  # pyright: ignore[reportPrivateImportUsage]
+from numba import carray, cfunc  # pyright: ignore[reportPrivateImportUsage]
 from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.ffi import float_result, float_row, int_result, int_row, operand_dim
 from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.physics.base import servo, state
 from home_mjx.physics.numba import (
@@ -63,7 +64,7 @@ from home_mjx.physics.numba.workspace import allocate_workspace, free_workspace
 CHUNK = 16  # environments per chunk of work
 NUM_NUMBERS = len(StepParams._fields)
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 def sources_digest() -> int:

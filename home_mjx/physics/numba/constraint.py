@@ -8,15 +8,14 @@ Source: MuJoCo's documentation, "Computation", sections "Constraint model" and "
 
 from typing import no_type_check
 
-from numba import njit
-
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.params import DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.workspace import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled
@@ -51,14 +50,14 @@ def make_rows(work, numbers):
             work.target[4 * n + row] = spring - damping * along
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def num_rows(friction):
     """Return the number of constraint rows of a contact: 4 with friction, 1 without."""
     return 4 if friction > 0 else 1
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def edge_value(row, friction, normal, first, second):
     """Return `normal ± friction * tangent`: first tangent in rows 0 (+) and 1 (-), second in rows 2 (+) and 3 (-)."""
@@ -140,7 +139,7 @@ def _write_door_jacobian(work, n, side, m, sign):
         jacobian[6 * row] = sign * (x * work.frame[9 * n + 3 * row + 1] - y * work.frame[9 * n + 3 * row])
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def _surface(work, numbers, a, b):
     """Return friction, stiffness, damping, minimum impedance and width of a contact or joint limit; agents are `a`.
@@ -161,7 +160,7 @@ def _surface(work, numbers, a, b):
     return max(own[0], its[0]), max(own[1], its[1]), max(own[2], its[2]), low, width
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def _impedance(low, high, x):
     """Evaluate MuJoCo's impedance curve (midpoint 0.5, power 2) at depth / width `x`: `low` at 0, `high` from 1 on.

@@ -4,8 +4,7 @@
 from math import sqrt
 from typing import no_type_check
 
-from numba import njit
-
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.physics.numba.box_box import box_box
@@ -17,7 +16,7 @@ NEAR_DISTANCE = 0.1  # [m], maximum distance of listed static boxes, and displac
 
 DOOR_LOW_COLUMN = 11  # column of a door's minimum coordinate; the maximum follows
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

@@ -4,12 +4,11 @@
 from math import cos, sin, sqrt
 from typing import no_type_check
 
-from numba import njit
-
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.params import DOOR_COLUMNS
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

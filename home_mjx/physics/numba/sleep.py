@@ -9,8 +9,7 @@ the next.
 
 from typing import no_type_check
 
-from numba import njit
-
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION
@@ -19,7 +18,7 @@ from home_mjx.physics.numba.workspace import num_contact_dofs
 
 WAKE_DISTANCE = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

@@ -4,13 +4,12 @@
 from math import cos, sin, sqrt
 from typing import no_type_check
 
-from numba import njit
-
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, FORCE_CONTROL, RAMP_COLUMNS
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled
@@ -134,7 +133,7 @@ def _pull_held_body(work, numbers, a, m, grip):
     _rotate_held_body(work, numbers, m, _rotation_error(work, a, m, grip), spin)
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def _approach_rate(numbers, far, fastest):
     """Return the velocity per distance, or per angle, towards the grip [1/s]; it limits the velocity to `fastest`.

@@ -13,8 +13,8 @@ from math import sqrt
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, num_rows
 from home_mjx.physics.numba.workspace import NEWTON_STEPS, NUM_CONTACTS, num_contact_dofs
@@ -25,7 +25,7 @@ MAX_LINE_STEPS = 40  # maximum number of line-search iterations
 NEWTON_TOLERANCE = 1e-22
 MIN_PIVOT = 1e-12  # minimum Cholesky pivot before its square root [kg] or [kg m^2]
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

@@ -4,8 +4,7 @@
 from math import sqrt
 from typing import no_type_check
 
-from numba import njit
-
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.state import FLOOR, MIN_SUPPORT_NORMAL, STATIC
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
@@ -17,7 +16,7 @@ from home_mjx.physics.numba.smooth_acceleration import compute_smooth_accelerati
 from home_mjx.physics.numba.solver import solve
 from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

@@ -7,9 +7,10 @@ contiguous: element k of row i of an (n, 3) array is at 3 * i + k.
 
 from typing import Any, NamedTuple, no_type_check
 
-from numba import njit, types
+from numba import types
 
 from home_mjx.core.native.ffi import WORD, allocate, release
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, pointer_to
 from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS
 from home_mjx.physics.numba.params import (
@@ -89,7 +90,7 @@ class Workspace(NamedTuple):
     counts: Pointer  # (4) number of contacts, overflow flags, Newton steps; see the names above
 
 
-@njit(error_model="numpy")
+@compile_inner()
 @no_type_check
 def allocate_workspace(num_agents, num_bodies, num_doors, num_static):
     """Allocate zeroed memory for environments of these sizes; release it with `free_workspace`.
@@ -106,7 +107,7 @@ def allocate_workspace(num_agents, num_bodies, num_doors, num_static):
     return work
 
 
-@njit(error_model="numpy", inline="always")
+@compile_inner(inline="always")
 @no_type_check
 def num_contact_dofs(work, m):
     """Return the number of dynamic body `m`'s DoFs that contacts act on: 3 of an agent, 6 of a body, 1 of a door."""
@@ -115,7 +116,7 @@ def num_contact_dofs(work, m):
     return BODY_DOFS if m < work.num_free else DOOR_DOFS
 
 
-@njit(error_model="numpy")
+@compile_inner()
 @no_type_check
 def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     """Assign consecutive addresses from `at` on to all arrays; return the workspace and the address behind it.
@@ -178,7 +179,7 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     return work, at
 
 
-@njit(error_model="numpy")
+@compile_inner()
 @no_type_check
 def free_workspace(work):
     """Release the memory of a workspace, which must not be used afterwards."""

@@ -3,7 +3,7 @@
 
 from typing import Any, no_type_check
 
-from numba import cfunc, njit
+from numba import cfunc
 
 from home_mjx.audio_jax.base import delays
 from home_mjx.audio_jax.kernels import delay_reads
@@ -14,9 +14,10 @@ from home_mjx.audio_jax.kernels.cpu.render_late import render_late_chunk
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native import simd as lanes
 from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.numba_cache import verify_cache
 
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @verify_cache

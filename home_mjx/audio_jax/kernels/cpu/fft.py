@@ -9,16 +9,16 @@ import functools
 from typing import no_type_check
 
 import numpy as np
-from numba import njit
 
 from home_mjx.audio_jax.kernels.fft_plan import num_passes
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.simd import LANES, load, multiply_add, store
 
 HALF = np.float32(np.sqrt(0.5))
 THIRD = np.float32(np.sqrt(0.75))  # sine of 2 π / 3
 COS_1, SIN_1, COS_2, SIN_2 = (np.float32(f(2 * np.pi * k / 5)) for k in (1, 2) for f in (np.cos, np.sin))
-compiled = njit(error_model="numpy")
-inlined = njit(error_model="numpy", forceinline=True)
+compiled = compile_inner()
+inlined = compile_inner(forceinline=True)
 
 
 @functools.cache

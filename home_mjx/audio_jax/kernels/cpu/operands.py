@@ -3,10 +3,11 @@
 
 from typing import no_type_check
 
-from numba import njit, types
+from numba import types
 
 from home_mjx.core.native import ffi
 from home_mjx.core.native.ffi import NUMBER
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import pointer_to
 
 ENVS_PER_CHUNK = 8  # environments per task of a thread
@@ -14,7 +15,7 @@ CONSTANTS = 0  # operand: kind of frame, and sizes that no shape contains
 KIND = 0  # constant: kind of frame
 EARLY, LATE = range(2)  # kinds of frames
 float_pointer, int_pointer, word_pointer = map(pointer_to, (types.float32, types.int32, types.int64))
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @compiled

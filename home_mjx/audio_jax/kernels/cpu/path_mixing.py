@@ -8,9 +8,9 @@ Signals have twice their rate, with even and odd half samples in separate arrays
 from typing import NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit
 
 from home_mjx.audio_jax.base.delays import FIRST_READ, HALF_WIDTH, NUM_READ, interpolation_polynomials, windowed_sinc
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, store
 
@@ -20,8 +20,8 @@ ZERO, ONE, TWO, FOUR = (np.float32(x) for x in (0.0, 1.0, 2.0, 4.0))
 MIN_DIVISOR = np.float32(1e-6)  # [m], minimum divisor
 TAPS = tuple(np.float32(x) for x in windowed_sinc(np.arange(-HALF_WIDTH, HALF_WIDTH) + 0.5))
 READ_POLYNOMIALS = tuple(tuple(np.float32(x) for x in row) for row in interpolation_polynomials())  # lowest power first
-compiled = njit(error_model="numpy")
-inlined = njit(error_model="numpy", forceinline=True)
+compiled = compile_inner()
+inlined = compile_inner(forceinline=True)
 
 
 class EarlySizes(NamedTuple):

@@ -3,8 +3,6 @@
 
 from typing import Any, NamedTuple, no_type_check
 
-from numba import njit
-
 from home_mjx.audio_jax.base.delays import HALF_WIDTH, NUM_READ
 from home_mjx.audio_jax.kernels.cpu.fft import transform
 from home_mjx.audio_jax.kernels.cpu.operands import (
@@ -27,12 +25,13 @@ from home_mjx.audio_jax.kernels.cpu.path_mixing import (
 from home_mjx.audio_jax.kernels.delay_reads import NUM_FILTERED
 from home_mjx.core.native import ffi
 from home_mjx.core.native.ffi import NUMBER, float_result, float_row, int_row, operand_dim
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, offset_pointer
 from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, sum_lanes
 
 _, SPECTRA, TURNS, RATE, SOURCE, FILTERS, START, WAYS, SHARE = range(9)  # operands
 _, FRAME_BEGIN, BEFORE, COUNT = range(4)  # constants
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 class EarlyScratch(NamedTuple):

@@ -4,7 +4,6 @@
 from typing import Any, NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit
 
 from home_mjx.audio_jax.kernels.cpu.fft import transform
 from home_mjx.audio_jax.kernels.cpu.operands import (
@@ -17,6 +16,7 @@ from home_mjx.audio_jax.kernels.cpu.operands import (
 )
 from home_mjx.core.native import ffi
 from home_mjx.core.native.ffi import NUMBER, WORD, float_result, float_row, int_row, operand_dim
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, offset_pointer
 from home_mjx.core.native.simd import LANES, broadcast, load, multiply_add, store
 
@@ -25,7 +25,7 @@ _, FIRST, HALF, ECHOES, START, WIDTH, FRAME_BEGIN = range(7)  # constants
 VECTORS_PER_STEP = 4  # vectors per step, for instruction-level parallelism
 ENDS, PARTS = 2, 2  # start and end of the frame; parts of a response
 ZERO, ONE, ONE_HALF = np.float32(0), np.float32(1), np.float32(0.5)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 class LateSizes(NamedTuple):

@@ -15,6 +15,7 @@ from jaxtyping import Float, Int
 from numba import njit, types
 
 from home_mjx.core.native import ffi, memory, simd
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES, absolute, broadcast, load, multiply_add, select, store
@@ -23,7 +24,7 @@ SWEEPS = 6  # iterations of the transfer within one bin, which is small
 UNROLLED = 4  # lags that are summed independently
 ZERO, MIN_ENERGY = np.float32(0), np.float32(1e-25)  # smaller energies are zero: subnormal numbers are slow
 floats = pointer_to(types.float32)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 def solve_renewal(

@@ -13,10 +13,11 @@ itself. The octaves of a ray fill the first lanes of a vector.
 from typing import Any, NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from home_mjx.audio_jax.late_reverb.trace.cells import CELL_FLOOR_GAP
 from home_mjx.audio_jax.late_reverb.trace.house_rays import cast_rays
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, stack_of
 from home_mjx.core.native.simd import LANES, broadcast, load, maximum, minimum, store, sum_lanes
 from home_mjx.schema.compiled import ARCHITECTURE, BANDS
@@ -41,7 +42,7 @@ BELOW_ONE = np.nextafter(ONE, ZERO)
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
 octave_floats, vector = stack_of(types.float32, LANES), stack_of(types.float32, 3)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 class Surfaces(NamedTuple):

@@ -12,6 +12,7 @@ from numba import njit, types
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.native import ffi, memory, simd
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, pointer_to
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES
@@ -33,7 +34,7 @@ CAST_MODULES: tuple[Any, ...] = ffi, memory, simd, cutouts, intersect, packet, t
 
 Pointer = Any  # a C pointer, which Numba indexes like an array
 floats, integers, words = pointer_to(types.float32), pointer_to(types.int32), pointer_to(types.int64)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 class CastScene(NamedTuple):

@@ -15,6 +15,7 @@ from home_mjx.audio_jax.late_reverb.trace.cells import Cells
 from home_mjx.audio_jax.late_reverb.trace.flight import NUM_OCTAVES, PLACE
 from home_mjx.audio_jax.late_reverb.trace.house_rays import CAST_MODULES, CastScene, HouseRays, addresses, ray_memory
 from home_mjx.core.native import ffi
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import pointer_to
 from home_mjx.core.native.numba_cache import verify_cache_once
 from home_mjx.core.native.simd import LANES, load
@@ -24,7 +25,7 @@ from home_mjx.schema import compiled as compiled_house
 MAX_BOUNCES_PER_METRE = 1.0  # maximum reflections per metre of age: flights end by age, as rays rarely reflected last
 floats, doubles, integers = map(pointer_to, (types.float32, types.float64, types.int32))
 flags, words, naturals = map(pointer_to, (types.uint8, types.int64, types.uint64))
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 class FlightStart(NamedTuple):

@@ -4,12 +4,13 @@
 from typing import Any, no_type_check
 
 import numpy as np
-from numba import cfunc, njit, types
+from numba import cfunc, types
 
 from home_mjx.core.native import ffi
 from home_mjx.core.native import memory as native_memory
 from home_mjx.core.native import simd as lanes
 from home_mjx.core.native.handler import WORD_FUNCTION
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import stack_of
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.raycast_render.backends.numba import cutouts as native_cutouts
@@ -27,7 +28,7 @@ CHUNK = 16  # packets per chunk of work
 
 operand_words, result_words = stack_of(types.int64, NUM_OPERANDS), stack_of(types.int64, NUM_RESULTS)
 ray_words = stack_of(types.int64, NUM_RAY_FIELDS)
-compiled = njit(error_model="numpy")
+compiled = compile_inner()
 
 
 @verify_cache

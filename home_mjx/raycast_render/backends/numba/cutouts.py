@@ -4,9 +4,10 @@
 from typing import no_type_check
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from home_mjx.bank.records.geometry import CUTOUT_SHIFT
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import stack_of
 from home_mjx.core.native.simd import LANES, broadcast, load, select, store
 from home_mjx.schema.compiled import RayKind
@@ -18,7 +19,7 @@ ZERO, ONE = np.float32(0), np.float32(1)
 weights, flags = stack_of(types.float32, 2 * LANES), stack_of(types.int32, 2 * LANES)
 
 
-@njit(error_model="numpy")  # rarely called, too large to inline
+@compile_inner()  # rarely called, too large to inline
 @no_type_check
 def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
     """Return the lanes of `wins` without rays that pass through a cut-out texel of a triangle.
@@ -41,7 +42,7 @@ def drop_cut_outs(world, triangle, stops, mask, u, v, wins):
     return ~(load(flag, 0) == np.int32(0))
 
 
-@njit(error_model="numpy")
+@compile_inner()
 @no_type_check
 def _is_cut_out(world, triangle, layer, u, v):
     """Return whether the texel around weights u, v of corners 1, 2 is cut out; `layer` counts from 1, clipped."""
@@ -54,7 +55,7 @@ def _is_cut_out(world, triangle, layer, u, v):
     return (np.int64(word) >> (column % WORD_BITS)) & 1 == 1
 
 
-@njit(error_model="numpy")
+@compile_inner()
 @no_type_check
 def _texel(uv, at, u, v, edge):
     """Return the texel index, 0 .. edge - 1 (NaN: 0), at weights u, v of corners 1, 2; `uv[at + 2 k]` is corner k's.

@@ -4,8 +4,8 @@
 from typing import Any, NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import unlikely
 from home_mjx.core.native.simd import absolute, any_lane, broadcast, maximum, minimum, select
 from home_mjx.raycast_render.backends.numba.cutouts import ALL_KINDS, drop_cut_outs
@@ -16,7 +16,7 @@ FAR_SLACK, TINY = np.float32(scene_types.FAR_SLACK), np.float32(scene_types.TINY
 ZERO, ONE, INF = np.float32(0), np.float32(1), np.float32(np.inf)
 
 Lane = Any  # a SIMD vector of `LANES` items
-compiled = njit(error_model="numpy", forceinline=True)
+compiled = compile_inner(forceinline=True)
 
 
 class PacketRays(NamedTuple):

@@ -4,8 +4,9 @@
 from typing import NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.core.native.simd import LANES, broadcast, load, select, store
 from home_mjx.raycast_render.backends.numba.intersect import INF, ONE, ZERO, Lane
@@ -18,7 +19,7 @@ MISS = np.float32(scene_types.MISS)
 float_pointer, int_pointer, byte_pointer = map(pointer_to, (types.float32, types.int32, types.uint8))
 lane_floats, lane_ints = stack_of(types.float32, 8 * LANES), stack_of(types.int32, 2 * LANES)
 lane_rows = stack_of(types.int64, LANES)
-compiled = njit(error_model="numpy", forceinline=True)
+compiled = compile_inner(forceinline=True)
 
 
 class Tiling(NamedTuple):

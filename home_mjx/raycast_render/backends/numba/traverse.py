@@ -16,8 +16,9 @@ Eurographics 2001.
 from typing import Any, NamedTuple, no_type_check
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
+from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import pointer_to, stack_of
 from home_mjx.core.native.simd import FLOATS, any_lane, broadcast, count_lanes, select
 from home_mjx.raycast_render.backends.numba.intersect import (
@@ -45,7 +46,7 @@ Pointer = Any  # a C pointer, which Numba indexes like an array
 float_pointer, int_pointer, word_pointer = map(pointer_to, (types.float32, types.int32, types.uint32))
 # The top tree uses the lower half of the stacks, the tree of the instance being visited the upper one.
 code_stack, enter_stack = stack_of(types.int32, 2 * MAX_DEPTH), stack_of(FLOATS, 2 * MAX_DEPTH)
-compiled = njit(error_model="numpy", forceinline=True)
+compiled = compile_inner(forceinline=True)
 
 
 class SceneArrays(NamedTuple):
@@ -74,7 +75,7 @@ class SceneArrays(NamedTuple):
     sizes: RowCounts
 
 
-@njit(error_model="numpy")
+@compile_inner()
 @no_type_check
 def cast_packet(operands, counts, results, sizes, tiles, any_hit, packet) -> None:
     """Cast one packet and write its hits into `results`.
@@ -173,7 +174,7 @@ def _is_visible(object_id, exclude):
     return (exclude < np.int32(0)) | ~(exclude == object_id)
 
 
-@njit(error_model="numpy")  # called from two places, too large to inline
+@compile_inner()  # called from two places, too large to inline
 @no_type_check
 def _cast_model(world, instance, ray, best, codes, enters):
     """Return `best` updated with one instance, by the BVH of its model; the rays are in its frame."""
