@@ -86,7 +86,6 @@ def deferred(monkeypatch):
     later = Kernel("test_deferred", "slower", cpu=lambda: (compilations.append(1), compile_chunks())[1])
     monkeypatch.setattr(native_kernel, "_is_cpu_default", lambda: False)
     monkeypatch.setattr(native_kernel, "_deferred", {})
-    native_kernel._find_problem.cache_clear()
     return later, compilations
 
 

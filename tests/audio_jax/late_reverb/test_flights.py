@@ -1,6 +1,7 @@
 """Flights of rays in a house: where and when they end, and that all octaves of a ray are right."""
 
 from itertools import pairwise
+from typing import no_type_check
 
 import jax
 import jax.numpy as jnp
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 from acoustic_rooms import RISING, coupled
 from handmade import shoebox
+from numba import njit
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.bake import stages
@@ -78,11 +80,18 @@ def test_every_octave_is_as_if_it_flew_alone():
     assert not decay[1, :, 1:7].any()
 
 
+@njit
+@no_type_check
+def stratified(copy, copies, number):
+    """What only compiled code calls."""
+    return flight.stratify(copy, copies, number)
+
+
 @pytest.mark.parametrize("copies", [1, 2, 3, 64])
 def test_choices_of_copies_stay_below_one(copies):
     """At 1, a ray is mirrored by a surface that scatters everything, and its energy is 0 / 0."""
     least, largest = np.float32(0), np.nextafter(np.float32(1), np.float32(0))
-    found = [float(flight.stratify(copy, copies, number)) for copy in range(copies) for number in (least, largest)]
+    found = [float(stratified(copy, copies, number)) for copy in range(copies) for number in (least, largest)]
     assert found[::2] == pytest.approx(np.arange(copies) / copies)
     assert max(found) < 1
     assert found == sorted(found)
