@@ -20,15 +20,11 @@ DIAGONAL = np.float32(2**0.5)
 compiled = compile_inner()
 
 
-def sources_digest() -> int:
-    """Return a 56-bit hash of the source files that the sweeps are compiled from, except this one."""
-    return ffi.hash_sources(ffi.__file__, memory.__file__)
-
-
 @verify_cache
 def compile_chunks() -> tuple[Any, Any]:
     """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
-    digest = sources_digest()
+    # Numba's cache checks this file only. The functions refer to the digest, so that a change of others invalidates it.
+    digest = ffi.hash_sources(ffi.__file__, memory.__file__)
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check

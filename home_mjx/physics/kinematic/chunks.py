@@ -5,14 +5,17 @@ from typing import Any, no_type_check
 
 from numba import cfunc
 
+from home_mjx.bank.records import physics as physics_record
 from home_mjx.core.native import ffi, memory
 from home_mjx.core.native.ffi import float_result, float_row, int_result, int_row, operand_dim
 from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.numba_cache import verify_cache
-from home_mjx.physics.base import servo
-from home_mjx.physics.kinematic import doors, footprints, numba_step, support
+from home_mjx.physics.base import control, servo
+from home_mjx.physics.kinematic import doors, footprints, kinematic_step, numba_step, support
 from home_mjx.physics.kinematic.numba_step import HouseBoxes, allocate_memory, free_memory, step_env
+from home_mjx.physics.mjx import template_mjcf
+from home_mjx.physics.numba import params
 
 # Operands in order: arrays of all houses, agents and step; then one row per environment. Results.
 COLLIDER_POS, COLLIDER_QUAT, COLLIDER_SIZE, RAMP_COLLIDER, RAMP, FLOOR, BODY_SIZE, DOOR, AGENT, TIMES = range(10)
@@ -23,20 +26,13 @@ CHUNK = 16  # environments per chunk of work
 compiled = compile_inner()
 
 
-def sources_digest() -> int:
-    """Return a 56-bit hash of the source files that the step is compiled from, except this one.
-
-    Numba's cache checks only the file of the compiled function. That function refers to the hash, so that a change of
-    the other files invalidates the cache as well.
-    """
-    parts: tuple[Any, ...] = (ffi, memory, servo, doors, footprints, numba_step, support)
-    return ffi.hash_sources(*(part.__file__ for part in parts))
-
-
 @verify_cache
 def compile_chunks() -> tuple[Any, Any]:
     """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
-    digest = sources_digest()
+    # Numba's cache checks this file only. The functions refer to the digest, so that a change of others invalidates it.
+    parts: Any = (ffi, memory, control, servo, physics_record, template_mjcf, params)
+    parts += (doors, footprints, kinematic_step, numba_step, support)
+    digest = ffi.hash_sources(*(part.__file__ for part in parts))
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check
@@ -68,7 +64,7 @@ def _step_chunk(frame, chunk):
     for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, operand_dim(frame, HOUSE, 0))):
         house = _house(frame, min(max(own[env], 0), houses - 1))
         state = float_row(frame, QPOS, env), float_row(frame, QVEL, env)
-        control = (
+        commands = (
             float_row(frame, ACTION, env),
             int_row(frame, HELD, env),
             float_row(frame, GRIP, env),
@@ -76,7 +72,7 @@ def _step_chunk(frame, chunk):
         )
         result = float_result(frame, NEW_QPOS, env), float_result(frame, NEW_QVEL, env), int_result(frame, TOUCHED, env)
         table = float_row(frame, AGENT, 0)
-        step_env(obstacles, motion, house, float(times[0]), int(times[1]), table, state, control, result)
+        step_env(obstacles, motion, house, float(times[0]), int(times[1]), table, state, commands, result)
     free_memory(obstacles)
 
 

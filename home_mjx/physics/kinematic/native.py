@@ -24,7 +24,7 @@ NUM_SHARED, NUM_RESULTS = 10, 3
 def step_kinematic(
     template: Template, physics: Physics, house: Int[Array, ""], state: PhysicsState, action: Float[Array, "a 3"]
 ) -> tuple[PhysicsState, Overflow]:
-    """Advance agents, doors and held or released bodies by one control step, see `kinematic_step.step_in_jax`.
+    """Step agents, doors and held or released bodies by one control step, see `kinematic_step.step_in_jax`.
 
     On CPUs a kernel does so, which agrees with it within rounding; gradients are those of `step_in_jax` everywhere.
 

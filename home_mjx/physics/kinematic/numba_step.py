@@ -17,6 +17,7 @@ from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, ST
 from home_mjx.physics.base.servo import MAX_DOOR_SPEED, MAX_RAMP_GAP, NOT_DRIVEN
 from home_mjx.physics.kinematic.doors import MIN_PUSH_LEVER
 from home_mjx.physics.kinematic.footprints import DEPENETRATION_ITERATIONS, MAX_PENETRATION
+from home_mjx.physics.kinematic.kinematic_step import MAX_STEP_HEIGHT
 from home_mjx.physics.kinematic.support import MAX_SUPPORT_OVERLAP, MAX_SUPPORT_REACH
 from home_mjx.physics.mjx.template_mjcf import PARKED_RANGE
 from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS
@@ -114,7 +115,7 @@ def free_memory(obstacles):
 @compiled
 @no_type_check
 def step_env(obstacles, motion, house, dt, substeps, table, state, control, result):
-    """Advance one environment by a control step, see `kinematic_step.step_kinematic`.
+    """Step one environment by a control step, see `kinematic_step.step_in_jax`.
 
     Args:
         obstacles: Memory for boxes; its lists are made anew.
@@ -353,7 +354,7 @@ def _move_and_slide(obstacles, motion, house, table, a):
     row = offset_pointer(table, AGENT_COLUMNS * a)
     old_x, old_y, z = motion.pos[3 * a], motion.pos[3 * a + 1], motion.pos[3 * a + 2]
     x, y = old_x + motion.way[3 * a], old_y + motion.way[3 * a + 1]
-    lowest = z - row[RADIUS] - row[HALF_LENGTH] + max(motion.step_up[a], MAX_SUPPORT_OVERLAP)
+    lowest = z - row[RADIUS] - row[HALF_LENGTH] + max(motion.step_up[a], MAX_STEP_HEIGHT)
     depth, out_x, out_y, count = _deepest(obstacles, motion, house, table, a, x, y, lowest)
     for _ in range(DEPENETRATION_ITERATIONS):
         if depth > 0:
