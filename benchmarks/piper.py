@@ -23,7 +23,7 @@ from home_mjx.navigation.grid import cell_at_feet, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
 from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.env.env import Env
-from home_mjx.tasks.experts.cell_search import turns_to_nearest_cell
+from home_mjx.tasks.experts.cell_search import turns_to_cells
 from home_mjx.tasks.experts.expert_observation import EXPERT, ExpertObservationEnv
 from home_mjx.tasks.experts.path_follower import to_actions
 from home_mjx.tasks.scripted_agents.pied_piper import FOLLOWER, MIN_PIPER_DISTANCE
@@ -57,7 +57,7 @@ def follow(snapshot: Snapshot, whom: Array) -> Array:
     at = cell_at_feet(bank, house, snapshot.feet[whom])
     cell = bank.navigation.cell_coords[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
     wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
-    error, _ = turns_to_nearest_cell(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num_agents=1)
+    error, _ = turns_to_cells(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num_agents=1)
     waits = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])[None] < MIN_PIPER_DISTANCE
     error = jnp.where(waits, 1.0, error)
     return to_actions(snapshot.config, error, -pose.pitch[:1], waits, jnp.zeros_like(waits))

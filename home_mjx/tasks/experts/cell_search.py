@@ -1,4 +1,4 @@
-"""Path to the nearest of a set of cells that is known only at run time."""
+"""Path to one of a set of cells that is known only at run time."""
 
 import jax
 import jax.numpy as jnp
@@ -11,32 +11,39 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cell_cost_factors
 from home_mjx.tasks.experts.field_descent import descend_field
 from home_mjx.tasks.experts.path_follower import to_actions, turn_towards
+from home_mjx.tasks.rules.cell_graph import PUSH_COST_FACTOR
 
 NEIGHBOUR_OFFSETS = np.array([-1, 0, 1])  # [cells], neighbourhood of an agent
+STRIP_WIDTH = 3.0  # [m], maximum width of the strips in which a room is swept
 
 
-def seek_nearest_cell(
+def seek_cells(
     snapshot: Snapshot, targets: Bool[Array, "levels rows columns"], unvisited: Bool[Array, "levels rows columns"]
 ) -> Array:
-    """Return actions of all agents towards cells, by `turns_to_nearest_cell`; `stop` where there is none to go to.
+    """Return actions of all agents towards cells, by `turns_to_cells`; `stop` where there is none to go to.
 
     With continuous actions, which have no `stop`, they turn on the spot instead.
     """
     pose = snapshot.pose
-    error, done = turns_to_nearest_cell(snapshot, targets, unvisited)
+    error, done = turns_to_cells(snapshot, targets, unvisited)
     return to_actions(snapshot.config, jnp.where(done, 1.0, error), -pose.pitch, hold=done, stop=done)
 
 
-def turns_to_nearest_cell(
+def turns_to_cells(
     snapshot: Snapshot,
     targets: Bool[Array, "levels rows columns"],
     unvisited: Bool[Array, "levels rows columns"],
     num_agents: int = -1,
 ) -> tuple[Float[Array, " n"], Bool[Array, " n"]]:
-    """Return turns of agents towards the nearest cell of `targets` [rad, to the left], and which have none to go to.
+    """Return turns of agents towards cells of `targets` [rad, to the left], and which have none to go to.
 
-    On the agent's level the path follows a distance field computed for the purpose, past door leaves at their current
-    angles. Without such a path, an agent goes to the nearest of the house's goals in `unvisited`.
+    An agent sweeps the part of a room in which it is: it goes to the nearer of the first and the last target there, in
+    the order of `sweep_order`. This order depends neither on the agent nor on the targets, so that the agent does not
+    turn to and fro between targets on both sides. Parts end at door leaves: an open leaf may close a narrow passage, so
+    that no agent without hands gets through. In a part without targets the agent goes to the nearest one of its level.
+
+    Paths follow distance fields computed for the purpose, past door leaves at their current angles. Without such a
+    path, an agent goes to the nearest of the house's goals in `unvisited`.
 
     Args:
         snapshot: The environment.
@@ -47,17 +54,13 @@ def turns_to_nearest_cell(
     bank, house = snapshot.bank, snapshot.house
     agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num_agents < 0 else slice(num_agents)]
     navigation, numbers = bank.navigation, bank.navigation.cell[house]
-    home = is_home_cell(bank, house, numbers)
     goals = jax.vmap(lambda at: cell_at_feet(bank, house, at))(navigation.goal[house])
     is_left = unvisited[goals[:, 0], goals[:, 1], goals[:, 2]]
 
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         """Return one agent's waypoint (x, y) [m], and whether it has no cell to go to."""
         level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
-        height = navigation.height[row_of_cell(numbers[level])]
-        passable = is_passable_cell(bank, house, numbers[level])
-        slow = cell_cost_factors(snapshot, level)
-        near = distance_field(home[level], targets[level], bank.spec.cell, slow, height, passable)
+        near = _fields_to_targets(snapshot, jnp.stack([level, row, column]), targets[level])
         y, x = (
             jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
         )
@@ -66,7 +69,7 @@ def turns_to_nearest_cell(
         other = jnp.argmin(jnp.where(is_left, way.astype(jnp.float32), jnp.inf))
 
         def far(place: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
-            """Return distances [m] to the nearest target on the agent's level, else to the house's goal."""
+            """Return distances [m] to the chosen targets on the agent's level, else to the house's goal."""
             there = stored_distance(navigation.field, cell, other)
             here = jnp.where(place[:, 0] == level, near[place[:, 1], place[:, 2]], jnp.inf)
             return jnp.where(is_near, here, there)
@@ -75,3 +78,58 @@ def turns_to_nearest_cell(
 
     aim, done = jax.vmap(one)(agents)
     return turn_towards(snapshot, aim, agents), done
+
+
+def sweep_order(part: Bool[Array, "rows columns"], cell: float) -> Int[Array, "rows columns"]:
+    """Return the place of cells in a sweep of a part of a grid: along its longer side in strips, to and fro.
+
+    Strips are equally wide, at most `STRIP_WIDTH`. Cells side by side across a strip have the same place.
+
+    Args:
+        part: Cells that are swept; the others may have any place.
+        cell: Cell size [m].
+    """
+    long_, across = jnp.meshgrid(*(jnp.arange(n) for n in part.shape), indexing="ij")
+    sizes = []
+    for axis, index in ((1, long_), (0, across)):
+        inside = jnp.any(part, axis=axis)
+        first = jnp.argmax(inside)
+        sizes.append((index - first, inside.shape[0] - jnp.argmax(inside[::-1]) - first))
+    (row, rows), (column, columns) = sizes
+    is_tall = rows >= columns
+    along, length = jnp.where(is_tall, row, column), jnp.where(is_tall, rows, columns)
+    beside, width = jnp.where(is_tall, column, row), jnp.where(is_tall, columns, rows)
+    num_strips = jnp.ceil(width * jnp.float32(cell / STRIP_WIDTH)).astype(jnp.int32)
+    strip = beside * num_strips // jnp.maximum(width, 1)
+    return strip * length + jnp.where(strip % 2 == 0, along, length - 1 - along)
+
+
+def _fields_to_targets(
+    snapshot: Snapshot, at: Int[Array, "3"], targets: Bool[Array, "rows columns"]
+) -> Float[Array, "rows columns"]:
+    """Return distances [m] of an agent's level to targets: two in the agent's part of its room, else all.
+
+    The two are the first and the last in `sweep_order`, and distances to them are over that part alone.
+
+    Args:
+        snapshot: The environment.
+        at: The agent's cell (level, row, column).
+        targets: Cells of the level.
+    """
+    bank, house, level = snapshot.bank, snapshot.house, at[0]
+    navigation, numbers = bank.navigation, bank.navigation.cell[house]
+    cell = numbers[level]
+    home, room = is_home_cell(bank, house, cell), navigation.room[house, level]
+    height, passable = navigation.height[row_of_cell(cell)], is_passable_cell(bank, house, cell)
+    slow = cell_cost_factors(snapshot, level)
+    _, row, column = navigation.cell_coords[row_of_cell(cell[at[1], at[2]])].astype(jnp.int32)
+    begin = jnp.zeros_like(home).at[row, column].set(True)
+    own = home & (room == room[row, column]) & (room >= 0) & ((slow < PUSH_COST_FACTOR) | begin)
+    part = jnp.isfinite(distance_field(own, begin, bank.spec.cell, slow, height, passable))
+    left = part & targets
+    order = sweep_order(part, bank.spec.cell)
+    first = left & (order == jnp.min(jnp.where(left, order, order.size)))
+    last = left & (order == jnp.max(jnp.where(left, order, -1)))
+    sweeps = jnp.any(left)
+    ends, floor = jnp.where(sweeps, first | last, targets), jnp.where(sweeps, part, home)
+    return distance_field(floor, ends, bank.spec.cell, slow, height, passable)

@@ -58,7 +58,7 @@ def _leaf_offsets(
 
 
 def _is_as_high(
-    snapshot: Snapshot, rise: Float[Array, "n h"], half: Float[Array, "#n h"] | float
+    snapshot: Snapshot, rise: Float[Array, "n h"], half: Float[Array, "#n h"] | Float[Array, ""] | float
 ) -> Bool[Array, "n h"]:
     """Return whether upright boxes overlap the height range of an agent.
 
@@ -82,21 +82,28 @@ def cost_factors(
         agent: Index of the agent that goes there: other agents count, and collisions of its carried object. None:
             neither.
     """
-    radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MIN_LEAF_CLEARANCE)
-    is_patient = snapshot.step % PATIENCE_PERIOD < PATIENCE_PERIOD - NUM_IMPATIENT_STEPS
-    gap = leaf_distances(snapshot, place)
-    gap = jnp.where(is_patient | (gap < radius), gap, jnp.inf)
+    radius = jnp.float32(snapshot.bank.spec.agent_radius)
+    others = jnp.full(place.shape[0], jnp.inf, jnp.float32)
     if agent is not None and snapshot.config.num_agents > 1:
-        others = snapshot.feet
-        away = place[:, None] - others[None]
+        feet = snapshot.feet
+        away = place[:, None] - feet[None]
         here = jnp.abs(away[..., 2]) < jnp.float32(snapshot.bank.spec.agent_height)
-        here &= (jnp.arange(len(others)) != agent)[None]
-        between = jnp.hypot(away[..., 0], away[..., 1]) - radius
-        gap = jnp.minimum(gap, jnp.min(jnp.where(here, between, jnp.inf), axis=1))
-    slow = jnp.where(gap < radius, PUSH_COST_FACTOR, jnp.where(gap < radius + margin, BRUSH_COST_FACTOR, 1.0))
+        here &= (jnp.arange(len(feet)) != agent)[None]
+        others = jnp.min(jnp.where(here, jnp.hypot(away[..., 0], away[..., 1]) - radius, jnp.inf), axis=1)
+    slow = _slow_down(snapshot, leaf_distances(snapshot, place), others)
     if agent is None or not has_hands(snapshot):
         return slow
     return jnp.maximum(slow, jnp.where(would_collide(snapshot, agent, place), CARRY_COST_FACTOR, 1.0))
+
+
+def _slow_down(
+    snapshot: Snapshot, leaf: Float[Array, "*n"], agent: Float[Array, "*n"] | float = jnp.inf
+) -> Float[Array, "*n"]:
+    """Return the `cost_factors` for plan distances [m] to the nearest leaf and to the nearest other agent's surface."""
+    radius, margin = jnp.float32(snapshot.bank.spec.agent_radius), jnp.float32(MIN_LEAF_CLEARANCE)
+    is_patient = snapshot.step % PATIENCE_PERIOD < PATIENCE_PERIOD - NUM_IMPATIENT_STEPS
+    gap = jnp.minimum(jnp.where(is_patient | (leaf < radius), leaf, jnp.inf), agent)
+    return jnp.where(gap < radius, PUSH_COST_FACTOR, jnp.where(gap < radius + margin, BRUSH_COST_FACTOR, 1.0))
 
 
 def is_shut(snapshot: Snapshot) -> Bool[Array, " h"]:
@@ -195,12 +202,26 @@ def _edge_positions(snapshot: Snapshot, leaf: Int[Array, " a"], spare: Float[Arr
 def cell_cost_factors(snapshot: Snapshot, level: Int[Array, ""]) -> Float[Array, "rows columns"]:
     """Return the `cost_factors` of all cells of one level of the house's grids, from door leaves only.
 
-    Agents and carried objects do not count. Cells without a number have the height of the nearest numbered one.
+    Agents and carried objects do not count. Cells without a number have the height of the nearest numbered one. Leaves
+    are handled one after the other, by squared distances, which is several times as fast for so many cells.
     """
-    bank, house = snapshot.bank, snapshot.house
+    bank, house, leaves = snapshot.bank, snapshot.house, _house_leaves(snapshot)
     rows, columns = bank.navigation.room.shape[2:]
     y, x = ((jnp.arange(n, dtype=jnp.float32) + 0.5) * jnp.float32(bank.spec.cell) for n in (rows, columns))
     origin = bank.navigation.origin[house]
+    y, x = (y + origin[1])[:, None], (x + origin[0])[None]
     z = bank.navigation.height[row_of_cell(bank.navigation.cell[house, level])]
-    place = jnp.stack(jnp.broadcast_arrays(x[None] + origin[0], y[:, None] + origin[1], z), axis=-1).reshape(-1, 3)
-    return cost_factors(snapshot, place).reshape(rows, columns)
+    pos, quat = leaves.pose_at(snapshot.door_angle)
+    yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
+
+    def nearer(gap: Float[Array, "rows columns"], leaf: tuple[Array, ...]) -> tuple[Array, None]:
+        """Return the minimum of `gap` and the squared plan distances to one leaf [m^2]."""
+        pos, cos, sin, half, counts = leaf
+        along, across = (x - pos[0]) * cos + (y - pos[1]) * sin, (y - pos[1]) * cos - (x - pos[0]) * sin
+        u, v = (jnp.maximum(jnp.abs(way) - most, 0.0) for way, most in ((along, half[0]), (across, half[1])))
+        here = counts & _is_as_high(snapshot, z - pos[2], half[2])
+        return jnp.minimum(gap, jnp.where(here, u * u + v * v, jnp.inf)), None
+
+    none = jnp.full((rows, columns), jnp.inf, jnp.float32)
+    gap, _ = jax.lax.scan(nearer, none, (pos, jnp.cos(yaw), jnp.sin(yaw), leaves.size, leaves.valid))
+    return _slow_down(snapshot, jnp.sqrt(gap))

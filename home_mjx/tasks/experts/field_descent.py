@@ -44,8 +44,8 @@ def descend_field(
     """Return a waypoint (x, y) [m] down a field, which an agent can walk straight to, and whether the path ends here.
 
     The path follows the field, but around door leaves and other agents at their current poses. The waypoint is the
-    farthest of its next `MAX_LOOK_AHEAD` cells with a free straight segment, or the next one after a collision. With
-    discrete moves the agent steps aside before the end if a step would overshoot it: see `step_aside`.
+    farthest of its next `MAX_LOOK_AHEAD` cells with a free straight segment, or that of `_next_cell` after a collision.
+    With discrete moves the agent steps aside before the end if a step would overshoot it: see `step_aside`.
 
     Args:
         snapshot: The environment.
@@ -60,7 +60,7 @@ def descend_field(
     place = jax.vmap(lambda cell: grid_position(bank, house, cell))(path[1:])
     free, slow, slow_end = _check_segments(snapshot, agent, place)
     straight = free & (slow <= jax.lax.cummax(slow_end))  # may pass a leaf only if the path itself does
-    aim = place[jnp.argmax(jnp.where(straight & ~touches, jnp.arange(MAX_LOOK_AHEAD), 0)), :2]
+    aim = place[jnp.where(touches, _next_cell(snapshot, agent, place, straight), _last_index(straight)), :2]
     end, settled = place[-1, :2], jnp.all(path[-1] == path[-2])
     left = jnp.linalg.norm(end - pos[:2])
     if moves is None:
@@ -123,6 +123,26 @@ def step_aside(
     free = free & (slow <= 1)
     tip = jnp.where(free[0], tips[0], tips[1])
     return jnp.where(fits | ~jnp.any(free), end, tip)
+
+
+def _last_index(straight: Bool[Array, " k"]) -> Int[Array, ""]:
+    """Return the index of the last True; 0 if there is none."""
+    return jnp.argmax(jnp.where(straight, jnp.arange(straight.shape[0]), 0))
+
+
+def _next_cell(
+    snapshot: Snapshot, agent: Int[Array, ""], place: Float[Array, "k 3"], straight: Bool[Array, " k"]
+) -> Int[Array, ""]:
+    """Return the index of the next cell of a path (positions [m]) after a collision.
+
+    With discrete moves it is the cell with a free straight segment that one step ends nearest to: towards a nearer one
+    an agent oversteps, and in a narrow passage it bounces between both sides for ever.
+    """
+    moves = snapshot.config.discrete
+    if moves is None:
+        return jnp.zeros((), jnp.int32)
+    away = jnp.linalg.norm(place[:, :2] - snapshot.feet[agent, :2], axis=1)
+    return jnp.argmin(jnp.where(straight, jnp.abs(away - jnp.float32(moves.forward_step_size)), jnp.inf))
 
 
 def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFunction) -> Int[Array, "k 3"]:

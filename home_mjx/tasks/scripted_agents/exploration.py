@@ -17,7 +17,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.navigation.grid import cell_at_feet, is_home_cell
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.task import Task
-from home_mjx.tasks.experts.cell_search import seek_nearest_cell
+from home_mjx.tasks.experts.cell_search import seek_cells
 
 TILE_EDGE = 0.5  # [m] edge length of a tile
 MIN_COVER_RADIUS = 0.5  # [m] minimum cover radius: below it, a tile may not be coverable from any position
@@ -44,7 +44,7 @@ class ExplorationState(Pytree):
         """Return all agents' actions towards their nearest uncovered tile; `stop` if none is left."""
         tiles = divide_in_tiles(snapshot.bank, snapshot.house)
         left = _expand_to_cells(~self.covered, snapshot.bank)
-        return seek_nearest_cell(snapshot, tiles.middle & left, left)
+        return seek_cells(snapshot, tiles.middle & left, left)
 
 
 @dataclass(frozen=True)
