@@ -13,7 +13,7 @@ from home_mjx.tasks.experts.field_descent import descend_field
 from home_mjx.tasks.experts.path_follower import to_actions, turn_towards
 from home_mjx.tasks.rules.cell_graph import PUSH_COST_FACTOR
 
-NEIGHBOUR_OFFSETS = np.array([-1, 0, 1])  # [cells], neighbourhood of an agent
+NEIGHBOUR_OFFSETS = np.arange(-2, 3)  # [cells], neighbourhood of an agent, which may be beside walkable cells
 STRIP_WIDTH = 3.0  # [m], maximum width of the strips in which a room is swept
 
 
@@ -104,6 +104,16 @@ def sweep_order(part: Bool[Array, "rows columns"], cell: float) -> Int[Array, "r
     return strip * length + jnp.where(strip % 2 == 0, along, length - 1 - along)
 
 
+def _nearest_cell(mask: Bool[Array, "rows columns"], at: Int[Array, "3"]) -> Bool[Array, "rows columns"]:
+    """Return the mask of the cell in `mask` nearest to `at` (level, row, column) in plan; empty without any.
+
+    An agent beside furniture is in no walkable cell.
+    """
+    y, x = (jnp.arange(n) - here for n, here in zip(mask.shape, at[1:], strict=True))
+    away = jnp.where(mask, (y**2)[:, None] + (x**2)[None], np.iinfo(np.int32).max)
+    return mask & (jnp.arange(away.size).reshape(away.shape) == jnp.argmin(away))
+
+
 def _fields_to_targets(
     snapshot: Snapshot, at: Int[Array, "3"], targets: Bool[Array, "rows columns"]
 ) -> Float[Array, "rows columns"]:
@@ -122,9 +132,9 @@ def _fields_to_targets(
     home, room = is_home_cell(bank, house, cell), navigation.room[house, level]
     height, passable = navigation.height[row_of_cell(cell)], is_passable_cell(bank, house, cell)
     slow = cell_cost_factors(snapshot, level)
-    _, row, column = navigation.cell_coords[row_of_cell(cell[at[1], at[2]])].astype(jnp.int32)
-    begin = jnp.zeros_like(home).at[row, column].set(True)
-    own = home & (room == room[row, column]) & (room >= 0) & ((slow < PUSH_COST_FACTOR) | begin)
+    own = home & (room == room[at[1], at[2]]) & (room >= 0)
+    begin = _nearest_cell(own, at)
+    own &= (slow < PUSH_COST_FACTOR) | begin
     part = jnp.isfinite(distance_field(own, begin, bank.spec.cell, slow, height, passable))
     left = part & targets
     order = sweep_order(part, bank.spec.cell)

@@ -8,7 +8,7 @@ from storey_homes import homes_bank
 
 import home_mjx
 from home_mjx.tasks import add_expert
-from home_mjx.tasks.experts.cell_search import STRIP_WIDTH, sweep_order
+from home_mjx.tasks.experts.cell_search import STRIP_WIDTH, _nearest_cell, sweep_order
 
 CELL = 0.1
 
@@ -35,6 +35,15 @@ def test_a_wide_part_is_swept_in_strips_to_and_fro():
 
 def test_the_order_of_nothing_is_finite():
     assert np.asarray(sweep_order(jnp.zeros((4, 5), bool), CELL)).shape == (4, 5)
+
+
+def test_agents_beside_walkable_cells_are_in_the_part_of_the_nearest():
+    """From the margin of a cabinet the agent was in no part, chose another room, and came back in the next step."""
+    mask = np.zeros((7, 9), bool)
+    mask[2:5, 3:6] = True
+    assert np.argwhere(_nearest_cell(jnp.asarray(mask), jnp.array([0, 3, 7]))).tolist() == [[3, 5]]
+    assert np.argwhere(_nearest_cell(jnp.asarray(mask), jnp.array([0, 4, 4]))).tolist() == [[4, 4]]
+    assert not np.asarray(_nearest_cell(jnp.zeros_like(mask), jnp.array([0, 3, 7]))).any()
 
 
 @pytest.mark.slow
