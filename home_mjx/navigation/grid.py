@@ -171,11 +171,11 @@ def continue_levels(
         place: Level (grid), row and column.
         around: Levels, rows and columns within the grid; in a bank of several levels, the levels given here are unused.
     """
-    navigation, numbers = bank.navigation, bank.navigation.cell[house]
-    if numbers.shape[0] == 1:
+    navigation = bank.navigation
+    if navigation.cell.shape[1] == 1:
         return around
-    cell = numbers[:, around[:, 1], around[:, 2]]
-    own = navigation.height[row_of_cell(numbers[place[0], place[1], place[2]])]
+    cell = navigation.cell[house, :, around[:, 1], around[:, 2]].T
+    own = navigation.height[row_of_cell(cell_number(bank, house, place))]
     rise = jnp.abs(navigation.height[row_of_cell(cell)] - own)
     rise = jnp.where(is_home_cell(bank, house, cell), rise, jnp.inf)
     rise = rise.at[place[0]].add(-jnp.float32(MAX_SHARED_GAP))  # of two cells at one place, that of the own level
@@ -200,6 +200,14 @@ def _passable_rank(bank: HouseBank) -> int:
     It is `NARROW_RANK` if `has_clear_diagonals` for the bank's cell and agent radius, else `HOME_RANK`.
     """
     return NARROW_RANK if has_clear_diagonals(bank.spec.cell, bank.spec.agent_radius) else HOME_RANK
+
+
+def cell_number(bank: HouseBank, house: Int[Array, ""], place: Int[Array, "*n 3"]) -> Int[Array, "*n"]:
+    """Return the entries of `NavigationArrays.cell` at (level, row, column) within the grid; `house` is not clipped.
+
+    Only these entries are read: `cell[house]` first would copy the grids of a house for every environment.
+    """
+    return bank.navigation.cell[house, place[..., 0], place[..., 1], place[..., 2]]
 
 
 def is_passable_cell(bank: HouseBank, house: Int[Array, ""], cell: Int[Array, "*n"]) -> Bool[Array, "*n"]:

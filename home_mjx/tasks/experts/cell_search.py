@@ -6,7 +6,14 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.navigation.distance_fields import distance_field
-from home_mjx.navigation.grid import cell_at_feet, is_home_cell, is_passable_cell, row_of_cell, stored_distance
+from home_mjx.navigation.grid import (
+    cell_at_feet,
+    cell_number,
+    is_home_cell,
+    is_passable_cell,
+    row_of_cell,
+    stored_distance,
+)
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.experts.door_avoidance import cell_cost_factors
 from home_mjx.tasks.experts.field_descent import descend_field
@@ -53,19 +60,20 @@ def turns_to_cells(
     """
     bank, house = snapshot.bank, snapshot.house
     agents = jnp.arange(snapshot.config.num_agents)[slice(None) if num_agents < 0 else slice(num_agents)]
-    navigation, numbers = bank.navigation, bank.navigation.cell[house]
+    navigation = bank.navigation
     goals = jax.vmap(lambda at: cell_at_feet(bank, house, at))(navigation.goal[house])
     is_left = unvisited[goals[:, 0], goals[:, 1], goals[:, 2]]
 
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         """Return one agent's waypoint (x, y) [m], and whether it has no cell to go to."""
-        level, row, column = cell_at_feet(bank, house, snapshot.feet[agent])
-        near = _fields_to_targets(snapshot, jnp.stack([level, row, column]), targets[level])
+        at = cell_at_feet(bank, house, snapshot.feet[agent])
+        level, row, column = at
+        near = _fields_to_targets(snapshot, at, targets[level])
         y, x = (
             jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
         )
         is_near = jnp.any(jnp.isfinite(near[y[:, None], x[None]]))
-        way = navigation.field[row_of_cell(numbers[level, row, column])]
+        way = navigation.field[row_of_cell(cell_number(bank, house, at))]
         other = jnp.argmin(jnp.where(is_left, way.astype(jnp.float32), jnp.inf))
 
         def far(place: Int[Array, "n 3"], cell: Int[Array, " n"]) -> Float[Array, " n"]:
@@ -127,8 +135,7 @@ def _fields_to_targets(
         targets: Cells of the level.
     """
     bank, house, level = snapshot.bank, snapshot.house, at[0]
-    navigation, numbers = bank.navigation, bank.navigation.cell[house]
-    cell = numbers[level]
+    navigation, cell = bank.navigation, bank.navigation.cell[house, level]
     home, room = is_home_cell(bank, house, cell), navigation.room[house, level]
     height, passable = navigation.height[row_of_cell(cell)], is_passable_cell(bank, house, cell)
     slow = cell_cost_factors(snapshot, level)

@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.geometry.geodesic import MAX_RISE
 from home_mjx.navigation.grid import (
     cell_at_feet,
+    cell_number,
     continue_levels,
     grid_position,
     is_home_cell,
@@ -151,15 +152,14 @@ def _descend_cells(snapshot: Snapshot, agent: Int[Array, ""], field: DistanceFun
     The path changes levels on stairs; where it ends, its last cell is repeated.
     """
     bank, house = snapshot.bank, snapshot.house
-    numbers = bank.navigation.cell[house]
     at = cell_at_feet(bank, house, snapshot.feet[agent])
-    at = bank.navigation.cell_coords[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-    places, inside = window_places(at, numbers.shape)
+    at = bank.navigation.cell_coords[row_of_cell(cell_number(bank, house, at))].astype(jnp.int32)
+    places, inside = window_places(at, bank.navigation.cell.shape[1:])
     places = continue_levels(bank, house, at, places)
-    cell = numbers[places[:, 0], places[:, 1], places[:, 2]]
+    cell = cell_number(bank, house, places)
     home = inside & is_home_cell(bank, house, cell)
-    room = bank.navigation.room[house]
-    elsewhere = room[places[:, 0], places[:, 1], places[:, 2]] != room[at[0], at[1], at[2]]
+    room = bank.navigation.room
+    elsewhere = room[house, places[:, 0], places[:, 1], places[:, 2]] != room[house, at[0], at[1], at[2]]
     middle = jax.vmap(lambda p: grid_position(bank, house, p))(places)
     known = jnp.where(home, field(places, cell).astype(jnp.float32), jnp.inf)
     length = jnp.float32(bank.spec.cell) * cost_factors(snapshot, middle, agent)
@@ -184,7 +184,7 @@ def _check_segments(
     part = jnp.linspace(0.0, 1.0, NUM_SEGMENT_SAMPLES, dtype=jnp.float32)[:, None]
     between = pos + part * (place - pos)[:, None]
     cell = jax.vmap(lambda at: cell_at_feet(bank, house, at))(between.reshape(-1, 3))
-    home = is_home_cell(bank, house, bank.navigation.cell[house][cell[:, 0], cell[:, 1], cell[:, 2]])
+    home = is_home_cell(bank, house, cell_number(bank, house, cell))
     gone = jnp.linalg.norm(between - pos, axis=-1)
     off = gone < jnp.float32(bank.spec.cell)  # an agent may be outside walkable cells
     slow = cost_factors(snapshot, between.reshape(-1, 3), agent).reshape(between.shape[:2])

@@ -16,6 +16,7 @@ from home_mjx.tasks.sensors.visibility import is_unobstructed, look_points
 
 UNREACHABLE_DISTANCE = 1000.0  # [m] distance to a target that does not exist or is on another storey
 MAX_SUPPORT_GAP = 0.03  # [m] maximum gap between an object's underside and the top of its support
+TARGETS_PER_ROUND = 8  # targets whose relations to all instances are computed at once
 MAX_RISE_ON_STOREY = 1.0  # [m] places farther above or below the feet, and agents above or below, are on another storey
 
 
@@ -52,6 +53,7 @@ def compute_features(
     boxes = current_boxes(snapshot)
     straight, nearest = nearest_targets(snapshot, program, targets, boxes)
     points, free = lines_of_sight(snapshot, nearest)
+    gap, on = target_relations(targets, boxes)
     rows: dict[Feature, Array] = {
         Feature.TRUE: jnp.ones((agents, 1, 1)),
         Feature.DISTANCE: path_distances(snapshot, program, field, straight)[:, :, None],
@@ -59,8 +61,8 @@ def compute_features(
         Feature.SEEN: jnp.any(is_in_view(snapshot, points) & free, axis=-1)[:, :, None],
         Feature.HELD: is_held(snapshot, targets)[:, :, None],
         Feature.INSIDE: is_in_target_room(snapshot, targets)[:, :, None],
-        Feature.BESIDE: target_gaps(targets, boxes)[None],
-        Feature.ON: is_supported(targets, boxes)[None],
+        Feature.BESIDE: gap[None],
+        Feature.ON: on[None],
         Feature.OPEN: door_openings(snapshot, targets)[None, :, None],
         Feature.STOPPED: snapshot.stopped[:, None, None],
         Feature.TIME: jnp.broadcast_to(stage_steps, (agents, 1, 1)),
@@ -181,30 +183,58 @@ def is_in_target_room(snapshot: Snapshot, targets: ResolvedTargets) -> Bool[Arra
     return jnp.take(targets.room, jnp.maximum(room, 0), axis=1).T & (room >= 0)[:, None]
 
 
-def target_gaps(targets: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Float[Array, "d d"]:
-    """Return the minimum gap between bounds of a target of i and another one of j, for each pair of descriptors [m].
+def target_relations(
+    targets: ResolvedTargets, boxes: Float[Array, "i 2 3"]
+) -> tuple[Float[Array, "d d"], Bool[Array, "d d"]]:
+    """Return for each pair of descriptors [i, j] how near a target of i is to another of j, and whether it is on it.
 
-    It is `UNREACHABLE_DISTANCE` if there are none.
+    The first is the minimum gap between their bounds [m], `UNREACHABLE_DISTANCE` if there are none. The second is True
+    if one rests on the other, see `_is_supported`.
+
+    Only targets are compared with all instances, `TARGETS_PER_ROUND` at a time. A house has hundreds of instances, of
+    which a row names a few.
     """
-    gap = jnp.maximum(boxes[:, None, 0] - boxes[None, :, 1], boxes[None, :, 0] - boxes[:, None, 1])
-    away = jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
-    away = jnp.where(jnp.eye(len(boxes), dtype=bool), UNREACHABLE_DISTANCE, away)
-    to_second = jnp.min(jnp.where(targets.instance[None], away[:, None], UNREACHABLE_DISTANCE), axis=-1)  # (i, d)
-    return jnp.min(jnp.where(targets.instance[:, :, None], to_second[None], UNREACHABLE_DISTANCE), axis=1)
+    named = jnp.any(targets.instance, axis=0)
+    count, each = jnp.sum(named, dtype=jnp.int32), jnp.arange(TARGETS_PER_ROUND, dtype=jnp.int32)
+    place = jnp.where(named, jnp.cumsum(named, dtype=jnp.int32) - 1, len(boxes))
+    order = jnp.zeros(len(boxes), jnp.int32).at[place].set(jnp.arange(len(boxes), dtype=jnp.int32), mode="drop")
+
+    def compare(carry: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        """Compare the next targets with all instances."""
+        begin, gap, on = carry
+        number = begin + each
+        one = order[jnp.minimum(number, len(boxes) - 1)]
+        other = jnp.arange(len(boxes)) != one[:, None]
+        away = jnp.where(other, _box_gaps(boxes[one], boxes), UNREACHABLE_DISTANCE)  # (k, i)
+        rests = _is_supported(boxes[one], boxes) & other
+        to_second = jnp.min(jnp.where(targets.instance[None], away[:, None], UNREACHABLE_DISTANCE), axis=-1)  # (k, d)
+        on_second = jnp.any(targets.instance[None] & rests[:, None], axis=-1)
+        own = (targets.instance[:, one] & (number < count))[:, :, None]
+        gap = jnp.minimum(gap, jnp.min(jnp.where(own, to_second[None], UNREACHABLE_DISTANCE), axis=1))
+        return begin + TARGETS_PER_ROUND, gap, on | jnp.any(own & on_second[None], axis=1)
+
+    shape = (len(targets.instance),) * 2
+    begin = jnp.zeros((), jnp.int32), jnp.full(shape, UNREACHABLE_DISTANCE, jnp.float32), jnp.zeros(shape, bool)
+    return jax.lax.while_loop(lambda carry: carry[0] < count, compare, begin)[1:]
 
 
-def is_supported(targets: ResolvedTargets, boxes: Float[Array, "i 2 3"]) -> Bool[Array, "d d"]:
-    """Return whether a target of descriptor i rests on another target of j, for each pair [i, j], by their bounds.
+def _box_gaps(one: Float[Array, "k 2 3"], other: Float[Array, "i 2 3"]) -> Float[Array, "k i"]:
+    """Return the gaps between bounds of each pair [m]; 0 where they overlap."""
+    gap = jnp.maximum(one[:, None, 0] - other[None, :, 1], other[None, :, 0] - one[:, None, 1])
+    return jnp.linalg.norm(jnp.maximum(gap, 0), axis=-1)
+
+
+def _is_supported(one: Float[Array, "k 2 3"], other: Float[Array, "i 2 3"]) -> Bool[Array, "k i"]:
+    """Return whether the first of each pair rests on the second, by their bounds.
 
     The middle of the first is above the second's footprint or its edge. Its underside is at most `MAX_SUPPORT_GAP`
     above the second's top, and not below the second's middle.
     """
-    middle, low, high = boxes.mean(axis=1), boxes[:, 0], boxes[:, 1]
-    over = (middle[:, None, :2] >= low[None, :, :2]) & (middle[:, None, :2] <= high[None, :, :2])
-    carried = (low[:, None, 2] <= high[None, :, 2] + MAX_SUPPORT_GAP) & (low[:, None, 2] >= middle[None, :, 2])
-    on = jnp.all(over, axis=-1) & carried & ~jnp.eye(len(boxes), dtype=bool)
-    on_second = jnp.any(on[:, None] & targets.instance[None], axis=-1)  # (i, d)
-    return jnp.any(targets.instance[:, :, None] & on_second[None], axis=1)
+    middle, low, high = one.mean(axis=1)[:, None], other[None, :, 0], other[None, :, 1]
+    over = (middle[..., :2] >= low[..., :2]) & (middle[..., :2] <= high[..., :2])
+    under = one[:, None, 0, 2]
+    carried = (under <= high[..., 2] + MAX_SUPPORT_GAP) & (under >= other.mean(axis=1)[None, :, 2])
+    return jnp.all(over, axis=-1) & carried
 
 
 def door_openings(snapshot: Snapshot, targets: ResolvedTargets) -> Float[Array, " d"]:

@@ -7,7 +7,7 @@ from jaxtyping import Array, Float, Int, UInt16
 from home_mjx.audio_jax.auralization.clips import CLIPS
 from home_mjx.audio_jax.base.endpoints import SoundSources
 from home_mjx.bank.bank import HouseBank
-from home_mjx.navigation.grid import cell_at_feet, is_home_cell, row_of_cell
+from home_mjx.navigation.grid import cell_at_feet, cell_number, is_home_cell, row_of_cell
 from home_mjx.navigation.spawn import random_source
 from home_mjx.schema.compiled import FIELD_UNREACHABLE
 from home_mjx.tasks.base.config import EnvConfig
@@ -105,13 +105,13 @@ def move_along_field(
         max_length: Maximum length of the move [m]; the part of it beyond `NUM_SUBSTEPS` cells is dropped.
         height: Height of the point above the floor [m].
     """
-    navigation, numbers = bank.navigation, bank.navigation.cell[house]
+    navigation = bank.navigation
     around = jnp.array([(0, dy, dx) for dy in (-1, 0, 1) for dx in (-1, 0, 1)], jnp.int32)
-    limits = jnp.array(numbers.shape, jnp.int32) - 1
+    limits = jnp.array(navigation.cell.shape[1:], jnp.int32) - 1
     for _ in range(NUM_SUBSTEPS):
         at = cell_at_feet(bank, house, pos.at[2].add(-height))
         near = jnp.clip(at + around, 0, limits)
-        cell = numbers[near[:, 0], near[:, 1], near[:, 2]]
+        cell = cell_number(bank, house, near)
         home = is_home_cell(bank, house, cell)
         row = row_of_cell(cell)
         best = jnp.argmin(jnp.where(home, field[row, goal].astype(jnp.int32), FIELD_UNREACHABLE + 1))
