@@ -239,7 +239,7 @@ register(
     {"actions": "discrete", "stop": True, "episode_length": 1000},
 )
 # Number of exploration steps of Chaplot et al. with the same actions (arXiv:2004.05155).
-register("Exploration-v0", "home_mjx.tasks.suite:Exploration", {"actions": "discrete", "episode_length": 1000})
+register("Exploration-v0", "home_mjx.tasks.suite:Exploration", {"actions": "discrete", "episode_length": 4000})
 # In a home of three storeys an expert may need 400 steps to reach the piper, and then follows it for 80.
 register(
     "PiedPiper-v0", "home_mjx.tasks.suite:PiedPiper", {"actions": "discrete", "num_agents": 3, "episode_length": 1000}

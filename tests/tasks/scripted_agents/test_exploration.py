@@ -122,7 +122,7 @@ def test_the_id_makes_the_task(bank):
     env = home_mjx.make("Exploration-v0", bank, sensors=("state",), cover_radius=1.5)
     assert env.task == Exploration(cover_radius=1.5)
     assert env.config.discrete is not None
-    assert env.config.episode_length == 1000
+    assert env.config.episode_length == 4000
 
 
 def test_the_expert_stops_once_nothing_is_left(env, walk):
@@ -137,7 +137,7 @@ def test_the_expert_stops_once_nothing_is_left(env, walk):
 
 @pytest.mark.slow
 def test_the_expert_covers_the_house_and_chance_does_not(env):
-    """Within 500 steps, half of what the id gives: these houses are small."""
+    """Within 500 steps, an eighth of what the id gives: these houses are small."""
     states = jax.jit(jax.vmap(functools.partial(env.core.reset, observe=False), (None, 0, 0)))(
         env.params, jax.random.split(jax.random.key(0), NUM), jnp.arange(NUM) % 2
     )
