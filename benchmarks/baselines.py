@@ -20,6 +20,7 @@ import argparse
 import dataclasses
 import datetime
 import json
+import pkgutil
 import re
 import tempfile
 import time
@@ -145,7 +146,7 @@ def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[s
 
 def made(case: Case, bank: HouseBank, num_tasks: int) -> Any:
     """Make the environment of a case."""
-    task = getattr(home_mjx.tasks, home_mjx.registry.find_spec(case.id).entry_point.partition(":")[2])
+    task = pkgutil.resolve_name(home_mjx.registry.find_spec(case.id).entry_point)
     rows = {"num_tasks": num_tasks} if hasattr(task, "num_tasks") else {}
     senses = {"straight": ("state", "goal"), "prior": ("state", "instruction")}.get(case.blind, ("state",))
     return home_mjx.make(case.id, bank, sensors=senses, **rows, **case.options)
