@@ -23,6 +23,7 @@ import json
 import pkgutil
 import re
 import tempfile
+import textwrap
 import time
 from collections import Counter, defaultdict
 from collections.abc import Callable
@@ -262,7 +263,8 @@ def measured(lines: list[dict[str, Any]]) -> str:
     texts = [f"on {day}" if day else "before dates were kept" for day in days]
     if len(days) > 1:
         texts = [f"{text}: {', '.join(names)}" for text, names in zip(texts, days.values(), strict=True)]
-    return f"\nMeasured {'; '.join(texts)}.\n"
+    text = f"Measured {'; '.join(texts)}."
+    return f"\n{textwrap.fill(text, 120, break_on_hyphens=False)}\n"
 
 
 def table(lines: list[dict[str, Any]]) -> str:
