@@ -19,7 +19,7 @@ import numpy as np
 from jaxtyping import Array
 
 import home_mjx
-from home_mjx.navigation.grid import cell_at_feet, row_of_cell
+from home_mjx.navigation.grid import cell_at_feet, cell_number, row_of_cell
 from home_mjx.tasks import HouseholdEnv, Snapshot, State
 from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.env.env import Env
@@ -53,10 +53,9 @@ class Advised(ExpertObservationEnv):
 def follow(snapshot: Snapshot, whom: Array) -> Array:
     """Return the first agent's action along the shortest path to the current position of another agent."""
     bank, house, pose = snapshot.bank, snapshot.house, snapshot.pose
-    numbers, rooms = bank.navigation.cell[house], bank.navigation.room[house]
-    at = cell_at_feet(bank, house, snapshot.feet[whom])
-    cell = bank.navigation.cell_coords[row_of_cell(numbers[at[0], at[1], at[2]])].astype(jnp.int32)
-    wanted = jnp.zeros(numbers.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
+    at, rooms = cell_at_feet(bank, house, snapshot.feet[whom]), bank.navigation.room[house]
+    cell = bank.navigation.cell_coords[row_of_cell(cell_number(bank, house, at))].astype(jnp.int32)
+    wanted = jnp.zeros(rooms.shape, bool).at[cell[0], cell[1], cell[2]].set(True)
     error, _ = turns_to_cells(snapshot, wanted, rooms == rooms[cell[0], cell[1], cell[2]], num_agents=1)
     waits = jnp.linalg.norm(pose.pos[whom] - pose.pos[FOLLOWER])[None] < MIN_PIPER_DISTANCE
     error = jnp.where(waits, 1.0, error)

@@ -67,11 +67,9 @@ def turns_to_cells(
     def one(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         """Return one agent's waypoint (x, y) [m], and whether it has no cell to go to."""
         at = cell_at_feet(bank, house, snapshot.feet[agent])
-        level, row, column = at
+        level = at[0]
         near = _fields_to_targets(snapshot, at, targets[level])
-        y, x = (
-            jnp.clip(at + NEIGHBOUR_OFFSETS, 0, most - 1) for at, most in zip((row, column), near.shape, strict=True)
-        )
+        y, x = (jnp.clip(n + NEIGHBOUR_OFFSETS, 0, most - 1) for n, most in zip(at[1:], near.shape, strict=True))
         is_near = jnp.any(jnp.isfinite(near[y[:, None], x[None]]))
         way = navigation.field[row_of_cell(cell_number(bank, house, at))]
         other = jnp.argmin(jnp.where(is_left, way.astype(jnp.float32), jnp.inf))
@@ -97,13 +95,14 @@ def sweep_order(part: Bool[Array, "rows columns"], cell: float) -> Int[Array, "r
         part: Cells that are swept; the others may have any place.
         cell: Cell size [m].
     """
-    long_, across = jnp.meshgrid(*(jnp.arange(n) for n in part.shape), indexing="ij")
-    sizes = []
-    for axis, index in ((1, long_), (0, across)):
-        inside = jnp.any(part, axis=axis)
+
+    def extent(inside: Bool[Array, " n"]) -> tuple[Int[Array, " n"], Int[Array, ""]]:
+        """Return the places along an axis, counted from the part's first one, and their number within the part."""
         first = jnp.argmax(inside)
-        sizes.append((index - first, inside.shape[0] - jnp.argmax(inside[::-1]) - first))
-    (row, rows), (column, columns) = sizes
+        return jnp.arange(inside.size) - first, inside.size - jnp.argmax(inside[::-1]) - first
+
+    (row, rows), (column, columns) = (extent(jnp.any(part, axis=axis)) for axis in (1, 0))
+    row, column = row[:, None], column[None]
     is_tall = rows >= columns
     along, length = jnp.where(is_tall, row, column), jnp.where(is_tall, rows, columns)
     beside, width = jnp.where(is_tall, column, row), jnp.where(is_tall, columns, rows)

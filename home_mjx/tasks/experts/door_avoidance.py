@@ -43,18 +43,29 @@ def _leaf_offsets(
     An offset leads from the feet to the nearest point of the leaf. `which` is a mask of leaves; None: all.
     """
     leaves = _house_leaves(snapshot)
-    pos, quat = leaves.pose_at(snapshot.door_angle)
-    yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
-    away = place[:, None] - pos[None]
-    cos, sin = jnp.cos(yaw)[None], jnp.sin(yaw)[None]
-    along, across = away[..., 0] * cos + away[..., 1] * sin, away[..., 1] * cos - away[..., 0] * sin
-    half = leaves.size[None]
-    u, v = along - jnp.clip(along, -half[..., 0], half[..., 0]), across - jnp.clip(across, -half[..., 1], half[..., 1])
+    pos, cos, sin = _leaf_frames(snapshot, leaves)
+    away, half = place[:, None] - pos[None], leaves.size[None]
+    u, v = _offset_from_leaf(away[..., 0], away[..., 1], cos, sin, half)
     counts = (leaves.valid if which is None else leaves.valid & which)[None] & _is_as_high(
         snapshot, away[..., 2], half[..., 2]
     )
     way = -jnp.stack([u * cos - v * sin, u * sin + v * cos], axis=-1)
     return jnp.where(counts, jnp.hypot(u, v), jnp.inf), way
+
+
+def _leaf_frames(
+    snapshot: Snapshot, leaves: DoorLeaves
+) -> tuple[Float[Array, "h 3"], Float[Array, " h"], Float[Array, " h"]]:
+    """Return the middles of leaves at their current angles [m], and cosine and sine of their headings."""
+    pos, quat = leaves.pose_at(snapshot.door_angle)
+    yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
+    return pos, jnp.cos(yaw), jnp.sin(yaw)
+
+
+def _offset_from_leaf(x: Array, y: Array, cos: Array, sin: Array, half: Float[Array, "... 3"]) -> tuple[Array, Array]:
+    """Return offsets from a leaf's nearest point along and across it [m]; 0 inside. x and y are re its middle [m]."""
+    along, across = x * cos + y * sin, y * cos - x * sin
+    return along - jnp.clip(along, -half[..., 0], half[..., 0]), across - jnp.clip(across, -half[..., 1], half[..., 1])
 
 
 def _is_as_high(
@@ -211,17 +222,15 @@ def cell_cost_factors(snapshot: Snapshot, level: Int[Array, ""]) -> Float[Array,
     origin = bank.navigation.origin[house]
     y, x = (y + origin[1])[:, None], (x + origin[0])[None]
     z = bank.navigation.height[row_of_cell(bank.navigation.cell[house, level])]
-    pos, quat = leaves.pose_at(snapshot.door_angle)
-    yaw = 2 * jnp.arctan2(quat[:, 3], quat[:, 0])
+    pos, cos, sin = _leaf_frames(snapshot, leaves)
 
     def nearer(gap: Float[Array, "rows columns"], leaf: tuple[Array, ...]) -> tuple[Array, None]:
         """Return the minimum of `gap` and the squared plan distances to one leaf [m^2]."""
         pos, cos, sin, half, counts = leaf
-        along, across = (x - pos[0]) * cos + (y - pos[1]) * sin, (y - pos[1]) * cos - (x - pos[0]) * sin
-        u, v = (jnp.maximum(jnp.abs(way) - most, 0.0) for way, most in ((along, half[0]), (across, half[1])))
+        u, v = _offset_from_leaf(x - pos[0], y - pos[1], cos, sin, half)
         here = counts & _is_as_high(snapshot, z - pos[2], half[2])
         return jnp.minimum(gap, jnp.where(here, u * u + v * v, jnp.inf)), None
 
     none = jnp.full((rows, columns), jnp.inf, jnp.float32)
-    gap, _ = jax.lax.scan(nearer, none, (pos, jnp.cos(yaw), jnp.sin(yaw), leaves.size, leaves.valid))
+    gap, _ = jax.lax.scan(nearer, none, (pos, cos, sin, leaves.size, leaves.valid))
     return _slow_down(snapshot, jnp.sqrt(gap))

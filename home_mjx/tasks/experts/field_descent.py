@@ -136,8 +136,8 @@ def _next_cell(
 ) -> Int[Array, ""]:
     """Return the index of the next cell of a path (positions [m]) after a collision.
 
-    With discrete moves it is the cell with a free straight segment that one step ends nearest to: towards a nearer one
-    an agent oversteps, and in a narrow passage it bounces between both sides for ever.
+    With discrete moves it is the cell with a free straight segment that one step ends nearest to; towards a nearer one
+    an agent would overstep.
     """
     moves = snapshot.config.discrete
     if moves is None:

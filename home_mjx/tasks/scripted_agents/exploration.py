@@ -41,7 +41,7 @@ class ExplorationState(Pytree):
     collisions: Int[Array, " a"]  # steps with `Snapshot.has_collided`
 
     def expert(self, snapshot: Snapshot) -> Array:
-        """Return all agents' actions towards their nearest uncovered tile; `stop` if none is left."""
+        """Return all agents' actions towards uncovered tiles, by `seek_cells`; `stop` if none is left."""
         tiles = divide_in_tiles(snapshot.bank, snapshot.house)
         left = _expand_to_cells(~self.covered, snapshot.bank)
         return seek_cells(snapshot, tiles.middle & left, left)

@@ -63,7 +63,7 @@ def test_leaves_of_doors_are_where_fields_of_rows_have_them(snapshot, graph):
 
 
 def test_after_a_collision_agents_aim_where_a_step_ends(snapshot):
-    """In a passage of .3 m one that aimed .1 m ahead and walked .25 m bounced between both sides for 4,000 steps."""
+    """In a passage of .3 m one that aimed .1 m ahead and walked .25 m slid from side to side."""
     ahead = np.arange(1, 7) * 0.1
     place = snapshot.feet[0] + jnp.asarray(ahead[:, None] * [1.0, 0.0, 0.0], jnp.float32)
     chosen = [int(_next_cell(snapshot, jnp.int32(0), place, jnp.asarray(ahead <= most))) for most in (1.0, 0.15, 0.0)]
