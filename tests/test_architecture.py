@@ -62,7 +62,9 @@ NOT_BELOW = {  # packages that an import must not load
 }
 # Imports inside functions hide weight or a ring; each place has its reason.
 LAZY: Mapping[str, str] = {
+    "home_mjx.audio_jax.geometry.nearest_boxes": "Numba kernels compile on first use",
     "home_mjx.audio_jax.kernels.cpu.xla_calls": "Numba kernels compile on first use",
+    "home_mjx.audio_jax.late_reverb.lookup.coupled_decay": "Numba kernels compile on first use",
     "home_mjx.audio_jax.late_reverb.bake.field_cache": "Numba is loaded where a house is baked",
     "home_mjx.cli": "a command loads only its own part, so that --help is quick",
     "home_mjx.core.native.kernel": "Numba and nvcc are loaded when a kernel is built",

@@ -1,23 +1,21 @@
-"""Boxes nearest to the line from source to listener: by a CUDA kernel on NVIDIA GPUs, by XLA operations elsewhere."""
+"""Boxes nearest to the line from source to listener: by native kernels on CPUs and NVIDIA GPUs, else by XLA."""
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.core.native.kernel import Kernel, compile_sources, launch_ptx
+from home_mjx.audio_jax.geometry.box_lengths import MAX_STACK_RESULTS, nearest_boxes_by_xla
+from home_mjx.core.native.kernel import Kernel, call_native, compile_sources, launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes
 from home_mjx.core.native.vmap_call import call_kernel, traced_constant
-from home_mjx.core.transforms import length3, sum3
 
 SOURCE = Path(__file__).with_name("nearest_boxes.cu")
 THREADS, WARP = 256, 32  # as in nearest_boxes.cu
-NUM_PROJECTIONS = 3  # projections onto segment and box, as in nearest_boxes.cu
-MIN_LINE_LENGTH = 0.01  # [m], minimum distance of source and listener, as in nearest_boxes.cu
-WITHOUT_EDGES = -2  # owner of a box without exposed edges, as in nearest_boxes.cu
-KERNEL = Kernel("home_mjx_nearest_boxes", "diffraction uses slower XLA operations", cuda=lambda: _ptx())
 
 
 def nearest_boxes(
@@ -33,7 +31,7 @@ def nearest_boxes(
 ) -> Int[Array, " k"]:
     """Return indices of the boxes over which the path from source to listener is shortest, shortest first.
 
-    Lengths are those of `_path_lengths`.
+    Lengths are those of `path_lengths`.
 
     Args:
         fixed: Boxes of all houses: centre [m], axes (unit vectors, one after the other), half sizes [m].
@@ -53,54 +51,13 @@ def nearest_boxes(
     num_boxes = fixed_owner.shape[1] + moving_owner.shape[0]
     count = min(count, num_boxes)
     ends = jax.lax.stop_gradient(jnp.concatenate([source, listener]))
-    fast = {"cuda": functools.partial(_by_cuda, count=count)} if _bytes(num_boxes) <= max_shared_bytes() else {}
+    fast: dict[str, Callable[..., Array]] = {}
+    if 0 < count <= MAX_STACK_RESULTS:
+        fast["cpu"] = functools.partial(_by_cpu, count=count)
+    if _bytes(num_boxes) <= max_shared_bytes():
+        fast["cuda"] = functools.partial(_by_cuda, count=count)
     operands = fixed, fixed_owner, house, jax.lax.stop_gradient(moving), moving_owner, ends, bodies
-    return KERNEL.select(functools.partial(_by_xla, count=count), fast, *operands)
-
-
-def _by_xla(
-    fixed: Float[Array, "h 15 n"],
-    fixed_owner: Int[Array, "h n"],
-    house: Int[Array, ""],
-    moving: Float[Array, "15 m"],
-    moving_owner: Int[Array, " m"],
-    ends: Float[Array, "6"],
-    bodies: Int[Array, "2"],
-    count: int,
-) -> Int[Array, " k"]:
-    """Compute `nearest_boxes`, over which the path from source to listener is shortest, with XLA operations.
-
-    `ends` is the source, then the listener [m]. `count` must not exceed the number of boxes, n + m. Boxes of `bodies`
-    and those without exposed edges come last.
-    """
-    owner = jnp.concatenate([fixed_owner[house], moving_owner])
-    excluded = (owner <= WITHOUT_EDGES) | ((owner >= 0) & jnp.any(owner[:, None] == bodies[None], axis=1))
-    length = _path_lengths(jnp.concatenate([fixed[house], moving], axis=1), ends[:3], ends[3:])
-    return jax.lax.top_k(-jnp.where(excluded, jnp.inf, length), count)[1].astype(jnp.int32)
-
-
-def _path_lengths(
-    boxes: Float[Array, "15 n"], source: Float[Array, "3"], listener: Float[Array, "3"]
-) -> Float[Array, " n"]:
-    """Compute the length [m] of a path from source via a point of each box to listener; boxes as in `nearest_boxes`.
-
-    Starting at the box's centre, the point is projected onto the segment from source to listener, and from there back
-    onto the box, `NUM_PROJECTIONS` times. It approaches the point nearest to the segment.
-    """
-    way = listener - source
-    center, axis, half = boxes[:3].T, jnp.moveaxis(boxes[3:12].reshape(3, 3, -1), -1, 0), boxes[12:].T
-
-    def closer(place: Float[Array, "n 3"]) -> Float[Array, "n 3"]:
-        """Project one point per box onto the segment from source to listener, and that point back onto its box."""
-        share = sum3((place - source[None]) * way[None]) / jnp.maximum(sum3(way * way), MIN_LINE_LENGTH**2)
-        on_line = source[None] + jnp.clip(share, 0.0, 1.0)[:, None] * way[None]
-        inside = jnp.clip(sum3(axis * (on_line - center)[:, None]), -half, half)
-        return center + sum3(jnp.swapaxes(axis * inside[:, :, None], 1, 2))
-
-    place = center
-    for _ in range(NUM_PROJECTIONS):
-        place = closer(place)
-    return length3(place - source[None]) + length3(place - listener[None])
+    return KERNEL.select(functools.partial(nearest_boxes_by_xla, count=count), fast, *operands)
 
 
 def _ptx() -> str:
@@ -116,8 +73,33 @@ def _bytes(num_boxes: int) -> int:
 def _by_cuda(
     fixed: Float[Array, "h 15 n"], fixed_owner: Int[Array, "h n"], *given: Array, count: int
 ) -> Int[Array, " k"]:
-    """Compute `nearest_boxes` by the CUDA kernel; arguments as those of `_by_xla`."""
+    """Compute `nearest_boxes` by the CUDA kernel; arguments as those of `nearest_boxes_by_xla`."""
     return call_kernel(launch_nearest, (count,), (fixed, fixed_owner), given)
+
+
+def _by_cpu(
+    fixed: Float[Array, "h 15 n"], fixed_owner: Int[Array, "h n"], *given: Array, count: int
+) -> Int[Array, " k"]:
+    """Compute `nearest_boxes` by the CPU kernel; arguments as those of `nearest_boxes_by_xla`."""
+    return call_kernel(_call_nearest, (count,), (fixed, fixed_owner), given)
+
+
+def _call_nearest(count: int, *given: Array) -> tuple[Array, ...]:
+    """Call the CPU kernel for the operands of `launch_nearest`; return one array (e count)."""
+    result = jax.ShapeDtypeStruct((given[2].shape[0], count), jnp.int32)
+    return tuple(call_native(KERNEL.name, given, [result])) if result.size else (jnp.zeros(result.shape, jnp.int32),)
+
+
+def _compile_chunks() -> tuple[Any, Any]:
+    """Compile the CPU kernel; Numba is imported only here, because it loads slowly."""
+    from home_mjx.audio_jax.geometry.numba_nearest_boxes import compile_chunks
+
+    return compile_chunks()
+
+
+KERNEL = Kernel(
+    "home_mjx_nearest_boxes", "diffraction uses slower XLA operations", cpu=_compile_chunks, cuda=lambda: _ptx()
+)
 
 
 def launch_nearest(count: int, *given: Array) -> tuple[Array, ...]:

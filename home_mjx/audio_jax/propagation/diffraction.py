@@ -9,8 +9,9 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
+from home_mjx.audio_jax.geometry.box_lengths import WITHOUT_EDGES
 from home_mjx.audio_jax.geometry.edge_paths import BarrierBoxes, EdgePaths, find_edge_paths
-from home_mjx.audio_jax.geometry.nearest_boxes import WITHOUT_EDGES, nearest_boxes
+from home_mjx.audio_jax.geometry.nearest_boxes import nearest_boxes
 from home_mjx.audio_jax.geometry.wedge import diffracted_pressure, second_edge_factor
 from home_mjx.audio_jax.propagation.paths import (
     MIN_PATH_LENGTH,

@@ -1,4 +1,4 @@
-"""Boxes nearest to a line: against sampled points, and the CUDA kernel, compiled as C++, against XLA's operations."""
+"""Boxes nearest to a line: against sampled points; both kernels, CUDA's compiled as C++, against XLA's operations."""
 
 import jax
 import jax.numpy as jnp
@@ -7,7 +7,9 @@ import pytest
 from compiled_kernels import block_program, blocks_instead, shared_library
 
 from home_mjx.audio_jax.geometry import nearest_boxes as module
-from home_mjx.audio_jax.geometry.nearest_boxes import WITHOUT_EDGES, nearest_boxes
+from home_mjx.audio_jax.geometry.box_lengths import WITHOUT_EDGES, nearest_boxes_by_xla
+from home_mjx.audio_jax.geometry.box_lengths import path_lengths as lengths_over
+from home_mjx.audio_jax.geometry.nearest_boxes import nearest_boxes
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
 
@@ -33,15 +35,34 @@ def problem(rng):
     return *random_boxes(rng, 2, 300), jnp.int32([0, 1, 1, 0]), *random_boxes(rng, 4, 40), *points, bodies
 
 
+AXES = (None, None, *[0] * 6)
+
+
+def chosen(problem, count):
+    """Boxes that `nearest_boxes` chooses in each environment."""
+    return jax.vmap(lambda *given: nearest_boxes(*given, count), AXES)(*problem)
+
+
 def chosen_by_xla(problem, count):
-    axes = (None, None, *[0] * 6)
-    return jax.vmap(lambda *given: nearest_boxes(*given, count), axes)(*problem)
+    *tables, sources, listeners, bodies = problem
+    ends = jnp.concatenate([sources, listeners], axis=1)
+    return jax.vmap(lambda *given: nearest_boxes_by_xla(*given, count=count), AXES[:-1])(*tables, ends, bodies)
 
 
-def test_they_are_those_of_the_shortest_paths(problem, rng):
+def path_lengths(problem, env):
+    """Lengths of the paths over all boxes in one environment; 99 if a box does not count."""
+    fixed, fixed_owner, houses, moving, moving_owner, sources, listeners, bodies = problem
+    fields = jnp.concatenate([fixed[houses[env]], moving[env]], axis=1)
+    length = np.array(lengths_over(fields, sources[env], listeners[env]))
+    owner = np.concatenate([fixed_owner[houses[env]], moving_owner[env]])
+    return np.where((owner == WITHOUT_EDGES) | (np.isin(owner, bodies[env]) & (owner >= 0)), 99, length)
+
+
+@pytest.mark.parametrize("choose", [chosen, chosen_by_xla])
+def test_they_are_those_of_the_shortest_paths(problem, rng, choose):
     """Against paths over the nearest of many points in each box; excluded boxes are not chosen."""
     fixed, fixed_owner, houses, moving, moving_owner, sources, listeners, bodies = (np.asarray(x) for x in problem)
-    chosen = np.asarray(chosen_by_xla(problem, 8))
+    nearest = np.asarray(choose(problem, 8))
     for env in range(4):
         fields = np.concatenate([fixed[houses[env]], moving[env]], axis=1)
         owner = np.concatenate([fixed_owner[houses[env]], moving_owner[env]])
@@ -49,8 +70,8 @@ def test_they_are_those_of_the_shortest_paths(problem, rng):
         points = fields[:3].T + np.einsum("pba,baw->pbw", inside, fields[3:12].T.reshape(-1, 3, 3))
         length = sum(np.linalg.norm(points - end, axis=-1) for end in (sources[env], listeners[env])).min(axis=0)
         length[(owner == WITHOUT_EDGES) | (np.isin(owner, bodies[env]) & (owner >= 0))] = np.inf
-        assert np.isfinite(length[chosen[env]]).all()
-        assert length[chosen[env]].max() < np.sort(length)[7] + 0.15
+        assert np.isfinite(length[nearest[env]]).all()
+        assert length[nearest[env]].max() < np.sort(length)[7] + 0.15
 
 
 @pytest.mark.parametrize("count", [1, 24, 340])
@@ -63,18 +84,37 @@ def test_the_kernel_chooses_what_xla_does(problem, tmp_path, monkeypatch, count)
     monkeypatch.setattr(jax.ffi, "ffi_call", blocks_instead(lambda *_: library))
     *tables, sources, listeners, bodies = problem
     (got,) = module.launch_nearest(count, *tables, jnp.concatenate([sources, listeners], axis=1), bodies)
-    fixed, fixed_owner, houses, moving, moving_owner, *_ = problem
     for env in range(4):
         assert len(set(got[env].tolist())) == count
-        fields = jnp.concatenate([fixed[houses[env]], moving[env]], axis=1)
-        length = np.array(module._path_lengths(fields, sources[env], listeners[env]))
-        owner = np.concatenate([fixed_owner[houses[env]], moving_owner[env]])
-        length[(owner == WITHOUT_EDGES) | (np.isin(owner, bodies[env]) & (owner >= 0))] = 99
+        length = path_lengths(problem, env)
         np.testing.assert_allclose(length[got[env]], length[wanted[env]], rtol=1e-5)
 
 
+@pytest.mark.parametrize("count", [1, 5, 24, 256])
+def test_the_cpu_kernel_chooses_what_xla_does(problem, count):
+    """Up to rounding; from 256 results on, boxes that do not count fill the rest."""
+    assert module.KERNEL.is_usable("cpu")
+    got, wanted = np.asarray(chosen(problem, count)), np.asarray(chosen_by_xla(problem, count))
+    for env in range(4):
+        assert len(set(got[env].tolist())) == count
+        length = path_lengths(problem, env)
+        np.testing.assert_allclose(length[got[env]], length[wanted[env]], rtol=1e-5)
+
+
+def test_few_boxes_that_count(rng):
+    """Fewer than results, in a house with one box whose number is no multiple of the lanes: the others follow."""
+    fixed, _ = random_boxes(rng, 1, 11)
+    moving, _ = random_boxes(rng, 1, 2)
+    owner = jnp.full((1, 11), WITHOUT_EDGES).at[0, 9].set(-1)
+    ends = jnp.float32(rng.uniform(-4, 4, (2, 1, 3)))
+    problem = fixed, owner, jnp.int32([0]), moving, jnp.int32([[0, 3]]), *ends, jnp.int32([[0, -1]])
+    got = np.asarray(chosen(problem, 6))[0]
+    assert set(got[:2].tolist()) == {9, 12}
+    assert len(set(got.tolist())) == 6
+
+
 def test_more_than_there_are_gives_all(problem):
-    assert sorted(chosen_by_xla(problem, 500)[0].tolist()) == list(range(340))
+    assert sorted(chosen(problem, 500)[0].tolist()) == list(range(340))
 
 
 def test_nvrtc_compiles_it():

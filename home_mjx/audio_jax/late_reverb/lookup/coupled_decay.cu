@@ -7,7 +7,7 @@
 // steps, and a column, the start propagated by a n steps. So only a few steps depend on each other. n is RUN.
 
 constexpr int THREADS = 32;
-constexpr int TERMS = 6, HALVINGS = 3;                // as in coupled_decay.py: terms of the exponential series, halvings of its step
+constexpr int TERMS = 6, HALVINGS = 3;                // as in room_matrices.py: terms of the exponential series, halvings of its step
 constexpr int DOUBLINGS = 3, RUN = 1 << DOUBLINGS;    // as in coupled_decay.py
 
 // Threads per matrix, as `threads_per_matrix` in coupled_decay.py.

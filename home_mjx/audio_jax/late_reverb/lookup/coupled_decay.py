@@ -1,24 +1,24 @@
-"""Energy decay in coupled rooms: by a CUDA kernel on NVIDIA GPUs, by XLA operations elsewhere."""
+"""Energy decay in coupled rooms: by native kernels on CPUs and NVIDIA GPUs, by XLA operations elsewhere."""
 
 import functools
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from home_mjx.core.native.kernel import Kernel, compile_sources, launch_ptx
+from home_mjx.audio_jax.late_reverb.lookup.room_matrices import MAX_STACK_ROOMS, decay_in_rooms_by_xla
+from home_mjx.core.native.kernel import Kernel, call_native, compile_sources, launch_ptx
 from home_mjx.core.native.platforms import max_shared_bytes, with_fallback_gradient
 from home_mjx.core.native.vmap_call import call_kernel, traced_constant
 
-SERIES_TERMS = 6  # terms of the exponential series
-HALVINGS = 3  # halvings of the step before the series is evaluated
 SOURCE = Path(__file__).with_name("coupled_decay.cu")
 WARP = 32  # threads of a block
 SIZES = (8, 12, 16, 24)  # sizes of matrices below that of the largest house, as in coupled_decay.cu
 BINS_PER_COLUMN = 8  # consecutive bins computed from one column, as in coupled_decay.cu
 MAX_REGISTER_ELEMENTS = 100  # maximum matrix elements in a thread's registers
-KERNEL = Kernel("home_mjx_rooms", "room energy decay uses slower XLA operations", cuda=lambda: ptx_of(8))
 
 
 def decay_in_rooms(
@@ -40,7 +40,11 @@ def decay_in_rooms(
         num_rooms: Number of rooms before padding, with which the others exchange nothing; None: r.
     """
     rooms = start.shape[0]
-    fast = {"cuda": functools.partial(_decay_by_cuda, bins=bins)} if _available(rooms) else {}
+    fast: dict[str, Callable[..., Array]] = {}
+    if 0 < rooms <= MAX_STACK_ROOMS and KERNEL.is_usable("cpu"):
+        fast["cpu"] = functools.partial(_decay_by_cpu, bins=bins)
+    if _available(rooms):
+        fast["cuda"] = functools.partial(_decay_by_cuda, bins=bins)
     count = jnp.full((), rooms if num_rooms is None else num_rooms, jnp.int32)
 
     def by_xla(rates: Array, start: Array, listener: Array, count: Array) -> Array:
@@ -48,53 +52,6 @@ def decay_in_rooms(
         return decay_in_rooms_by_xla(rates, start, listener, bins)
 
     return with_fallback_gradient(by_xla, fast)(rates, start, listener, count)
-
-
-def decay_in_rooms_by_xla(
-    rates: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
-) -> Float[Array, "s k bands"]:
-    """Compute `decay_in_rooms`, the energy density at a listener after 0 .. `bins` - 1 bins, with XLA operations."""
-    return _propagate(_matrix_exponential(rates), start, listener, bins)
-
-
-def _matrix_exponential(matrix: Float[Array, "*x r r"]) -> Float[Array, "*x r r"]:
-    """Compute exp(-matrix) of square matrices: a Taylor series of -matrix / 8, squared `HALVINGS` times."""
-    small = -matrix / 2**HALVINGS
-    one = jnp.eye(matrix.shape[-1], dtype=jnp.float32)
-    power = total = jnp.broadcast_to(one, small.shape)
-    for n in range(1, SERIES_TERMS):
-        power = _multiply(power, small) / n
-        total = total + power
-    for _ in range(HALVINGS):
-        total = _multiply(total, total)
-    return total
-
-
-def _propagate(
-    step: Float[Array, "s bands r r"], start: Float[Array, " r"], listener: Float[Array, " r"], bins: int
-) -> Float[Array, "s k bands"]:
-    """Compute the energy density at the listener after 0, 1, ... `bins` - 1 multiplications with the matrix `step`.
-
-    The density after a n + b steps is the product of a row and a column. The row is the listener's weights propagated
-    by b steps, the column is the start propagated by a n steps. So powers of the step matrix multiply few vectors.
-    """
-    powers = [step]
-    while 2 ** len(powers) < bins:
-        powers.append(_multiply(powers[-1], powers[-1]))
-    half = len(powers) // 2
-    row = jnp.broadcast_to(listener, (*step.shape[:2], 1, listener.size))
-    column = jnp.broadcast_to(start[:, None], (*step.shape[:3], 1))
-    for power in powers[:half]:
-        row = jnp.concatenate([row, _multiply(row, power)], axis=-2)
-    for power in powers[half:]:
-        column = jnp.concatenate([column, _multiply(power, column)], axis=-1)
-    heard = _multiply(jnp.swapaxes(column, -1, -2), jnp.swapaxes(row, -1, -2))  # (s, bands, a, b)
-    return jnp.swapaxes(heard.reshape(*step.shape[:2], -1)[..., :bins], 1, 2)
-
-
-def _multiply(left: Float[Array, "*x n m"], right: Float[Array, "*x m k"]) -> Float[Array, "*x n k"]:
-    """Return matrix products over the last two axes, as sums, which compilers fuse, without library calls."""
-    return jnp.sum(left[..., :, :, None] * right[..., None, :, :], axis=-2)
 
 
 def ptx_of(rooms: int) -> str:
@@ -139,6 +96,30 @@ def _decay_by_cuda(*given: Array, bins: int) -> Float[Array, "s k bands"]:
     `given` are the arrays of `decay_in_rooms`; rooms after the first `count` must exchange nothing.
     """
     return call_kernel(launch_decay, (bins,), (), given)
+
+
+def _decay_by_cpu(*given: Array, bins: int) -> Float[Array, "s k bands"]:
+    """Compute energy densities at a listener in k = `bins` bins by the CPU kernel; arguments as of `_decay_by_cuda`."""
+    return call_kernel(_call_decay, (bins,), (), given)
+
+
+def _call_decay(bins: int, *given: Array) -> tuple[Array, ...]:
+    """Call the CPU kernel for the operands of `launch_decay`; return one array (e s bins bands)."""
+    envs, states, octaves, *_ = given[0].shape
+    result = jax.ShapeDtypeStruct((envs, states, bins, octaves), jnp.float32)
+    return tuple(call_native(KERNEL.name, given, [result])) if envs else (jnp.zeros(result.shape, result.dtype),)
+
+
+def _compile_chunks() -> tuple[Any, Any]:
+    """Compile the CPU kernel; Numba is imported only here, because it loads slowly."""
+    from home_mjx.audio_jax.late_reverb.lookup.numba_decay import compile_chunks
+
+    return compile_chunks()
+
+
+KERNEL = Kernel(
+    "home_mjx_rooms", "room energy decay uses slower XLA operations", cpu=_compile_chunks, cuda=lambda: ptx_of(8)
+)
 
 
 def launch_decay(bins: int, *given: Array) -> tuple[Array, ...]:
