@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax import AudioConfig, SoundSources, convolve_clip_frame, convolve_frame, emitted_signal
-from home_mjx.audio_jax.auralization.convolution import schedule_gain
+from home_mjx.audio_jax.auralization.convolution import _remainder, schedule_gain
 
 RATE = 16000
 CONFIG = AudioConfig(response_seconds=0.1)
@@ -29,6 +29,15 @@ def test_sources_sound_when_they_should(every: float, lasts: float):
     expected = [by_hand(int(t), every, lasts) for t in time]
     for value, wanted in zip(found.tolist(), expected, strict=True):
         assert 0 <= value <= 1 if wanted is None else value == wanted
+
+
+def test_remainders_are_exact(rng):
+    """Against NumPy's, for small and large divisors, on both sides of multiples and far from zero."""
+    for divisor in (1, 2, 3, 700, 16_000, 128_000, 2**24 + 1, 2**30 - 1):
+        multiple = divisor * (rng.integers(-(2**30), 2**30, 5000) // divisor)
+        near = (multiple[:, None] + np.arange(-2, 3)).clip(-(2**30), 2**30).ravel()
+        value = np.concatenate([near, rng.integers(-(2**30), 2**30, 5000)]).astype(np.int32)
+        np.testing.assert_array_equal(_remainder(jnp.asarray(value), jnp.int32(divisor)), value % divisor)
 
 
 def test_sounds_begin_and_end_without_a_click():
