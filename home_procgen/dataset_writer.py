@@ -14,7 +14,7 @@ from typing import SupportsIndex
 from home_mjx.core.files import write_synced
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.progress import ProgressCount, plural, say
-from home_mjx.core.workers import usable_cores, worker_pool
+from home_mjx.core.workers import max_workers, worker_pool
 from home_mjx.datasets.seeds import GENERATED_MARKER
 from home_mjx.datasets.suncg.write.house import PARTIAL_PREFIX, is_house_complete
 from home_mjx.errors import ConfigError, DatasetError
@@ -140,9 +140,9 @@ def _has_intact_house(root: Path, house: str) -> bool:
 @contextmanager
 def _pool_map(count: int) -> Iterator:
     """Yield a `map` function for `count` houses: that of a process pool if there are many houses and cores."""
-    workers = min(usable_cores(), count)
+    workers = max_workers(count)
     if count < MIN_POOL_HOUSES or workers < 2:
         yield map
         return
-    with worker_pool(workers) as pool:
+    with worker_pool(workers, imports_main=False) as pool:
         yield partial(pool.map, chunksize=4)

@@ -2,14 +2,18 @@
 
 import multiprocessing
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
+from multiprocessing.context import SpawnContext, SpawnProcess
+from types import ModuleType
 from typing import TypeVar
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+_MAIN_LOCK = threading.Lock()  # held while the module `__main__` is replaced
 
 
 def usable_cores() -> int:
@@ -54,13 +58,28 @@ def worker_threads(workers: int) -> Iterator[ThreadPoolExecutor]:
         pool.shutdown(waits, cancel_futures=not waits)
 
 
+def max_workers(count: int) -> int:
+    """Return how many worker processes suit `count` tasks, at least 1: a daemon process cannot start any.
+
+    Example:
+        >>> max_workers(1)
+        1
+    """
+    return 1 if multiprocessing.current_process().daemon else max(1, min(usable_cores(), count))
+
+
 @contextmanager
-def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
+def worker_pool(workers: int, imports_main: bool = True) -> Iterator[ProcessPoolExecutor]:
     """Create a pool of `workers` spawned processes for the duration of a `with` block.
 
     At the end, pending work is cancelled and running work finishes; a keyboard interrupt terminates workers instead.
+
+    Args:
+        workers: Number of processes.
+        imports_main: Workers import the script that runs, which must guard its work by `if __name__ == "__main__":`.
+            Only tasks defined in the script need that.
     """
-    context = multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("spawn") if imports_main else _LibraryContext()
     pool = ProcessPoolExecutor(workers, context, initializer=_leave_with_parent)
     try:
         yield pool
@@ -70,6 +89,26 @@ def worker_pool(workers: int) -> Iterator[ProcessPoolExecutor]:
         raise
     finally:
         pool.shutdown(cancel_futures=True)
+
+
+class _LibraryWorker(SpawnProcess):
+    """A process that does not import the script that started it."""
+
+    def start(self) -> None:
+        """Start the process while an empty module stands for the script."""
+        with _MAIN_LOCK:
+            main = sys.modules["__main__"]
+            sys.modules["__main__"] = ModuleType("__main__")
+            try:
+                super().start()
+            finally:
+                sys.modules["__main__"] = main
+
+
+class _LibraryContext(SpawnContext):
+    """Starts processes that do not import the script."""
+
+    Process = _LibraryWorker
 
 
 def _leave_with_parent() -> None:

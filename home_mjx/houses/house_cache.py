@@ -28,6 +28,7 @@ from home_mjx.core.files import resolve_below
 from home_mjx.core.progress import say
 from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.kept_results import ResultStore, keep_results
+from home_mjx.errors import DatasetError
 from home_mjx.houses.integrity import check_house, check_models
 from home_mjx.houses.selection import HouseContents, summarize_contents
 from home_mjx.houses.shipped import ShippedHouse, open_shipped
@@ -85,6 +86,15 @@ class HouseCache:
         if paths:
             self._shipped.write_textures(paths, progress)
         self.dataset.prepare([house_id for house_id, row in rows.items() if row is None], progress)
+
+    def missing(self, house_ids: Sequence[str]) -> list[str]:
+        """Return those houses, each once, that are neither cached nor shipped; unknown and broken ones are omitted."""
+        found = []
+        for house_id in dict.fromkeys(house_ids):
+            with suppress(DatasetError):
+                if self._shipped_row(house_id) is None and not self.entry_path(house_id).is_file():
+                    found.append(house_id)
+        return found
 
     def load(self, house_id: str) -> CompiledHouse:
         """Return a compiled house and record its fallbacks; compile it if it is not cached or an input has changed.

@@ -14,6 +14,7 @@ from home_mjx.datasets.registry import has_scheme, open_dataset
 from home_mjx.datasets.splits import SPLITS, split_of
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_cache import HouseCache
+from home_mjx.houses.pools import compile_missing
 from home_mjx.houses.selection import HouseFilter
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
 from home_mjx.schema.compiled import CompiledHouse
@@ -121,6 +122,8 @@ class HouseSet:
     def load(self, progress: bool | None = None) -> list[CompiledHouse]:
         """Return the compiled houses, in order, with shared models; houses that are not in the cache are compiled.
 
+        Many are compiled in worker processes, except with `filter`.
+
         Args:
             progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
@@ -131,6 +134,7 @@ class HouseSet:
         cache, total = self.open_cache(), self.num_houses
         if self.filter is None:
             cache.prepare(self.house_ids, is_progress_shown(progress))
+            compile_missing(cache, self.house_ids, progress)
             total = len(self.house_ids)
         what = "houses" if total is None else plural(total, "house")
         with ProgressCount(f"loading {what}", total, "house", progress) as count:

@@ -3,25 +3,21 @@
 import os
 import time
 from collections.abc import Sequence
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 
-from home_mjx.core.files import write_error
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
 from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
 from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.houses.pools import run_jobs
+from home_mjx.houses.pools import compile_one, run_jobs
 from home_mjx.houses.report import (
     CACHED,
     COMPILED,
-    DISK_FULL_HINT,
     FAILED,
-    CompileOutcome,
     CompileSummary,
-    error_record,
     find_done_houses,
     load_report,
     open_journal,
@@ -29,8 +25,6 @@ from home_mjx.houses.report import (
 )
 from home_mjx.houses.version import prepare_folder
 from home_mjx.scene_compile.pipeline.compile import DEFAULT_OPTIONS, CompileOptions
-
-MAX_CACHED_MODELS = 1000  # maximum number of models in the memory of a worker
 
 
 def compile_dataset(
@@ -123,35 +117,3 @@ def _prepare() -> None:
     except OSError as error:
         message = f"cache folder is not writable: {error.strerror}"
         raise ConfigError(message, file=cache_folder(), hint=f"Set {CACHE_VARIABLE} to a writable folder.") from None
-
-
-def compile_one(dataset: Dataset, options: CompileOptions, run: str, house_id: str) -> CompileOutcome:
-    """Compile a house unless it is in the cache; never raise, but return the outcome with any error.
-
-    A house that was compiled, but could not be written to the cache, has the status `FAILED`.
-    Each process checks inputs that houses share once per `run`, the name of the compile job.
-    """
-    begin = time.perf_counter()
-    status, error, entry, fallbacks, fixed = FAILED, None, None, [], 0
-    try:
-        houses = _houses(dataset, options, run)
-        before = houses.num_compiled
-        fixed = int(houses.load(house_id).report["movable_but_too_many"])
-        fallbacks = [str(item) for item in houses.fallbacks.get(house_id, ())]
-        status = COMPILED if houses.num_compiled > before else CACHED
-        if len(houses.library) > MAX_CACHED_MODELS:
-            _houses.cache_clear()
-        path = houses.entry_path(house_id)
-        if not path.is_file():
-            cause = houses.write_error or OSError("file has been removed")
-            raise write_error("compiled house", path, cause, DISK_FULL_HINT)
-        entry = str(path.relative_to(cache_folder()))
-    except Exception as problem:  # one broken house of 45,000 must not stop the run
-        status, error = FAILED, error_record(problem)
-    return CompileOutcome(house_id, status, round(time.perf_counter() - begin, 4), error, entry, fallbacks, fixed)
-
-
-@lru_cache(maxsize=1)
-def _houses(dataset: Dataset, options: CompileOptions, run: str) -> HouseCache:
-    """Return this process's cache of a run; only the last one is kept."""
-    return HouseCache(dataset, options)

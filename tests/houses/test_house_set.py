@@ -1,6 +1,7 @@
 """A choice of houses, made once and taken by all that need houses."""
 
 import dataclasses
+import shutil
 
 import numpy as np
 import pytest
@@ -11,15 +12,17 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.splits import select_ids
 from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.houses import house_cache, load_bank
+from home_mjx.houses import house_cache, load_bank, pools
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.house_set import HouseSet
 from home_mjx.houses.job import compile_dataset
 from home_mjx.houses.load import house_set
 from home_mjx.houses.selection import HouseFilter, summarize_contents
 from home_mjx.houses.stream import HouseStream
+from home_mjx.houses.version import version_folder
 from home_mjx.scene_compile.collision.movables import MovableOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions
+from home_mjx.schema.compiled import CompiledHouse
 
 NO_BODIES = CompileOptions(movables=MovableOptions(max_bodies=0))
 
@@ -48,6 +51,54 @@ def test_ids_are_those_of_the_dataset_chosen_in_turn(root):
     fitting = [i for i in everything if contents[i].rooms >= rooms[2]]
     assert HouseSet(root, filter=where).house_ids == tuple(fitting)
     assert HouseSet(root, filter=where, num_houses=1).house_ids == tuple(fitting[:1])
+
+
+@pytest.fixture
+def pooled(monkeypatch, tmp_path, root):
+    """Few houses suffice for worker processes; returns a function that loads the houses with a new cache."""
+    monkeypatch.setattr(pools, "MIN_POOL_HOUSES", 2)
+
+    def load(name: str, workers: int) -> tuple[list[CompiledHouse], dict[str, bytes]]:
+        monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / name))
+        monkeypatch.setattr(pools, "max_workers", lambda count: workers)
+        houses = HouseSet(root, num_houses=3).load()
+        return houses, {path.name: path.read_bytes() for path in version_folder().glob("houses/*")}
+
+    return load
+
+
+def test_worker_processes_compile_the_same_bytes(pooled, monkeypatch):
+    """As one process; this process then reads them and compiles none."""
+    alone, expected = pooled("alone", 1)
+    monkeypatch.setattr(house_cache, "compile_house", lambda *_: pytest.fail("compiled here"))
+    houses, entries = pooled("pool", 2)
+    assert [house.id for house in houses] == [house.id for house in alone]
+    assert entries == expected
+    assert len(entries) >= 3
+
+
+def test_a_house_that_fails_in_a_worker_raises_its_error(pooled, root, tmp_path):
+    """The error is the one that loading it alone raises."""
+    broken = tmp_path / "broken"
+    shutil.copytree(root, broken)
+    (broken / "house" / HouseSet(root).house_ids[1] / "house.json").write_text("{")
+    with pytest.raises(DatasetError) as alone:
+        HouseCache(open_dataset(broken)).load(HouseSet(root).house_ids[1])
+    pooled("fill", 2)
+    with pytest.raises(DatasetError) as together:
+        HouseSet(broken).load()
+    assert str(together.value) == str(alone.value)
+
+
+def test_datasets_of_a_script_are_compiled_in_its_process(monkeypatch, root):
+    """Workers that do not import the script could not unpickle them."""
+    monkeypatch.setattr(pools, "_in_processes", lambda *_, **__: pytest.fail("sent to workers"))
+    monkeypatch.setattr(pools, "MIN_POOL_HOUSES", 1)
+    monkeypatch.setattr(pools, "max_workers", lambda count: 2)
+    cache = HouseCache(open_dataset(root), NO_BODIES)
+    cache.options = lambda: None  # a local function, which pickle refuses as it does classes of a script
+    monkeypatch.setattr(HouseCache, "missing", lambda self, ids: list(ids))
+    pools.compile_missing(cache, HouseSet(root).house_ids)
 
 
 def test_a_filter_reads_no_model_and_no_house_beyond_the_last(root, monkeypatch):
