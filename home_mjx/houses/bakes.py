@@ -18,10 +18,13 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.array_store import READ_ERRORS, flatten, read_entry, rebuild, write_entry
 from home_mjx.core.paths import cache_folder, installed
 from home_mjx.core.progress import ProgressCount, plural
+from home_mjx.core.workers import usable_cores, worker_threads
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.schema.compiled import CompiledHouse
 
 GROUP = "home_mjx.bakes"
+
+CORES_PER_BAKE = 4  # cores for each of the houses that are baked at once: one house has stages of a single thread
 
 log = logging.getLogger(__name__)
 
@@ -73,7 +76,7 @@ class Bake(Protocol):
         ...
 
     def bake_house(self, bank: HouseBank, index: int, house: CompiledHouse) -> Any:
-        """Return the record of one house, an instance of `record`.
+        """Return the record of one house, an instance of `record`; threads may bake several houses at once.
 
         Args:
             bank: Bank that holds the house.
@@ -175,18 +178,29 @@ def add_bakes(
     if given != held:
         raise ConfigError(f"the bank holds houses {held}, but those given are {given}", hint="Give the bank's own.")
     for bake in find_bakes(bakes):
-        records = []
         text = f"loading {bake.name} of {plural(len(houses), 'house')}"
         with ProgressCount(text, len(houses), "house", progress) as count:
-            for index, house in enumerate(houses):
-                record = read_record(bake, house)
-                if record is None:
-                    count.describe(f"baking {bake.name} of {plural(len(houses), 'house')} (once, then cached)")
-                    record = make_record(bake, bank, index, house)
-                records.append(record)
-                count.update()
+            records = _find_records(bake, bank, houses, count)
         bank = bank.replace(bakes={**bank.bakes, bake.name: bake.stack(records, houses, bank)})
     return bank
+
+
+def _find_records(bake: Bake, bank: HouseBank, houses: Sequence[CompiledHouse], count: ProgressCount) -> list[Any]:
+    """Return the records of all houses, in order; those not in the store are computed, several at once."""
+    records = []
+    for house in houses:
+        records.append(read_record(bake, house))
+        if records[-1] is not None:
+            count.update()
+    missing = [index for index, record in enumerate(records) if record is None]
+    if missing:
+        count.describe(f"baking {bake.name} of {plural(len(houses), 'house')} (once, then cached)")
+    with worker_threads(max(1, usable_cores() // CORES_PER_BAKE)) as pool:
+        made = pool.map(lambda index: make_record(bake, bank, index, houses[index]), missing)
+        for index, record in zip(missing, made, strict=True):
+            records[index] = record
+            count.update()
+    return records
 
 
 def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:

@@ -1,6 +1,7 @@
 """Baked records of houses that are exchanged: equal to those of a plain bank, in shapes that never change."""
 
 import dataclasses
+import threading
 import time
 
 import jax
@@ -180,3 +181,24 @@ def test_environments_hear_through_swaps(root):
         assert stream.num_swaps == 3
     assert traces == 1
     assert np.isfinite(np.asarray(states.obs["ear_levels"])).all()
+
+
+class MeetingLetters(Letters):
+    """Bakes that wait until two houses are baked at once."""
+
+    together = threading.Barrier(2)
+
+    def bake_house(self, bank, index, house):
+        self.together.wait(60)
+        return super().bake_house(bank, index, house)
+
+
+def test_several_houses_are_baked_at_once(root, monkeypatch):
+    """On machines of many cores; records keep the order of the houses."""
+    monkeypatch.setattr(bakes, "usable_cores", lambda: 2 * bakes.CORES_PER_BAKE)
+    monkeypatch.setattr(Letters, "length", lambda self, house: 1)
+    monkeypatch.setattr(Letters, "stack", lambda self, records, *_: [int(r.letter[0]) for r in records])
+    ids = IDS[:2]
+    houses = HouseSet(root, ids).load()
+    bank = bakes.add_bakes(load_bank(root, ids=ids), houses, MeetingLetters())
+    assert bank.bakes["letters"] == [ord(house_id[-1]) for house_id in ids]
