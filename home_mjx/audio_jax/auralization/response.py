@@ -111,8 +111,10 @@ def baked_energy(
         late_channel_gains(jnp.asarray(fibonacci_directions(NUM_ISOTROPIC_DIRECTIONS)), upright, config, listener.head),
         axis=0,
     )
-    there = late_channel_gains(toward, listener.quat, config, listener.head) - around[None]
-    gain = around[None] + jnp.einsum("ks,seb->keb", late.span_share * length.T, there, precision="highest")
+    there = late_channel_gains(toward, listener.quat, config, listener.head)
+    directed = late.span_share * length.T
+    isotropic = jnp.maximum(1 - jnp.sum(directed, axis=1), 0.0)  # no difference of gains, which rounds below 0
+    gain = isotropic[:, None, None] * around[None] + jnp.einsum("ks,seb->keb", directed, there, precision="highest")
     whole = jnp.einsum("kb,ks->s", late.energy, late.span_share, precision="highest")
     mean = jnp.sum(whole[:, None] * late.arrival_direction, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
     return _broadcast_channels(late.energy[:, None] * gain, config), mean
@@ -129,7 +131,9 @@ def late_directivity_gain(source: SoundSource, late: LateArrivals) -> Float[Arra
     length = jnp.linalg.norm(late.emission_direction, axis=1, keepdims=True)
     toward = emission_gains(source, late.emission_direction / jnp.maximum(length, 1e-6)) ** 2
     everywhere = mean_energy(source.directivity)[None]
-    return everywhere + jnp.matmul(late.span_share, length * (toward - everywhere), precision="highest")
+    directed = late.span_share * length.T
+    isotropic = jnp.maximum(1 - jnp.sum(directed, axis=1, keepdims=True), 0.0)
+    return isotropic * everywhere + jnp.matmul(directed, toward, precision="highest")
 
 
 def combine_early_late(

@@ -17,18 +17,13 @@ __device__ constexpr int lanes_of(int size) {
   return lanes;
 }
 
-__device__ __forceinline__ float at(float4 x, int i) { return i == 0 ? x.x : i == 1 ? x.y : i == 2 ? x.z : x.w; }
-
 // A thread's part of one matrix.
 template <int SIZE>
 struct Part {
   static constexpr int LANES = lanes_of(SIZE), SLOTS = THREADS / LANES;  // threads per matrix, matrices per block
+  static constexpr int PITCH = SLOTS + 1;                   // stride between elements of a matrix; odd, against bank conflicts
   static constexpr int OWN = (SIZE + LANES - 1) / LANES;    // columns per thread
-  static constexpr int ROWS = OWN > 4 ? 2 : 4;              // rows of a product at a time: independent sums hide latency
-  static constexpr int WIDTH = (SIZE + 3) / 4 * 4;          // floats per row; rows are read four floats at a time
-  // Floats per matrix and its RUN rows. Distances modulo 32 banks let the threads of a warp read and write without conflicts.
-  static constexpr int STRIDE = ((SIZE + RUN) * WIDTH + 31) / 32 * 32 + (LANES > 4 ? LANES : 4);
-  float* matrix;         // of its slot: element (i, k) is matrix[i * WIDTH + k]
+  float* matrix;         // of its slot: element (i, k) is matrix[(i * SIZE + k) * PITCH]
   int lane;              // index among the threads of its matrix
   float own[SIZE][OWN];  // columns lane, lane + LANES, ... of another matrix; 0 beyond the last
 
@@ -41,57 +36,42 @@ struct Part {
 #pragma unroll
     for (int k = 0; k < SIZE; ++k)
 #pragma unroll
-      for (int c = 0; c < OWN; ++c) own[k][c] = inside(c) ? matrix[k * WIDTH + column(c)] : 0.0f;
+      for (int c = 0; c < OWN; ++c) own[k][c] = inside(c) ? matrix[(k * SIZE + column(c)) * PITCH] : 0.0f;
     together();
   }
 
   __device__ __forceinline__ int column(int c) const { return c * LANES + lane; }
   __device__ __forceinline__ bool inside(int c) const { return SIZE % LANES == 0 || column(c) < SIZE; }
 
-  // Multiplies COUNT rows by `own`; each thread gets its own columns of the products.
-  template <int COUNT>
-  __device__ __forceinline__ void product(float (*sum)[OWN], const float* const* rows) const {
+  // Multiplies a row by `own`; each thread gets its own columns of the product.
+  __device__ __forceinline__ void product(float* sum, const float* row) const {
 #pragma unroll
-    for (int r = 0; r < COUNT; ++r)
+    for (int c = 0; c < OWN; ++c) sum[c] = 0.0f;
 #pragma unroll
-      for (int c = 0; c < OWN; ++c) sum[r][c] = 0.0f;
+    for (int k = 0; k < SIZE; ++k) {
+      const float one = row[k * PITCH];
 #pragma unroll
-    for (int k = 0; k < SIZE; k += 4) {
-      float4 four[COUNT];
-#pragma unroll
-      for (int r = 0; r < COUNT; ++r) four[r] = *(const float4*)(rows[r] + k);
-#pragma unroll
-      for (int j = 0; j < 4; ++j)
-        if (k + j < SIZE)
-#pragma unroll
-          for (int r = 0; r < COUNT; ++r)
-#pragma unroll
-            for (int c = 0; c < OWN; ++c) sum[r][c] += at(four[r], j) * own[k + j][c];
+      for (int c = 0; c < OWN; ++c) sum[c] += one * own[k][c];
     }
   }
 
   __device__ __forceinline__ void put(float* row, const float* values) const {
 #pragma unroll
     for (int c = 0; c < OWN; ++c)
-      if (inside(c)) row[column(c)] = values[c];
+      if (inside(c)) row[column(c) * PITCH] = values[c];
   }
 
   // matrix = unit + scale * matrix * own.
   __device__ __forceinline__ void multiply(float unit, float scale) {
 #pragma unroll 1
-    for (int i = 0; i < SIZE; i += ROWS) {
-      float sum[ROWS][OWN];
-      float* rows[ROWS];
-#pragma unroll
-      for (int r = 0; r < ROWS; ++r) rows[r] = matrix + min(i + r, SIZE - 1) * WIDTH;  // the last row may be repeated
-      product<ROWS>(sum, rows);
+    for (int i = 0; i < SIZE; ++i) {
+      float sum[OWN];
+      float* row = matrix + i * SIZE * PITCH;
+      product(sum, row);
       together();
 #pragma unroll
-      for (int r = 0; r < ROWS; ++r) {
-#pragma unroll
-        for (int c = 0; c < OWN; ++c) sum[r][c] = scale * sum[r][c] + (column(c) == min(i + r, SIZE - 1) ? unit : 0.0f);
-        put(rows[r], sum[r]);
-      }
+      for (int c = 0; c < OWN; ++c) sum[c] = scale * sum[c] + (column(c) == i ? unit : 0.0f);
+      put(row, sum);
     }
     together();
   }
@@ -131,22 +111,21 @@ struct Part {
 template <int SIZE>
 __device__ void decay(int env, int group, int matrices, const float* __restrict__ rates, const float* __restrict__ starts,
                       const float* __restrict__ listeners, int octaves, int bins, float* __restrict__ heard, float* shared) {
-  constexpr int LANES = Part<SIZE>::LANES, SLOTS = Part<SIZE>::SLOTS, OWN = Part<SIZE>::OWN;
-  constexpr int WIDTH = Part<SIZE>::WIDTH, STRIDE = Part<SIZE>::STRIDE;
+  constexpr int LANES = Part<SIZE>::LANES, SLOTS = Part<SIZE>::SLOTS, PITCH = Part<SIZE>::PITCH, OWN = Part<SIZE>::OWN;
   const int first = group * SLOTS, slot = threadIdx.x / LANES;
   if (first >= matrices) return;
   const int number = min(first + slot, matrices - 1);  // threads beyond the last matrix repeat it
   Part<SIZE> part;
-  part.matrix = shared + slot * STRIDE, part.lane = threadIdx.x % LANES;
+  part.matrix = shared + slot, part.lane = threadIdx.x % LANES;
   for (int i = threadIdx.x; i < SLOTS * SIZE * SIZE; i += THREADS) {
     const int at = i / (SIZE * SIZE), place = i % (SIZE * SIZE);
     const size_t row = (size_t(env) * matrices + min(first + at, matrices - 1)) * ROOMS + place / SIZE;
-    shared[at * STRIDE + place / SIZE * WIDTH + place % SIZE] = rates[row * ROOMS + place % SIZE] * (-1.0f / (1 << HALVINGS));
+    shared[place * PITCH + at] = rates[row * ROOMS + place % SIZE] * (-1.0f / (1 << HALVINGS));
   }
   __syncthreads();
   part.take();
   for (int i = part.lane; i < SIZE * SIZE; i += LANES) {  // Horner's scheme, from the last term of the series
-    float& value = part.matrix[i / SIZE * WIDTH + i % SIZE];
+    float& value = part.matrix[i * PITCH];
     value = value * (1.0f / (TERMS - 1)) + (i % (SIZE + 1) == 0 ? 1.0f : 0.0f);
   }
   part.together();
@@ -154,15 +133,14 @@ __device__ void decay(int env, int group, int matrices, const float* __restrict_
   for (int n = 0; n < HALVINGS; ++n) part.square();
 
   const int state = number / octaves, octave = number % octaves;
-  float* rows = part.matrix + SIZE * WIDTH;  // RUN rows
-  for (int k = part.lane; k < SIZE; k += LANES) rows[k] = listeners[env * ROOMS + k];
+  float* rows = part.matrix + SIZE * SIZE * PITCH;  // RUN rows
+  for (int k = part.lane; k < SIZE; k += LANES) rows[k * PITCH] = listeners[env * ROOMS + k];
   part.take();
 #pragma unroll 1
   for (int b = 1; b < RUN; ++b) {
-    float sum[1][OWN];
-    const float* row = rows + (b - 1) * WIDTH;
-    part.template product<1>(sum, &row);
-    part.put(rows + b * WIDTH, sum[0]);
+    float sum[OWN];
+    part.product(sum, rows + (b - 1) * SIZE * PITCH);
+    part.put(rows + b * SIZE * PITCH, sum);
     part.together();
   }
   for (int n = 0; n < DOUBLINGS; ++n) part.square();
@@ -175,7 +153,7 @@ __device__ void decay(int env, int group, int matrices, const float* __restrict_
     for (int b = part.lane; b < RUN; b += LANES) {
       float sum = 0.0f;
 #pragma unroll
-      for (int k = 0; k < SIZE; ++k) sum += rows[b * WIDTH + k] * now[k];
+      for (int k = 0; k < SIZE; ++k) sum += rows[(b * SIZE + k) * PITCH] * now[k];
       if (begin + b < bins && first + slot < matrices) out[(begin + b) * octaves] = sum;
     }
     part.apply(now);

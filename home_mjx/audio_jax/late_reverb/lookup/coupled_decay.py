@@ -86,14 +86,8 @@ def _sizes(rooms: int) -> list[int]:
 
 
 def _bytes(rooms: int) -> int:
-    """Return the shared memory of a block [bytes]: its matrices and their rows, as `STRIDE` in coupled_decay.cu."""
-    return max(4 * WARP // threads_per_matrix(size) * _stride(size) for size in _sizes(rooms))
-
-
-def _stride(size: int) -> int:
-    """Return the floats of a matrix of `size` rooms and `BINS_PER_COLUMN` rows, at a distance that suits the banks."""
-    whole, lanes = (size + BINS_PER_COLUMN) * (-(-size // 4) * 4), threads_per_matrix(size)
-    return -(-whole // 32) * 32 + max(lanes, 4)
+    """Return the shared memory of a block [bytes]: elements and `BINS_PER_COLUMN` rows per matrix, at an odd pitch."""
+    return max(4 * (WARP // threads_per_matrix(n) + 1) * n * (n + BINS_PER_COLUMN) for n in _sizes(rooms))
 
 
 def _decay_by_cuda(*given: Array, bins: int) -> Float[Array, "s k bands"]:

@@ -58,7 +58,7 @@ def solve_energy_balance(
     through = states[1] - jnp.moveaxis(leaky, -1, 0) / volume[None, :, None]
     rates = jnp.concatenate([states, through[None]]) * metres  # (3, bands, r, r)
     found = decay_in_rooms(rates, source / volume, listener, bins, late.num_rooms[house])  # (3, k, bands)
-    kept = jnp.minimum(found[1] / jnp.maximum(found[0], MIN_ENERGY_DENSITY), MAX_DOOR_GAIN)
+    kept = jnp.clip(found[1] / jnp.maximum(found[0], MIN_ENERGY_DENSITY), 0.0, MAX_DOOR_GAIN)
     return RoomCorrection(kept, 4 * jnp.pi * metres * jnp.maximum(found[2] - found[1], 0.0))
 
 

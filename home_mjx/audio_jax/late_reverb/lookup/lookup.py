@@ -101,8 +101,10 @@ def _interpolate_spans(
     ways = jnp.concatenate([late.comes_from[pair], late.comes_from[back]], axis=-1).astype(jnp.float32) / 127
     level = jnp.sum(energy, axis=(0, 1))  # no product, whose last bits depend on the size of the bank
     intensity = jnp.einsum("ijs,ijsx->sx", jnp.sum(energy, axis=3), ways, precision="highest")
-    mean = intensity / jnp.maximum(jnp.sum(level, axis=1, keepdims=True), MIN_ENERGY)
-    return level, mean[:, :3], mean[:, 3:]
+    mean = (intensity / jnp.maximum(jnp.sum(level, axis=1, keepdims=True), MIN_ENERGY)).reshape(-1, 2, 3)
+    # Noise of the bake makes means longer than 1, which would give channels a negative energy.
+    mean = mean / jnp.maximum(jnp.linalg.norm(mean, axis=2, keepdims=True), 1.0)
+    return level, mean[:, 0], mean[:, 1]
 
 
 def _interpolate_decay(
