@@ -14,6 +14,13 @@ from home_mjx.errors import BackendError
 ARGUMENTS = "(float*)p[0], (float*)p[1], (float*)p[2], (int*)p[3], (int*)p[4], (float*)p[5]"
 
 
+@pytest.fixture
+def on_cpu():
+    """Arrays are on the CPU, also where a GPU is the default device."""
+    with jax.default_device(jax.devices("cpu")[0]):
+        yield
+
+
 def random_rates(rng, size, states, octaves):
     """Rates of two environments, float64, with starts and listeners."""
     most = 0.2 * min(1, 32 / size)  # as much to all others together from 50 rooms as from 32
@@ -53,7 +60,7 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
     ("size", "states", "octaves", "bins"),
     [(1, 1, 3, 40), (5, 3, 7, 125), (8, 3, 7, 125), (17, 2, 7, 33), (40, 1, 2, 64)],
 )
-def test_the_cpu_kernel_follows_the_matrix_exponential(rng, size, states, octaves, bins):
+def test_the_cpu_kernel_follows_the_matrix_exponential(on_cpu, rng, size, states, octaves, bins):
     """In any number of rooms that its memory holds, also where numbers of bins are no multiple of its runs."""
     assert coupled_decay.KERNEL.is_usable("cpu")
     rates, start, listener = random_rates(rng, size, states, octaves)
@@ -116,7 +123,7 @@ def test_padding_changes_nothing(here, padded):
     np.testing.assert_allclose(got, padded[1], rtol=2e-4, atol=1e-9)
 
 
-def test_padding_changes_nothing_on_cpus(padded):
+def test_padding_changes_nothing_on_cpus(on_cpu, padded):
     """In one batch, each house computed with its own number of rooms."""
     got = jax.vmap(lambda *one: coupled_decay._decay_by_cpu(*one, bins=60))(*padded[0])
     np.testing.assert_allclose(got, padded[1], rtol=2e-4, atol=1e-9)
