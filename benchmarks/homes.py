@@ -236,7 +236,7 @@ def table(found: list[Record]) -> None:
 
 def compare(root: Path, found: list[Record], workers: int) -> None:
     """Write the homes again with worker processes, and count those whose files differ."""
-    dataset_writer.usable_cores = lambda: workers  # as on a machine with this number of cores
+    dataset_writer.max_workers = lambda count: min(count, workers)  # as on a machine with this number of cores
     start = time.monotonic()
     generate_dataset(root, [r["seed"] for r in found], progress=True)
     spent = time.monotonic() - start

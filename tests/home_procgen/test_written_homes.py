@@ -204,7 +204,7 @@ def test_agents_of_several_sizes_reach_what_they_may(root, seed, climb, radius):
 
 def test_worker_processes_write_the_same_bytes(root, tmp_path, monkeypatch):
     monkeypatch.setattr(dataset_writer, "MIN_POOL_HOUSES", 2)
-    monkeypatch.setattr(dataset_writer, "usable_cores", lambda: 4)
+    monkeypatch.setattr(dataset_writer, "max_workers", lambda count: min(count, 4))
     seeds = SEEDS[:4]
     generate_dataset(tmp_path / "pool", seeds)
     one, other = digests(root), digests(tmp_path / "pool")

@@ -144,11 +144,11 @@ def tiny_houses() -> Path:
 
 
 def compile_houses(folder: Path) -> None:
-    from home_mjx.houses import job
+    from home_mjx.houses import job, pools
 
     os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
     summary = job.compile_dataset(tiny_houses(), resume=True, report=folder / "report.jsonl")
-    job._houses.cache_clear()
+    pools._houses.cache_clear()
     assert summary.failed == 0
 
 
