@@ -1,9 +1,7 @@
 """Job that compiles the houses of a dataset into the cache, locally or on a cluster; no house can stop the run."""
 
-import os
 import time
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 from home_mjx.core.paths import CACHE_VARIABLE, cache_folder
@@ -12,7 +10,7 @@ from home_mjx.datasets.base import Dataset
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.house_set import HouseSet
-from home_mjx.houses.pools import compile_one, run_jobs
+from home_mjx.houses.pools import compile_task, run_jobs
 from home_mjx.houses.report import (
     CACHED,
     COMPILED,
@@ -87,7 +85,7 @@ def compile_dataset(
     done = find_done_houses(earlier) if resume else set()
     left = [house_id for house_id in chosen if house_id not in done]
     _prepare()
-    task = partial(compile_one, dataset, options, f"{os.getpid()} {time.time_ns()}")
+    task = compile_task(dataset, options)
     counts: dict[str, int] = dict.fromkeys((COMPILED, CACHED, FAILED), 0)
     incomplete = fixed = 0
     with (

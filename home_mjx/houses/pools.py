@@ -39,17 +39,21 @@ def compile_missing(cache: HouseCache, ids: Sequence[str], progress: bool | None
         ids: The houses.
         progress: Show progress; None: by the rule of `home_mjx.core.progress`.
     """
-    missing = cache.missing(ids)
-    workers = max_workers(len(missing))
-    if len(missing) < MIN_POOL_HOUSES or workers < 2:
+    task = compile_task(cache.dataset, cache.options)
+    if len(ids) < MIN_POOL_HOUSES or max_workers(len(ids)) < 2 or not _is_importable(task):
         return
-    task = partial(compile_one, cache.dataset, cache.options, f"{os.getpid()} {time.time_ns()}")
-    if not _is_importable(task):
+    missing = cache.missing(ids)
+    if len(missing) < MIN_POOL_HOUSES:
         return
     text = f"compiling {plural(len(missing), 'house')}"
     with ProgressCount(f"{text} (once, then cached)", len(missing), "house", progress) as bar:
-        for _ in _in_processes(task, missing, workers, imports_main=False):
+        for _ in _in_processes(task, missing, max_workers(len(missing))):
             bar.update()
+
+
+def compile_task(dataset: Dataset, options: CompileOptions) -> CompileTask:
+    """Return `compile_one` for the houses of a dataset, under the name of a new job."""
+    return partial(compile_one, dataset, options, f"{os.getpid()} {time.time_ns()}")
 
 
 def _is_importable(task: CompileTask) -> bool:
@@ -116,16 +120,16 @@ def _dask(scheduler: str) -> Iterator[Any]:
         yield executor
 
 
-def _in_processes(
-    task: CompileTask, ids: Sequence[str], workers: int, imports_main: bool = True
-) -> Iterator[CompileOutcome]:
+def _in_processes(task: CompileTask, ids: Sequence[str], workers: int) -> Iterator[CompileOutcome]:
     """Yield outcomes from worker processes in order of completion; repeated ids run once.
+
+    The processes import the running script only if the task is defined there.
 
     If a process dies, the pool ends and houses without an outcome remain. The first `workers` of them, in the order of
     `ids`, run one by one, each in a process of its own; the others continue in a new pool. A house whose own process
     dies, for example by lack of memory, has the status `FAILED`. Exceptions of the task come through.
     """
-    left = dict.fromkeys(ids)
+    left, imports_main = dict.fromkeys(ids), not _is_importable(task)
     while left:
         with worker_pool(min(workers, len(left)), imports_main) as pool:
             futures = [pool.submit(task, house_id) for house_id in left]

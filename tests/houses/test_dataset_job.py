@@ -298,3 +298,13 @@ def test_a_cluster_does_the_same_work(houses, tmp_path, monkeypatch):
     assert {line["id"] for line in read_report(summary.report)} == {line["id"] for line in read_report(alone.report)}
     assert json.loads(json.dumps(read_report(summary.report))) == read_report(summary.report)
     assert [line["id"] for line in read_report(summary.report) if line["status"] == "failed"] == [bad]
+
+
+def test_a_script_without_a_guard_compiles_in_worker_processes(houses, tmp_path):
+    """Workers do not import it, since nothing of the job is defined there."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        f"from home_mjx.houses import compile_dataset\nprint(compile_dataset({str(houses[0])!r}, workers=2).compiled)\n"
+    )
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, timeout=240, check=True)
+    assert done.stdout.split() == [str(NUM_HOUSES)]

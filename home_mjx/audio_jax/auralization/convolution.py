@@ -136,8 +136,8 @@ def schedule_gain(
 def _remainder(value: Int[Array, " n"], divisor: Int[Array, ""]) -> Int[Array, " n"]:
     """Return `value` modulo a positive divisor, exactly, up to 2**30 each.
 
-    Quotients are those of floats, which cost a third of an integer remainder on CPUs. The first is off by up to 64 /
-    `divisor` + 1; the second, of what it leaves, by one.
+    Quotients are those of floats, which CPUs compute several at a time, unlike integer remainders. The first is off by
+    up to 64 / `divisor` + 1; the second, of the rest that it leaves, by one.
     """
     inverse = 1.0 / divisor.astype(jnp.float32)
     for _ in range(2):

@@ -104,16 +104,13 @@ def baked_energy(
     """
     late = lookup_late_sound(scene, source.pos, listener.pos, config)
     late = late.replace(energy=late.energy * late_directivity_gain(source, late))
-    length = jnp.linalg.norm(late.arrival_direction, axis=1, keepdims=True)  # (spans, 1)
-    toward = late.arrival_direction / jnp.maximum(length, 1e-6)
+    toward, directed, isotropic = _split_directions(late, late.arrival_direction)
     upright = jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32)  # isotropic energy is independent of the head's orientation
     around = jnp.mean(
         late_channel_gains(jnp.asarray(fibonacci_directions(NUM_ISOTROPIC_DIRECTIONS)), upright, config, listener.head),
         axis=0,
     )
     there = late_channel_gains(toward, listener.quat, config, listener.head)
-    directed = late.span_share * length.T
-    isotropic = jnp.maximum(1 - jnp.sum(directed, axis=1), 0.0)  # no difference of gains, which rounds below 0
     gain = isotropic[:, None, None] * around[None] + jnp.einsum("ks,seb->keb", directed, there, precision="highest")
     whole = jnp.einsum("kb,ks->s", late.energy, late.span_share, precision="highest")
     mean = jnp.sum(whole[:, None] * late.arrival_direction, axis=0) / jnp.maximum(jnp.sum(late.energy), 1e-30)
@@ -128,12 +125,21 @@ def late_directivity_gain(source: SoundSource, late: LateArrivals) -> Float[Arra
     """
     if source.directivity is None:
         return 1.0
-    length = jnp.linalg.norm(late.emission_direction, axis=1, keepdims=True)
-    toward = emission_gains(source, late.emission_direction / jnp.maximum(length, 1e-6)) ** 2
-    everywhere = mean_energy(source.directivity)[None]
+    toward, directed, isotropic = _split_directions(late, late.emission_direction)
+    there, everywhere = emission_gains(source, toward) ** 2, mean_energy(source.directivity)
+    return isotropic[:, None] * everywhere[None] + jnp.matmul(directed, there, precision="highest")
+
+
+def _split_directions(
+    late: LateArrivals, mean: Float[Array, "spans 3"]
+) -> tuple[Float[Array, "spans 3"], Float[Array, "k spans"], Float[Array, " k"]]:
+    """Return the unit vectors of mean directions, and of each bin's energy the share per vector and the isotropic rest.
+
+    No share is negative, so that sums of gains weighted by them are not either; differences of gains round below 0.
+    """
+    length = jnp.linalg.norm(mean, axis=1, keepdims=True)
     directed = late.span_share * length.T
-    isotropic = jnp.maximum(1 - jnp.sum(directed, axis=1, keepdims=True), 0.0)
-    return isotropic * everywhere + jnp.matmul(directed, toward, precision="highest")
+    return mean / jnp.maximum(length, 1e-6), directed, jnp.maximum(1 - jnp.sum(directed, axis=1), 0.0)
 
 
 def combine_early_late(

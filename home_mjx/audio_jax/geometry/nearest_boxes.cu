@@ -1,6 +1,7 @@
 // Boxes over which the path from source to listener is shortest, see `nearest_boxes.py`; a block per environment.
 
-constexpr int THREADS = 256, WARP = 32, FIELDS = 15;  // as in box_lengths.py: values per box
+constexpr int THREADS = 256, WARP = 32;               // as in nearest_boxes.py
+constexpr int FIELDS = 15;                            // values per box, as in box_lengths.py
 constexpr int STEPS = 3;                              // projections onto segment and box, as in box_lengths.py
 constexpr float MIN_SQUARE = 1e-4f;                   // [m²], minimum squared distance of source and listener
 constexpr float WITHOUT_EDGES = 3.0e38f, TAKEN = 3.2e38f;  // as lengths
