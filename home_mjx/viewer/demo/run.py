@@ -47,7 +47,7 @@ class DemoOptions:
         num_steps: Steps of the walk.
         num_views: Number of environments that are drawn, the first ones.
         num_films: Number of filmed searches.
-        seed: Seed of all random numbers. The default shows stairs, and a search of six seconds.
+        seed: Seed of all random numbers. The default shows stairs and a search of 52 steps.
     """
 
     out: Path = Path("demo")
