@@ -22,7 +22,7 @@ struct float4 { float x, y, z, w; };
 struct int2 { int x, y; };
 struct int4 { int x, y, z, w; };
 struct uint3 { unsigned x, y, z; };
-static uint3 threadIdx, blockIdx, gridDim;
+static thread_local uint3 threadIdx, blockIdx, gridDim;
 
 inline float3 make_float3(float x, float y, float z) { return {x, y, z}; }
 inline int2 make_int2(int x, int y) { return {x, y}; }

@@ -16,12 +16,15 @@ from home_mjx.audio_jax.late_reverb.bake.cell_points import (
 )
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
 from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, pack_field
-from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
+from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions, Device
 from home_mjx.audio_jax.late_reverb.bake.room_exchange import estimate_exchange
 from home_mjx.audio_jax.late_reverb.bake.stages import trace_stages
+from home_mjx.audio_jax.late_reverb.cuda.device import DeviceHouse
+from home_mjx.audio_jax.late_reverb.cuda.flights import DeviceTracer
+from home_mjx.audio_jax.late_reverb.cuda.kernels import traces_on_gpu
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import NUM_BINS, fit_knots
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
-from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
+from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays, SightLines
 from home_mjx.audio_jax.late_reverb.trace.tracer import FlightTracer, make_grid
 from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.bank.bank import HouseBank
@@ -32,7 +35,11 @@ MIN_PORTAL_WIDTH = 0.3  # [m], minimum width of portals; it replaces the width 0
 
 
 def bake_house(
-    house: CompiledHouse, options: BakeOptions | None = None, bank: HouseBank | None = None, index: int = 0
+    house: CompiledHouse,
+    options: BakeOptions | None = None,
+    bank: HouseBank | None = None,
+    index: int = 0,
+    device: Device = "auto",
 ) -> LateField:
     """Trace rays from every cell of a house with all doors wide open, and keep the energy between cells.
 
@@ -41,8 +48,10 @@ def bake_house(
         options: Options; None: defaults.
         bank: Bank that holds the house; None: a new one. Houses of one bank share a compiled program.
         index: Index of the house in the bank.
+        device: Device that traces the rays, see `LateReverbBake`.
 
     Raises:
+        BackendError: `device` is "gpu" and there is none that works, or a GPU fails.
         ConfigError: The house has no room. Without `bank`, errors of `HouseBank.from_compiled` come through as well.
 
     Example:
@@ -52,23 +61,21 @@ def bake_house(
     """
     options = options or BakeOptions()
     cells = divide_rooms(house, options.edge)
-    house_rays = HouseRays.from_bank(bank or HouseBank.from_compiled([house]), index)
+    bank = bank or HouseBank.from_compiled([house])
+    house_rays = HouseRays.from_bank(bank, index)
+    gpu_house = DeviceHouse.from_rays(house_rays, bank, index) if traces_on_gpu(device) else None
+    sight: SightLines = gpu_house or house_rays
     count, sizes = options.ray_counts(len(cells.room), len(house.rooms.type))
     rng = np.random.default_rng(POINT_SEED)
-    cells = replace(cells, center=choose_points(house_rays, cells, rng))
-    seen = compute_visibility(house_rays, cells.center, cells.center)
+    cells = replace(cells, center=choose_points(sight, cells, rng))
+    seen = compute_visibility(sight, cells.center, cells.center)
     config = AudioConfig()
     bin_length = config.bin_seconds * config.speed_of_sound
     tally = Accumulator(cells.room, shortest_paths(cells.center, seen), len(BANDS), NUM_BINS, bin_length)
-    points, free = sample_free_points(house_rays, cells, count, rng)
-    tracer = FlightTracer(
-        house_rays,
-        make_grid(cells, _portal_adjacency(house)),
-        air_attenuation(config),
-        bin_length,
-        cells.volume * free,
-        options.max_bounces,
-    )
+    points, free = sample_free_points(sight, cells, count, rng)
+    grid, volume = make_grid(cells, _portal_adjacency(house)), cells.volume * free
+    given = house_rays, grid, air_attenuation(config), bin_length, volume, options.max_bounces
+    tracer = DeviceTracer(*given, gpu_house) if gpu_house else FlightTracer(*given)
     total = fill_accumulator(tally, trace_stages(tracer, points, cells.room, sizes, options.seed))
     level, shape = tally.finish(seen)
     fields = {
@@ -78,7 +85,7 @@ def bake_house(
         "room": cells.room.astype(np.int32),
         "shape": fit_knots(shape),
     }
-    return pack_field(fields | build_lattice(house, house_rays, cells, options.edge) | _room_fields(house, total))
+    return pack_field(fields | build_lattice(house, sight, cells, options.edge) | _room_fields(house, total))
 
 
 def _portal_adjacency(house: CompiledHouse) -> Bool[np.ndarray, "r r"]:

@@ -6,7 +6,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import horizontal_distance, weigh_cells
 from home_mjx.audio_jax.late_reverb.trace.cells import CELLS_PER_PLACE, Cells
-from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
+from home_mjx.audio_jax.late_reverb.trace.house_rays import SightLines
 from home_mjx.schema.compiled import CompiledHouse
 
 CELL_REACH = 1.7  # [cell sizes], distance at which a cell's weight becomes zero
@@ -19,7 +19,7 @@ MIN_TRIED_POINTS = 800  # minimum points per cell by which its free fraction is 
 NUM_CANDIDATES = 8  # points of a cell among which an unobstructed one is chosen
 
 
-def choose_points(rays: HouseRays, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
+def choose_points(rays: SightLines, cells: Cells, rng: np.random.Generator) -> Float[np.ndarray, "n 3"]:
     """Choose a point of each cell: of its centre and random ones, that which sees most of these points of its room.
 
     Of equal points the first is chosen, the centre before random ones.
@@ -33,7 +33,7 @@ def choose_points(rays: HouseRays, cells: Cells, rng: np.random.Generator) -> Fl
 
 
 def sample_free_points(
-    rays: HouseRays, cells: Cells, count: int, rng: np.random.Generator
+    rays: SightLines, cells: Cells, count: int, rng: np.random.Generator
 ) -> tuple[Float[np.ndarray, "n r 3"], Float[np.ndarray, " n"]]:
     """Sample random points in the free part of each cell; return them and the free fraction of its volume.
 
@@ -62,7 +62,7 @@ def sample_free_points(
 
 
 def _extend_free(
-    rays: HouseRays,
+    rays: SightLines,
     points: Float[np.ndarray, "n r 3"],
     free: Bool[np.ndarray, "n r"],
     nearest: Int[np.ndarray, "n w"],
@@ -96,7 +96,7 @@ def sample_points(cells: Cells, cell: int, count: int, rng: np.random.Generator)
 
 
 def compute_visibility(
-    rays: HouseRays, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]
+    rays: SightLines, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"]
 ) -> Bool[np.ndarray, "p n"]:
     """Return whether the line between each pair of points is unobstructed."""
     return _is_visible(rays, start[:, None], end[None])
@@ -112,7 +112,7 @@ def shortest_paths(center: Float[np.ndarray, "n 3"], seen: Bool[np.ndarray, "n n
     return np.where(np.isfinite(found), found, straight)
 
 
-def build_lattice(house: CompiledHouse, rays: HouseRays, cells: Cells, size: float) -> dict[str, np.ndarray]:
+def build_lattice(house: CompiledHouse, rays: SightLines, cells: Cells, size: float) -> dict[str, np.ndarray]:
     """Compute the lattice fields of a `LateField`: the visible cells around each lattice point, and their weights.
 
     Points are about `LATTICE_STEP` apart, at `EAR_HEIGHT`. `size` is the edge length of a cell [m]; cells have weight
@@ -142,7 +142,7 @@ def build_lattice(house: CompiledHouse, rays: HouseRays, cells: Cells, size: flo
 
 
 def _sees_pairs(
-    rays: HouseRays, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"], pairs: Bool[np.ndarray, "p n"]
+    rays: SightLines, start: Float[np.ndarray, "p 3"], end: Float[np.ndarray, "n 3"], pairs: Bool[np.ndarray, "p n"]
 ) -> Bool[np.ndarray, " m"]:
     """Return whether the line is unobstructed for each True in `pairs`, in row-major order."""
     first, second = np.nonzero(pairs)
@@ -150,7 +150,7 @@ def _sees_pairs(
 
 
 def _is_visible(
-    rays: HouseRays, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
+    rays: SightLines, start: Float[np.ndarray, "*p 3"], end: Float[np.ndarray, "*q 3"]
 ) -> Bool[np.ndarray, "..."]:
     """Return whether lines between points (broadcast) are unobstructed."""
     start, end = np.broadcast_arrays(start, end)

@@ -1,11 +1,14 @@
 """Options of baking late reverberation, and the numbers of rays that they give."""
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, get_args
 
 from home_mjx.core.checks import check_known, check_number
 
+Device = Literal["auto", "cpu", "gpu"]  # on which rays are traced
+
 QUALITIES = ("fine", "coarse")
+DEVICES = get_args(Device)
 CELL_RAYS = 64_000  # rays from all cells together
 MIN_CELL_RAYS, MAX_CELL_RAYS = 500, 2400  # minimum and maximum rays per cell
 OLD_RAYS, OLDEST_RAYS = 30_000, 12_000  # rays from the states of old and very old paths in all rooms together

@@ -4,7 +4,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple, no_type_check
+from typing import Any, NamedTuple, Protocol, no_type_check, runtime_checkable
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -54,6 +54,15 @@ class RayMemory(NamedTuple):
     t: Pointer  # (n,) float32
     instance: Pointer  # (n,) int32; -1 on a miss
     triangle: Pointer  # (n,) int32
+
+
+@runtime_checkable
+class SightLines(Protocol):
+    """A house in which lines between points are tested."""
+
+    def occluded(self, start: Float[np.ndarray, "n 3"], end: Float[np.ndarray, "n 3"]) -> Bool[np.ndarray, " n"]:
+        """Return for each pair of points [m] whether a surface that blocks sound is between them."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""Baking of late sound on NVIDIA GPUs."""
