@@ -10,7 +10,8 @@ from home_mjx.audio_jax.late_reverb.cuda.kernels import SOURCES
 from home_mjx.core.native.cuda_driver import CudaStream, DeviceArray
 
 TEAM = 4  # threads of a block that wait for each other
-TEAMS = ("resample_flights",)
+TEAMS = ("resample_flights", "solve_renewal", "sum_decays")
+CELLS = 2  # of a block of solve_renewal
 PRELUDE = f"""
 #include <pthread.h>
 #include <thread>
@@ -53,6 +54,13 @@ KERNELS = {
     "finish_flights": "Flights",
     "test_segments": "Segments",
     "scale_sums": "Scaling",
+    "gather_states": "Gathering",
+    "solve_renewal": "Renewal",
+    "sum_rooms_over_time": "RoomSums",
+    "sum_after": "After",
+    "sum_spans": "Pairs",
+    "sum_decays": "Pairs",
+    "sum_targets": "Pairs",
 }
 
 
@@ -60,7 +68,10 @@ def emulate_kernels(folder: Path, *options: str) -> ctypes.CDLL:
     """All kernels of the baker as functions for the CPU."""
     text = "".join(source.read_text() for source in SOURCES)
     text = text.replace("constexpr int BLOCK = 64;", "constexpr int BLOCK = 1;")
-    text = text.replace("constexpr int TEAM = 256;", f"constexpr int TEAM = {TEAM};")
+    for name, size in (("TEAM", 256), ("RENEWAL_TEAM", 1024), ("DECAY_TEAM", 128)):
+        text = text.replace(f"constexpr int {name} = {size};", f"constexpr int {name} = {TEAM};")
+    text = text.replace("constexpr int CELLS = 32;", f"constexpr int CELLS = {CELLS};")
+    text = text.replace("extern __shared__ double moved[];", "static double moved[4096];")
     text = text.replace("extern __shared__ Sum room[];", "static Sum room[4096];")
     calls = ((TOGETHER if name in TEAMS else SINGLE).format(name, kind) for name, kind in KERNELS.items())
     return shared_library(
@@ -80,7 +91,7 @@ class EmulatedStream(CudaStream):
         return memory.ctypes.data
 
     def release(self, address: int) -> None:
-        del self.held[address]
+        self.held.pop(address)[:] = 0xA5
 
     def zeros(self, shape, dtype) -> DeviceArray:
         return self.upload(np.zeros(shape, dtype))
@@ -103,5 +114,5 @@ class EmulatedStream(CudaStream):
     def launch(self, name, blocks, threads, words, shared=0, rows=1) -> None:
         assert 8 * len(words) == getattr(self.library, f"size_{name}")(), name
         given = np.ascontiguousarray(words, np.int64)
-        each = 1 if name in TEAMS else threads
+        each = 32 // CELLS if name == "solve_renewal" else 1 if name in TEAMS else threads
         getattr(self.library, f"run_{name}")(ctypes.c_void_p(given.ctypes.data), blocks * each, rows)

@@ -147,6 +147,8 @@ class CudaStream:
 def pack_words(values: Sequence[Any]) -> Int[np.ndarray, " n"]:
     """Return arrays' addresses, integers and floats (as bits of double precision) as 8-byte words; None is address 0.
 
+    The arrays must live until the kernel is queued.
+
     Example:
         >>> pack_words([2, None, 1.0]).tolist()
         [2, 0, 4607182418800017408]

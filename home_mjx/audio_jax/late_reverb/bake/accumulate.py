@@ -1,11 +1,11 @@
 """Sum of the energies that cells receive before and after portal states."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int8
 
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
 from home_mjx.audio_jax.late_reverb.bake.pair_sums import sum_pairs
-from home_mjx.audio_jax.late_reverb.bake.portal_correction import portal_ratio
+from home_mjx.audio_jax.late_reverb.bake.portal_correction import NUM_BATCHES, portal_ratio
 from home_mjx.audio_jax.late_reverb.bake.portal_transfer import total_flux
 from home_mjx.audio_jax.late_reverb.bake.renewal import solve_renewal
 from home_mjx.audio_jax.late_reverb.bake.stages import BakedRays
@@ -27,16 +27,23 @@ def fill_accumulator(tally: Accumulator, rays: BakedRays) -> dict[str, np.ndarra
     """
     energy, intensity = _propagate_portals(rays, len(tally.room))
     if rays.unterminated is not None:
-        energy *= portal_ratio(energy, rays.unterminated, tally.room, rays.entered)
-    sent = _trim_silence(np.moveaxis(rays.emitted[:, :, rays.first], 1, 0))
+        measured = rays.unterminated.reshape(NUM_BATCHES, -1, *rays.unterminated.shape[1:])[..., : len(BANDS)]
+        energy *= portal_ratio(energy, np.moveaxis(measured, 4, 1), tally.room, rays.entered)
+    sent = trim_silence(np.moveaxis(rays.emitted[:, :, rays.first], 1, 0))
     tally.add(rays.cells.energy[..., : len(BANDS)], sent, energy, float(NUM_BINS * tally.metres))
     early = np.broadcast_to(sent.mean(axis=0), (3, *sent.shape[1:]))
     ways, _ = sum_pairs(
         rays.cells.energy[..., len(BANDS) : len(BANDS) + 3], early, intensity, tally.arrival, tally.room
     )
-    total = np.maximum(tally.pair.sum(axis=3), 1e-30)[..., None]
-    comes_from = np.round(np.clip(-127 * ways / total, -127, 127)).astype(np.int8)
-    return _sums(rays) | {"comes_from": comes_from}
+    return sum_fields(rays) | {"comes_from": pack_directions(ways, tally.pair)}
+
+
+def pack_directions(
+    ways: Float[np.ndarray, "n n spans three"], pair: Float[np.ndarray, "n n spans b"]
+) -> Int8[np.ndarray, "n n spans three"]:
+    """Return mean directions of arrival times 127, from sums of energy times direction and sums of energy."""
+    total = np.maximum(pair.sum(axis=3), 1e-30)[..., None]
+    return np.round(np.clip(-127 * ways / total, -127, 127)).astype(np.int8)
 
 
 def _propagate_portals(
@@ -66,13 +73,13 @@ def _propagate_portals(
     return np.maximum(np.stack(found[: len(BANDS)]), 0), np.stack(found[len(BANDS) :])
 
 
-def _trim_silence(sent: Float[np.ndarray, "bands c g k"]) -> Float[np.ndarray, "bands c g t"]:
+def trim_silence(sent: Float[np.ndarray, "bands c g k"]) -> Float[np.ndarray, "bands c g t"]:
     """Trim trailing bins without energy in any octave, cell and state, but the first bin; return float32."""
     last = np.flatnonzero(sent.any(axis=(0, 1, 2))).max(initial=0)
     return np.ascontiguousarray(sent[..., : last + 1], np.float32)
 
 
-def _sums(rays: BakedRays) -> dict[str, np.ndarray]:
+def sum_fields(rays: BakedRays) -> dict[str, np.ndarray]:
     """Sum `SUMMED_FIELDS` over rays, portal states weighted by the energy that passes through them; octaves first."""
     total = total_flux(rays.emitted.sum(axis=(0, 3), dtype=float), rays.transfer)
     sums = {}

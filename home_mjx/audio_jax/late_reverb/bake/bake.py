@@ -22,6 +22,7 @@ from home_mjx.audio_jax.late_reverb.bake.stages import trace_stages
 from home_mjx.audio_jax.late_reverb.cuda.device import DeviceHouse
 from home_mjx.audio_jax.late_reverb.cuda.flights import DeviceTracer
 from home_mjx.audio_jax.late_reverb.cuda.kernels import traces_on_gpu
+from home_mjx.audio_jax.late_reverb.cuda.sums import fill_accumulator as sum_on_gpu
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import NUM_BINS, fit_knots
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays, SightLines
@@ -76,7 +77,8 @@ def bake_house(
     grid, volume = make_grid(cells, _portal_adjacency(house)), cells.volume * free
     given = house_rays, grid, air_attenuation(config), bin_length, volume, options.max_bounces
     tracer = DeviceTracer(*given, gpu_house) if gpu_house else FlightTracer(*given)
-    total = fill_accumulator(tally, trace_stages(tracer, points, cells.room, sizes, options.seed))
+    rays = trace_stages(tracer, points, cells.room, sizes, options.seed)
+    total = sum_on_gpu(tally, rays, gpu_house.stream) if gpu_house else fill_accumulator(tally, rays)
     level, shape = tally.finish(seen)
     fields = {
         "arrival": np.minimum(tally.arrival, 255).astype(np.uint8),

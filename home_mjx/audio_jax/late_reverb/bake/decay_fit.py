@@ -39,7 +39,10 @@ class Accumulator:
         flown: float,
     ) -> None:
         """Add energies, see `sum_pairs`; `flown`, the path length that most rays travelled [m], limits decay fits."""
-        pair, shape = sum_pairs(own, emitted, after, self.arrival, self.room)
+        self.add_sums(*sum_pairs(own, emitted, after, self.arrival, self.room), flown)
+
+    def add_sums(self, pair: Float[np.ndarray, "n n s b"], shape: Float[np.ndarray, "r r b k"], flown: float) -> None:
+        """Add the results of `sum_pairs`; `flown` as in `add`."""
         self.pair += pair
         self.shape += shape
         self.valid = int((flown - self.distance.max()) / self.metres)

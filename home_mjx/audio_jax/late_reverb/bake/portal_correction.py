@@ -40,6 +40,23 @@ def portal_ratio(
     """
     member = np.eye(room.max() + 1)[room]
     modelled, traced = _sum_rooms(predicted, member), np.stack([_sum_rooms(x, member) for x in measured])
+    return room_ratio(modelled, traced, entered, predicted.shape[3])[:, room]
+
+
+def room_ratio(
+    modelled: Float[np.ndarray, "b g r e"],
+    traced: Float[np.ndarray, "m b g r e"],
+    entered: Int[np.ndarray, " g"],
+    bins: int,
+) -> Float[np.ndarray, "g r k"]:
+    """Return the ratio of `portal_ratio` per room, over `bins` bins, from sums over cells and intervals.
+
+    Args:
+        modelled: Predicted energy.
+        traced: Energy from batches of rays without termination.
+        entered: Room that paths of each portal state are in.
+        bins: Number of bins k.
+    """
     known = (modelled > MIN_ENERGY) & (traced.sum(axis=(0, 3, 4), keepdims=True)[0] > 0)
     ratio = np.where(known, traced / np.maximum(modelled, MIN_ENERGY), 1.0).mean(axis=1)
     missed = (traced.sum(axis=1) <= 0).mean(axis=0) * known.any(axis=0)
@@ -49,9 +66,7 @@ def portal_ratio(
     factor = 1 + prior / (prior + noise) * (ratio.mean(axis=0) - 1)
     middle = np.convolve(INTERVAL_EDGES, [0.5, 0.5], "valid") - 0.5
     factor = np.clip(factor, 1 / MAX_CORRECTION, MAX_CORRECTION)
-    return np.stack([[np.interp(np.arange(predicted.shape[3]), middle, one) for one in state] for state in factor])[
-        :, room
-    ]
+    return np.stack([[np.interp(np.arange(bins), middle, one) for one in state] for state in factor])
 
 
 def _sum_rooms(energy: Float[np.ndarray, "b g n k"], member: Float[np.ndarray, "n r"]) -> Float[np.ndarray, "b g r e"]:

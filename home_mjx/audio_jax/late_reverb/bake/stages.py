@@ -1,6 +1,6 @@
 """Stages of ray tracing in a house: from points of its cells, then from the portal states that rays reached."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -37,8 +37,9 @@ class BakedRays(NamedTuple):
     entered: Int[np.ndarray, " g"]  # rooms of these states
     emitted: Float[np.ndarray, "c bands g k"]  # energy from cells into each portal state
     transfer: Transfer  # energy from portal state to portal state
-    # Energy in cells from the first states without termination; None: not traced
-    unterminated: Float[np.ndarray, "batches bands g n k"] | None
+    # Energy in cells from batches of rays of the first states without termination, as of `SourceSums.energy`, batch by
+    # batch; None: not traced
+    unterminated: Any
 
 
 def trace_stages(
@@ -113,10 +114,10 @@ def _source_rays(points: Float[np.ndarray, "r 3"], room: int, rng: np.random.Gen
     return FlightStart(points, way, np.zeros(count), np.ones((count, len(BANDS))), room, CELL_MIXING_LENGTH)
 
 
-def _trace_unterminated(
-    tracer: FlightTracer, starts: list[FlightStart], count: int, seed: int
-) -> Float[np.ndarray, "batches bands g n k"]:
-    """Trace batches of rays of each portal state without termination at others; return energies over `RECORDED_BINS`.
+def _trace_unterminated(tracer: FlightTracer, starts: list[FlightStart], count: int, seed: int) -> Any:
+    """Trace batches of rays of each portal state without termination at others; return `SourceSums.energy`.
+
+    It has `RECORDED_BINS` bins, and the states of the first batch come first.
 
     Args:
         tracer: Ray tracer of the house.
@@ -133,8 +134,7 @@ def _trace_unterminated(
         for one, stride in zip(starts, strides, strict=True)
     ]
     sums, _ = tracer.trace(batches, RECORDED_BINS, seed, end_in_rooms=False)
-    energy = sums.energy.reshape(NUM_BATCHES, len(starts), *sums.energy.shape[1:])[..., : len(BANDS)]
-    return np.moveaxis(energy, 4, 1)
+    return sums.energy
 
 
 def _thin_out(one: FlightStart, rows: slice, age: float) -> FlightStart:

@@ -62,7 +62,9 @@ class DeviceTracer(FlightTracer):
         end_in_rooms: bool = True,
         keeps_ended: bool = False,
     ) -> tuple[SourceSums, list[EndedRays]]:
-        """Trace flights as `FlightTracer.trace` does; rows of sums have as many numbers as they need.
+        """Trace flights as `FlightTracer.trace` does; energies of cells stay on the GPU.
+
+        Rows of sums have as many numbers as they need.
 
         The result has the same bits in every run on one kind of GPU.
 
@@ -155,7 +157,7 @@ class DeviceTracer(FlightTracer):
             inner = 0 if number else bins * RECORDED
             fields = one, out, units[number > 0], density, count, count // max(len(starts), 1), lanes, inner, scale
             stream.launch("scale_sums", -(-count // BLOCK), BLOCK, pack_words(fields))
-            found.append(stream.download(out))
+            found.append(stream.download(out) if number else out)
         return SourceSums(*found)
 
     def _read_ended(self, ended: Sequence[DeviceArray], flights: int) -> list[EndedRays]:

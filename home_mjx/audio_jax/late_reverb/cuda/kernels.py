@@ -8,7 +8,8 @@ from home_mjx.core.native.cuda_driver import CudaStream, pack_words
 from home_mjx.core.native.kernel import Kernel, compile_sources
 from home_mjx.raycast_render.backends.cuda import SOURCE as CAST_SOURCE
 
-SOURCES = (CAST_SOURCE, Path(__file__).with_name("flight.cu"))
+FOLDER = Path(__file__).parent
+SOURCES = (CAST_SOURCE, FOLDER / "flight.cu", FOLDER / "sums.cu")
 BLOCK = 64  # threads per block, as in cast.cu
 LANES = 8  # floats per row of octaves, as in flight.cu
 

@@ -43,8 +43,8 @@ class SourceSums(NamedTuple):
     """Sums over the rays of several sources, each of energy 1 per octave; vectors hold octaves in their first lanes."""
 
     # Energy of octaves re the free field of the source at 1 m, per cell and time bin. Three more lanes hold the energy
-    # of all octaves times the direction of propagation.
-    energy: Float[np.ndarray, "s c k lanes"]
+    # of all octaves times the direction of propagation. float32 (s c k lanes), on the device that traced the rays.
+    energy: Any
     # Energy from room to room, by bin of passage; diagonal: energy that aged
     portal: Float[np.ndarray, "s r r k lanes"]
     path_length: Float[np.ndarray, "s r lanes"]  # energy times path length [m] in each room
