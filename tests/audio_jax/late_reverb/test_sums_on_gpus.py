@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from emulated_gpu import EmulatedStream, emulate_kernels
 
+from home_mjx.audio_jax.late_reverb.bake import gpu_sums as sums
 from home_mjx.audio_jax.late_reverb.bake import pair_sums
 from home_mjx.audio_jax.late_reverb.bake.portal_transfer import Transfer
 from home_mjx.audio_jax.late_reverb.bake.renewal import solve_renewal
-from home_mjx.audio_jax.late_reverb.cuda import sums
 
 ROOM = np.array([0, 0, 1, 1, 1])
 BINS, STATES = 45, 6

@@ -15,6 +15,7 @@ from home_mjx.audio_jax.late_reverb.bake.cell_points import (
     shortest_paths,
 )
 from home_mjx.audio_jax.late_reverb.bake.decay_fit import Accumulator
+from home_mjx.audio_jax.late_reverb.bake.gpu_sums import fill_accumulator as sum_on_gpu
 from home_mjx.audio_jax.late_reverb.bake.late_field import LateField, pack_field
 from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions, Device
 from home_mjx.audio_jax.late_reverb.bake.room_exchange import estimate_exchange
@@ -22,7 +23,6 @@ from home_mjx.audio_jax.late_reverb.bake.stages import trace_stages
 from home_mjx.audio_jax.late_reverb.cuda.device import DeviceHouse
 from home_mjx.audio_jax.late_reverb.cuda.flights import DeviceTracer
 from home_mjx.audio_jax.late_reverb.cuda.kernels import traces_on_gpu
-from home_mjx.audio_jax.late_reverb.cuda.sums import fill_accumulator as sum_on_gpu
 from home_mjx.audio_jax.late_reverb.lookup.time_grid import NUM_BINS, fit_knots
 from home_mjx.audio_jax.late_reverb.trace.cells import divide_rooms
 from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays, SightLines

@@ -1,4 +1,4 @@
-"""Energies between cells on a GPU from the sums of all flights: `fill_accumulator` with the kernels of sums.cu."""
+"""Energies between cells on a GPU from the sums of all flights: `fill_accumulator` with the kernels of cuda/sums.cu."""
 
 from typing import NamedTuple
 
