@@ -55,6 +55,7 @@ class CudaStream:
     def __init__(self, ptx: str) -> None:
         self._context, self._module = _load(ptx)
         self._stream = ctypes.c_void_p()
+        self._functions: dict[str, ctypes.c_void_p] = {}
         self._call("cuStreamCreate", ctypes.byref(self._stream), ctypes.c_uint(NON_BLOCKING))
 
     def __del__(self) -> None:
@@ -133,10 +134,12 @@ class CudaStream:
         self._call("cuMemFreeAsync", Word(address), self._stream)
 
     def _function(self, name: str) -> ctypes.c_void_p:
-        """Return a kernel of the module."""
-        function = ctypes.c_void_p()
-        self._call("cuModuleGetFunction", ctypes.byref(function), self._module, name.encode())
-        return function
+        """Return a kernel of the module, looked up once."""
+        if name not in self._functions:
+            function = ctypes.c_void_p()
+            self._call("cuModuleGetFunction", ctypes.byref(function), self._module, name.encode())
+            self._functions[name] = function
+        return self._functions[name]
 
     def _call(self, name: str, *arguments: Any) -> None:
         """Call the driver in the device's context."""

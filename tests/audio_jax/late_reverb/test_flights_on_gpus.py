@@ -1,9 +1,12 @@
 """Flights on GPUs, as C++ for the CPU: they agree with those in Numba; NVRTC, if it is here, compiles the kernels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from acoustic_rooms import coupled
 from emulated_gpu import EmulatedStream, emulate_kernels
+from soup import needs_gpu
 
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.cuda.device import DeviceHouse
@@ -112,6 +115,20 @@ def test_sight_lines_are_those_of_numba(library, scene):
     expected = rays.occluded(*ends)
     assert 0 < expected.mean() < 1
     np.testing.assert_array_equal(on_device.occluded(*ends), expected)
+
+
+@needs_gpu
+def test_on_a_gpu_flights_and_sight_lines_are_those_of_emulation(library, scene):
+    """Whole flights on average, and the same bits twice."""
+    _, emulated = tracers(library, scene, 250)
+    kernels = replace(emulated, device=DeviceHouse.from_rays(emulated.house, scene[1], 0))
+    starts = [source(scene[0].source, 800, seed=i) for i in range(12)]
+    one, again, expected = (on_host(t, t.trace(starts, 64, 0)[0]) for t in (kernels, kernels, emulated))
+    for a, b, c in zip(one, again, expected, strict=True):
+        np.testing.assert_array_equal(a, b)
+        _check_means(_coarse(c), _coarse(a))
+    ends = np.random.default_rng(0).uniform(-4, 4, (2, 2000, 3)) + np.asarray(scene[0].source)
+    np.testing.assert_array_equal(kernels.device.occluded(*ends), emulated.device.occluded(*ends))
 
 
 def test_nvrtc_compiles_the_kernels():
