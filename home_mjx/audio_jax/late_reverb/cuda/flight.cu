@@ -9,6 +9,7 @@ constexpr int RECORDED = 10;      // octaves, then the intensity
 constexpr int PLACE = 12;         // floats of a ray: origin, direction, normal of the surface, distance, 2 unused
 constexpr int NOTES = 4;          // integers of a ray: material row, room in front of the surface, unmirrored, room
 constexpr int TEAM = 256;         // threads of a block of resample_flights
+constexpr int TRACING_BLOCKS = 10;  // blocks of trace_segments per multiprocessor: limits the compiler to 96 registers
 constexpr float FINE = 4398046511104.f;  // 2^42, units of energy 1 in sums of cells, of portals and of rooms
 constexpr float COARSE = 68719476736.f;  // 2^36, the same in sums that include path length or all reflections
 // As in trace/flight.py
@@ -83,6 +84,11 @@ struct Surface {  // at the end of a ray's segment
   bool unmirrored;
 };
 
+struct Tally {  // energies of a segment that sums over rooms receive
+  Word before, after;  // rows of the rooms at its ends
+  Octaves flown, lost;  // times half its length; absorbed
+};
+
 INLINE float total(const Octaves& e) {
   float sum = 0;
   for (int b = 0; b < OCTAVES; ++b) sum += e.x[b];
@@ -104,6 +110,24 @@ INLINE void add(Sum* at, float value, float units) { atomicAdd(at, Sum(__float2l
 INLINE void add(Sum* sums, Word row, const Octaves& e, float units) {
   for (int b = 0; b < OCTAVES; ++b)
     if (e.x[b] != 0) add(sums + row * OCTAVES + b, e.x[b], units);
+}
+
+// Adds energies of all lanes of a warp: at once, if those `alive` have the same row
+INLINE void add_by_warp(Sum* sums, bool alive, Word row, const Octaves& e, float units) {
+#ifndef WARP_SIZE
+  unsigned lanes = warp_ballot(alive);
+  if (lanes == 0) return;
+  Word common = __shfl_sync(ALL_LANES, row, __ffs(lanes) - 1);
+  if (warp_ballot(alive && row != common) == 0) {
+    for (int b = 0; b < OCTAVES; ++b) {
+      Word value = alive ? __float2ll_rn(e.x[b] * units) : 0;
+      for (int step = 16; step > 0; step /= 2) value += __shfl_xor_sync(ALL_LANES, value, step);
+      if (threadIdx.x % 32 == 0) atomicAdd(sums + common * OCTAVES + b, Sum(value));
+    }
+    return;
+  }
+#endif
+  if (alive) add(sums, row, e, units);
 }
 
 // Returns a random number in [0, 1): number `bounce, ray, purpose` of a SplitMix64 stream
@@ -239,12 +263,12 @@ INLINE Point normal_of(const Flights& f, const Point& direction, int instance, i
 INLINE const float* row_of(const float* table, int row) { return table + LANES * Word(row); }
 
 // Records the segment of a ray up to its hit, and reduces its energy or ends it; `number`: of the ray in its flight
-INLINE Surface meet(const Flights& f, int flight, Word number, Flyer& ray, const Best& hit) {
+INLINE Surface meet(const Flights& f, int flight, Word number, Flyer& ray, const Best& hit, Tally& tally) {
   Surface s{{0, 0, 1}, 0, ray.room, false};
   int before = ray.room;
   Word row_before = flight * f.rooms + before;
+  tally = {row_before, row_before, {}, ray.energy};
   if (hit.instance < 0) {
-    add(f.absorbed, row_before, ray.energy, COARSE);
     ray.energy = {};
     return s;
   }
@@ -256,25 +280,22 @@ INLINE Surface meet(const Flights& f, int flight, Word number, Flyer& ray, const
   int seen = room_at(f, along(end, s.normal, INWARD_OFFSET));
   s.seen = seen >= 0 ? seen : before;
   int room = f.joined[before * f.rooms + s.seen] || s.seen == ray.last ? s.seen : before;
-  Word row_after = flight * f.rooms + room;
+  tally.after = flight * f.rooms + room;
   if (ray.recorded) record(f, flight, ray, length, uniform(f, flight, 0, number, PHASE));
-  Octaves left, gone, flown;
+  Octaves left, middle;
   const float* absorption = row_of(f.absorption, s.row);
   for (int b = 0; b < OCTAVES; ++b) {
-    float half = attenuation(f.air[b], .5f * length), middle = ray.energy.x[b] * half;
-    left.x[b] = middle * half;
-    flown.x[b] = middle * (.5f * length);
-    gone.x[b] = middle;
+    float half = attenuation(f.air[b], .5f * length);
+    middle.x[b] = ray.energy.x[b] * half;
+    left.x[b] = middle.x[b] * half;
+    tally.flown.x[b] = middle.x[b] * (.5f * length);
   }
-  add(f.path_length, row_before, flown, COARSE);
-  add(f.path_length, row_after, flown, COARSE);
-  if (room != before) add(f.exchanged, row_before * f.rooms + room, gone, COARSE);
+  if (room != before) add(f.exchanged, row_before * f.rooms + room, middle, COARSE);
   if (hit.instance == 0) transmit(f, flight, left, end, s, room);
   for (int b = 0; b < OCTAVES; ++b) {
     left.x[b] *= 1 - absorption[b];
-    gone.x[b] = ray.energy.x[b] - left.x[b];
+    tally.lost.x[b] = ray.energy.x[b] - left.x[b];
   }
-  add(f.absorbed, row_after, gone, COARSE);
   bool unheard = f.from_source && ray.travelled == 0, goes = f.ends && room != before && !unheard;
   float inside = goes ? length_inside(f, ray, length, room) : 0;
   ray.travelled += length;
@@ -350,7 +371,7 @@ INLINE Operands world_of(const World& w) {
 }
 
 // Traces the next segment of all rays
-extern "C" __global__ void __launch_bounds__(BLOCK) trace_segments(const Flights f) {
+extern "C" __global__ void __launch_bounds__(BLOCK, TRACING_BLOCKS) trace_segments(const Flights f) {
   Word slot = Word(blockIdx.x) * BLOCK + threadIdx.x;
   int flight = slot < f.rays ? f.flight[slot] : 0;
   bool flies = slot < f.rays && f.bounce < f.limit[flight];
@@ -363,9 +384,13 @@ extern "C" __global__ void __launch_bounds__(BLOCK) trace_segments(const Flights
     const Point &o = ray.origin, &d = ray.direction;
     hit = cast<false>(world_of(f), alive, Ray{o.x, o.y, o.z, d.x, d.y, d.z, 0, -1, SOUND}, MAX_RAY_LENGTH);
   }
-  if (!flies) return;
   Surface s{{0, 0, 1}, 0, ray.room, false};
-  if (alive) s = meet(f, flight, number, ray, hit);
+  Tally tally{};
+  if (alive) s = meet(f, flight, number, ray, hit, tally);
+  add_by_warp(f.path_length, alive, tally.before, tally.flown, COARSE);
+  add_by_warp(f.path_length, alive, tally.after, tally.flown, COARSE);
+  add_by_warp(f.absorbed, alive, tally.after, tally.lost, COARSE);
+  if (!flies) return;
   Word row = (f.bounce & 1) * f.rays + slot;
   float* p = f.place + PLACE * row;
   p[0] = ray.origin.x, p[1] = ray.origin.y, p[2] = ray.origin.z;
