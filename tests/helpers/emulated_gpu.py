@@ -3,11 +3,10 @@
 import ctypes
 from pathlib import Path
 
-import numpy as np
 from compiled_kernels import shared_library
 
 from home_mjx.audio_jax.late_reverb.cuda.kernels import SOURCES
-from home_mjx.core.native.cuda_driver import CudaStream, DeviceArray
+from home_mjx.core.native.cuda_driver import CudaStream
 
 TEAM = 4  # threads of a block that wait for each other
 TEAMS = ("resample_flights", "solve_renewal", "sum_decays")
@@ -16,6 +15,7 @@ PRELUDE = f"""
 #include <pthread.h>
 #include <thread>
 #include "{Path(__file__).with_name("cuda_shim.h")}"
+#include "{Path(__file__).with_name("driver_shim.h")}"
 #define __shared__ static
 static pthread_barrier_t barrier;
 inline void __syncthreads() {{ pthread_barrier_wait(&barrier); }}
@@ -48,6 +48,14 @@ extern "C" void run_{0}(const void* words, int blocks, int rows) {{
 }}
 extern "C" int size_{0}() {{ return sizeof({1}); }}
 """
+FIND = """
+static Kernel kernels[] = {{{}}};
+static Kernel* find_kernel(const char* name) {{
+  for (auto& kernel : kernels)
+    if (!strcmp(kernel.name, name)) return &kernel;
+  return nullptr;
+}}
+"""
 KERNELS = {
     "trace_segments": "Flights",
     "resample_flights": "Flights",
@@ -73,46 +81,25 @@ def emulate_kernels(folder: Path, *options: str) -> ctypes.CDLL:
     text = text.replace("constexpr int CELLS = 32;", f"constexpr int CELLS = {CELLS};")
     text = text.replace("extern __shared__ double moved[];", "static double moved[4096];")
     text = text.replace("extern __shared__ Sum room[];", "static Sum room[4096];")
+    threads = dict.fromkeys(TEAMS, 0) | {"solve_renewal": 1024 * CELLS // 32}
+    table = "".join(f'{{"{name}", run_{name}, {threads.get(name, 1)}}},' for name in KERNELS)
     calls = ((TOGETHER if name in TEAMS else SINGLE).format(name, kind) for name, kind in KERNELS.items())
     return shared_library(
-        folder, "#include <vector>\n" + PRELUDE + text + "".join(calls), "-ffp-contract=off", "-pthread", *options
+        folder,
+        "#include <vector>\n" + PRELUDE + text + "".join(calls) + FIND.format(table),
+        "-ffp-contract=off",
+        "-pthread",
+        *options,
     )
 
 
 class EmulatedStream(CudaStream):
-    """What stands for `CudaStream`; every array lies in an allocation of its own."""
+    """A queue of work for these kernels, by the calls that a driver would get."""
 
     def __init__(self, library: ctypes.CDLL) -> None:
-        self.library, self.held = library, {}
-
-    def allocate(self, nbytes: int) -> int:
-        memory = np.full(nbytes, 0xA5, np.uint8)
-        self.held[memory.ctypes.data] = memory
-        return memory.ctypes.data
-
-    def release(self, address: int) -> None:
-        self.held.pop(address)[:] = 0xA5
-
-    def zeros(self, shape, dtype) -> DeviceArray:
-        return self.upload(np.zeros(shape, dtype))
-
-    def upload(self, values) -> DeviceArray:
-        array = DeviceArray(self, values.shape, values.dtype)
-        self.held[array.address][: values.nbytes] = np.frombuffer(np.ascontiguousarray(values).tobytes(), np.uint8)
-        return array
-
-    def download(self, array, count=None) -> np.ndarray:
-        values = self.held[array.address].view()[: array.nbytes]
-        values = (
-            values[: int(np.prod(array.shape)) * array.dtype.itemsize].copy().view(array.dtype).reshape(array.shape)
-        )
-        return values if count is None else values[:count]
-
-    def synchronize(self) -> None:
-        pass
+        self._driver, self._context, self._module = library, ctypes.c_void_p(16), ctypes.c_void_p(32)
+        self._stream, self._functions = ctypes.c_void_p(48), {}
 
     def launch(self, name, blocks, threads, words, shared=0, rows=1) -> None:
-        assert 8 * len(words) == getattr(self.library, f"size_{name}")(), name
-        given = np.ascontiguousarray(words, np.int64)
-        each = 32 // CELLS if name == "solve_renewal" else 1 if name in TEAMS else threads
-        getattr(self.library, f"run_{name}")(ctypes.c_void_p(given.ctypes.data), blocks * each, rows)
+        assert 8 * len(words) == getattr(self._driver, f"size_{name}")(), name
+        super().launch(name, blocks, threads, words, shared, rows)

@@ -53,7 +53,7 @@ class CudaStream:
     """
 
     def __init__(self, ptx: str) -> None:
-        self._context, self._module = _load(ptx)
+        self._driver, self._context, self._module = _load(ptx)
         self._stream = ctypes.c_void_p()
         self._functions: dict[str, ctypes.c_void_p] = {}
         self._call("cuStreamCreate", ctypes.byref(self._stream), ctypes.c_uint(NON_BLOCKING))
@@ -143,8 +143,8 @@ class CudaStream:
 
     def _call(self, name: str, *arguments: Any) -> None:
         """Call the driver in the device's context."""
-        _check(_library().cuCtxSetCurrent(self._context), "cuCtxSetCurrent")
-        _check(getattr(_library(), name)(*arguments), name)
+        _check(self._driver, self._driver.cuCtxSetCurrent(self._context), "cuCtxSetCurrent")
+        _check(self._driver, getattr(self._driver, name)(*arguments), name)
 
 
 def pack_words(values: Sequence[Any]) -> Int[np.ndarray, " n"]:
@@ -172,33 +172,33 @@ def _library() -> ctypes.CDLL:
         library = ctypes.CDLL(LIBRARY)
     except OSError as error:
         raise BackendError(f"no CUDA driver found: {error}") from error
-    _check(library.cuInit(0), "cuInit", library)
+    _check(library, library.cuInit(0), "cuInit")
     return library
 
 
 @functools.cache
-def _load(ptx: str) -> tuple[ctypes.c_void_p, ctypes.c_void_p]:
-    """Return the context of JAX's first GPU and the module of the PTX, which stay until the process ends."""
+def _load(ptx: str) -> tuple[ctypes.CDLL, ctypes.c_void_p, ctypes.c_void_p]:
+    """Return the driver, the context of JAX's first GPU and the PTX's module, which stay until the process ends."""
     found = local_devices("cuda")
     if not found:
         raise BackendError("JAX has no NVIDIA GPU in this process")
     library, device = _library(), ctypes.c_int()
     context, module, pool = ctypes.c_void_p(), ctypes.c_void_p(), ctypes.c_void_p()
     ordinal = getattr(found[0], "local_hardware_id", None) or 0
-    _check(library.cuDeviceGet(ctypes.byref(device), ctypes.c_int(ordinal)), "cuDeviceGet")
-    _check(library.cuDevicePrimaryCtxRetain(ctypes.byref(context), device), "cuDevicePrimaryCtxRetain")
-    _check(library.cuCtxSetCurrent(context), "cuCtxSetCurrent")
-    _check(library.cuModuleLoadData(ctypes.byref(module), ptx.encode()), "cuModuleLoadData")
-    _check(library.cuDeviceGetDefaultMemPool(ctypes.byref(pool), device), "cuDeviceGetDefaultMemPool")
+    _check(library, library.cuDeviceGet(ctypes.byref(device), ctypes.c_int(ordinal)), "cuDeviceGet")
+    _check(library, library.cuDevicePrimaryCtxRetain(ctypes.byref(context), device), "cuDevicePrimaryCtxRetain")
+    _check(library, library.cuCtxSetCurrent(context), "cuCtxSetCurrent")
+    _check(library, library.cuModuleLoadData(ctypes.byref(module), ptx.encode()), "cuModuleLoadData")
+    _check(library, library.cuDeviceGetDefaultMemPool(ctypes.byref(pool), device), "cuDeviceGetDefaultMemPool")
     kept = Word(KEPT_BYTES)
-    _check(library.cuMemPoolSetAttribute(pool, RELEASE_THRESHOLD, ctypes.byref(kept)), "cuMemPoolSetAttribute")
-    return context, module
+    _check(library, library.cuMemPoolSetAttribute(pool, RELEASE_THRESHOLD, ctypes.byref(kept)), "cuMemPoolSetAttribute")
+    return library, context, module
 
 
-def _check(status: int, name: str, library: ctypes.CDLL | None = None) -> None:
+def _check(library: ctypes.CDLL, status: int, name: str) -> None:
     """Raise `BackendError` with the driver's message unless `status` is 0."""
     if status:
         text = ctypes.c_char_p()
-        (library or _library()).cuGetErrorString(ctypes.c_int(status), ctypes.byref(text))
+        library.cuGetErrorString(ctypes.c_int(status), ctypes.byref(text))
         message = text.value.decode() if text.value else f"error {status}"
         raise BackendError(f"the CUDA driver failed in {name}: {message}")

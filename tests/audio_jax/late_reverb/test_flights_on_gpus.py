@@ -1,5 +1,6 @@
 """Flights on GPUs, as C++ for the CPU: they agree with those in Numba; NVRTC, if it is here, compiles the kernels."""
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,10 @@ from emulated_gpu import EmulatedStream, emulate_kernels
 from soup import needs_gpu
 
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.late_reverb.bake import bake
+from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
+from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
+from home_mjx.audio_jax.late_reverb.cuda import device
 from home_mjx.audio_jax.late_reverb.cuda.device import DeviceHouse
 from home_mjx.audio_jax.late_reverb.cuda.flights import DeviceTracer
 from home_mjx.audio_jax.late_reverb.cuda.kernels import SOURCES
@@ -19,6 +24,7 @@ from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
+from home_mjx.houses.bakes import bake_entry
 from home_mjx.schema.compiled import BANDS
 
 CONFIG = AudioConfig()
@@ -115,6 +121,31 @@ def test_sight_lines_are_those_of_numba(library, scene):
     expected = rays.occluded(*ends)
     assert 0 < expected.mean() < 1
     np.testing.assert_array_equal(on_device.occluded(*ends), expected)
+
+
+@pytest.mark.slow
+def test_a_whole_bake_differs_as_between_seeds(library, scene, monkeypatch):
+    """Levels and decays by those of the CPU's seeds, and all that rays do not decide not at all."""
+    monkeypatch.setattr(device, "open_gpu", lambda: EmulatedStream(library))
+    monkeypatch.setattr(bake, "traces_on_gpu", lambda device: device == "gpu")
+    options = BakeOptions(cell_size=1.5, rays=800)
+    house = scene[0].house
+    one, other = (bake.bake_house(house, replace(options, seed=seed), scene[1], 0, "cpu") for seed in (0, 1))
+    found = bake.bake_house(house, options, scene[1], 0, "gpu")
+    for name in ("level", "shape"):
+        a, b, c = (np.maximum(getattr(x, name).astype(float), -14) for x in (one, other, found))
+        assert np.abs(c - a).mean() < 1.3 * np.abs(b - a).mean()
+        assert np.abs(c - (a + b) / 2).max() < 2.5 * np.abs(b - a).max()
+    for name in ("arrival", "near", "weight", "room"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(one, name))
+
+
+def test_a_gpu_that_is_not_there_is_refused(scene):
+    if "cuda" in os.environ.get("JAX_PLATFORMS", ""):
+        pytest.skip("there may be a GPU here")
+    with pytest.raises(BackendError, match="no NVIDIA GPU"):
+        LateReverbBake(device="gpu").bake_house(scene[1], 0, scene[0].house)
+    assert bake_entry(LateReverbBake(), scene[0].house) == bake_entry(LateReverbBake(device="cpu"), scene[0].house)
 
 
 @needs_gpu
