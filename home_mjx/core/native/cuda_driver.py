@@ -17,7 +17,7 @@ from home_mjx.errors import BackendError
 LIBRARY = "libcuda.so.1"
 NON_BLOCKING = 1  # stream flag: independent of the default stream
 RELEASE_THRESHOLD = 4  # attribute of a memory pool: bytes that it keeps
-KEPT_BYTES = 4 << 30  # of freed memory, for the next arrays
+KEPT_BYTES = 8 << 30  # of freed memory, for the next arrays
 
 Word = ctypes.c_uint64
 

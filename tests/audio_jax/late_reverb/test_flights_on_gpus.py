@@ -13,7 +13,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.late_reverb.bake import bake
 from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
 from home_mjx.audio_jax.late_reverb.bake.options import BakeOptions
-from home_mjx.audio_jax.late_reverb.cuda import device
+from home_mjx.audio_jax.late_reverb.cuda import device, flights
 from home_mjx.audio_jax.late_reverb.cuda.device import DeviceHouse
 from home_mjx.audio_jax.late_reverb.cuda.flights import DeviceTracer
 from home_mjx.audio_jax.late_reverb.cuda.kernels import SOURCES
@@ -112,6 +112,20 @@ def test_bits_come_twice(library, scene):
     (one, ended), (two, again) = (kernels.trace(starts, 64, 5, keeps_ended=True) for _ in range(2))
     for a, b in ((on_host(kernels, one), on_host(kernels, two)), (ended[0], again[0])):
         assert all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
+
+
+def test_flights_of_many_rays_have_smaller_units(library, scene, monkeypatch):
+    """With a sixteenth of the energy per ray, all results are the same but for rounding."""
+    starts = [source(scene[0].source, 200), source(scene[0].source, 90)]
+    _, kernels = tracers(library, scene, 30)
+    one, ended = kernels.trace(starts, 64, 5, keeps_ended=True)
+    monkeypatch.setattr(flights, "FULL_RAYS", 16)
+    other, again = kernels.trace(starts, 64, 5, keeps_ended=True)
+    for a, b in (
+        *zip(on_host(kernels, one), on_host(kernels, other), strict=True),
+        *zip(ended[0], again[0], strict=True),
+    ):
+        np.testing.assert_allclose(b, a, rtol=2e-3, atol=2e-5 * np.abs(a).max())
 
 
 def test_sight_lines_are_those_of_numba(library, scene):

@@ -222,7 +222,7 @@ INLINE bool reflect(const float* scattering, const Surface& s, const Octaves& sh
 
 // Adds energy that passes from a room to another one, or ages there (equal rooms), at a time [bins]
 INLINE void add_portal(const Flights& f, int flight, int room, int entered, float when, const Octaves& energy) {
-  Word bin = min(Word(when), f.bins - 1);
+  Word bin = max(min(Word(when), f.bins - 1), Word(0));
   add(f.portal, ((flight * f.rooms + room) * f.rooms + entered) * f.bins + bin, energy, FINE);
 }
 

@@ -25,6 +25,7 @@ TEAM = 256
 FINE, COARSE = 2.0**42, 2.0**36
 OCTAVES, RECORDED = len(BANDS), len(BANDS) + 3
 SHARED_WORD = 8  # [bytes]
+FULL_RAYS = 1 << 14  # rays of energy 1 in a flight; more have less, or sums of integers might overflow
 FLIGHT_BIT, BOUNCE_BIT = 48, 28  # of the keys of ended rays
 MAX_BOUNCES, MAX_FLIGHTS = 1 << (FLIGHT_BIT - BOUNCE_BIT), 1 << (63 - FLIGHT_BIT)
 
@@ -41,6 +42,7 @@ class _Batch:
     room: Int[np.ndarray, " f"]
     age: Float[np.ndarray, " f"]
     limit: Int[np.ndarray, " f"]  # maximum bounces
+    unit: float  # energy of a ray of energy 1 on the GPU, a power of two
 
 
 @dataclass(frozen=True)
@@ -80,25 +82,26 @@ class DeviceTracer(FlightTracer):
         ended = [self.device.stream.empty(shape, kind) for shape, kind in zip(shapes[:4], types, strict=False)]
         ended.append(self.device.stream.zeros(*shapes[4:], types[4]))
         self._fly(batch, bounces, (seed, bins, from_source, end_in_rooms, kept), sums, ended)
-        found = self._scale(sums, starts, bins)
-        return found, self._read_ended(ended, len(starts)) if keeps_ended else []
+        found = self._scale(sums, starts, bins, batch.unit)
+        return found, self._read_ended(ended, len(starts), batch.unit) if keeps_ended else []
 
     def _batch(self, starts: Sequence[FlightStart], from_source: bool) -> _Batch:
         """Return the rays of all sources as one batch."""
         counts = [len(one.origin) for one in starts]
         total, first = sum(counts), np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]).astype(np.int64)
+        unit = 2.0 ** -np.ceil(np.log2(max(max(counts, default=1) / FULL_RAYS, 1)))
         place, energy = np.zeros((2, total, PLACE), np.float32), np.zeros((2, total, LANES), np.float32)
         notes = np.zeros((2, total, NOTES), np.int32)
         for start, one in zip(first, starts, strict=False):
             rows = slice(start, start + len(one.origin))
             place[1, rows, :3], place[1, rows, 3:6], place[1, rows, 9] = one.origin, one.direction, one.travelled
-            energy[1, rows, :OCTAVES] = one.energy
+            energy[1, rows, :OCTAVES] = one.energy * unit
             notes[1, rows] = 0, one.room, from_source, one.room
         age = np.array([one.age for one in starts], np.float32)
         limit = np.minimum(MAX_BOUNCES_PER_METRE * age.astype(float), min(self.max_bounces, MAX_BOUNCES - 1))
         room = np.array([one.room for one in starts], np.int32)
         flight = np.repeat(np.arange(len(starts), dtype=np.int32), counts)
-        return _Batch(first, flight, place, energy, notes, room, age, limit.astype(np.int32))
+        return _Batch(first, flight, place, energy, notes, room, age, limit.astype(np.int32), unit)
 
     def _zero_sums(self, sources: int, bins: int) -> list[DeviceArray]:
         """Return zero sums of integers, in the order of `SourceSums`."""
@@ -140,13 +143,18 @@ class DeviceTracer(FlightTracer):
             stream.launch("resample_flights", flights, TEAM, words, shared)
         stream.launch("finish_flights", blocks, BLOCK, words)
 
-    def _scale(self, sums: Sequence[DeviceArray], starts: Sequence[FlightStart], bins: int) -> SourceSums:
-        """Return sums for energy 1 per octave of each source, those of cells as energy densities re the free field."""
+    def _scale(
+        self, sums: Sequence[DeviceArray], starts: Sequence[FlightStart], bins: int, one_ray: float
+    ) -> SourceSums:
+        """Return sums for energy 1 per octave of each source, those of cells as energy densities re the free field.
+
+        `one_ray`: energy of a ray of energy 1 on the GPU.
+        """
         stream = self.device.stream
         unit = np.zeros((len(starts), RECORDED), np.float32)
         for row, one in zip(unit, starts, strict=True):
             whole = one.energy.sum(axis=0, dtype=float)
-            row[:OCTAVES] = np.where(whole > 0, 1 / np.maximum(whole, 1e-30), 0)
+            row[:OCTAVES] = np.where(whole > 0, 1 / np.maximum(whole * one_ray, 1e-30), 0)
             row[OCTAVES:] = row.max()
         density = stream.upload((4 * np.pi * self.bin_length / self.volume).astype(np.float32))
         units = stream.upload(unit), stream.upload(unit[:, :OCTAVES])
@@ -160,14 +168,14 @@ class DeviceTracer(FlightTracer):
             found.append(stream.download(out) if number else out)
         return SourceSums(*found)
 
-    def _read_ended(self, ended: Sequence[DeviceArray], flights: int) -> list[EndedRays]:
-        """Return the ended rays of each flight, by bounce, then by ray."""
+    def _read_ended(self, ended: Sequence[DeviceArray], flights: int, one_ray: float) -> list[EndedRays]:
+        """Return the ended rays of each flight, by bounce, then by ray; `one_ray` as in `_scale`."""
         stream = self.device.stream
         count = min(int(stream.download(ended[4])[0]), ended[3].shape[0])
         place, energy, rooms, key = (stream.download(x, count) for x in ended[:4])
         order = np.argsort(key)
         cuts = np.searchsorted(key[order], np.arange(1, flights) << FLIGHT_BIT)
-        place, energy, rooms = place[order, :KEPT_PLACE], energy[order, :OCTAVES], rooms[order]
+        place, energy, rooms = place[order, :KEPT_PLACE], energy[order, :OCTAVES] / np.float32(one_ray), rooms[order]
         if not flights:
             return [NO_ENDED_RAYS][:0]
         return [EndedRays(*one) for one in zip(*(np.split(x, cuts) for x in (place, energy, rooms)), strict=True)]
