@@ -16,6 +16,7 @@ from jaxtyping import Float
 from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
+from home_mjx.datasets.furniture import FurnitureProvider
 from home_mjx.datasets.seeds import house_id, parse_house_id
 from home_mjx.datasets.suncg.dataset import SuncgDataset
 from home_mjx.errors import ConfigError, UnknownIdError
@@ -202,6 +203,12 @@ class GeneratedModels:
         from home_procgen.fallback_models import make_fallback_model
 
         return make_fallback_model(path, fine, bounds, closed)
+
+    def furniture(self) -> FurnitureProvider:
+        """Return furniture for datasets whose own models are not public."""
+        from home_procgen.foreign.provider import ForeignFurniture
+
+        return ForeignFurniture()
 
 
 fallback_models = GeneratedModels()

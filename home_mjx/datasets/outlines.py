@@ -31,6 +31,7 @@ class RoomOutline:
         floor: Material of the floor.
         walls: Material of the walls' inner faces.
         ceiling: Material of the ceiling.
+        outside: Material of the walls' outer faces.
     """
 
     type: str
@@ -38,6 +39,7 @@ class RoomOutline:
     floor: Material = WOOD
     walls: Material = PLASTER
     ceiling: Material = PLASTER
+    outside: Material = PLASTER
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,7 @@ def _room(house_id: str, index: int, room: RoomOutline, openings: Sequence[WallO
         members=(),
         floor=floor,
         ceiling=ceiling,
-        walls=_walls(stem, index, corners, room.walls, openings, height),
+        walls=_walls(stem, index, corners, (room.walls, room.outside), openings, height),
     )
 
 
@@ -130,21 +132,21 @@ def _walls(
     stem: Path,
     room: int,
     corners: Float[np.ndarray, "n 2"],
-    inside: Material,
+    faces: tuple[Material, Material],
     openings: Sequence[WallOpening],
     height: float,
 ) -> Mesh:
     """Build the walls of room `room` as one mesh: one wall per side of its outline, with the openings that are in it.
 
     `corners` are (x, z), counter-clockwise in a plot with x right and z up, so inner faces look into the room. Inner
-    faces have the material `inside`, cut faces `CUT_MATERIAL` and outer faces `PLASTER`: three slots per wall.
+    faces have the first material of `faces`, cut faces `CUT_MATERIAL` and outer faces the second: three slots per wall.
     """
     pieces: list[MeshPiece] = []
     for number, (start, end) in enumerate(zip(corners, np.roll(corners, -1, axis=0), strict=True)):
         holes = tuple(hole for opening in openings if (hole := _hole(opening, start, end)) is not None)
         wall = WallSegment(np.array([start[0], 0, start[1]]), np.array([end[0], 0, end[1]]), height, holes)
         pieces += [replace(p, slot=p.slot + 3 * number) for p in wall_pieces(wall, f"0_{room}_{number}")]
-    return join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, [inside, CUT_MATERIAL, PLASTER] * len(corners))
+    return join_pieces(stem.with_name(f"{stem.name}w.obj"), pieces, [faces[0], CUT_MATERIAL, faces[1]] * len(corners))
 
 
 def _hole(opening: WallOpening, start: Float[np.ndarray, "2"], end: Float[np.ndarray, "2"]) -> Hole | None:

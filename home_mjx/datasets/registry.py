@@ -20,6 +20,10 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError, Unknown
 LAYOUT = "A dataset root in SUNCG's format holds house/, room/, object/, texture/ and metadata/."
 GROUP = "home_mjx.datasets"  # entry points that open datasets by their scheme
 SUNCG = EntryPoint("suncg", "home_mjx.datasets.suncg.dataset:open_suncg", GROUP)  # opens other folders
+BUILT_IN = {  # datasets of this package, which need no entry point; `recognizes` of each tells which paths are its own
+    SUNCG.name: SUNCG,
+    "procthor": EntryPoint("procthor", "home_mjx.datasets.procthor.dataset:ProcthorDataset", GROUP),
+}
 SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive
 
 
@@ -85,11 +89,11 @@ def has_scheme(name: object) -> bool:
 def open_dataset(name: str | Path | None = None) -> Dataset:
     """Open a dataset by its folder or its name.
 
-    A folder belongs to the first registered dataset that recognizes it, else it is read as SUNCG's.
+    A path belongs to the first dataset that recognizes it, else it is a folder that is read as SUNCG's.
 
     Args:
-        name: Folder of a dataset, or a scheme and what follows it, such as `procedural:16?seed=0`; None: the folder
-            that the environment variable `SUNCG_DATA_DIR` names.
+        name: Folder or file of a dataset, or a scheme and what follows it, such as `procedural:16?seed=0`; None: the
+            folder that the environment variable `SUNCG_DATA_DIR` names.
 
     Raises:
         UnknownNameError: No dataset has this scheme.
@@ -110,14 +114,14 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
         hint = f"Pass a folder, a name such as `procedural:16`, or set {ROOT_VARIABLE}. {LAYOUT}"
         raise DatasetError("no dataset root was specified", hint=hint)
     path = Path(os.path.abspath(Path(root).expanduser()))
+    for known in _known_formats():
+        if known.recognizes is not None and path.exists() and known.recognizes(path):
+            return known.open(str(path))
     if not path.is_dir():
         kind = DatasetError if os.path.exists(path) else MissingFileError
         hint = _name_hint(str(name)) if kind is MissingFileError and name is not None else None
         hint = hint or f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
         raise kind("dataset root is not a folder", file=path, hint=hint)
-    for known in [*_FORMATS.values()]:
-        if known.recognizes is not None and known.recognizes(path):
-            return known.open(str(path))
     return find_format(SUNCG.name).open(str(path))
 
 
@@ -151,13 +155,19 @@ def find_format(scheme: str) -> DatasetFormat:
             raise UnknownNameError(
                 f"no dataset has the scheme `{scheme}:`", hint=did_you_mean(scheme, dataset_schemes())
             )
-        _FORMATS[scheme] = DatasetFormat(scheme, _loaded(found))
+        opener = _loaded(found)
+        _FORMATS[scheme] = DatasetFormat(scheme, opener, getattr(opener, "recognizes", None))
     return _FORMATS[scheme]
 
 
 def _installed() -> dict[str, Any]:
-    """Return the entry points of installed datasets by scheme, including `suncg`."""
-    return {SUNCG.name: SUNCG, **installed(GROUP)}
+    """Return the entry points of installed datasets by scheme, including those of this package."""
+    return {**BUILT_IN, **installed(GROUP)}
+
+
+def _known_formats() -> list[DatasetFormat]:
+    """Return the registered datasets, and then those of this package, that may recognize a path."""
+    return [*_FORMATS.values(), *(find_format(scheme) for scheme in BUILT_IN if scheme not in _FORMATS)]
 
 
 def _loaded(point: Any) -> Any:

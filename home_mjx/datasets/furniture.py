@@ -1,0 +1,111 @@
+"""Furniture for datasets whose own models are not public, from an installed provider.
+
+A provider is an entry point of the group `home_mjx.fallback_models` with the method `furniture`, which returns a
+`FurnitureProvider`. `home_procgen` is one.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+from home_mjx.core.paths import installed
+from home_mjx.errors import ConfigError
+from home_mjx.schema.house import Joint, Light, Material, Mesh
+
+GROUP = "home_mjx.fallback_models"
+Edges = tuple[float, float, float]  # [m], along x (right of the front, seen from behind), y (up), z (front)
+
+
+@dataclass(frozen=True)
+class FurniturePiece:
+    """A model that is shown in place of another one; paths of its textures are relative.
+
+    Attributes:
+        key: Key of the mesh; equal keys have equal meshes.
+        mesh: Its base around the origin, front +z, Y up [m].
+        scale: Factors along the model's own axes.
+        quarter: Quarter turns about +y, after scaling, to the orientation that was asked for.
+        materials: Materials by slot that replace those of the mesh; empty: none.
+        lights: Its lights, in the model's frame before scaling.
+        words: Description, for reports.
+    """
+
+    key: str
+    mesh: Mesh
+    scale: Edges
+    quarter: int
+    materials: tuple[Material, ...]
+    lights: tuple[Light, ...]
+    words: str
+
+
+@dataclass(frozen=True)
+class DoorMesh:
+    """A door on its wall's centre line, its base at y = 0, and the hinges of its leaves, 0 as shown."""
+
+    key: str
+    mesh: Mesh
+    joints: tuple[Joint, ...]
+
+
+@runtime_checkable
+class FurnitureProvider(Protocol):
+    """A source of furniture by category and size. Equal arguments always give equal results."""
+
+    version: str  # changes whenever equal arguments would return something else
+    texture_edge: float  # [m], edge of what a repeating texture covers
+
+    def piece(self, word: str, fine: str, size: Edges | None, seed: str, shape: str = "") -> FurniturePiece | None:
+        """Return a model of a category, stretched to a size; None if no model suits.
+
+        Args:
+            word: Word of the other dataset in lower case, for things that are finer than the category.
+            fine: Fine category.
+            size: Extents [m]; None: those of the model.
+            seed: Text that selects among models and colours, such as the name of the model that is replaced.
+            shape: Plan of a worktop: `I`, `L` or `C`; `wall` for what hangs on a wall.
+        """
+        ...
+
+    def doors(self, width: float, height: float, leaves: int, turn: float, seed: str) -> DoorMesh:
+        """Return a door of 1 or 2 leaves, opened by `turn` [rad] to -z; width and height are over its frame [m]."""
+        ...
+
+    def frame(self, width: float, height: float) -> Mesh:
+        """Return the frame of a doorway, on its wall's centre line [m]."""
+        ...
+
+    def surface(self, family: str, seed: str, name: str) -> Material:
+        """Return a material called `name`, with a texture of a family such as `prkt`, `tile` or `wallp`."""
+        ...
+
+    def categories(self) -> Mapping[str, tuple[str, str]]:
+        """Return the coarse and the NYU40 category of the fine ones that it has."""
+        ...
+
+    def write_textures(self, root: Path, names: set[str]) -> None:
+        """Write textures as `texture/<name>.png` below a folder, unless they exist.
+
+        Raises:
+            DatasetError: The folder cannot be written.
+        """
+        ...
+
+
+@cache
+def furniture_provider() -> FurnitureProvider:
+    """Return the furniture of the first installed provider.
+
+    Raises:
+        ConfigError: None is installed, or it cannot be imported.
+    """
+    for point in installed(GROUP).values():
+        try:
+            provider = point.load()
+        except (ImportError, AttributeError) as error:
+            raise ConfigError(f"furniture of `{point.value}` cannot be loaded: {error}") from error
+        if hasattr(provider, "furniture"):
+            return provider.furniture()
+    raise ConfigError("no installed package provides furniture", hint="Install home_mjx with home_procgen again.")

@@ -1,0 +1,1 @@
+"""Furniture for houses that other programs planned: own models by category and size, doors, worktops, surfaces."""
