@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from home_mjx.core.checks import check_flag
 from home_mjx.core.files import resolve_below
+from home_mjx.datasets.splits import split_of
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
 from home_mjx.schema.categories import COARSE, FINE, NYU40
 from home_mjx.schema.compiled import Model
@@ -200,6 +201,10 @@ class Dataset(ABC):
     def fallbacks(self) -> str:
         """Version of the models that replace missing ones, part of cache keys; "" if the dataset replaces none."""
         return ""
+
+    def split_of(self, house_id: str) -> str:
+        """Return the split of a house: by a hash of its id, unless the dataset has official splits."""
+        return split_of(house_id)
 
     def check_known(self, house_id: str) -> None:
         """Raise `UnknownIdError`, a `DatasetError`, if no house has this id."""

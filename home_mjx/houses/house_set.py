@@ -11,7 +11,7 @@ from home_mjx.core.checks import check_known, check_number, check_type
 from home_mjx.core.progress import ProgressCount, is_progress_shown, plural
 from home_mjx.datasets.base import Dataset
 from home_mjx.datasets.registry import has_scheme, open_dataset
-from home_mjx.datasets.splits import SPLITS, split_of
+from home_mjx.datasets.splits import SPLITS
 from home_mjx.errors import ConfigError
 from home_mjx.houses.house_cache import HouseCache
 from home_mjx.houses.pools import compile_missing
@@ -148,7 +148,7 @@ class HouseSet:
     def _choose(self, cache: HouseCache) -> Iterator[str]:
         """Yield the ids of the selected houses in order; with `filter`, compile no more houses than necessary."""
         known = self.resolved_dataset.house_ids if self.ids is None else self.ids
-        found = (i for i in known if self.split is None or split_of(i) == self.split)
+        found = (i for i in known if self.split is None or self.resolved_dataset.split_of(i) == self.split)
         wanted = (i for i in found if self.filter is None or self.filter.matches(cache.contents(i)))
         yield from islice(wanted, self.num_houses)
 

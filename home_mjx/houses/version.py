@@ -27,6 +27,7 @@ COMPILER_PATHS = (
     "datasets/base.py",
     "datasets/kept_results.py",
     "datasets/seeds.py",
+    "datasets/splits.py",
     "datasets/suncg/dataset.py",
     "datasets/suncg/digests.py",
     "datasets/suncg/digest_index.py",

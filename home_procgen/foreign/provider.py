@@ -104,7 +104,7 @@ def pick(seed: str, count: int) -> int:
         >>> 0 <= pick("Chair_1", 5) < 5
         True
     """
-    return zlib.crc32(seed.encode()) % count
+    return zlib.crc32(seed.encode(errors="backslashreplace")) % count
 
 
 @cache

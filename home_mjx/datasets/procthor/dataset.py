@@ -22,6 +22,7 @@ from home_mjx.datasets.procthor.source import (
     recognizes_procthor,
     text_digest,
 )
+from home_mjx.datasets.splits import SPLITS
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.taxonomy import CLASSES, TABLE
 from home_mjx.errors import DatasetError
@@ -97,6 +98,11 @@ class ProcthorDataset(Dataset):
         self._written |= names
         self.warn_fallbacks(house_id, house.fallbacks)
         return with_texture_root(house, self.root)
+
+    def split_of(self, house_id: str) -> str:
+        """Return the official split of a house of `train`, `val` or `test`; of other files as of any dataset."""
+        stem = house_id.rpartition("_")[0]
+        return stem if stem in SPLITS else super().split_of(house_id)
 
     def resolved(self, options: ReadOptions) -> ReadOptions:
         """Return the options with a `strict` of None replaced by False: each house is shown in other furniture."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from home_mjx.datasets.procthor.parse_openings import parse_openings, parse_walls
 from home_mjx.datasets.procthor.parse_values import (
+    MAX_LISTED,
     color_or_none,
     listed,
     material,
@@ -48,7 +49,7 @@ def parse_house(document: JsonValue) -> ThorHouse:
         walls=walls,
         openings=parse_openings(document, walls),
         open_lines=(*_open_lines(document), *((wall.start, wall.end) for wall in walls if wall.is_empty)),
-        objects=tuple(_object(entry, 0) for entry in listed(document.member("objects"))),
+        objects=_objects(document.member("objects")),
         lights=tuple(_lights(parameters)),
         height=max((wall.height for wall in walls), default=DEFAULT_HEIGHT),
         problems=() if schema else (OLD_SCHEMA,),
@@ -102,7 +103,7 @@ def _same_room(wall: str, room: str) -> bool:
 def _corners(polygon: JsonValue) -> tuple[Point, ...]:
     if not polygon.has_value:
         raise polygon.error("room lacks `floorPolygon`, the corners of its floor")
-    corners = tuple(plan_point(corner) for corner in polygon.entries())
+    corners = tuple(plan_point(corner) for corner in listed(polygon))
     try:
         simplify(np.array(corners, float).reshape(-1, 2))
     except DatasetError:
@@ -116,6 +117,18 @@ def _open_lines(document: JsonValue) -> list[tuple[Point, Point]]:
     """Return the lines between rooms that are open to each other without a record of a wall (Holodeck)."""
     lines = [line.entries() for line in listed(_member(document.member("open_walls"), "segments"))]
     return [(plan_point(line[0]), plan_point(line[1])) for line in lines if len(line) == 2]
+
+
+def _objects(entries: JsonValue) -> tuple[ThorObject, ...]:
+    found = tuple(_object(entry, 0) for entry in listed(entries))
+    if (count := sum(map(count_things, found))) > MAX_LISTED:
+        raise entries.error(f"expected at most {MAX_LISTED} things, got {count}")
+    return found
+
+
+def count_things(thing: ThorObject) -> int:
+    """Return the number of a thing and all things on it."""
+    return 1 + sum(map(count_things, thing.children))
 
 
 def _object(entry: JsonValue, depth: int) -> ThorObject:

@@ -4,11 +4,19 @@ from home_mjx.datasets.procthor.records import Point, ThorMaterial, Triple
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 
 MAX_POSITION = 1000.0  # [m]
+MAX_LISTED = 4000  # maximum number of entries of a list; houses of ProcTHOR have up to 100 objects
 
 
 def listed(value: JsonValue) -> list[JsonValue]:
-    """Return the values of a list; none if the field is absent."""
-    return value.entries() if value.has_value else []
+    """Return the values of a list; none if the field is absent.
+
+    Raises:
+        DatasetError: It is another value, or has more than `MAX_LISTED` entries.
+    """
+    found = value.entries() if value.has_value else []
+    if len(found) > MAX_LISTED:
+        raise value.error(f"expected at most {MAX_LISTED} entries, got {len(found)}")
+    return found
 
 
 def text_or(value: JsonValue, default: str) -> str:

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
+from io import BufferedIOBase
 from itertools import islice
 from pathlib import Path
-from typing import IO
 from urllib.parse import parse_qsl
 
 from home_mjx.core.checks import check_known
@@ -20,8 +20,8 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 
 SUFFIXES = (".json", ".jsonl", ".jsonl.gz")
 OPTIONS = ("first", "count", "split", "assets")
-OFFICIAL_SPLITS = ("train", "val", "test")
 MAX_HOUSE_BYTES = 1 << 24  # [bytes], maximum length of the text of a house; those of ProcTHOR have 60 to 200 kB
+MAX_UNPACKED_BYTES = 1 << 32  # [bytes], maximum length of the lines of a file; those of ProcTHOR-10k have 1 GB
 MAX_HOUSES = 1 << 20  # maximum number of lines of a file
 HEAD_BYTES = 1 << 16
 GZIP_MAGIC = b"\x1f\x8b"
@@ -192,35 +192,50 @@ def _candidates(folder: Path) -> list[Path]:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[IO[bytes]]:
+def _opened(path: Path) -> Iterator[BufferedIOBase]:
     """Open a file for reading, unpacked if its first bytes are those of gzip."""
     with open_regular(path) as raw:
         if raw.peek(2)[:2] != GZIP_MAGIC:
             yield raw
             return
         with gzip.open(raw) as unpacked:
-            yield unpacked  # pyright: ignore[reportReturnType]
+            yield unpacked
 
 
 def _texts(file: Path, first: int, last: int | None) -> Iterator[HouseText]:
-    """Generate the houses of a file up to number `last`; those before `first` without their text."""
+    """Generate the houses of a file up to the `last`th; those before number `first` without their text.
+
+    Lines without text are no houses.
+
+    Raises:
+        DatasetError: The file is broken or, unpacked, too large.
+    """
     if file.name.endswith(".json"):
         yield HouseText(file)
         return
     try:
         with _opened(file) as opened:
-            for number in range(MAX_HOUSES if last is None else min(max(last, 0), MAX_HOUSES)):
-                line = opened.readline(MAX_HOUSE_BYTES + 1)
-                if not line:
-                    return
-                if len(line) > MAX_HOUSE_BYTES:
-                    message = f"a line has more than {MAX_HOUSE_BYTES} bytes"
-                    raise DatasetError(message, file=file, element=f"line {number + 1}", hint=FETCH_HINT)
-                yield HouseText(file, number + 1, zlib.compress(line, 1) if number >= first else b"")
+            full = ((number, line) for number, line in _lines(opened, file) if line.strip())
+            for count, (number, line) in enumerate(islice(full, None if last is None else max(last, 0))):
+                yield HouseText(file, number, zlib.compress(line, 1) if count >= first else b"")
     except (EOFError, zlib.error, gzip.BadGzipFile) as error:
         raise DatasetError(f"file is not valid gzip: {error}", file=file, hint=FETCH_HINT) from None
     except OSError as error:
         raise DatasetError(f"file cannot be read: {error.strerror or error}", file=file, hint=FETCH_HINT) from None
+
+
+def _lines(opened: BufferedIOBase, file: Path) -> Iterator[tuple[int, bytes]]:
+    """Generate the lines of a file with their numbers from 1; raise `DatasetError` if they are too many or too long."""
+    total = 0
+    for number in range(1, MAX_HOUSES + 1):
+        line = opened.readline(MAX_HOUSE_BYTES + 1)
+        total += len(line)
+        if not line:
+            return
+        if len(line) > MAX_HOUSE_BYTES or total > MAX_UNPACKED_BYTES:
+            message = f"a line has more than {MAX_HOUSE_BYTES} bytes, or the file more than {MAX_UNPACKED_BYTES}"
+            raise DatasetError(message, file=file, element=f"line {number}", hint=FETCH_HINT)
+        yield number, line
 
 
 def parse_text(house: HouseText) -> object:

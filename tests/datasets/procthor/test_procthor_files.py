@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 from thor_houses import database, small_house, thing, write_house
 
-from home_mjx.datasets import ReadOptions, open_dataset
+from home_mjx.datasets import ReadOptions, open_dataset, split_of
 from home_mjx.datasets.procthor.dataset import ProcthorDataset
 from home_mjx.datasets.procthor.parse import parse_house
 from home_mjx.datasets.procthor.shell import room_polygon
 from home_mjx.datasets.suncg.formats.json_value import read_json
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownIdError
 from home_mjx.geometry.polygons import polygon_area
+from home_mjx.houses import HouseSet
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 
@@ -48,6 +49,22 @@ def test_lines_are_houses_with_the_number_of_their_line(tmp_path, packed):
     assert again.house_ids == dataset.house_ids
     with pytest.raises(UnknownIdError):
         dataset.load_house("train_00000")
+
+
+def test_official_splits_are_the_files(tmp_path):
+    """All houses of train.jsonl are in `train`; by the hash of the id, some would be in others."""
+    path = write_lines(tmp_path, ["Bedroom"] * 30, False)
+    ids = open_dataset(path).house_ids
+    assert {split_of(name) for name in ids} != {"train"}
+    assert HouseSet(str(path), split="train").house_ids == ids
+    with pytest.raises(ConfigError, match="split `val`"):
+        _ = HouseSet(str(path), split="val").house_ids
+
+
+def test_lines_without_text_are_no_houses(tmp_path):
+    path = write_lines(tmp_path, ["Bedroom", "Kitchen"], False)
+    path.write_text(path.read_text().replace("\n", "\n\n"))
+    assert open_dataset(f"procthor:{path}?first=1&count=1").house_ids == ("train_00002",)
 
 
 def test_a_digest_changes_with_its_house_and_the_database_alone(tmp_path):
@@ -113,6 +130,7 @@ def change(house: dict, path: str, value: object) -> None:
         ("doors.0.holePolygon.1.x", 0.5, "doors[0]", "narrower"),
         ("objects.0.position", ..., "objects[0].position", "expected an object"),
         ("objects.0.children.0.position.y", "high", "objects[0].children[0].position.y", "expected a number"),
+        ("objects.0.children", [{}] * 5000, "objects[0].children", "at most 4000"),
         ("objects.0.assetId", ..., "objects[0].assetId", "expected a string"),
     ],
 )
