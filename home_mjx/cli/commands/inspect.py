@@ -207,9 +207,6 @@ def _validate_one(dataset: "Dataset", house_id: str, as_json: bool) -> int:
     """Print a line per finding and one of totals, or all as one line of JSON; return the number of errors.
 
     Findings are errors and warnings. The totals are the house's id and the number of each.
-
-    Raises:
-        ConfigError: The dataset is not in SUNCG's format.
     """
     from home_mjx.datasets.suncg.validate.validate import validate_house
 

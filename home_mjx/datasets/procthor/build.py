@@ -82,7 +82,7 @@ class HouseBuilder:
 
     def _fittings(self) -> Iterator[Fitting]:
         yield from (opening_fitting(found, self.records.rooms, self.provider) for found in self.records.openings)
-        yield from light_fittings(self.records)
+        yield from light_fittings(self.records, self.provider)
 
     def _kept(self, pieces: Iterable[PlacedPiece]) -> list[PlacedPiece]:
         """Return the pieces that are shown; others are excluded by the options, or larger than the house."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
@@ -10,7 +9,6 @@ from jaxtyping import Float
 from home_mjx.datasets.furniture import FurnitureProvider
 from home_mjx.datasets.procthor.records import Point, ThorHouse, ThorLight, ThorOpening, ThorRoom
 from home_mjx.datasets.procthor.shell import FLOOR, room_polygon, to_plan
-from home_mjx.datasets.suncg.fallbacks.models import BoxModels
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
 from home_mjx.schema.house import Joint, Light, Material, Mesh
 
@@ -19,9 +17,7 @@ WINDOW_DEPTH = 0.14  # [m]
 OPENNESS_STEPS = 4  # number of steps in which doors may be open, so that houses share doors
 PROBE = 0.3  # [m], from a wall to a point in the room beside it
 ROOM_POWER = 3.0  # [W/m^2], mean power of the lights of a house per floor area
-LAMP_EDGE, LAMP_HEIGHT, BULB_DROP = 0.4, 0.03, 0.06  # [m]
-LAMP_BOX = np.array([[-0.5, -1.0, -0.5], [0.5, 0.0, 0.5]]) * (LAMP_EDGE, LAMP_HEIGHT, LAMP_EDGE)
-OPAL = Material("opal", (0.98, 0.96, 0.9), None, 1.0)
+LAMP_SIZE, BULB_DROP = (0.4, 0.1, 0.4), 0.03  # [m], of lamps; distance of the light below its lamp
 
 
 @dataclass(frozen=True)
@@ -87,25 +83,46 @@ def _upright(
     return pose
 
 
-def light_fittings(house: ThorHouse) -> Iterator[Fitting]:
-    """Generate a flat lamp under the ceiling for each point light of a house.
+def light_fittings(house: ThorHouse, provider: FurnitureProvider) -> Iterator[Fitting]:
+    """Generate a lamp under the ceiling for each point light of a house.
 
     The lights of a house have `ROOM_POWER` in the mean, and the ratios of their intensities in the file.
     """
     polygons = [room_polygon(room) for room in house.rooms]
     mean = float(np.mean([light.intensity for light in house.lights])) if house.lights else 1.0
-    box, _ = BoxModels()(Path("object/flat_lamp.obj"), "unknown", LAMP_BOX, False)
     for number, light in enumerate(house.lights):
         room, place = _lit_room(light, polygons)
         if room >= 0:
             power = ROOM_POWER * polygon_area(polygons[room]) * light.intensity / mean
-            bulb = Light("point", power, light.color, (0.0, -BULB_DROP, 0.0))
             pose = np.eye(4)
-            pose[:3, 3] = place[0], house.height + FLOOR - 0.001, place[1]
-            element = f"proceduralParameters.lights[{number}]"
-            yield Fitting(
-                element, "", "unknown", "flat_lamp", box, pose, "a flat lamp", (OPAL,), lights=(bulb,), room=room
-            )
+            pose[:3, 3] = place[0], house.height + FLOOR - LAMP_SIZE[1], place[1]
+            yield _lamp(f"proceduralParameters.lights[{number}]", light, power, pose, room, provider)
+
+
+def _lamp(
+    element: str,
+    light: ThorLight,
+    power: float,
+    pose: Float[np.ndarray, "4 4"],
+    room: int,
+    provider: FurnitureProvider,
+) -> Fitting:
+    piece = provider.piece("lightfixture", "chandelier", LAMP_SIZE, element)
+    assert piece is not None
+    pose[:3, :3] = np.diag(piece.scale)
+    bulb = Light("point", power, light.color, (0.0, -BULB_DROP / piece.scale[1], 0.0))
+    return Fitting(
+        element,
+        "",
+        "chandelier",
+        piece.key,
+        piece.mesh,
+        pose,
+        piece.words,
+        piece.materials,
+        lights=(bulb,),
+        room=room,
+    )
 
 
 def _lit_room(light: ThorLight, polygons: Sequence[Float[np.ndarray, "_ 2"]]) -> tuple[int, Point]:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from thor_houses import database, small_house, thing, write_house
 
-from home_mjx.datasets import ReadOptions, open_dataset, split_of
+from home_mjx.datasets import ReadOptions, open_dataset, split_of, validate_house
 from home_mjx.datasets.procthor.dataset import ProcthorDataset
 from home_mjx.datasets.procthor.parse import parse_house
 from home_mjx.datasets.procthor.shell import room_polygon
@@ -235,6 +235,12 @@ def test_every_room_of_the_sample_is_reached_by_an_agent_of_a_fifth_of_a_metre()
         reached = set(np.unique(house.navigation.room[house.navigation.home_mask]).tolist()) - {-1}
         assert reached == set(range(len(house.rooms.type))), house_id
         assert house.report["objects_outside"] == 0
+
+
+@needs_sample
+def test_the_sample_has_no_faults():
+    dataset = open_dataset(SAMPLE / "houses")
+    assert [finding for name in dataset.house_ids for finding in validate_house(dataset, name)] == []
 
 
 @needs_sample

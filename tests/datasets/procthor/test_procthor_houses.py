@@ -102,7 +102,7 @@ def test_what_was_stood_in_for_is_listed_by_category(house):
 def test_lights_have_the_ratios_and_colours_of_the_file(house):
     """Intensities 0.5 and 1 have the mean 0.75; powers are per area of their rooms, 16 and 9 square metres."""
     _, read = house
-    lights = [light for item in read.levels[0].objects for light in item.lights if item.model_key == "flat_lamp"]
+    lights = [light for item in read.levels[0].objects for light in item.lights]
     assert [light.power for light in lights] == pytest.approx([3 * 16 * 0.5 / 0.75, 3 * 9 / 0.75])
     assert lights[0].color == (1.0, 0.8, 0.6)
 

@@ -2,8 +2,10 @@
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 from tiny_arch import edit_arch, write_tiny_v2
@@ -21,11 +23,12 @@ from tiny_dataset import (
 
 from home_mjx.cli import main
 from home_mjx.datasets.base import Dataset
+from home_mjx.datasets.outlines import RoomOutline, outline_house
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.validate.finding import RULES
 from home_mjx.datasets.suncg.validate.validate import validate_house
-from home_mjx.errors import ConfigError, DatasetError
-from home_mjx.schema.house import Metadata
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import BoxNode, Metadata, Problem
 
 NODES = "levels[0].nodes"
 
@@ -201,7 +204,7 @@ def test_every_rule_has_a_test_below():
         "clamped-value",
         "unreachable-storey",
     }
-    tested = {*HOUSE_CHANGES, *FILE_CHANGES, *ARCH_CHANGES, *in_other_file}
+    tested = {*HOUSE_CHANGES, *FILE_CHANGES, *ARCH_CHANGES, *in_other_file, "tolerated"}
     assert tested == set(RULES)
 
 
@@ -411,15 +414,31 @@ def test_the_real_house(suncg_root):
     ]
 
 
-def test_datasets_of_other_formats_have_no_validator(tmp_path):
+def test_houses_of_other_formats_are_checked_as_they_are_read(tmp_path):
+    """A box outside, a flat one, a member that does not exist, an oddity of the reader, and a house that is broken."""
+
     class Boxes(Dataset):
-        house_ids, metadata = ("box",), Metadata({})
+        house_ids, metadata = ("box", "broken"), Metadata({})
 
         def load_house(self, house_id, options=None):
-            raise NotImplementedError
+            if house_id == "broken":
+                raise DatasetError("no house", file="boxes.txt", element="line 3")
+            house = outline_house(house_id, [RoomOutline("Hall", [(0, 0), (4, 0), (4, 3), (0, 3)])])
+            (level,), (room,) = house.levels, house.levels[0].rooms
+            places = [np.eye(4), np.diag([1.0, 1.0, 0.0, 1.0])]
+            places[0][:3, 3], places[1][:3, 3] = (9, 0.5, 1), (2, 0.5, 1)
+            boxes = [BoxNode(f"0_{i}", i, f"boxes[{i}]", None, np.ones(3), place) for i, place in enumerate(places, 1)]
+            level = replace(level, boxes=tuple(boxes), rooms=(replace(room, members=(7,)),))
+            return replace(house, levels=(level,), problems=(Problem("lines", "too many"),))
 
         def inputs(self):
             raise NotImplementedError
 
-    with pytest.raises(ConfigError, match="`boxes:1` is not in SUNCG's format"):
-        validate_house(Boxes(tmp_path, "boxes:1"), "box")
+    dataset = Boxes(tmp_path, "boxes:1")
+    found = validate_house(dataset, "box")
+    assert [(one.rule, one.element) for one in found] == [
+        *[("member-index", "levels[0].nodes[0]"), ("flat-transform", "boxes[2]")],
+        *[("tolerated", "lines"), ("outside-rooms", "boxes[1]")],
+    ]
+    (broken,) = validate_house(dataset, "broken")
+    assert (broken.rule, broken.file, broken.element) == ("unreadable", "boxes.txt", "line 3")

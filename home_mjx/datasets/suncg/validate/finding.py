@@ -17,6 +17,7 @@ class ValidationRule(NamedTuple):
 RULES: Mapping[str, ValidationRule] = {
     # whole files
     "unreadable": ValidationRule("error", "a file or value that is missing, broken or out of its format"),
+    "tolerated": ValidationRule("warning", "an irregularity that the reader of another format than SUNCG's tolerates"),
     "format-version": ValidationRule("warning", "a version that is neither SUNCG v1 nor v2"),
     "house-id": ValidationRule(
         "error", "an id that is not the name of the folder, by which other readers find the rooms"

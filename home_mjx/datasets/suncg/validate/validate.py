@@ -17,8 +17,9 @@ from home_mjx.datasets.suncg.validate.faces import check_faces
 from home_mjx.datasets.suncg.validate.finding import RULES, ValidationFinding
 from home_mjx.datasets.suncg.validate.materials import check_materials
 from home_mjx.datasets.suncg.validate.meshes import check_joints, check_meshes
+from home_mjx.datasets.suncg.validate.other_formats import validate_records
 from home_mjx.datasets.suncg.validate.rooms import check_rooms
-from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Mesh, Metadata, RoomNode
 
 __all__ = ["RULES", "ValidationFinding", "validate_house"]
@@ -30,10 +31,10 @@ ACCESS = EntryPoint("access", "home_mjx.houses.access:check_access", "home_mjx.h
 def validate_house(dataset: Dataset, house_id: str) -> tuple[ValidationFinding, ...]:
     """Validate a house and the files that it uses: return all faults, errors first.
 
-    Nodes that cannot be read are reported and left out of further checks, so correct them and validate again.
+    Nodes that cannot be read are reported and left out of further checks, so correct them and validate again. Houses
+    of other formats than SUNCG's are checked as their reader returns them.
 
     Raises:
-        ConfigError: The dataset is not in SUNCG's format.
         DatasetError: The house is unknown.
 
     Example:
@@ -41,9 +42,10 @@ def validate_house(dataset: Dataset, house_id: str) -> tuple[ValidationFinding, 
         ...     print(finding.severity, finding)
         error …/house.json: levels[0].nodes[3].bbox.min[2]: 0.57 m from the vertices of the base model [bbox-mismatch]
     """
-    if not isinstance(dataset, SuncgDataset):
-        raise ConfigError(f"`{dataset.name}` is not in SUNCG's format, so there is no validator for it")
     dataset.check_known(house_id)
+    if not isinstance(dataset, SuncgDataset):
+        found = validate_records(dataset, house_id, _access_check())
+        return tuple(sorted(dict.fromkeys(found), key=lambda finding: finding.severity))
     path = house_path(house_id, dataset.assets)
     try:
         document = read_json(path)
