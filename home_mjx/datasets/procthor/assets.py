@@ -3,6 +3,7 @@
 import csv
 import hashlib
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -17,6 +18,8 @@ from home_mjx.errors import DatasetError, MissingFileError
 Edges = tuple[float, float, float]
 FILE = "asset-database.json"
 TYPICAL = Path(__file__).with_name("typical_sizes.csv")
+FOOT = 0.3048  # [m]
+WORKTOP_HEIGHT = 0.94  # [m]
 MIN_EDGE = 0.004  # [m], of the box of a model; a compact disc is thinner
 MAX_EDGE = 20.0  # [m]
 
@@ -61,7 +64,18 @@ class AssetTable:
         if found is not None:
             return found
         word = find_word("ai2thor", kind) or find_word("ai2thor", asset)
-        return ThorAsset(word, typical_sizes().get(word), False)
+        return ThorAsset(word, named_size(asset) or typical_sizes().get(word), False)
+
+
+def named_size(asset: str) -> Edges | None:
+    """Return the size of a worktop [m], whose name has its width and depth in feet; None for other models.
+
+    Example:
+        >>> tuple(round(edge, 2) for edge in named_size("Countertop_L_6x8"))
+        (1.83, 0.94, 2.44)
+    """
+    found = re.fullmatch(r"Countertop_[A-Za-z]+_(\d{1,2})x(\d{1,2})", asset)
+    return None if found is None else (max(int(found[1]), 1) * FOOT, WORKTOP_HEIGHT, max(int(found[2]), 1) * FOOT)
 
 
 @cache

@@ -185,3 +185,37 @@ def test_a_house_without_a_database_has_typical_sizes_and_heights_above_the_floo
     width, _, depth = typical_sizes()["dresser"]
     assert np.ptp(corners(read, shown(read, "Dresser_77")), axis=0) == pytest.approx([width, 1.2, depth], abs=1e-3)
     assert SIZES["Dresser"]["Dresser_1"] != (width, 1.2, depth)
+
+
+def holodeck_house() -> dict:
+    """The small house as Holodeck writes it: corners in loop order, ends of openings stated, kinds in free text."""
+    house = small_house()
+    for entry in house["walls"]:
+        low0, low1, high0, high1 = entry["polygon"]
+        entry["polygon"] = [low0, high0, high1, low1]
+        entry["roomId"] = {"room|2": "master bedroom", "room|3": "kitchen"}[entry["roomId"]]
+    for room, name in zip(house["rooms"], ("master bedroom", "kitchen"), strict=True):
+        room |= {"id": name, "roomType": name, "wallMaterial": {"name": "RedBricks"}}
+    door = house["doors"][0] | {"room0": "kitchen", "room1": "master bedroom"}
+    door["holePolygon"] = [{"x": 9.0, "y": 0, "z": 0}, {"x": 10.0, "y": 2.1, "z": 0}]  # along another segment
+    house["doors"] = [door | {"doorSegment": [[4.0, 2.5], [4.0, 1.5]]}]
+    house["windows"] = []
+    sofa = thing("0f" * 16, "", (1.0, 0.45, 4.0), 90) | {
+        "id": "grey sofa-0 (master bedroom)",
+        "roomId": "master bedroom",
+    }
+    house["objects"] = [sofa | {"vertices": [[50, 300], [150, 300], [150, 500], [50, 500]]}]
+    return house
+
+
+def test_holodecks_dialect_is_read(tmp_path):
+    read = open_dataset(write_house(tmp_path, holodeck_house(), sizes=False)).load_house("house")
+    assert [room.types for room in read.levels[0].rooms] == [("Bedroom",), ("Kitchen",)]
+    door = corners(read, shown(read, "Doorway_1"))
+    frame = door[abs(door[:, 0] - 4.0) < 0.08]
+    assert (-frame[:, 2].max(), -frame[:, 2].min()) == pytest.approx((1.48, 2.52), abs=0.005)
+    sofa = shown(read, "0f" * 16)
+    assert sofa.model_id == "sofa"
+    assert np.ptp(corners(read, sofa), axis=0) == pytest.approx([1.0, 0.9, 2.0], abs=1e-3)
+    assert sofa.index in read.levels[0].rooms[0].members
+    assert all("bricks" in room.walls.materials[0].texture.stem for room in read.levels[0].rooms)
