@@ -1,4 +1,8 @@
-"""Words of other datasets for kinds of objects, mapped to fine categories; the table is `taxonomy.csv`."""
+"""Words of other datasets for kinds of objects, mapped to fine categories; the table is `taxonomy.csv`.
+
+Sources are `ai2thor` (ProcTHOR, Holodeck, MolmoSpaces), `future3d` (3D-FUTURE), `mpcat40` (Matterport3D, HM3D),
+`replicacad` and `robocasa`.
+"""
 
 import csv
 import re
@@ -7,13 +11,19 @@ from functools import cache
 from pathlib import Path
 
 from home_mjx.core.files import read_text
+from home_mjx.schema.categories import FINE
 
 TABLE = Path(__file__).with_name("taxonomy.csv")
 UNKNOWN = "unknown"
-MIN_PART = 3  # minimum length of a word that is found as the start or the end of another one
+MIN_PART, MIN_NAME = 3, 5  # minimum length of a word or, else, of a name that is found as the start or end of a text
+NO_KINDS = (UNKNOWN, "empty")  # categories that are no kinds of objects
 # Fine category -> coarse and NYU40 category, of those that SUNCG v2 added or that no model of furniture has.
 CLASSES: Mapping[str, tuple[str, str]] = {
     "arch": ("arch", "door"),
+    "ceiling": ("ceiling", "ceiling"),
+    "cooker": ("kitchen_appliance", "otherprop"),
+    "lounge_chair": ("chair", "chair"),
+    "wall": ("wall", "wall"),
     "blinds": ("curtain", "blinds"),
     "counter": ("counter", "counter"),
     "door": ("door", "door"),
@@ -52,21 +62,33 @@ def plain_word(text: str) -> str:
 
 
 @cache
+def vocabulary(source: str) -> Mapping[str, str]:
+    """Return the fine category of each word of a source, and of the names of categories themselves.
+
+    Example:
+        >>> vocabulary("ai2thor")["tablelamp"]
+        'table_lamp'
+    """
+    return {**{plain_word(name): name for name in FINE if name not in NO_KINDS}, **taxonomy(source)}
+
+
+@cache
 def find_word(source: str, text: str) -> str:
-    """Return the word of a source that a text is, begins with or ends with, the longest one; "" if there is none.
+    """Return the word of `vocabulary` that a text is, begins with or ends with, the longest one; "" if there is none.
+
+    In a text of several words the last one counts.
 
     Example:
         >>> find_word("ai2thor", "RoboTHOR_dining_table_jokkmokk_v"), find_word("ai2thor", "wooden sofa-0")
         ('diningtable', 'sofa')
     """
-    words, plain = taxonomy(source), plain_word(text)
+    words, plain = vocabulary(source), plain_word(text)
     if plain in words:
         return plain
-    long = [word for word in words if len(word) >= MIN_PART]
-    for found in ([w for w in long if plain.startswith(w)], [w for w in long if plain.endswith(w)]):
-        if found:
-            return max(found, key=len)
-    return ""
+    long = [word for word in words if len(word) >= (MIN_PART if word in taxonomy(source) else MIN_NAME)]
+    ends = [word for word in long if plain.endswith(word)]
+    starts = [word for word in long if plain.startswith(word)] if " " not in text or not ends else []
+    return max((*ends, *starts), key=len, default="")
 
 
 def fine_category(source: str, text: str) -> str:
@@ -76,4 +98,4 @@ def fine_category(source: str, text: str) -> str:
         >>> fine_category("ai2thor", "Dresser"), fine_category("ai2thor", "Unicorn")
         ('dresser', 'unknown')
     """
-    return taxonomy(source).get(find_word(source, text), UNKNOWN)
+    return vocabulary(source).get(find_word(source, text), UNKNOWN)

@@ -14,7 +14,7 @@ from home_mjx.datasets.procthor.records import ThorObject, ThorRoom
 from home_mjx.datasets.procthor.shell import FLOOR, room_polygon
 from home_mjx.datasets.procthor.supports import find_support, push_from_walls
 from home_mjx.datasets.suncg.fallbacks.models import BoxModels
-from home_mjx.datasets.taxonomy import UNKNOWN, taxonomy
+from home_mjx.datasets.taxonomy import UNKNOWN, vocabulary
 
 UNKNOWN_SIZE = (0.4, 0.4, 0.4)  # [m], of a thing of unknown kind and size
 MIN_DOUBLE_WIDTH = 1.2  # [m], of a double bed
@@ -59,7 +59,7 @@ class PiecePlacer:
     def _piece(self, thing: ThorObject, is_carried: bool = False) -> PlacedPiece:
         asset = self.assets.find(thing.asset, thing.kind)
         turn = unity_turn(thing.rotation)
-        fine = taxonomy("ai2thor").get(asset.word, UNKNOWN)
+        fine = vocabulary("ai2thor").get(asset.word, UNKNOWN)
         size = _size(thing, asset, fine, turn)
         if fine == "double_bed" and size[0] < MIN_DOUBLE_WIDTH:
             fine = "single_bed"
