@@ -99,7 +99,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
         UnknownNameError: No dataset has this scheme.
         ConfigError: The text after the scheme is not valid.
         MissingFileError: The folder does not exist or holds no house.
-        DatasetError: No folder was given, or the path is a file.
+        DatasetError: No folder was given, or the path is a file that no dataset recognizes.
 
     Example:
         >>> open_dataset("procedural:2?seed=3").house_ids[0]
@@ -117,11 +117,12 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
     for known in _known_formats():
         if known.recognizes is not None and path.exists() and known.recognizes(path):
             return known.open(str(path))
+    if not os.path.exists(path):
+        hint = (_name_hint(str(name)) if name is not None else None) or f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
+        raise MissingFileError("dataset root is not a folder", file=path, hint=hint)
     if not path.is_dir():
-        kind = DatasetError if os.path.exists(path) else MissingFileError
-        hint = _name_hint(str(name)) if kind is MissingFileError and name is not None else None
-        hint = hint or f"Correct the path or {ROOT_VARIABLE}. {LAYOUT}"
-        raise kind("dataset root is not a folder", file=path, hint=hint)
+        hint = "Name a folder, or a file of houses with its scheme, such as `procthor:PATH`."
+        raise DatasetError("dataset root is not a folder, nor a file of a known format", file=path, hint=hint)
     return find_format(SUNCG.name).open(str(path))
 
 

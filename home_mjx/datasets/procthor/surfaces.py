@@ -11,7 +11,7 @@ from home_mjx.schema.house import Material
 FAMILIES: tuple[tuple[str, str, str], ...] = (
     ("brick", "bricks", "bricks"),
     ("marble", "marble", "marble"),
-    ("granite", "stone", "stone"),
+    ("granite", "marble", "marble"),
     ("stone", "stone", "stone"),
     ("slate", "stone", "stone"),
     ("porcelain", "tile", "tile"),

@@ -102,6 +102,15 @@ def test_missing_files_and_splits_are_refused(tmp_path):
         _ = ProcthorDataset(f"{path}?first=1").house_ids
 
 
+def test_files_of_other_formats_are_not_recognised(tmp_path):
+    path = tmp_path / "notes.json"
+    path.write_text('{"notes": []}')
+    with pytest.raises(DatasetError, match="nor a file of a known format"):
+        open_dataset(path)
+    write_house(tmp_path)
+    assert open_dataset(tmp_path).house_ids == ("house",)  # of the folder, the database and the notes are no houses
+
+
 def change(house: dict, path: str, value: object) -> None:
     """Set the value at a path such as `rooms.0.id`, or delete the key if the value is `...`."""
     *parents, last = [int(key) if key.isdigit() else key for key in path.split(".")]
