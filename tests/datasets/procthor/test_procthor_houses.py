@@ -213,3 +213,19 @@ def test_holodecks_dialect_is_read(tmp_path):
     assert np.ptp(corners(read, sofa), axis=0) == pytest.approx([1.0, 0.9, 2.0], abs=1e-3)
     assert sofa.index in read.levels[0].rooms[0].members
     assert all("bricks" in room.walls.materials[0].texture.stem for room in read.levels[0].rooms)
+
+
+@pytest.mark.slow
+def test_pointnav_steps_in_it(tmp_path):
+    import jax
+
+    import home_mjx
+
+    env = home_mjx.make("PointNav-v0", f"procthor:{write_house(tmp_path)}", sensors=("goal",), impl="kinematic")
+    states = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 4))
+    step = jax.jit(jax.vmap(env.step))
+    before = np.asarray(states.metrics["distance"])
+    for _ in range(5):
+        states = step(states, np.tile(np.array([1.0, 0.0, 0.0, 0.0], np.float32), (4, 1)))
+    assert np.isfinite(before).all()
+    assert (np.asarray(states.metrics["distance"]) != before).any()
