@@ -35,7 +35,8 @@ class Bake(Protocol):
 
     A bake may have `substitutes`, a tuple of bakes with other options. The first of these with a stored record replaces
     the bake's own. A bake may have a `platform`, the JAX backend on which every record is made; without it that is the
-    default backend.
+    default backend. A bake may have a method `extra_key(house)`, which returns bytes that stand for what the record
+    depends on besides arrays of the house, such as textures.
 
     Example:
         >>> class FloorArea:  # doctest: +SKIP
@@ -269,4 +270,6 @@ def bake_entry(bake: Bake, house: CompiledHouse) -> Path:
     meshes = [house.models[name].triangle for name in sorted(house.models)]
     for array in (*(arrays[name] for name in sorted(arrays)), *meshes):
         key.update(np.ascontiguousarray(array).tobytes())
+    extra = getattr(bake, "extra_key", None)
+    key.update(extra(house) if extra is not None else b"")
     return cache_folder() / "bakes" / bake.name / f"{key.hexdigest()}.zip"

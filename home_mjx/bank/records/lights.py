@@ -1,7 +1,7 @@
 """Light records of a bank."""
 
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int
+from jaxtyping import Array, Bool, Float, Int, UInt32
 
 from home_mjx.bank.records.physics import PADDING_POS
 from home_mjx.core.pytree import Pytree, array
@@ -30,3 +30,31 @@ class Lights(Pytree):
     ambient: Float[Array, "h rooms_and_none 2 3"] = array(
         "[W/m^2] by room + 1 and source: lamps, daylight", source="lights.ambient"
     )
+
+
+LIGHT_PROBES = "light_probes"  # name of the bake whose record is a `LightProbes`
+NUM_KEY_LAMPS = 2  # lamps of a room whose direct light is not in its probes
+# Light groups: lamps of the probe's room and of others; sky at the zenith with the ground, at the horizon; suns.
+OWN_LAMPS, OTHER_LAMPS, ZENITH, HORIZON, SUNS = range(5)
+SUN_AZIMUTHS = (10.0, 70.0, 130.0, 190.0, 250.0, 310.0)  # [degrees], equally spaced
+SUN_ELEVATION = 35.0  # [degrees]
+NUM_GROUPS = SUNS + len(SUN_AZIMUTHS)
+
+
+class LightProbes(Pytree):
+    """Baked light at points of every house's rooms, one lattice of probes per room.
+
+    A probe has the irradiance on planes that face +x, -x, +y, -y, +z and -z, per light group: of lamps in [W/m^2], of
+    sky groups per radiance of the sky, of suns per normal irradiance. Sky groups have white horizon and the shader's
+    zenith and ground. Direct light of suns and of `keys` is not in it. A room's probes follow each other, z fastest,
+    then y.
+    """
+
+    light: UInt32[Array, "h probes groups 6"]  # colours packed as by `light_probes.field.pack_colors`
+    room: Int[Array, "h probes"]
+    first: Int[Array, "h rooms"]  # first probe of a room; -1 none
+    origin: Float[Array, "h rooms 3"]  # [m], its position
+    step: Float[Array, "h rooms 3"]  # [m], distances to the next probes
+    count: Int[Array, "h rooms 3"]  # numbers of probes along the axes, at least 2
+    keys: Int[Array, "h rooms k"]  # rows of the light table of the lamps that need shadow rays; -1 none
+    spill: Float[Array, "h rooms rooms"]  # shares of the other rooms' lamps in group `OTHER_LAMPS`; rows sum to 1 or 0

@@ -11,7 +11,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float, Int, Shaped
+from jaxtyping import Array, Bool, Int, Shaped
 
 from home_mjx.core.pytree import Pytree
 
@@ -92,7 +92,7 @@ def take(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int
     return table.reshape(-1).at[index].get(mode="promise_in_bounds", wrap_negative_indices=False)
 
 
-def take_vec(table: Float[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Vec:
+def take_vec(table: Shaped[Array, "n *row"], index: Int[Array, "*rays"], *place: int) -> Vec:
     """Return the vectors table[index, *place, :3]; undefined for indices outside 0..n-1."""
     return Vec(*(take(table, index, *place, i) for i in range(3)))
 

@@ -55,6 +55,7 @@ class Shader(Protocol):
     Attributes:
         name: Name for `shader=`.
         needs: Names of the bakes that it reads from `scene.bank.bakes`.
+        uses: Names of the bakes that it reads where the bank has them; `make` adds them, too.
         overrides: Fields of `AppearanceOverrides` about lights that change its images.
 
     Example:
@@ -72,6 +73,7 @@ class Shader(Protocol):
 
     name: ClassVar[str]
     needs: ClassVar[tuple[str, ...]] = ()
+    uses: ClassVar[tuple[str, ...]] = ()
     overrides: ClassVar[frozenset[str]] = frozenset()
 
     def radiance(self, scene: Scene, rays: CameraRays) -> Vec:

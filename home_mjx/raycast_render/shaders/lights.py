@@ -1,7 +1,8 @@
 """Direct light at surface points from the lights of a house."""
 
+import functools
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -60,6 +61,19 @@ class ShadingPoint(Pytree):
     room: Int[Array, "*rays"]
 
 
+class KeyLamps(NamedTuple):
+    """Lamps that light each room with shadow rays, while probes hold the light of the others."""
+
+    rows: Int[Array, "rooms k"]  # rows of the light table; -1 none
+    count: int  # lights per point
+
+    def includes(self, number: Int[Array, ""], room: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
+        """Return whether light `number` is a key lamp of rooms; at points outside of rooms all are."""
+        row = jnp.clip(room, 0, self.rows.shape[0] - 1)
+        among = [take(self.rows, row, place) == number for place in range(self.rows.shape[1])]
+        return functools.reduce(jnp.logical_or, among, room < 0)
+
+
 class IncidentLight(Pytree):
     """Incident light at points, summed over lights: irradiance, and radiance reflected towards the viewer."""
 
@@ -107,7 +121,12 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
 
 
 def lamp_light(
-    scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, count: int
+    scene: Scene,
+    lights: PlacedLights,
+    point: ShadingPoint,
+    spread: LightSample,
+    count: int,
+    keys: KeyLamps | None = None,
 ) -> IncidentLight:
     """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`; 0 for none.
 
@@ -118,7 +137,7 @@ def lamp_light(
         none = point.pos.map(jnp.zeros_like)
         return IncidentLight(none, none)
     # The barriers prevent recomputation for every light and on the other side of the cast.
-    key = jax.lax.optimization_barrier(select_lights(lights, point, count))
+    key = jax.lax.optimization_barrier(select_lights(lights, point, count, keys))
     chosen = key & (2**INDEX_BITS - 1)
     light = jax.tree.map(lambda column: take(column, chosen), lights)
     at = jax.tree.map(lambda x: jnp.broadcast_to(x[None], key.shape), point)
@@ -144,8 +163,12 @@ def lamp_light(
     return IncidentLight(arriving(strength), arriving(gloss))
 
 
-def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[Array, "k *rays"]:
+def select_lights(
+    lights: PlacedLights, point: ShadingPoint, count: int, keys: KeyLamps | None = None
+) -> Int[Array, "k *rays"]:
     """Select the lights with the highest estimated irradiance at each point, without occlusion, brightest first.
+
+    With `keys` only these and a lamp's light on its own surfaces.
 
     Those of other rooms are weighted by `OTHER_ROOM_WEIGHT`; a lamp has high priority on its own surfaces. Of lights
     equal but for the lowest `INDEX_BITS` bits of irradiance, the one with the higher index comes first.
@@ -166,7 +189,7 @@ def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[
         """Insert the keys of one line of lights into the best keys, which are in descending order."""
         for i in range(LIGHTS_PER_STEP):
             light, number = jax.tree.map(lambda column, i=i: column[i], line)
-            key = _light_key(light, number, point)
+            key = _light_key(light, number, point, keys)
             for place, other in enumerate(best):
                 best = [*best[:place], jnp.maximum(other, key), *best[place + 1 :]]
                 key = jnp.minimum(other, key)
@@ -237,7 +260,9 @@ def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
     return (point.shininess + 8) / (8 * math.pi) * jnp.exp(point.shininess * jnp.log(cosine))
 
 
-def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint) -> Int[Array, "*rays"]:
+def _light_key(
+    light: PlacedLights, number: Int[Array, ""], point: ShadingPoint, keys: KeyLamps | None
+) -> Int[Array, "*rays"]:
     """Return a sortable key: upper bits of a light's estimated irradiance (0 for padding), then its index, `number`.
 
     Lights of other rooms count `OTHER_ROOM_WEIGHT`; at points outside of rooms, all count fully. On a lamp's own
@@ -257,6 +282,8 @@ def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint)
     strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead * per_fall, 0.0)
     here = (light.room == point.room) | (point.room < 0)
     strength = jnp.where(here, strength, OTHER_ROOM_WEIGHT * strength)
+    if keys is not None:
+        strength = jnp.where(keys.includes(number, point.room), strength, 0.0)
     strength = jnp.where(_is_own_lamp(light, point.instance), light.power / MIN_LIGHT_DISTANCE**2, strength)
     bits = jax.lax.bitcast_convert_type(jnp.where(light.instance >= 0, strength, 0.0), jnp.int32)
     return (bits & -(2**INDEX_BITS)) | number

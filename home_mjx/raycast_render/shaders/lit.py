@@ -1,6 +1,7 @@
-"""The shader `lit`: direct light with shadows, glass, mirrors, specular highlights and filtered textures.
+"""The shader `lit`: direct light with shadows, baked indirect light, glass, mirrors, highlights, filtered textures.
 
-Global illumination would replace `_ambient`; all other terms are direct light.
+Where the bank has light probes, they give indirect light, that of the sky, and that of all but two lamps. Without them
+windows are lights, and indirect light is uniform within a room.
 """
 
 import math
@@ -11,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from home_mjx.bank.records.lights import LIGHT_PROBES, NUM_KEY_LAMPS, LightProbes
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras.camera import pixel_footprint
@@ -35,6 +37,13 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import lights, texture
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, register_shader
+from home_mjx.raycast_render.shaders.probes import (
+    Daylight,
+    mix_groups,
+    open_irradiance,
+    probe_irradiance,
+    probe_room,
+)
 from home_mjx.raycast_render.shaders.specular import PathState, start_path, trace_specular
 from home_mjx.raycast_render.shaders.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
@@ -63,7 +72,8 @@ class LitShader(Shader):
 
     Attributes:
         num_lights: Lights per point, those with the highest unoccluded irradiance; lights of other rooms are weighted
-            by 0.1. A shadow ray tests each light, so none shines through walls.
+            by 0.1. A shadow ray tests each light, so none shines through walls. With light probes at most two, those
+            that give each room the most light.
         max_specular_depth: Maximum number of specular events: glass and mirrors.
         sun: Normal irradiance of the sun [W/m^2]; 0 disables the sun and its rays.
         sun_azimuth: Direction to the sun from +x towards +y [degrees].
@@ -80,6 +90,7 @@ class LitShader(Shader):
     """
 
     name: ClassVar[str] = "lit"
+    uses: ClassVar[tuple[str, ...]] = (LIGHT_PROBES,)
     overrides: ClassVar[frozenset[str]] = frozenset({"lamps", "daylight", "sun_azimuth", "sun_elevation"})
 
     num_lights: int = 4
@@ -135,12 +146,19 @@ class LitShader(Shader):
         color = _diffuse_reflectance(scene, path, frame, row, growth)
         # The barrier prevents recomputation of the surface for every light.
         point, color, row = jax.lax.optimization_barrier((point, color, row))
-        placed = lights.place_lights(scene, self.sky)
-        got = lights.lamp_light(scene, placed, point, sample, self.num_lights)
+        probes = scene.bank.bakes.get(LIGHT_PROBES)
+        if probes is None:
+            indirect = _ambient(scene, point, sample, self)
+            got = lights.lamp_light(scene, lights.place_lights(scene, self.sky), point, sample, self.num_lights)
+        else:
+            point = point.replace(room=probe_room(scene, point))
+            indirect = _from_probes(scene, probes, point, self) * _near_blocking(scene, point, sample, self)
+            keys = lights.KeyLamps(probes.keys[scene.house], min(self.num_lights, NUM_KEY_LAMPS))
+            got = lights.lamp_light(scene, lights.place_lights(scene, 0.0), point, sample, keys.count, keys)
         if self.sun > 0:
             sun = lights.sun_light(scene, point, sample, self.sun, self.sun_azimuth, self.sun_elevation)
             got = jax.tree.map(jnp.add, got, sun)
-        diffuse = got.diffuse + _ambient(scene, point, sample, self)
+        diffuse = got.diffuse + indirect
         light = color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
         above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
         return path.throughput * select(path.hit.instance < 0, above, light)
@@ -244,10 +262,9 @@ def _diffuse_reflectance(
 
 
 def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSample, options: LitShader) -> Vec:
-    """Return the irradiance [W/m^2] by interreflection: uniform within a room.
+    """Return the irradiance [W/m^2] by interreflection without probes: uniform within a room.
 
-    Points outside all rooms have that of row 0 of the table. With `ao_radius` and `spread`, it is times
-    `MEAN_REFLECTANCE` where one random ray per point is blocked within that distance.
+    Points outside all rooms have that of row 0 of the table.
     """
     table = scene.bank.lights.ambient
     place = scene.house * table.shape[1] + jnp.clip(point.room + 1, 0, table.shape[1] - 1)
@@ -255,16 +272,44 @@ def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSampl
     daylight = daylight * Vec(*lights.SKY_COLOR) * options.sky
     lamps = scale_lamps(scene.appearance, lamps, jnp.bool_(False), point.room)
     daylight = scale_lamps(scene.appearance, daylight, jnp.bool_(True), point.room)
-    received = (lamps + daylight) * options.ambient
+    return (lamps + daylight) * options.ambient * _near_blocking(scene, point, spread, options)
+
+
+def _from_probes(scene: Scene, probes: LightProbes, point: lights.ShadingPoint, options: LitShader) -> Vec:
+    """Return the irradiance [W/m^2] by reflections, the sky and far lamps: of probes; outdoors of the open sky."""
+    day = _daylight(scene, options)
+    mixed = mix_groups(probes, scene.house, scene.appearance, day)
+    inside = probe_irradiance(probes, mixed, scene.house, point.pos, point.shading, point.room)
+    outside = open_irradiance(day, Vec(*ZENITH_COLOR), Vec(*GROUND_COLOR), point.shading)
+    return select(point.room < 0, outside, inside) * options.ambient
+
+
+def _daylight(scene: Scene, options: LitShader) -> Daylight:
+    """Return the daylight of the environment."""
+    look, redness = scene.appearance, sun_redness(options.sun_elevation)
+    turned = None if look is None else look.sun_azimuth
+    factor = 1.0 if look is None or look.daylight is None else look.daylight
+    return Daylight(
+        sky=factor * options.sky,
+        horizon=lights.mix_colors(HORIZON_COLOR, DUSK_COLOR, redness),
+        sun=lights.mix_colors(lights.SUN_COLOR, lights.SUNSET_COLOR, redness) * (factor * options.sun),
+        azimuth=options.sun_azimuth if turned is None else jnp.rad2deg(turned),
+    )
+
+
+def _near_blocking(
+    scene: Scene, point: lights.ShadingPoint, spread: lights.LightSample, options: LitShader
+) -> Float[Array, "*rays"] | float:
+    """Return `MEAN_REFLECTANCE` where one random ray per point is blocked within `ao_radius`, else 1."""
     if options.ao_radius <= 0 or spread is None:
-        return received
+        return 1.0
     near = occluded(
         scene,
         (point.pos + point.normal * lights.SHADOW_BIAS).pack(),
         _cosine_direction(point.shading, spread).pack(),
         t_max=jnp.where(point.instance < 0, -1.0, options.ao_radius),
     )
-    return received * jnp.where(near, MEAN_REFLECTANCE, 1.0)
+    return jnp.where(near, MEAN_REFLECTANCE, 1.0)
 
 
 def _cosine_direction(normal: Vec, spread: Float[Array, "*rays 2"]) -> Vec:

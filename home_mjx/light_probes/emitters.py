@@ -1,0 +1,154 @@
+"""Sources of light of one house in the world: lamps, and the directional groups of sky and sun."""
+
+import hashlib
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.bank.records.lights import SUN_AZIMUTHS, SUN_ELEVATION
+from home_mjx.core.color import decode_srgb
+from home_mjx.core.images import read_texture
+from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+
+BULB_RADIUS = 0.05  # [m], of a lamp that has no extent
+MEAN_COLOR_EDGE = 16  # [px], to which a texture is reduced before the mean of its colours is taken
+ZENITH_COLOR, GROUND_COLOR = np.array([0.45, 0.68, 1.0]), np.array([0.2, 0.21, 0.16])  # as of the shader `lit`
+
+
+@dataclass(frozen=True)
+class Lamps:
+    """Lamps of a house; fields as of `schema.lighting.LightTable`, but in the world."""
+
+    number: Int[np.ndarray, " k"]  # row in the table
+    pos: Float[np.ndarray, "k 3"]
+    axis_u: Float[np.ndarray, "k 3"]
+    axis_v: Float[np.ndarray, "k 3"]
+    direction: Float[np.ndarray, "k 3"]
+    intensity: Float[np.ndarray, "k 3"]
+    exponent: Float[np.ndarray, " k"]
+    cutoff: Float[np.ndarray, " k"]
+    room: Int[np.ndarray, " k"]
+    carrier: Int[np.ndarray, " k"]
+
+
+def place_lamps(house: CompiledHouse) -> Lamps:
+    """Return the lamps of a house that emit, with their models as placed."""
+    table = house.lights
+    number = np.flatnonzero(~table.daylight & (table.intensity.max(axis=1, initial=0) > 0))
+    carrier = table.instance[number]
+    pose = house.instances.pose[np.maximum(carrier, 0)]
+
+    def turn(vectors: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "k 3"]:
+        """Return the lamps' rows of a column of vectors, rotated to the world."""
+        return np.einsum("kij,kj->ki", pose[..., :3], vectors[number])
+
+    aim = turn(table.direction)
+    return Lamps(
+        number.astype(np.int32),
+        turn(table.pos) + pose[..., 3],
+        turn(table.axis_u),
+        turn(table.axis_v),
+        aim / np.maximum(np.linalg.norm(aim, axis=1, keepdims=True), 1e-9),
+        table.intensity[number],
+        table.exponent[number],
+        table.cutoff[number],
+        table.room[number],
+        carrier,
+    )
+
+
+def lamp_models(lamps: Lamps) -> Int[np.ndarray, " m"]:
+    """Return the instances that carry lamps; light passes through them, as `lit` has it for each lamp's own."""
+    return np.unique(lamps.carrier[lamps.carrier != ARCHITECTURE])
+
+
+def sample_lamp(
+    lamps: Lamps, k: int, points: Float[np.ndarray, "n 3"], random: Float[np.ndarray, "n 2"], least: float
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+    """Return vectors to a point on lamp `k` [m], shares of its intensity over the squared distance [1/m²], and reach.
+
+    That is the fraction of the way that a shadow ray tests. `random` is uniform in [-1, 1]; distances count as at
+    least `least` [m].
+    """
+    target = lamps.pos[k] + random[:, :1] * lamps.axis_u[k] + random[:, 1:] * lamps.axis_v[k]
+    if not lamps.axis_v[k].any():
+        target = target + BULB_RADIUS * _on_sphere(random)
+    way = (target - points).astype(np.float32)
+    square = np.einsum("ij,ij->i", way, way)
+    distance = np.sqrt(np.maximum(square, 1e-8))
+    cosine = -(way @ lamps.direction[k].astype(np.float32)) / distance
+    profile = np.where(cosine >= lamps.cutoff[k], np.maximum(cosine, 1e-6) ** np.float32(lamps.exponent[k]), 0)
+    return way, profile / np.maximum(square, np.float32(least**2)), np.maximum(1 - 1.1 * BULB_RADIUS / distance, 0)
+
+
+def _on_sphere(random: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:
+    """Map points of [-1, 1]² to unit vectors of uniform distribution."""
+    z, turn = random[:, 0], np.pi * random[:, 1]
+    ring = np.sqrt(np.maximum(1 - z * z, 0))
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1)
+
+
+def sun_directions() -> Float[np.ndarray, "s 3"]:
+    """Return unit vectors to the suns of the sun groups."""
+    turn, rise = np.radians(SUN_AZIMUTHS), math.radians(SUN_ELEVATION)
+    return np.stack(
+        [np.cos(turn) * math.cos(rise), np.sin(turn) * math.cos(rise), np.full(len(turn), math.sin(rise))], 1
+    )
+
+
+def sky_groups(way: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 2 3"]:
+    """Return the radiance of the two sky groups in unit directions: zenith with ground, and white horizon."""
+    high = np.sqrt(np.clip(way[:, 2:], 0, 1))
+    zenith = np.where(way[:, 2:] >= 0, high * ZENITH_COLOR, GROUND_COLOR)
+    return np.stack([zenith, np.where(way[:, 2:] >= 0, 1 - high, 0) * np.ones(3)], axis=1)
+
+
+def open_sky(up: Float[np.ndarray, " n"]) -> Float[np.ndarray, "n 2 3"]:
+    """Return the irradiance by the sky groups without obstacles, for normals whose z component is `up`.
+
+    Exact for up = -1, 0 and 1, quadratic between them: integrals of the radiance times the cosine.
+    """
+    up = up[:, None]
+    ground, zenith, total = np.pi * (1 - up) / 2, _through(up, 0.9585, 0.8 * np.pi), np.pi * (1 + up) / 2
+    return np.stack([zenith * ZENITH_COLOR + ground * GROUND_COLOR, (total - zenith) * np.ones(3)], axis=1)
+
+
+def _through(x: Float[np.ndarray, "n 1"], middle: float, end: float) -> Float[np.ndarray, "n 1"]:
+    """Return the quadratic that is 0, `middle` and `end` at x = -1, 0 and 1."""
+    return middle + x * end / 2 + x * x * (end / 2 - middle)
+
+
+def mean_colors(house: CompiledHouse) -> Float[np.ndarray, "r 3"]:
+    """Return the mean diffuse reflectance of each material row: its colour times the mean of its texture."""
+    table = house.materials
+    texture = np.array([_mean_color(*_stamp(path)) if path else (1.0, 1.0, 1.0) for path in table.texture])
+    return (decode_srgb(table.albedo[:, :3]) * texture.reshape(-1, 3)).astype(np.float32)
+
+
+def texture_digest(house: CompiledHouse) -> bytes:
+    """Return a digest of the content of all textures of a house, by material row."""
+    return b"".join(_digest(*_stamp(path)) if path else bytes(1) for path in house.materials.texture)
+
+
+def _stamp(path: str) -> tuple[str, int, int]:
+    """Return a file's path, size and time of change, by which readings of it are kept."""
+    stat = Path(path).stat()
+    return path, stat.st_size, stat.st_mtime_ns
+
+
+@lru_cache(maxsize=4096)
+def _digest(path: str, _size: int, _time: int) -> bytes:
+    """Return the SHA-256 digest of a file."""
+    return hashlib.sha256(Path(path).read_bytes()).digest()
+
+
+@lru_cache(maxsize=4096)
+def _mean_color(path: str, _size: int, _time: int) -> tuple[float, ...]:
+    """Return the mean linear colour of an image, weighted by opacity."""
+    pixels = read_texture(Path(path), MEAN_COLOR_EDGE).reshape(-1, 4) / 255
+    weight = np.maximum(pixels[:, 3:], 1e-6)
+    return tuple((decode_srgb(pixels[:, :3]) * weight).sum(axis=0) / weight.sum())

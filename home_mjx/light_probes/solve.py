@@ -1,0 +1,198 @@
+"""The bake of one house: rays from all probes once, direct light at their hits, then passes of reflected light.
+
+Every source of light is traced for itself and every lamp at every hit, so that the light of a group does not depend on
+the others. Work is split by blocks of probes whose sums do not depend on the number of threads.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.bank.records.lights import NUM_GROUPS, NUM_KEY_LAMPS, OTHER_LAMPS, OWN_LAMPS, ZENITH
+from home_mjx.core.workers import map_threads
+from home_mjx.geometry.rotations import quat_matrix
+from home_mjx.light_probes.direct import MIN_PROBE_DISTANCE, light_surfaces
+from home_mjx.light_probes.emitters import Lamps, lamp_models, place_lamps, sample_lamp, sky_groups
+from home_mjx.light_probes.field import ProbeField
+from home_mjx.light_probes.kernels import compile_kernels
+from home_mjx.light_probes.lattice import ProbeLattice, find_donors, locate, place_probes
+from home_mjx.light_probes.options import ProbeOptions
+from home_mjx.light_probes.ray_scene import RayScene
+from home_mjx.light_probes.surfaces import PROBE_OFFSET, SurfacePoints, SurfaceTables
+from home_mjx.schema.compiled import CompiledHouse
+
+BLOCK = 64  # probes per task
+MAX_BACK_SHARE = 0.25  # share of rays that hit backs of surfaces, beyond which a probe is inside a solid
+MAX_PASSES = 40
+MAX_RATIO = 0.95  # of what successive passes add; the rest of this series is added to the last pass
+COHERENT = 8  # directions per packet of rays
+
+
+@dataclass(frozen=True)
+class Gathered:
+    """Light of a block of probes without reflections, and surfaces that its rays hit; see `kernels.reflect`."""
+
+    base: Float[np.ndarray, "b 6 lanes"]
+    back: Float[np.ndarray, " b"]
+    received: Float[np.ndarray, "r k"]
+    spill: Float[np.ndarray, "r s"]
+    rays: tuple[np.ndarray, ...]
+
+
+def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: ProbeOptions) -> ProbeField:
+    """Bake the probes of house `index` of a bank."""
+    lattice, lamps = place_probes(house.rooms, options.spacing), place_lamps(house)
+    scene, tables = RayScene.from_bank(bank, index, lamp_models(lamps)), SurfaceTables.from_bank(bank, house)
+    turns = _rotations(len(lattice.pos), options.seed)
+    used = np.flatnonzero(lattice.inside)
+    blocks = [used[i : i + BLOCK] for i in range(0, len(used), BLOCK)]
+    parts = map_threads(lambda rows: _gather(scene, tables, lattice, lamps, rows, turns[rows], options), blocks)
+    valid = np.zeros(len(lattice.pos), bool)
+    valid[used] = np.concatenate([part.back for part in parts] or [np.zeros(0)]) <= MAX_BACK_SHARE
+    donors = find_donors(lattice, valid)
+    light = _passes(lattice, blocks, parts, donors, options.change)
+    rooms = len(house.rooms.type)
+    received = sum((part.received for part in parts), np.zeros((rooms, len(lamps.number))))
+    keys = _key_lamps(received)
+    light += _fill(_direct_at_probes(scene, lattice, lamps, keys, valid), donors)
+    spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
+    rows = np.append(lamps.number, -1)
+    return ProbeField.pack(lattice, light, valid, rows[keys].astype(np.int32), spill)
+
+
+def _gather(
+    scene: RayScene,
+    tables: SurfaceTables,
+    lattice: ProbeLattice,
+    lamps: Lamps,
+    rows: Int[np.ndarray, " b"],
+    turns: Float[np.ndarray, "b 3 3"],
+    options: ProbeOptions,
+) -> Gathered:
+    """Trace the rays of the probes `rows`, and sum the light that their hits reflect of lamps, sun and open sky."""
+    way = np.einsum("bij,rj->bri", turns, _directions(options.rays)).reshape(-1, 3)
+    origin = np.repeat(lattice.pos[rows], options.rays, axis=0)
+    hits = scene.nearest(origin, way)
+    points = tables.points(lattice, origin, way, hits)
+    own = np.repeat(lattice.room[rows], options.rays)
+    stream = options.seed, int(rows[0])
+    found = light_surfaces(scene, lamps, points, own, len(lattice.first), stream)
+    sent = found.light.reshape(-1, NUM_GROUPS, 3) * (points.albedo / np.pi)[:, None] * points.seen[:, None, None]
+    sent[:, ZENITH : ZENITH + 2] += np.where(points.seen[:, None, None], 0, sky_groups(way))
+    cosine = face_cosines(way).reshape(len(rows), -1, 6)
+    cosine *= np.pi / cosine.sum(axis=1, keepdims=True)
+    base = np.einsum("brf,brl->bfl", cosine, sent.reshape(len(rows), options.rays, -1))
+    cell, fraction = locate(lattice, points.pos + points.normal * PROBE_OFFSET, points.room)
+    return Gathered(
+        base.astype(np.float32),
+        (points.seen & ~hits.front).reshape(len(rows), -1).mean(axis=1),
+        found.received,
+        found.spill,
+        _reflect_rows(lattice, np.where(points.seen, cell, -1), fraction, points, way, own),
+    )
+
+
+def _reflect_rows(
+    lattice: ProbeLattice,
+    cell: np.ndarray,
+    fraction: np.ndarray,
+    points: SurfacePoints,
+    way: np.ndarray,
+    own: np.ndarray,
+) -> tuple[np.ndarray, ...]:
+    """Return the arrays of `kernels.reflect` from `cell` to `foreign`."""
+    count = lattice.count[np.maximum(points.room, 0)]
+    stride = np.stack([count[:, 1] * count[:, 2], count[:, 2]], axis=1).astype(np.int64)
+    real = (np.ascontiguousarray(x, np.float32) for x in (points.normal, points.albedo, way))
+    return cell.astype(np.int64), fraction, stride, *real, points.room != own
+
+
+def _passes(
+    lattice: ProbeLattice,
+    blocks: list[np.ndarray],
+    parts: list[Gathered],
+    donors: tuple[np.ndarray, ...],
+    change: float,
+) -> Float[np.ndarray, "p 6 lanes"]:
+    """Repeat reflections until the last pass changes each group by less than `change`; return the light of probes."""
+    base = np.zeros((len(lattice.pos), 6, NUM_GROUPS * 3), np.float32)
+    for rows, part in zip(blocks, parts, strict=True):
+        base[rows] = part.base
+    light, reflect = _fill(base.copy(), donors), compile_kernels().reflect
+
+    def one(task: tuple[np.ndarray, Gathered]) -> np.ndarray:
+        """Reflect the light around the probes of one block."""
+        out = np.empty((len(task[0]), *light.shape[1:]), np.float32)
+        reflect(light, *task[1].rays, out)
+        return out
+
+    step, ratio = light.sum(axis=(0, 1)), np.ones(light.shape[2])
+    for _ in range(MAX_PASSES if blocks else 0):
+        new = base.copy()
+        for rows, out in zip(blocks, map_threads(one, zip(blocks, parts, strict=True)), strict=True):
+            new[rows] += out
+        before, light = light, _fill(new, donors)
+        last, step, total = step, (light - before).sum(axis=(0, 1)), light.sum(axis=(0, 1))
+        ratio = np.clip(step / np.maximum(last, 1e-20), 0, MAX_RATIO)
+        if (step <= change * total).all():
+            return light + (light - before) * (ratio / (1 - ratio)).astype(np.float32)
+    return light
+
+
+def _fill(light: Float[np.ndarray, "p 6 lanes"], donors: tuple[np.ndarray, ...]) -> Float[np.ndarray, "p 6 lanes"]:
+    """Write the light of donors into the invalid probes of `light`, which is returned."""
+    missing, donor, weight = donors
+    light[missing] = np.einsum("qk,qkml->qml", weight, light[donor])
+    return light
+
+
+def _key_lamps(received: Float[np.ndarray, "r k"]) -> Int[np.ndarray, "r keys"]:
+    """Return the lamps that give the surfaces of each room the most direct light, brightest first; -1 none."""
+    order = np.argsort(-received, axis=1, kind="stable")[:, :NUM_KEY_LAMPS]
+    order = np.where(np.take_along_axis(received, order, 1) > 0, order, -1)
+    return np.pad(order, ((0, 0), (0, NUM_KEY_LAMPS - order.shape[1])), constant_values=-1)
+
+
+def _direct_at_probes(
+    scene: RayScene, lattice: ProbeLattice, lamps: Lamps, keys: np.ndarray, valid: Bool[np.ndarray, " p"]
+) -> Float[np.ndarray, "p 6 lanes"]:
+    """Return the direct light at probes of all lamps but the key lamps of their rooms."""
+    light = np.zeros((len(lattice.pos), 6, NUM_GROUPS, 3), np.float32)
+    for k in range(len(lamps.number)):
+        rows = np.flatnonzero(valid & (keys[lattice.room] != k).all(axis=1))
+        way, share, reach = sample_lamp(lamps, k, lattice.pos[rows], np.zeros((len(rows), 2)), MIN_PROBE_DISTANCE)
+        share = share * scene.is_clear(lattice.pos[rows], way, np.where(share > 0, reach, -1))
+        aim = way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-6)
+        share = face_cosines(aim) * share[:, None]
+        group = np.where(lattice.room[rows] == lamps.room[k], OWN_LAMPS, OTHER_LAMPS)
+        light[rows, :, group] += share[..., None] * lamps.intensity[k]
+    return light.reshape(len(light), 6, -1)
+
+
+def face_cosines(way: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 6"]:
+    """Return the cosines of unit vectors to the faces +x, -x, +y, -y, +z and -z; 0 behind them."""
+    return np.maximum(np.stack([way, -way], axis=2).reshape(-1, 6), 0)
+
+
+def _rotations(count: int, seed: int) -> Float[np.ndarray, "n 3 3"]:
+    """Return random rotations."""
+    return quat_matrix(np.random.default_rng(seed).normal(size=(count, 4)))
+
+
+def _directions(count: int) -> Float[np.ndarray, "r 3"]:
+    """Return `count` evenly distributed unit vectors, close ones next to each other (Fibonacci lattice)."""
+    number = np.arange(count) + 0.5
+    z, turn = 1 - 2 * number / count, np.pi * (1 + 5**0.5) * number
+    ring = np.sqrt(1 - z * z)
+    return _group(np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1))
+
+
+def _group(ways: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
+    """Reorder vectors by halving them along their widest axis down to `COHERENT` ones."""
+    if len(ways) <= COHERENT:
+        return ways
+    ways = ways[np.argsort(ways[:, np.argmax(np.ptp(ways, axis=0))], kind="stable")]
+    half = len(ways) // 2
+    return np.concatenate([_group(ways[:half]), _group(ways[half:])])
