@@ -86,6 +86,16 @@ def find_donors(
     return missing, donor, weight
 
 
+def find_inner(lattice: ProbeLattice, axis: int, side: int) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:
+    """Return the outermost probes of all rooms along x or y (`axis`) on one `side`, -1 or 1, and those next to them."""
+    count = lattice.count[lattice.room]
+    own = np.arange(len(lattice.room)) - lattice.first[lattice.room]
+    stride = count[:, 2] if axis == 1 else count[:, 1] * count[:, 2]
+    place = own // stride % count[:, axis]
+    rows = np.flatnonzero(place == np.where(side < 0, 0, count[:, axis] - 1))
+    return rows, rows - side * stride[rows]
+
+
 def locate(
     lattice: ProbeLattice, pos: Float[np.ndarray, "n 3"], room: Int[np.ndarray, " n"]
 ) -> tuple[Int[np.ndarray, " n"], Float[np.ndarray, "n 3"]]:

@@ -17,7 +17,7 @@ from home_mjx.light_probes.direct import MIN_PROBE_DISTANCE, light_surfaces
 from home_mjx.light_probes.emitters import Lamps, lamp_models, place_lamps, sample_lamp, sky_groups
 from home_mjx.light_probes.field import ProbeField
 from home_mjx.light_probes.kernels import compile_kernels
-from home_mjx.light_probes.lattice import ProbeLattice, find_donors, locate, place_probes
+from home_mjx.light_probes.lattice import ProbeLattice, find_donors, find_inner, locate, place_probes
 from home_mjx.light_probes.options import ProbeOptions
 from home_mjx.light_probes.ray_scene import RayScene
 from home_mjx.light_probes.surfaces import PROBE_OFFSET, SurfacePoints, SurfaceTables
@@ -51,6 +51,7 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
     parts = map_threads(lambda rows: _gather(scene, tables, lattice, lamps, rows, turns[rows], options), blocks)
     valid = np.zeros(len(lattice.pos), bool)
     valid[used] = np.concatenate([part.back for part in parts] or [np.zeros(0)]) <= MAX_BACK_SHARE
+    valid &= ~_is_hidden(scene, lattice)
     donors = find_donors(lattice, valid)
     light = _passes(lattice, blocks, parts, donors, options.change)
     rooms = len(house.rooms.type)
@@ -60,6 +61,17 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
     spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
     rows = np.append(lamps.number, -1)
     return ProbeField.pack(lattice, light, valid, rows[keys].astype(np.int32), spill)
+
+
+def _is_hidden(scene: RayScene, lattice: ProbeLattice) -> Bool[np.ndarray, " p"]:
+    """Return whether outermost probes do not see the next one in the room, as behind curtains and wardrobes."""
+    hidden = np.zeros(len(lattice.pos), bool)
+    for axis in (0, 1):
+        for side in (-1, 1):
+            rows, inner = find_inner(lattice, axis, side)
+            way = lattice.pos[inner] - lattice.pos[rows]
+            hidden[rows] |= ~scene.is_clear(lattice.pos[rows], way, np.ones(len(rows)))
+    return hidden
 
 
 def _gather(

@@ -14,6 +14,7 @@ from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR, CompiledHouse
 from home_mjx.schema.semantic import Semantic
 
 PROBE_OFFSET = 0.05  # [m], distance above a surface at which probes are interpolated; as of `shaders.probes`
+VIEW_OFFSET = 0.25  # [m], distance towards the viewer at which surfaces without a room look for one, as in doorways
 
 
 class SurfacePoints(NamedTuple):
@@ -74,15 +75,21 @@ class SurfaceTables:
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-20)
         normal *= np.where(np.einsum("ij,ij->i", normal, way) > 0, -1, 1)[:, None]
         pos = origin + way * np.where(seen, hits.t, 0)[:, None]
-        room = self._rooms(lattice, pos, normal, instance, triangle)
+        room = self._rooms(lattice, pos, normal, pos - way * VIEW_OFFSET, instance, triangle)
         return SurfacePoints(seen, pos, normal, room, self.color[self.material[instance] + self.slot[triangle]])
 
     def _rooms(
-        self, lattice: ProbeLattice, pos: np.ndarray, normal: np.ndarray, instance: np.ndarray, triangle: np.ndarray
+        self,
+        lattice: ProbeLattice,
+        pos: np.ndarray,
+        normal: np.ndarray,
+        ahead: np.ndarray,
+        instance: np.ndarray,
+        triangle: np.ndarray,
     ) -> Int[np.ndarray, " n"]:
-        """Return the room whose probes light each point: its surface's, else that in front of it; -1 outdoors."""
+        """Return the room whose probes light each point: its surface's, else that of `ahead`; -1 outdoors."""
         room = self.rooms[self.semantic[instance] + self.part[triangle]]
-        room = np.where(room >= 0, room, find_rooms(self.house, pos + normal * PROBE_OFFSET))
+        room = np.where(room >= 0, room, find_rooms(self.house, ahead))
         return np.where(is_facade(lattice, pos, normal, room), -1, room)
 
 

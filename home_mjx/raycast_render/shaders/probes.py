@@ -25,6 +25,7 @@ from home_mjx.raycast_render.shaders.lights import ShadingPoint
 from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR
 
 PROBE_OFFSET = 0.05  # [m], distance above a surface at which probes are interpolated
+VIEW_OFFSET = 0.25  # [m], distance towards the viewer at which surfaces without a room look for one, as in doorways
 FACADE_GAP = 0.15  # [m], distance from the probes of a room beyond which a wall that faces away is outdoors
 ZENITH_UP, ZENITH_LEVEL = 0.8 * math.pi, 0.9585  # irradiance of the sky's zenith part on floors, and on walls
 
@@ -99,7 +100,7 @@ def _lamp_factors(
 def probe_room(scene: Scene, point: ShadingPoint) -> Int[Array, "*rays"]:
     """Return the room whose probes light each point; -1 outdoors.
 
-    That is the room of the surface, or, for surfaces without one and what moves, the room in front of them. Facades,
+    That is the room of the surface, or, for surfaces without one and moving ones, the room in front of them. Facades,
     which face away from their room beyond its probes, are outdoors.
     """
     moves = index_by_instance(
@@ -108,7 +109,7 @@ def probe_room(scene: Scene, point: ShadingPoint) -> Int[Array, "*rays"]:
         jnp.ones_like(scene.moving.instance, bool),
     )
     fixed = (point.room >= 0) & ~take(moves, jnp.maximum(point.instance, 0))
-    room = jnp.where(fixed, point.room, _room_at(scene, point.pos + point.normal * PROBE_OFFSET))
+    room = jnp.where(fixed, point.room, _room_at(scene, point.pos + point.view * VIEW_OFFSET))
     return jnp.where(_is_facade(scene, point, room), -1, room)
 
 
