@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.bank.records.lights import NUM_GROUPS, OTHER_LAMPS, OWN_LAMPS, SUNS, ZENITH
-from home_mjx.light_probes.emitters import Lamps, open_sky, sample_lamp, sun_directions
+from home_mjx.light_probes.emitters import Lamps, Windows, open_sky, sample_lamp, sky_groups, sun_directions
 from home_mjx.light_probes.ray_scene import RayScene
 from home_mjx.light_probes.surfaces import SurfacePoints
 
@@ -25,6 +25,7 @@ class DirectLight(NamedTuple):
 def light_surfaces(
     scene: RayScene,
     lamps: Lamps,
+    windows: Windows,
     points: SurfacePoints,
     own: Int[np.ndarray, " n"],
     rooms: int,
@@ -35,6 +36,7 @@ def light_surfaces(
     Args:
         scene: The house.
         lamps: Its lamps, each of which is tested at every point.
+        windows: Its windows, each of which is tested at points of its room.
         points: Points of surfaces.
         own: Room of the probe that sees each.
         rooms: Number of rooms.
@@ -59,4 +61,26 @@ def light_surfaces(
         clear = scene.is_clear(start, aim[None], np.where(cosine > 0, np.inf, -1))
         light[:, SUNS + s] = (cosine * clear)[:, None]
     light[:, ZENITH : ZENITH + 2] = np.where((points.room < 0)[:, None, None], open_sky(points.normal[:, 2]), 0)
+    for w in range(len(windows.number)):
+        rows = np.flatnonzero(points.seen & (points.room == windows.room[w]))
+        light[rows, ZENITH : ZENITH + 2] += _sky_through(scene, windows, w, start[rows], points.normal[rows], stream)
     return DirectLight(light, received, spill)
+
+
+def _sky_through(
+    scene: RayScene,
+    windows: Windows,
+    w: int,
+    start: Float[np.ndarray, "n 3"],
+    normal: Float[np.ndarray, "n 3"],
+    stream: tuple[int, ...],
+) -> Float[np.ndarray, "n 2 3"]:
+    """Return the irradiance by the sky groups through window `w`, from a random point on it for each row."""
+    random = np.random.default_rng((*stream, int(windows.number[w]))).random((len(start), 2)) * 2 - 1
+    way = windows.pos[w] + random[:, :1] * windows.axis_u[w] + random[:, 1:] * windows.axis_v[w] - start
+    distance = np.maximum(np.linalg.norm(way, axis=1), MIN_SURFACE_DISTANCE)
+    way = way / distance[:, None]
+    cosine = np.maximum(np.einsum("ij,ij->i", way, normal), 0) * np.maximum(-way @ windows.inward[w], 0)
+    share = windows.area[w] * cosine / distance**2
+    clear = scene.is_clear(start, way, np.where(share > 0, np.inf, -1))
+    return np.minimum(share * clear, np.pi)[:, None, None] * sky_groups(way)

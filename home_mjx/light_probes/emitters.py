@@ -61,6 +61,33 @@ def place_lamps(house: CompiledHouse) -> Lamps:
     )
 
 
+@dataclass(frozen=True)
+class Windows:
+    """Rectangles of glass between rooms and outdoors, in the world; fields as of `schema.lighting.LightTable`."""
+
+    number: Int[np.ndarray, " w"]
+    pos: Float[np.ndarray, "w 3"]
+    axis_u: Float[np.ndarray, "w 3"]
+    axis_v: Float[np.ndarray, "w 3"]
+    inward: Float[np.ndarray, "w 3"]
+    area: Float[np.ndarray, " w"]
+    room: Int[np.ndarray, " w"]
+
+
+def place_windows(house: CompiledHouse) -> Windows:
+    """Return the windows of a house."""
+    table = house.lights
+    number = np.flatnonzero(table.daylight)
+    pose = house.instances.pose[np.maximum(table.instance[number], 0)]
+    pos, u, v, aim = (
+        np.einsum("wij,wj->wi", pose[..., :3], x[number])
+        for x in (table.pos, table.axis_u, table.axis_v, table.direction)
+    )
+    aim = aim / np.maximum(np.linalg.norm(aim, axis=1, keepdims=True), 1e-9)
+    area = 4 * np.linalg.norm(np.cross(u, v), axis=1)
+    return Windows(number, pos + pose[..., 3], u, v, aim, area, table.room[number])
+
+
 def lamp_models(lamps: Lamps) -> Int[np.ndarray, " m"]:
     """Return the instances that carry lamps; light passes through them, as `lit` has it for each lamp's own."""
     return np.unique(lamps.carrier[lamps.carrier != ARCHITECTURE])

@@ -14,7 +14,15 @@ from home_mjx.bank.records.lights import NUM_GROUPS, NUM_KEY_LAMPS, OTHER_LAMPS,
 from home_mjx.core.workers import map_threads
 from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.light_probes.direct import MIN_PROBE_DISTANCE, light_surfaces
-from home_mjx.light_probes.emitters import Lamps, lamp_models, place_lamps, sample_lamp, sky_groups
+from home_mjx.light_probes.emitters import (
+    Lamps,
+    Windows,
+    lamp_models,
+    place_lamps,
+    place_windows,
+    sample_lamp,
+    sky_groups,
+)
 from home_mjx.light_probes.field import ProbeField
 from home_mjx.light_probes.kernels import compile_kernels
 from home_mjx.light_probes.lattice import ProbeLattice, find_donors, find_inner, locate, place_probes
@@ -35,6 +43,7 @@ class Gathered:
     """Light of a block of probes without reflections, and surfaces that its rays hit; see `kernels.reflect`."""
 
     base: Float[np.ndarray, "b 6 lanes"]
+    sky: Float[np.ndarray, "b 6 lanes"]  # of rooms with windows, whose surfaces get it by samples of windows
     back: Float[np.ndarray, " b"]
     received: Float[np.ndarray, "r k"]
     spill: Float[np.ndarray, "r s"]
@@ -43,12 +52,14 @@ class Gathered:
 
 def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: ProbeOptions) -> ProbeField:
     """Bake the probes of house `index` of a bank."""
-    lattice, lamps = place_probes(house.rooms, options.spacing), place_lamps(house)
+    lattice, lamps, windows = place_probes(house.rooms, options.spacing), place_lamps(house), place_windows(house)
     scene, tables = RayScene.from_bank(bank, index, lamp_models(lamps)), SurfaceTables.from_bank(bank, house)
     turns = _rotations(len(lattice.pos), options.seed)
     used = np.flatnonzero(lattice.inside)
     blocks = [used[i : i + BLOCK] for i in range(0, len(used), BLOCK)]
-    parts = map_threads(lambda rows: _gather(scene, tables, lattice, lamps, rows, turns[rows], options), blocks)
+    parts = map_threads(
+        lambda rows: _gather(scene, tables, lattice, lamps, windows, rows, turns[rows], options), blocks
+    )
     valid = np.zeros(len(lattice.pos), bool)
     valid[used] = np.concatenate([part.back for part in parts] or [np.zeros(0)]) <= MAX_BACK_SHARE
     valid &= ~_is_hidden(scene, lattice)
@@ -58,6 +69,10 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
     received = sum((part.received for part in parts), np.zeros((rooms, len(lamps.number))))
     keys = _key_lamps(received)
     light += _fill(_direct_at_probes(scene, lattice, lamps, keys, valid), donors)
+    sky = np.zeros_like(light)
+    for rows, part in zip(blocks, parts, strict=True):
+        sky[rows] = part.sky
+    light += _fill(sky, donors)
     spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
     rows = np.append(lamps.number, -1)
     return ProbeField.pack(lattice, light, valid, rows[keys].astype(np.int32), spill)
@@ -79,6 +94,7 @@ def _gather(
     tables: SurfaceTables,
     lattice: ProbeLattice,
     lamps: Lamps,
+    windows: Windows,
     rows: Int[np.ndarray, " b"],
     turns: Float[np.ndarray, "b 3 3"],
     options: ProbeOptions,
@@ -90,15 +106,19 @@ def _gather(
     points = tables.points(lattice, origin, way, hits)
     own = np.repeat(lattice.room[rows], options.rays)
     stream = options.seed, int(rows[0])
-    found = light_surfaces(scene, lamps, points, own, len(lattice.first), stream)
+    found = light_surfaces(scene, lamps, windows, points, own, len(lattice.first), stream)
     sent = found.light.reshape(-1, NUM_GROUPS, 3) * (points.albedo / np.pi)[:, None] * points.seen[:, None, None]
-    sent[:, ZENITH : ZENITH + 2] += np.where(points.seen[:, None, None], 0, sky_groups(way))
     cosine = face_cosines(way).reshape(len(rows), -1, 6)
     cosine *= np.pi / cosine.sum(axis=1, keepdims=True)
     base = np.einsum("brf,brl->bfl", cosine, sent.reshape(len(rows), options.rays, -1))
+    sky = np.where(points.seen[:, None, None], 0, sky_groups(way)).reshape(len(rows), options.rays, -1)
+    sky = np.einsum("brf,brl->bfl", cosine, sky)
+    sky = np.pad(sky, ((0, 0), (0, 0), (3 * ZENITH, 3 * (NUM_GROUPS - ZENITH - 2))))
+    lit = np.isin(lattice.room[rows], windows.room)[:, None, None]
     cell, fraction = locate(lattice, points.pos + points.normal * PROBE_OFFSET, points.room)
     return Gathered(
-        base.astype(np.float32),
+        (base + np.where(lit, 0, sky)).astype(np.float32),
+        np.where(lit, sky, 0).astype(np.float32),
         (points.seen & ~hits.front).reshape(len(rows), -1).mean(axis=1),
         found.received,
         found.spill,
