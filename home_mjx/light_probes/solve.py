@@ -62,16 +62,16 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
     )
     valid = np.zeros(len(lattice.pos), bool)
     valid[used] = np.concatenate([part.back for part in parts] or [np.zeros(0)]) <= MAX_BACK_SHARE
-    valid &= ~_is_hidden(scene, lattice)
+    sky = np.zeros((len(lattice.pos), 6, NUM_GROUPS * 3), np.float32)
+    for rows, part in zip(blocks, parts, strict=True):
+        sky[rows] = part.sky
+    valid &= ~(_is_hidden(scene, lattice) & sky.any(axis=(1, 2)))  # dark corners behind furniture stay dark
     donors = find_donors(lattice, valid)
     light = _passes(lattice, blocks, parts, donors, options.change)
     rooms = len(house.rooms.type)
     received = sum((part.received for part in parts), np.zeros((rooms, len(lamps.number))))
     keys = _key_lamps(received)
     light += _fill(_direct_at_probes(scene, lattice, lamps, keys, valid), donors)
-    sky = np.zeros_like(light)
-    for rows, part in zip(blocks, parts, strict=True):
-        sky[rows] = part.sky
     light += _fill(sky, donors)
     spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
     rows = np.append(lamps.number, -1)
@@ -79,7 +79,7 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
 
 
 def _is_hidden(scene: RayScene, lattice: ProbeLattice) -> Bool[np.ndarray, " p"]:
-    """Return whether outermost probes do not see the next one in the room, as behind curtains and wardrobes."""
+    """Return whether outermost probes do not see the next one in the room, as behind curtains."""
     hidden = np.zeros(len(lattice.pos), bool)
     for axis in (0, 1):
         for side in (-1, 1):

@@ -21,6 +21,7 @@ from home_mjx.raycast_render.shaders import base
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks import AgentCamera, EnvConfig, HouseholdEnv
 from home_mjx.tasks.base.options import make_config
+from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.checks import check_variation
 from home_mjx.tasks.variation.ranges import Variation
 
@@ -136,6 +137,15 @@ def test_a_bake_that_a_shader_needs_is_required(bank, house):
         core.bind(bank)
     env = core.bind(add_bakes(bank, [house], core.bakes))
     assert (jax.jit(env.reset)(jax.random.key(0)).obs["pixels/area_rgb"] == 255).all()
+
+
+def test_a_bake_that_a_shader_only_uses_may_be_missing(bank):
+    """The environment runs on the fallback, and the reset says so; without `lit` there is nothing to say."""
+    flags = {}
+    for shader in ("lit", "fast"):
+        env = home_mjx.make("PointNav-v0", bank, sensors=("rgb",), shader=shader, **FEW)
+        flags[shader] = Status(int(env.reset(jax.random.key(0)).status))
+    assert flags == {"lit": Status.UNBAKED, "fast": Status(0)}
 
 
 def test_cameras_without_colours_need_no_bake(bank):
