@@ -97,7 +97,7 @@ def run(args: argparse.Namespace) -> int:
     shader = resolve_shader(args.shader)
     make_folder(args.out)
     view, fovy, model = _place_camera(args)
-    scene = _add_bakes(args, view, (*shader.needs, *shader.uses))
+    scene = _add_bakes(args, view, shader.needs)
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     width, height = args.size
     lens = Lens(width, height, model, args.samples)

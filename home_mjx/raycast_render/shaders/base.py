@@ -55,7 +55,7 @@ class Shader(Protocol):
     Attributes:
         name: Name for `shader=`.
         needs: Names of the bakes that it reads from `scene.bank.bakes`.
-        uses: Names of the bakes that it reads where the bank has them; `make` adds them, too.
+        uses: Names of the bakes that it reads where the bank has them; `make` does not add them.
         overrides: Fields of `AppearanceOverrides` about lights that change its images.
 
     Example:

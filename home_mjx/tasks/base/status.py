@@ -38,8 +38,6 @@ class Status(IntFlag):
 
     OTHER_HOUSE = 2048  # the state is of another house than the bank has at its index; the step ended the episode
 
-    UNBAKED = 4096  # at a reset: the bank lacks a bake that a camera's shader uses, so its fallback is drawn
-
     @classmethod
     def names(cls, status: int | np.integer | Int[Array, ""]) -> list[str]:
         """Return the names of the flags that are set, lowest bit first; bits of no flag are ignored.

@@ -150,11 +150,7 @@ def check_bank(config: EnvConfig, bank: HouseBank, bakes: Sequence[Bake] = ()) -
     """
     if config.arrangement == "random":
         check_arrangements(bank)
-    needed = {name for shader in config.shaders for name in shader.needs}
-    spared = {name for shader in config.shaders for name in shader.uses} - needed
     for bake in bakes:
-        if bake.name not in bank.bakes and bake.name in spared:
-            continue
         if bake.name not in bank.bakes:
             hint = f"Write bank = add_bakes(bank, houses, '{bake.name}'), or give `make` a dataset instead of a bank; "
             hint += f"a HouseStream takes bakes=('{bake.name}',)."

@@ -34,13 +34,7 @@ from home_mjx.tasks.env.actions import (
 from home_mjx.tasks.env.checks import check_metrics, check_observations, check_state, check_task, check_task_options
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.hand_actions import decode_hand_commands
-from home_mjx.tasks.env.reset import (
-    build_snapshot,
-    init_physics_and_world,
-    physics_template,
-    unbaked_flag,
-    weights_flag,
-)
+from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, physics_template, weights_flag
 from home_mjx.tasks.sensors.selection import resolve_sensor_names, select_sensors, state_owners
 from home_mjx.tasks.suite.point_nav import PointNav
 
@@ -115,12 +109,11 @@ class HouseholdEnv:
         """Bakes of houses that sensors and shaders need, each once; `make` adds them to the bank.
 
         A sensor gives the bake with its options. A shader names it, which selects the sensor's or the default options.
-        Those that shaders only use, see `Shader.uses`, are included; an environment also runs without them.
         """
         config = self.acting_config
         needed = [bake for sensor in self.sensors for bake in (sensor.state_owner or sensor).bakes(config)]
         by_name = {bake.name: bake for bake in needed}
-        names = [name for shader in config.shaders for name in (*shader.needs, *shader.uses) if name not in by_name]
+        names = [name for shader in config.shaders for name in shader.needs if name not in by_name]
         return (*by_name.values(), *(find_bake(name) for name in dict.fromkeys(names)))
 
     @property
@@ -253,7 +246,7 @@ class HouseholdEnv:
             terminated=no,
             truncated=no,
             metrics=check_metrics(self.task, self.task.metrics(snapshot, task)),
-            status=weights_flag(params.tasks, episode) | unbaked_flag(self.config, params.bank),
+            status=weights_flag(params.tasks, episode),
             info={},
         )
         return state, snapshot.replace(sounds=sounds)

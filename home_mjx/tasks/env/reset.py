@@ -151,12 +151,6 @@ def weights_flag(tasks: Episodes | TaskBank | None, episode: Index) -> Int[Array
     return jnp.zeros((), jnp.int32)
 
 
-def unbaked_flag(config: EnvConfig, bank: HouseBank) -> Int[Array, ""]:
-    """Return the flag `UNBAKED` if the bank lacks a bake that the shader of a camera uses; else 0."""
-    lacks = any(name not in bank.bakes for shader in config.shaders for name in shader.uses)
-    return status_flags(UNBAKED=jnp.array(lacks))
-
-
 def is_sequential(tasks: Episodes | TaskBank | None) -> bool:
     """Return whether batches take the rows of `tasks` in order; False without rows, or with weights to sample by."""
     return tasks is not None and not (isinstance(tasks, TaskBank) and tasks.weights is not None)

@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import shoebox
+from lit_scenes import table
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
@@ -139,13 +140,17 @@ def test_a_bake_that_a_shader_needs_is_required(bank, house):
     assert (jax.jit(env.reset)(jax.random.key(0)).obs["pixels/area_rgb"] == 255).all()
 
 
-def test_a_bake_that_a_shader_only_uses_may_be_missing(bank):
-    """The environment runs on the fallback, and the reset says so; without `lit` there is nothing to say."""
-    flags = {}
-    for shader in ("lit", "fast"):
-        env = home_mjx.make("PointNav-v0", bank, sensors=("rgb",), shader=shader, **FEW)
-        flags[shader] = Status(int(env.reset(jax.random.key(0)).status))
-    assert flags == {"lit": Status.UNBAKED, "fast": Status(0)}
+def test_a_bake_that_a_shader_only_uses_is_read_where_the_bank_has_it(house):
+    """`lit` draws with light probes after `add_bakes`, and without them before; the environment asks for no bake."""
+    lamp = dataclasses.replace(house, lights=table({"pos": (1.0, 0.0, 2.0)}, rooms=len(house.rooms.type)))
+    bank, images = HouseBank.from_compiled([lamp]), []
+    for drawn in (bank, add_bakes(bank, [lamp], "light_probes")):
+        env = home_mjx.make("PointNav-v0", drawn, sensors=("rgb",), shader="lit", **FEW)
+        assert "light_probes" not in [bake.name for bake in env.core.bakes]
+        state = jax.jit(env.reset)(jax.random.key(0))
+        assert Status(int(state.status)) == Status(0)
+        images.append(np.asarray(state.obs["pixels/head_rgb"], int))
+    assert np.abs(images[0] - images[1]).mean() > 1
 
 
 def test_cameras_without_colours_need_no_bake(bank):
