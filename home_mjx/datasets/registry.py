@@ -22,6 +22,7 @@ GROUP = "home_mjx.datasets"  # entry points that open datasets by their scheme
 SUNCG = EntryPoint("suncg", "home_mjx.datasets.suncg.dataset:open_suncg", GROUP)  # opens other folders
 BUILT_IN = {  # datasets of this package, which need no entry point; `recognizes` of each tells which paths are its own
     SUNCG.name: SUNCG,
+    "gltf": EntryPoint("gltf", "home_mjx.datasets.gltf.dataset:GltfDataset", GROUP),
     "procthor": EntryPoint("procthor", "home_mjx.datasets.procthor.dataset:ProcthorDataset", GROUP),
 }
 SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive
@@ -114,7 +115,7 @@ def open_dataset(name: str | Path | None = None) -> Dataset:
         hint = f"Pass a folder, a name such as `procedural:16`, or set {ROOT_VARIABLE}. {LAYOUT}"
         raise DatasetError("no dataset root was specified", hint=hint)
     path = Path(os.path.abspath(Path(root).expanduser()))
-    for known in _known_formats():
+    for known in _known_formats(path):
         if known.recognizes is not None and path.exists() and known.recognizes(path):
             return known.open(str(path))
     if not os.path.exists(path):
@@ -166,9 +167,12 @@ def _installed() -> dict[str, Any]:
     return {**BUILT_IN, **installed(GROUP)}
 
 
-def _known_formats() -> list[DatasetFormat]:
-    """Return the registered datasets, and then those of this package, that may recognize a path."""
-    return [*_FORMATS.values(), *(find_format(scheme) for scheme in BUILT_IN if scheme not in _FORMATS)]
+def _known_formats(path: Path) -> list[DatasetFormat]:
+    """Return the datasets that may recognize a path: those of this package only if it is no folder of SUNCG's."""
+    own = () if (path / "house").is_dir() else BUILT_IN
+    return [
+        find_format(scheme) for scheme in dict.fromkeys((*_FORMATS, *own)) if scheme in own or scheme not in BUILT_IN
+    ]
 
 
 def _loaded(point: Any) -> Any:

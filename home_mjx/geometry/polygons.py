@@ -169,7 +169,7 @@ def _boundary_polygons(slab: Float[np.ndarray, "t 3 3"]) -> tuple[list[Float[np.
     first, index = unique_cells(points)
     corners = points[first]
     loops = _boundary_loops(_cut_edges(_open_edges(index.reshape(-1, 3)), corners))
-    return [_straighten(corners[loop] * MERGE_DISTANCE) for loop in loops], float(normal[upper, 2].sum()) / 2
+    return [straighten(corners[loop] * MERGE_DISTANCE) for loop in loops], float(normal[upper, 2].sum()) / 2
 
 
 def _find_holes(
@@ -293,8 +293,8 @@ def _walk(following: dict[int, list[int]]) -> list[int]:
     return []
 
 
-def _straighten(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
-    """Return a polygon without corners within `MAX_BEND` of the rest; unchanged if fewer than 3 would remain.
+def straighten(polygon: Float[np.ndarray, "n 2"], max_bend: float = MAX_BEND) -> Float[np.ndarray, "_ 2"]:
+    """Return a polygon without corners within `max_bend` [m] of the rest; unchanged if fewer than 3 would remain.
 
     Each corner is compared with the sides that remain (Douglas and Peucker 1973), so that an arc keeps its shape
     however finely it is divided. The corner farthest from the centroid, and the one farthest from that, always remain.
@@ -310,7 +310,7 @@ def _straighten(polygon: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "_ 2"]:
     while spans:
         start, stop = spans.pop()
         away = _segment_distance(ring[start + 1 : stop], ring[start], ring[stop])
-        if away.max(initial=0.0) > MAX_BEND:
+        if away.max(initial=0.0) > max_bend:
             middle = start + 1 + int(away.argmax())
             keep.add(middle)
             spans += [(start, middle), (middle, stop)]

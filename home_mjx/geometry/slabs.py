@@ -1,4 +1,4 @@
-"""Slabs for floors, ceilings and grounds: polygons with a thickness."""
+"""Slabs for floors, ceilings and grounds: polygons with a thickness; clipping of convex polygons by triangles."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,10 @@ MIN_CORNER_DISTANCE = 1e-6
 MAX_MITRE = 2.0  # maximum movement of an acute corner, in outsets: that of a corner of 60 degrees
 MAX_SIMPLIFY_PASSES = 100  # maximum passes that drop corners; each may make others collinear
 
+MIN_PIECE_AREA = 1e-7  # [m^2], clipped pieces smaller than this are dropped
+
 Polygon = Float[np.ndarray, "n 2"]  # (x, z) [m]
+PlanPolygon = Float[np.ndarray, "_ 2"]  # in either pair of plan axes [m]
 
 
 def slab(
@@ -157,3 +160,91 @@ def triangulate(polygon: Polygon) -> Int[np.ndarray, "t 3"]:
         raise ValueError("polygon crosses itself")
     # Counter-clockwise (x, z) is clockwise seen from above, with x right and z down.
     return np.where(areas[:, None] > 0, triangles[:, ::-1], triangles)
+
+
+def remove_triangles(pieces: Sequence[PlanPolygon], cutters: Sequence[PlanPolygon]) -> list[PlanPolygon]:
+    """Return convex pieces of the convex polygons `pieces` that are outside all triangles `cutters`.
+
+    Cutters have either winding. Pieces of at most `MIN_PIECE_AREA` are dropped, see `_outside`.
+    """
+    left = list(pieces)
+    for cutter in cutters:
+        (x0, y0), (x1, y1), (x2, y2) = cutter
+        ccw = cutter if (x1 - x0) * (y2 - y0) > (x2 - x0) * (y1 - y0) else cutter[::-1]
+        left = [rest for piece in left for rest in _outside(piece, ccw)]
+    return left
+
+
+def _outside(piece: PlanPolygon, cutter: PlanPolygon) -> list[PlanPolygon]:
+    """Return the part of a convex polygon outside a counter-clockwise triangle as convex polygons, maybe none.
+
+    Parts of at most `MIN_PIECE_AREA` are dropped. If only so much would be cut off, the polygon is returned unchanged.
+    """
+    if (piece.max(axis=0) <= cutter.min(axis=0)).any() or (piece.min(axis=0) >= cutter.max(axis=0)).any():
+        return [piece]
+    found, inside = [], piece
+    for start, end in zip(cutter, np.roll(cutter, -1, axis=0), strict=True):
+        way = end - start
+        side = way[0] * (inside[:, 1] - start[1]) - way[1] * (inside[:, 0] - start[0])
+        beyond, inside = clip_polygon(inside, -side), clip_polygon(inside, side)
+        if _plan_area(beyond) > MIN_PIECE_AREA:
+            found.append(beyond)
+        if _plan_area(inside) <= MIN_PIECE_AREA:
+            return found if _plan_area(piece) - sum(map(_plan_area, found)) > MIN_PIECE_AREA else [piece]
+    return found
+
+
+def clip_polygon(polygon: PlanPolygon, side: Float[np.ndarray, " n"]) -> PlanPolygon:
+    """Return the part of a convex polygon where a linear function, `side` at its corners, is not negative.
+
+    Without such a part, the result has no corners.
+    """
+    corners = []
+    for i, (here, value) in enumerate(zip(polygon, side, strict=True)):
+        before, earlier = polygon[i - 1], side[i - 1]
+        if (value < 0) != (earlier < 0):
+            corners.append(before + (here - before) * earlier / (earlier - value))
+        if value >= 0:
+            corners.append(here)
+    return np.array(corners).reshape(-1, 2)
+
+
+def keep_triangles(pieces: Sequence[PlanPolygon], cutters: Sequence[PlanPolygon]) -> list[PlanPolygon]:
+    """Return convex pieces of the convex polygons `pieces` that are inside one of the disjoint triangles `cutters`.
+
+    Cutters have either winding. Pieces of at most `MIN_PIECE_AREA` are dropped.
+    """
+    found = []
+    for cutter in cutters:
+        (x0, y0), (x1, y1), (x2, y2) = cutter
+        ccw = cutter if (x1 - x0) * (y2 - y0) > (x2 - x0) * (y1 - y0) else cutter[::-1]
+        found += [part for piece in pieces if _plan_area(part := _inside(piece, ccw)) > MIN_PIECE_AREA]
+    return found
+
+
+def _inside(piece: PlanPolygon, cutter: PlanPolygon) -> PlanPolygon:
+    """Return the part of a convex polygon inside a counter-clockwise triangle; maybe without corners."""
+    if (piece.max(axis=0) <= cutter.min(axis=0)).any() or (piece.min(axis=0) >= cutter.max(axis=0)).any():
+        return piece[:0]
+    for start, end in zip(cutter, np.roll(cutter, -1, axis=0), strict=True):
+        way = end - start
+        piece = clip_polygon(piece, way[0] * (piece[:, 1] - start[1]) - way[1] * (piece[:, 0] - start[0]))
+    return piece
+
+
+def fan_triangles(
+    piece: PlanPolygon, triangle: Float[np.ndarray, "3 3"], uv: Float[np.ndarray, "3 2"]
+) -> tuple[Float[np.ndarray, "n 3 3"], Float[np.ndarray, "n 3 2"]]:
+    """Return corners and uv of triangles that fill a convex plan piece of a triangle, in its plane and winding.
+
+    Triangles almost without area are left out.
+    """
+    weight = np.linalg.solve(np.vstack([triangle[:, :2].T, np.ones(3)]), np.vstack([piece.T, np.ones(len(piece))])).T
+    order = np.array([[0, k, k + 1] for k in range(1, len(piece) - 1)])
+    order = order[[_plan_area(piece[k]) > MIN_PIECE_AREA / 100 for k in order]]
+    return (weight @ triangle)[order], (weight @ uv)[order]
+
+
+def _plan_area(polygon: PlanPolygon) -> float:
+    """Return the area of a polygon of either winding [m^2]; 0 without corners."""
+    return abs(signed_area(polygon)) if len(polygon) else 0.0

@@ -206,6 +206,15 @@ class BoxNode(Node):
 
 
 @dataclass(frozen=True)
+class StatedOutline:
+    """Outline and heights of a room whose meshes do not tell them, such as those of a scan."""
+
+    corners: Float[np.ndarray, "n 2"]  # [m], (x, z) in scene coordinates, of either winding
+    floor: float  # [m], height of the floor's upper side
+    ceiling: float  # [m], height of the ceiling's underside
+
+
+@dataclass(frozen=True)
 class RoomNode(Node):
     """A room; its meshes are already in scene coordinates."""
 
@@ -215,6 +224,7 @@ class RoomNode(Node):
     floor: Mesh | None
     ceiling: Mesh | None
     walls: Mesh | None
+    shape: StatedOutline | None = None  # stated outline and heights; None: those of the meshes
 
 
 @dataclass(frozen=True)

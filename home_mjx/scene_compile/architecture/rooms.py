@@ -8,9 +8,10 @@ from jaxtyping import Float
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.meshes import to_z_up, triangles_z_up
 from home_mjx.geometry.polygons import bounding_outline, outline
+from home_mjx.geometry.slabs import signed_area
 from home_mjx.schema.categories import room_labels, room_type_index
 from home_mjx.schema.compiled import RoomTable
-from home_mjx.schema.house import House, Mesh, RoomNode
+from home_mjx.schema.house import House, Mesh, RoomNode, StatedOutline
 
 
 def ground_floor_height(rooms: RoomTable) -> float:
@@ -77,8 +78,10 @@ def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.n
 
     The outline is that of the floor with its holes, else of the ceiling, else the rectangle around the walls. Without a
     floor or a ceiling, the lowest or highest point of the other meshes replaces it. Without any mesh, the outline is
-    empty and the heights are 0.
+    empty and the heights are 0. A stated `shape` is used instead of meshes.
     """
+    if room.shape is not None:
+        return _stated_outline(room.shape) + offset[:2], (room.shape.floor, room.shape.ceiling)
     meshes = (room.floor, room.ceiling, room.walls)
     floor, ceiling, walls = (None if m is None else world_triangles(m, offset) for m in meshes)
     parts = [p for p in (floor, ceiling, walls) if p is not None]
@@ -89,6 +92,12 @@ def _measure(room: RoomNode, offset: Float[np.ndarray, "3"]) -> tuple[Float[np.n
     slab = floor if floor is not None else ceiling
     polygon = bounding_outline(parts[0]) if slab is None else outline(slab, with_holes=slab is floor)
     return polygon, (float(heights[0]), float(heights[1]))
+
+
+def _stated_outline(shape: StatedOutline) -> Float[np.ndarray, "n 2"]:
+    """Return the stated corners of a room in Z-up coordinates (x, y), counter-clockwise [m]."""
+    corners = shape.corners * [1.0, -1.0]
+    return corners if signed_area(corners) > 0 else corners[::-1]
 
 
 @dataclass(frozen=True)

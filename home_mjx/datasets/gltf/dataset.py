@@ -1,0 +1,244 @@
+"""A dataset of glTF scenes: one file, or the files of a folder, each a house."""
+
+import hashlib
+import os
+import re
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar
+from urllib.parse import parse_qsl
+
+import numpy as np
+
+from home_mjx.core.files import NUM_HEAD_BYTES
+from home_mjx.core.paths import cache_folder
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions
+from home_mjx.datasets.gltf.categories import category_metadata
+from home_mjx.datasets.gltf.decode.container import GLB_MAGIC, GltfDocument, read_document, uri_path
+from home_mjx.datasets.gltf.decode.images import ImageStore
+from home_mjx.datasets.gltf.decode.materials import MaterialReader
+from home_mjx.datasets.gltf.decode.primitives import MeshReader
+from home_mjx.datasets.gltf.decode.scene import Matrix, place_meshes
+from home_mjx.datasets.gltf.house import HouseParts
+from home_mjx.datasets.gltf.layout.room_file import UP_AXES, RoomFile, read_room_file, room_file_path
+from home_mjx.datasets.gltf.layout.rooms import find_rooms
+from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
+from home_mjx.datasets.gltf.objects import FoundObject, split_objects
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.schema.house import House, Metadata, Problem
+
+VERSION = 1  # of the reader; raise it whenever the same file would give another house
+SUFFIXES = (".glb", ".gltf")
+ROOM_MODES = ("auto", "one")
+OPTIONS_HINT = "Options are `up=y|z`, `scale=METRES` and `rooms=auto|one`, such as `gltf:scan.glb?up=z&scale=0.01`."
+MAX_NOTES = 100  # maximum number of problems listed per house
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """Options of reading a scene.
+
+    Attributes:
+        up: Axis of the scene that points up, `y` or `z`; "": as the room file says, else `y`.
+        scale: Metres per unit of the scene; None: as the room file says, else 1.
+        rooms: `auto`: narrow passages separate rooms; `one`: each storey's connected parts are rooms.
+
+    Raises:
+        ConfigError: A value is out of range.
+    """
+
+    up: str = ""
+    scale: float | None = None
+    rooms: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.up not in ("", *UP_AXES) or self.rooms not in ROOM_MODES:
+            raise ConfigError(f"unknown option: up={self.up!r}, rooms={self.rooms!r}", hint=OPTIONS_HINT)
+        if self.scale is not None and not 1e-6 <= self.scale <= 1e6:
+            raise ConfigError(f"`scale` must be from 1e-6 to 1e6, got {self.scale:g}", hint=OPTIONS_HINT)
+
+    def frame(self, stated: RoomFile) -> Matrix:
+        """Return the transform from the scene to the house: metres, Y up."""
+        matrix, up = np.eye(4), self.up or stated.up or "y"
+        if up == "z":
+            matrix[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+        matrix[:3, :3] *= self.scale or stated.scale or 1.0
+        return matrix
+
+
+def holds_scenes(path: Path) -> bool:
+    """Return whether a path is a glTF file, by its content, or a folder of some."""
+    if path.is_dir():
+        return any(file.suffix.lower() in SUFFIXES for file in path.iterdir())
+    if not path.is_file():
+        return False
+    with path.open("rb") as file:
+        head = file.read(NUM_HEAD_BYTES)
+    return head[:4] == GLB_MAGIC or (path.suffix.lower() in SUFFIXES and head.lstrip()[:1] == b"{")
+
+
+class GltfDataset(Dataset):
+    """Houses from glTF scenes.
+
+    `root` is the folder in the cache that receives the images, since most are inside of GLB files.
+
+    Args:
+        text: Path of a scene or of a folder of scenes, `PATH` or `PATH?up=z&scale=0.01&rooms=one`.
+
+    Raises:
+        ConfigError: An option is unknown or out of range.
+        MissingFileError: The path does not exist, or the folder holds no scene.
+
+    Example:
+        >>> house = open_dataset("gltf:flat.glb").load_house("flat")  # doctest: +SKIP
+    """
+
+    recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_scenes)
+
+    def __init__(self, text: str) -> None:
+        name, _, query = text.partition("?")
+        if os.path.exists(text):
+            name, query = text, ""
+        self.path = Path(os.path.abspath(Path(name).expanduser()))
+        self.options = _options(query)
+        folder = hashlib.sha256(str(self.path).encode()).hexdigest()[:16]
+        super().__init__(cache_folder() / "gltf" / folder, f"gltf:{self.path}{'?' * bool(query)}{query}")
+        if not self.path.exists():
+            raise MissingFileError("scene does not exist", file=self.path, hint="Correct the path.")
+        if not self.house_ids:
+            raise MissingFileError("folder contains no .glb or .gltf file", file=self.path)
+
+    @cached_property
+    def house_ids(self) -> tuple[str, ...]:
+        """Stems of the files, sorted; characters other than letters, digits, `.`, `_` and `-` become `_`."""
+        return tuple(self._scenes)
+
+    @cached_property
+    def _scenes(self) -> dict[str, Path]:
+        """Files of the scenes by house id."""
+        files = [self.path] if self.path.is_file() else sorted(self.path.iterdir())
+        found: dict[str, Path] = {}
+        for file in files:
+            if file == self.path or file.suffix.lower() in SUFFIXES:
+                found.setdefault(re.sub(r"[^A-Za-z0-9._-]", "_", file.stem)[:128], file)
+        return found
+
+    @property
+    def metadata(self) -> Metadata:
+        """Categories of the models: their ids are fine categories."""
+        return category_metadata()
+
+    def resolved(self, options: ReadOptions) -> ReadOptions:
+        """Return the options with a `strict` of None replaced by False."""
+        return ReadOptions(**{**vars(options), "strict": bool(options.strict)})
+
+    def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
+        """Read one scene as a house.
+
+        Args:
+            house_id: One of `house_ids`.
+            options: Categories to leave out; if strict, missing images are errors.
+
+        Raises:
+            UnknownIdError: No scene has this id.
+            DatasetError: The scene is broken, shows nothing, or has no floor.
+        """
+        self.check_known(house_id)
+        path, stated = self._scenes[house_id], read_room_file(self._scenes[house_id])
+        document = read_document(path)
+        images = ImageStore(document, self.root, bool(options.strict))
+        materials = MaterialReader(document, images)
+        meshes = MeshReader(document, materials)
+        placed = list(place_meshes(document, meshes, self.options.frame(stated)))
+        if not placed:
+            raise DatasetError("scene shows nothing: no node has triangles", file=path, hint="Export its meshes.")
+        objects, architecture = split_objects(placed, stated.objects)
+        triangles = collect_triangles(architecture)
+        rooms = find_rooms(triangles, stated.rooms, self.options.rooms == "auto")
+        if not rooms:
+            hint = f"State its units by `?scale=` and `?up=`, or its rooms in {room_file_path(path).name}."
+            raise DatasetError("scene has no floor: no level area faces up", file=path, hint=hint)
+        parts = HouseParts(path, rooms)
+        levels = parts.levels(triangles, _wanted(objects, options))
+        if not any(room.floor or room.ceiling or room.walls for level in levels for room in level.rooms):
+            raise DatasetError("no triangle is in a room", file=path, hint="Correct the outlines of its room file.")
+        self.warn_fallbacks(house_id, images.fallbacks)
+        problems = _problems(document, {**materials.notes, **meshes.notes}, stated, len(rooms), len(levels))
+        return House(
+            id=house_id,
+            version=f"gltf@2.0/{VERSION}",
+            path=path,
+            levels=levels,
+            models=parts.models,
+            problems=problems,
+            fallbacks=tuple(images.fallbacks),
+        )
+
+    def inputs(self) -> "SceneDigests":
+        """Return the object that computes digests of the scenes' files."""
+        return SceneDigests(self)
+
+    def scene_files(self, house_id: str) -> list[Path]:
+        """Return the files of a scene: itself, its room file, its buffers and images."""
+        path = self._scenes[house_id]
+        return [path, room_file_path(path), *_external_files(path)]
+
+
+class SceneDigests(FileDigests):
+    """Digests of scenes, which also depend on the version of the reader and its options."""
+
+    def __init__(self, dataset: GltfDataset) -> None:
+        super().__init__(dataset.root, dataset.scene_files)
+        self.key = repr((VERSION, dataset.options)).encode()
+
+    def house(self, house_id: str) -> bytes:
+        """Return a SHA-256 digest of the files of a scene and of what else determines the house."""
+        return hashlib.sha256(self.key + super().house(house_id)).digest()
+
+
+def _external_files(path: Path) -> list[Path]:
+    """Return the files that a scene names by URIs; none if it cannot be read."""
+    try:
+        document = read_document(path)
+        uris = [value.member("uri") for key in ("buffers", "images") for value in document.items(key)]
+        named = [uri for uri in uris if uri.has_value and not uri.text().startswith("data:")]
+        return [uri_path(path.parent, uri) for uri in named]
+    except DatasetError:
+        return []
+
+
+def _wanted(objects: Iterable[FoundObject], options: ReadOptions) -> list[FoundObject]:
+    """Return the objects whose coarse category the options do not exclude."""
+    metadata = category_metadata()
+    return [one for one in objects if metadata.info(one.fine).coarse not in options.excluded_categories]
+
+
+def _problems(
+    document: GltfDocument, notes: dict[str, str], stated: RoomFile, rooms: int, levels: int
+) -> tuple[Problem, ...]:
+    """Return the irregularities of a scene, and how its rooms were found."""
+    found = [Problem(element, message) for element, message in notes.items()][:MAX_NOTES]
+    for key in ("animations", "skins"):
+        if document.items(key):
+            found.append(Problem(key, "not shown"))
+    extensions = document.root.member("extensions")
+    if extensions.has_value and extensions.member("KHR_lights_punctual").has_value:
+        found.append(Problem("extensions.KHR_lights_punctual", "lights of scenes are not kept"))
+    if not stated.rooms:
+        message = f"{rooms} rooms on {levels} storeys were found from the geometry, without types"
+        found.append(Problem("scenes", message))
+    return tuple(found)
+
+
+def _options(query: str) -> SceneOptions:
+    """Return the options of a name's query."""
+    values = dict(parse_qsl(query, keep_blank_values=True))
+    try:
+        scale = float(values["scale"]) if "scale" in values else None
+        return SceneOptions(**{**values, "scale": scale})  # type: ignore[arg-type]
+    except (TypeError, ValueError) as error:
+        if isinstance(error, ConfigError):
+            raise
+        raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None

@@ -1,0 +1,181 @@
+"""Materials of a glTF document as records: metallic and roughness become a diffuse and a specular part."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from home_mjx.core.color import decode_srgb, encode_srgb
+from home_mjx.datasets.gltf.decode.container import GltfDocument
+from home_mjx.datasets.gltf.decode.images import ImageStore
+from home_mjx.datasets.suncg.formats.json_value import JsonValue
+from home_mjx.schema.house import Material
+
+DIELECTRIC = 0.04  # specular reflectance of materials that are not metal, at normal incidence
+MAX_SHININESS = 1000.0  # maximum Blinn-Phong exponent
+DEFAULT_MATERIAL = Material("default", (1.0, 1.0, 1.0), None, 1.0)
+Color = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class TexturedMaterial:
+    """A material with the texture coordinates that it uses.
+
+    Attributes:
+        material: The record.
+        uv_set: Number of the set of texture coordinates.
+        uv_matrix: Maps (u, v, 1) in the file's convention to the coordinates in the image.
+    """
+
+    material: Material
+    uv_set: int = 0
+    uv_matrix: np.ndarray = field(default_factory=lambda: np.eye(3))
+
+
+@dataclass
+class MaterialReader:
+    """Reader of a document's materials, each read once.
+
+    Attributes:
+        document: The document.
+        images: Store of its images.
+        notes: Elements with their properties that are not kept.
+    """
+
+    document: GltfDocument
+    images: ImageStore
+    notes: dict[str, str] = field(default_factory=dict)
+    _read: dict[int, TexturedMaterial] = field(default_factory=dict)
+
+    def material(self, index: JsonValue) -> TexturedMaterial:
+        """Return the material that a primitive names; the default one, white and rough, if it names none.
+
+        Raises:
+            DatasetError: An index is out of range, a value has another type, or an image is missing and the store
+                strict.
+        """
+        if not index.has_value:
+            return TexturedMaterial(DEFAULT_MATERIAL)
+        value, number = self.document.item("materials", index), index.integer()
+        if number not in self._read:
+            self._read[number] = self._material(value, number)
+        return self._read[number]
+
+    def _material(self, value: JsonValue, number: int) -> TexturedMaterial:
+        """Read one material."""
+        name = value.member("name").data
+        name = name[:100] if isinstance(name, str) and name else f"material_{number}"
+        gloss = _extension(value, "KHR_materials_pbrSpecularGlossiness")
+        shade = _glossy(gloss) if gloss.has_value else _metallic(value.member("pbrMetallicRoughness"))
+        texture = shade.texture
+        path = self.images.path(texture, name) if texture.has_value else None
+        uv_set, matrix = _texture_place(texture)
+        opacity = self._opacity(value, shade.alpha)
+        material = Material(name, _srgb(shade.diffuse), path, opacity, shade.specular, shade.shininess)
+        if _extension(value, "KHR_materials_unlit").has_value:
+            material = replace(material, specular=(0.0, 0.0, 0.0), shininess=1.0)
+        for key in ("normalTexture", "occlusionTexture", "emissiveTexture"):
+            if value.member(key).has_value:
+                self.notes[value.member(key).element] = "not kept"
+        return TexturedMaterial(material, uv_set, matrix)
+
+    def _opacity(self, value: JsonValue, alpha: float) -> float:
+        """Return the opacity: alpha if blended, less what the material transmits; 1 for other modes."""
+        mode, glass = value.member("alphaMode"), _extension(value, "KHR_materials_transmission")
+        if mode.has_value and mode.text() not in ("OPAQUE", "MASK", "BLEND"):
+            raise mode.error(f"expected OPAQUE, MASK or BLEND, got `{mode.text()[:20]}`")
+        opacity = alpha if mode.data == "BLEND" else 1.0
+        return opacity * (1 - _factor(glass, "transmissionFactor", 0.0)) if glass.has_value else opacity
+
+
+@dataclass(frozen=True)
+class _Shade:
+    """Reflection of a material: linear diffuse colour, alpha, `Ks`, `Ns`, and the texture of its colour."""
+
+    diffuse: np.ndarray
+    alpha: float
+    specular: Color
+    shininess: float
+    texture: JsonValue
+
+
+def _metallic(value: JsonValue) -> _Shade:
+    """Return the shade of the metallic-roughness model: metals reflect their colour, others `DIELECTRIC`."""
+    value = value if value.has_value else replace(value, data={})
+    red, green, blue, alpha = _factors(value, "baseColorFactor", 4)
+    texture = value.member("baseColorTexture")
+    base, metallic = np.array([red, green, blue]), _factor(value, "metallicFactor", 1.0)
+    roughness = _factor(value, "roughnessFactor", 1.0)
+    if value.member("metallicRoughnessTexture").has_value:
+        metallic = 0.0  # factors multiply the texture, which is not kept, and are usually 1
+    specular = DIELECTRIC * (1 - metallic) + base * metallic
+    # Metals without a diffuse part would be black in the package's renderer, which reflects lights alone.
+    return _Shade(base, alpha, _color(specular), _shininess(roughness), texture)
+
+
+def _glossy(value: JsonValue) -> _Shade:
+    """Return the shade of the specular-glossiness model."""
+    *diffuse, alpha = _factors(value, "diffuseFactor", 4)
+    specular = _factors(value, "specularFactor", 3)
+    roughness = 1 - _factor(value, "glossinessFactor", 1.0)
+    texture = value.member("diffuseTexture")
+    return _Shade(np.array(diffuse), alpha, _color(specular), _shininess(roughness), texture)
+
+
+def _shininess(roughness: float) -> float:
+    """Return the Blinn-Phong exponent 2/roughness^4 - 2, clipped to 1..`MAX_SHININESS`."""
+    return float(np.clip(2 / max(roughness, 1e-3) ** 4 - 2, 1.0, MAX_SHININESS))
+
+
+def _texture_place(texture: JsonValue) -> tuple[int, np.ndarray]:
+    """Return the set of texture coordinates and the map of `KHR_texture_transform`: offset, rotation and scale."""
+    place = texture if texture.has_value else replace(texture, data={})
+    moved = _extension(place, "KHR_texture_transform")
+    own = moved.member("texCoord") if moved.has_value else place
+    own = own if moved.has_value and own.has_value else place.member("texCoord")
+    uv_set = own.integer() if own.has_value else 0
+    if not moved.has_value:
+        return uv_set, np.eye(3)
+    (x, y), (sx, sy) = _vector(moved, "offset", (0, 0)), _vector(moved, "scale", (1, 1))
+    angle = moved.member("rotation").number() if moved.member("rotation").has_value else 0.0
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return uv_set, np.array([[cosine * sx, sine * sy, x], [-sine * sx, cosine * sy, y], [0, 0, 1]])
+
+
+def _extension(value: JsonValue, name: str) -> JsonValue:
+    """Return an extension of an object; null if it has none."""
+    extensions = value.member("extensions")
+    return extensions.member(name) if extensions.has_value else replace(extensions, data=None)
+
+
+def _vector(value: JsonValue, key: str, default: tuple[float, ...]) -> tuple[float, ...]:
+    """Return a list of numbers of the default's length; the default if it is absent."""
+    found = value.member(key)
+    return tuple(found.vector(len(default)).tolist()) if found.has_value else default
+
+
+def _factors(value: JsonValue, key: str, length: int) -> tuple[float, ...]:
+    """Return factors clipped to 0..1; ones if they are absent."""
+    return tuple(min(max(v, 0.0), 1.0) for v in _vector(value, key, (1.0,) * length))
+
+
+def _factor(value: JsonValue, key: str, default: float) -> float:
+    """Return one factor clipped to 0..1."""
+    found = value.member(key)
+    return min(max(found.number(), 0.0), 1.0) if found.has_value else default
+
+
+def _color(values: object) -> Color:
+    """Return three values as a tuple of floats."""
+    red, green, blue = np.asarray(values, float).tolist()
+    return red, green, blue
+
+
+def _srgb(linear: np.ndarray) -> Color:
+    """Convert a linear colour to sRGB, rounded to 6 digits."""
+    return _color(np.round(encode_srgb(linear), 6))
+
+
+def tinted(material: Material, linear: np.ndarray) -> Material:
+    """Return a material whose colour is multiplied by a linear one, as by vertex colours."""
+    own = decode_srgb(np.array(material.diffuse or (1.0, 1.0, 1.0)))
+    return replace(material, diffuse=_srgb(np.clip(own * linear, 0, 1)))

@@ -1,0 +1,211 @@
+"""Primitives of a glTF mesh as triangles with texture coordinates, normals and material slots."""
+
+import importlib
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.datasets.gltf.decode.accessors import read_accessor
+from home_mjx.datasets.gltf.decode.container import GltfDocument
+from home_mjx.datasets.gltf.decode.materials import MaterialReader, TexturedMaterial, tinted
+from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue
+from home_mjx.errors import install_hint
+from home_mjx.schema.house import Material, Mesh
+
+DRACO = "KHR_draco_mesh_compression"
+TRIANGLES, STRIP, FAN = 4, 5, 6
+MAX_TRIANGLES = 10_000_000  # maximum sum over the meshes of a document
+COLOR_STEPS = (16, 8, 4, 2)  # levels per channel to which vertex colours are rounded
+MAX_COLORS = 64  # maximum number of material slots that the vertex colours of a primitive become
+
+Attributes = dict[str, np.ndarray]
+
+
+@dataclass
+class MeshReader:
+    """Reader of a document's meshes, each read once, in its own frame and units.
+
+    Attributes:
+        document: The document.
+        materials: Reader of its materials.
+        notes: Elements with the reason why they are not shown.
+    """
+
+    document: GltfDocument
+    materials: MaterialReader
+    notes: dict[str, str] = field(default_factory=dict)
+    _read: dict[int, Mesh | None] = field(default_factory=dict)
+    _total: int = 0
+
+    def mesh(self, index: JsonValue) -> Mesh | None:
+        """Return the mesh that a node names; None if it has no triangles of any area.
+
+        Raises:
+            DatasetError: Indices, accessors or materials are invalid, or the document has too many triangles.
+        """
+        value, number = self.document.item("meshes", index), index.integer()
+        if number not in self._read:
+            parts = [part for p in value.member("primitives").entries() if (part := self._primitive(p)) is not None]
+            if value.member("weights").has_value:
+                self.notes[value.element] = "morph targets are not applied"
+            self._read[number] = _join(self.document, parts) if parts else None
+        return self._read[number]
+
+    def _primitive(self, value: JsonValue) -> "_Part | None":
+        """Return the triangles of a primitive; None, with a note, if there are none."""
+        attributes, index = self._vertices(value)
+        corners = self._triangles(value, index, len(attributes["POSITION"]))
+        if corners is None:
+            return None
+        self._total += len(corners)
+        if self._total > MAX_TRIANGLES:
+            raise value.error(f"meshes have more than {MAX_TRIANGLES} triangles", "Simplify them.")
+        a, b, c = attributes["POSITION"][corners].transpose(1, 0, 2)
+        flat = (np.cross(b - a, c - a) == 0).all(axis=1)
+        if flat.any():
+            self.notes[value.element] = f"{int(flat.sum())} triangles without area are left out"
+        return _part(self.materials.material(value.member("material")), attributes, corners[~flat])
+
+    def _vertices(self, value: JsonValue) -> tuple[Attributes, Int[np.ndarray, " i"] | None]:
+        """Return the attributes of a primitive's vertices, and its indices; None: vertices are in order."""
+        packed = value.member("extensions")
+        packed = packed.member(DRACO) if packed.has_value else packed
+        if packed.has_value:
+            attributes, index = _unpack_draco(self.document, packed)
+        else:
+            named, listed = value.member("attributes"), value.member("indices")
+            used = [k for k in _keys(named) if k.startswith(("POSITION", "NORMAL", "TEXCOORD_", "COLOR_0"))]
+            attributes = {key: read_accessor(self.document, named.member(key)) for key in used}
+            index = read_accessor(self.document, listed)[:, 0] if listed.has_value else None
+        self._check(value, attributes)
+        return attributes, index
+
+    def _check(self, value: JsonValue, attributes: Attributes) -> None:
+        """Raise `DatasetError` unless attributes have positions of three coordinates and one length."""
+        position = attributes.get("POSITION")
+        if position is None or position.shape[1] != 3:
+            raise value.error("primitive has no POSITION of three coordinates")
+        if abs(position).max(initial=0) > MAX_COORDINATE:
+            raise value.error(f"expected coordinates up to {MAX_COORDINATE:g}, got {abs(position).max():g}")
+        for name, rows in attributes.items():
+            width = (3, 4) if name.startswith("COLOR") else (2,) if name.startswith("TEXCOORD") else (3,)
+            if len(rows) != len(position) or rows.shape[1] not in width:
+                raise value.error(f"{name} has the shape {rows.shape}, POSITION {position.shape}")
+
+    def _triangles(self, value: JsonValue, index: np.ndarray | None, count: int) -> Int[np.ndarray, "t 3"] | None:
+        """Return the vertex indices of a primitive's triangles; None, with a note, for points, lines and none."""
+        mode = value.member("mode").integer() if value.member("mode").has_value else TRIANGLES
+        if mode not in range(7):
+            raise value.member("mode").error(f"expected a mode of 0 to 6, got {mode}")
+        index = np.arange(count) if index is None else index
+        if index.dtype.kind != "i" or index.max(initial=0) >= count or index.min(initial=0) < 0:
+            raise value.error(f"index is beyond the {count} vertices")
+        if mode < TRIANGLES or len(index) < 3:
+            self.notes[value.element] = "points and lines are not shown" if mode < TRIANGLES else "no triangle"
+            return None
+        return split_triangles(index, mode)
+
+
+def split_triangles(index: Int[np.ndarray, " i"], mode: int) -> Int[np.ndarray, "t 3"]:
+    """Return the triangles of a list, a strip or a fan of vertex indices, wound as glTF's specification has it.
+
+    Example:
+        >>> split_triangles(np.arange(4), STRIP).tolist(), split_triangles(np.arange(4), FAN).tolist()
+        ([[0, 1, 2], [1, 3, 2]], [[1, 2, 0], [2, 3, 0]])
+    """
+    if mode == TRIANGLES:
+        return index[: len(index) // 3 * 3].reshape(-1, 3)
+    if mode == FAN:
+        return np.stack([index[1:-1], index[2:], np.full(len(index) - 2, index[0])], axis=1)
+    odd = np.arange(len(index) - 2) % 2
+    return np.stack([index[:-2], index[np.arange(len(odd)) + 1 + odd], index[np.arange(len(odd)) + 2 - odd]], axis=1)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Triangles of one primitive."""
+
+    corners: Float[np.ndarray, "t 3 3"]
+    uv: Float[np.ndarray, "t 3 2"]
+    normal: Float[np.ndarray, "t 3 3"] | None
+    slot: Int[np.ndarray, " t"]
+    materials: tuple[Material, ...]
+
+
+def _part(found: TexturedMaterial, attributes: Attributes, corners: Int[np.ndarray, "t 3"]) -> _Part:
+    """Return the triangles of a primitive with its material, one slot per vertex colour."""
+    uv = attributes.get(f"TEXCOORD_{found.uv_set}")
+    uv = np.zeros((len(attributes["POSITION"]), 2)) if uv is None else uv
+    uv = np.c_[uv, np.ones(len(uv))] @ found.uv_matrix[:2].T
+    uv = uv * [1, -1] + [0, 1]  # the records have v = 0 below
+    slot, materials = np.zeros(len(corners), int), (found.material,)
+    if "COLOR_0" in attributes and len(corners):
+        slot, colors = _round_colors(attributes["COLOR_0"][corners, :3].mean(axis=1))
+        materials = tuple(tinted(found.material, color) for color in colors)
+    normal = attributes["NORMAL"][corners] if "NORMAL" in attributes else None
+    return _Part(attributes["POSITION"][corners], uv[corners], normal, slot, materials)
+
+
+def _round_colors(colors: Float[np.ndarray, "t 3"]) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, "k 3"]]:
+    """Return the slot of each face and the mean colour of each slot: faces of nearly equal colours share one."""
+    colors = np.clip(colors, 0, 1)
+    slot = np.zeros(len(colors), int)
+    for steps in COLOR_STEPS:
+        levels = np.round(np.sqrt(colors) * steps).astype(int) @ [(steps + 1) ** 2, steps + 1, 1]
+        slot = np.unique(levels, return_inverse=True)[1].reshape(-1)
+        if slot.max() < MAX_COLORS:
+            break
+    weight = np.bincount(slot)
+    return slot, np.stack([np.bincount(slot, colors[:, k]) / weight for k in range(3)], axis=1)
+
+
+def _join(document: GltfDocument, parts: list[_Part]) -> Mesh:
+    """Join primitives to one mesh without shared vertices; slots are in their order."""
+    first = np.cumsum([0, *(len(p.materials) for p in parts)])
+    corners = np.concatenate([p.corners for p in parts])
+    normal = None
+    if all(p.normal is not None for p in parts):
+        normal = np.concatenate([p.normal for p in parts if p.normal is not None])
+    return Mesh(
+        path=document.path,
+        vertices=corners.reshape(-1, 3),
+        faces=np.arange(corners.size // 3).reshape(-1, 3),
+        uv=np.concatenate([p.uv for p in parts]),
+        slot=np.concatenate([p.slot + start for p, start in zip(parts, first, strict=False)]),
+        group=np.full(len(corners), -1),
+        materials=tuple(m for p in parts for m in p.materials),
+        normal=normal,
+    )
+
+
+def _keys(value: JsonValue) -> list[str]:
+    """Return the keys of a JSON object."""
+    value.member("")  # raises unless it is an object
+    return list(value.data)
+
+
+def _unpack_draco(document: GltfDocument, packed: JsonValue) -> tuple[Attributes, Int[np.ndarray, " i"]]:
+    """Return attributes and indices of a primitive that is compressed by Draco.
+
+    Raises:
+        DatasetError: DracoPy is not installed, or cannot decode the data.
+    """
+    try:
+        draco: Any = importlib.import_module("DracoPy")
+    except ImportError:
+        raise packed.error(f"{DRACO} needs DracoPy, which is not installed", install_hint("gltf")) from None
+    try:
+        mesh = draco.decode(bytes(document.view(packed.member("bufferView"))[0]))
+        named = packed.member("attributes")
+        found = {k: mesh.get_attribute_by_unique_id(named.member(k).integer())["data"] for k in _keys(named)}
+        return {k: _as_float(rows) for k, rows in found.items()}, np.asarray(mesh.faces, np.int64).reshape(-1)
+    except (RuntimeError, ValueError, TypeError, AttributeError, KeyError) as error:
+        raise packed.error(f"Draco data cannot be decoded: {error}") from None
+
+
+def _as_float(rows: np.ndarray) -> np.ndarray:
+    """Return decoded rows as float64; colours of integer types become 0..1."""
+    rows = np.asarray(rows)
+    return rows / np.iinfo(rows.dtype).max if rows.dtype.kind == "u" else rows.astype(np.float64)

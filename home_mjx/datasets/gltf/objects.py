@@ -1,0 +1,118 @@
+"""Objects of a scene: nodes whose names tell a category; all other meshes are architecture."""
+
+import hashlib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from home_mjx.datasets.gltf.categories import ARCHITECTURE, find_category
+from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
+from home_mjx.schema.house import Mesh
+
+MAX_OBJECT_SIZE = 6.0  # [m], maximum extent of an object; larger ones are architecture
+
+
+@dataclass
+class FoundObject:
+    """One object: a node with a category, and the meshes below it.
+
+    Attributes:
+        node: The node.
+        fine: Its fine category.
+        meshes: Meshes below the node.
+    """
+
+    node: SceneNode
+    fine: str
+    meshes: list[PlacedMesh] = field(default_factory=list)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Vertices in the house [m], (v, 3)."""
+        return np.concatenate([m.mesh.vertices @ m.matrix[:3, :3].T + m.matrix[:3, 3] for m in self.meshes])
+
+    def mesh(self) -> Mesh:
+        """Return the meshes joined in the node's frame; normals are dropped unless all meshes have them."""
+        back = np.linalg.inv(self.node.matrix)
+        return join_meshes([_moved(m.mesh, back @ m.matrix) for m in self.meshes])
+
+    @property
+    def key(self) -> str:
+        """Name of the joined mesh, equal for copies: a digest of its parts and their places."""
+        back = np.linalg.inv(self.node.matrix)
+        places = [(id(m.mesh), np.round(back @ m.matrix, 6).tolist()) for m in self.meshes]
+        return f"{self.fine}_{hashlib.sha256(repr(places).encode()).hexdigest()[:12]}"
+
+
+def split_objects(
+    placed: Iterable[PlacedMesh], stated: Mapping[str, str]
+) -> tuple[list[FoundObject], list[PlacedMesh]]:
+    """Return the objects of a scene, and the meshes of its architecture.
+
+    The node nearest to a mesh that has a category decides. Objects over `MAX_OBJECT_SIZE` are architecture.
+
+    Args:
+        placed: Meshes of the scene.
+        stated: Fine category by name of a node or mesh, which names take precedence over words.
+    """
+    found: dict[str, FoundObject] = {}
+    architecture = []
+    for item in placed:
+        node, fine = _category(item, stated)
+        if not fine or fine in ARCHITECTURE:
+            architecture.append(item)
+        else:
+            found.setdefault(node.element + repr(node.matrix.tolist()), FoundObject(node, fine)).meshes.append(item)
+    large = [o for o in found.values() if np.ptp(o.points, axis=0).max() > MAX_OBJECT_SIZE]
+    architecture += [mesh for one in large for mesh in one.meshes]
+    return [one for one in found.values() if not any(one is other for other in large)], architecture
+
+
+def _category(item: PlacedMesh, stated: Mapping[str, str]) -> tuple[SceneNode, str]:
+    """Return the node that tells a mesh's category, and the fine category; "" if none does."""
+    for node in reversed(item.chain):
+        names = (node.name, item.name) if node is item.chain[-1] else (node.name,)
+        for name in names:
+            fine = stated.get(name) or find_category(name)
+            if fine:
+                return node, fine
+    return item.chain[-1], ""
+
+
+def _moved(mesh: Mesh, matrix: np.ndarray) -> Mesh:
+    """Return a mesh in another frame, wound outwards and with unit normals."""
+    if np.allclose(matrix, np.eye(4), rtol=0, atol=1e-9):
+        return mesh
+    linear = matrix[:3, :3]
+    order = [0, 2, 1] if np.linalg.det(linear) < 0 else [0, 1, 2]
+    normal = None if mesh.normal is None else mesh.normal[:, order] @ np.linalg.inv(linear)
+    if normal is not None:
+        normal = normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
+    vertices = mesh.vertices @ linear.T + matrix[:3, 3]
+    return replace(
+        mesh,
+        vertices=vertices,
+        faces=mesh.faces[:, order],
+        uv=mesh.uv[:, order],
+        normal=normal,
+    )
+
+
+def join_meshes(meshes: list[Mesh]) -> Mesh:
+    """Return at least one mesh joined to one, with the slots of each in order."""
+    if len(meshes) == 1:
+        return meshes[0]
+    vertices = np.cumsum([0, *(len(m.vertices) for m in meshes)])
+    slots = np.cumsum([0, *(len(m.materials) for m in meshes)])
+    normals = [m.normal for m in meshes if m.normal is not None]
+    return Mesh(
+        path=meshes[0].path,
+        vertices=np.concatenate([m.vertices for m in meshes]),
+        faces=np.concatenate([m.faces + start for m, start in zip(meshes, vertices, strict=False)]),
+        uv=np.concatenate([m.uv for m in meshes]),
+        slot=np.concatenate([m.slot + start for m, start in zip(meshes, slots, strict=False)]),
+        group=np.concatenate([m.group for m in meshes]),
+        materials=tuple(material for m in meshes for material in m.materials),
+        normal=np.concatenate(normals) if len(normals) == len(meshes) else None,
+    )
