@@ -88,24 +88,45 @@ class GltfFile:
         return path
 
 
+BOXES = {
+    "slab": ((-0.1, -0.1, -0.1), (8.1, 0, 4.1)),
+    "north": ((-0.1, 0, -0.1), (8.1, 2.6, 0)),
+    "south": ((-0.1, 0, 4), (8.1, 2.6, 4.1)),
+    "west": ((-0.1, 0, 0), (0, 2.6, 4)),
+    "east": ((8, 0, 0), (8.1, 2.6, 4)),
+    "left": ((3.95, 0, 0), (4.05, 2.6, 1.5)),
+    "right": ((3.95, 0, 2.4), (4.05, 2.6, 4)),
+    "above": ((3.95, 2.1, 1.5), (4.05, 2.6, 2.4)),
+    "top": ((-0.1, 2.6, -0.1), (8.1, 2.7, 4.1)),
+    "Dining_Table.001": ((5, 0.02, 1), (6.5, 0.75, 2)),
+    "chair": ((1, 0.02, 1), (1.5, 0.9, 1.5)),
+}
+
+
 def two_rooms() -> GltfFile:
     """A flat of 8 x 4 m in two rooms, joined by a doorway of 0.9 m, with a table and a chair."""
     file = GltfFile()
-    boxes = {
-        "slab": ((-0.1, -0.1, -0.1), (8.1, 0, 4.1)),
-        "north": ((-0.1, 0, -0.1), (8.1, 2.6, 0)),
-        "south": ((-0.1, 0, 4), (8.1, 2.6, 4.1)),
-        "west": ((-0.1, 0, 0), (0, 2.6, 4)),
-        "east": ((8, 0, 0), (8.1, 2.6, 4)),
-        "left": ((3.95, 0, 0), (4.05, 2.6, 1.5)),
-        "right": ((3.95, 0, 2.4), (4.05, 2.6, 4)),
-        "above": ((3.95, 2.1, 1.5), (4.05, 2.6, 2.4)),
-        "top": ((-0.1, 2.6, -0.1), (8.1, 2.7, 4.1)),
-        "Dining_Table.001": ((5, 0.02, 1), (6.5, 0.75, 2)),
-        "chair": ((1, 0.02, 1), (1.5, 0.9, 1.5)),
-    }
-    for name, (low, high) in boxes.items():
+    for name, (low, high) in BOXES.items():
         file.box(name, low, high)
+    return file
+
+
+def scan_of_two_rooms(edge: float, noise: float) -> GltfFile:
+    """The same flat as one mesh of small triangles, whose vertices are moved by normal noise [m]."""
+    sheets = []
+    for low, high in BOXES.values():
+        for a, b, _, _, _, c in CUBE.reshape(6, 6, 3):
+            first, right, up = (np.array(low) + p * (np.array(high) - low) for p in (a, b, c))
+            n, m = (max(1, round(np.linalg.norm(p - first) / edge)) for p in (right, up))
+            x, y = np.meshgrid(np.arange(n + 1) / n, np.arange(m + 1) / m)
+            grid = first + x[..., None] * (right - first) + y[..., None] * (up - first)
+            p, q, r, s = grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1]
+            sheets += [np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((p, q, r), (p, r, s))]
+    corners = np.concatenate(sheets).reshape(-1, 3)
+    places, index = np.unique(np.round(corners, 5), axis=0, return_inverse=True)
+    places += np.random.default_rng(0).normal(scale=noise, size=places.shape)
+    file = GltfFile()
+    file.node(mesh=file.mesh(places, indices=file.accessor(index.reshape(-1), "uint32")))
     return file
 
 

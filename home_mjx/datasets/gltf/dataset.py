@@ -159,7 +159,7 @@ class GltfDataset(Dataset):
         rooms = find_rooms(triangles, stated.rooms, self.options.rooms == "auto")
         if not rooms:
             hint = f"State its units by `?scale=` and `?up=`, or its rooms in {room_file_path(path).name}."
-            raise DatasetError("scene has no floor: no level area faces up", file=path, hint=hint)
+            raise DatasetError("scene has no floor: no level area with walls above", file=path, hint=hint)
         parts = HouseParts(path, rooms)
         levels = parts.levels(triangles, _wanted(objects, options))
         if not any(room.floor or room.ceiling or room.walls for level in levels for room in level.rooms):

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from home_mjx.datasets.gltf.categories import STRUCTURE
 from home_mjx.datasets.gltf.layout.rooms import SceneRoom
 from home_mjx.datasets.gltf.layout.triangle_set import (
+    MAX_UNCUT_EDGE,
     TriangleSet,
     concat_triangles,
     halve_long_edges,
@@ -23,6 +24,7 @@ from home_mjx.schema.house import Level, Mesh, ObjectNode, RoomNode
 
 FLAT_SLOPE = 0.7  # minimum vertical component of the unit normals of floors and ceilings
 FLOOR_REACH, CEILING_REACH = 0.15, 0.3  # [m], maximum distance of faces from the height of a room's floor or ceiling
+ROUGHNESS = 0.08  # [m], small faces up to this height above a floor belong to it, whatever their slope
 PIECE_SIZE = 1.0  # [m], edge of the cells into which static geometry is cut; its colliders are boxes around parts of it
 MAX_PIECES = 2_000  # maximum number of pieces of a house; more would need larger cells
 MAX_CUT_TRIANGLES = 300_000  # maximum number of triangles after cutting, by their areas
@@ -162,7 +164,9 @@ def _split_flat(
     heights = np.array([r.shape.floor if side > 0 else r.shape.ceiling for r in rooms])
     reach = FLOOR_REACH if side > 0 else CEILING_REACH
     low, high = heights.min() - reach, heights.max() + reach
-    flat = (side * triangles.slope > FLAT_SLOPE) & triangles.within(low, high)
+    flat = (abs(triangles.slope) > FLAT_SLOPE) & triangles.within(low, high)
+    if side > 0:  # rough floors of scans
+        flat |= (triangles.extent < MAX_UNCUT_EDGE) & (triangles.heights[:, 1] < heights.max() + ROUGHNESS)
     order = np.argsort([polygon_area(room.shape.corners) for room in rooms], kind="stable")
     outlines = [list(_fill(rooms[i].shape.corners)) for i in order]
     parts, left = split_by_outlines(triangles[flat], outlines)

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
+from scipy import ndimage
 
+from home_mjx.geometry.box_fit import SAMPLE_SPACING, sample_surface
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, make_boxes
 from home_mjx.geometry.meshes import facing_axis
 from home_mjx.geometry.rectangle_cover import (
@@ -17,6 +19,8 @@ from home_mjx.geometry.rectangle_cover import (
 )
 from home_mjx.geometry.rotations import yaw_matrix
 
+MAX_EXACT_FACES = 400  # maximum number of faces of a wall whose corners become grid lines
+SCAN_CELL = 0.1  # [m], cells of walls with more faces
 EDGE_MERGE_DISTANCE = 0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ less
 
 
@@ -94,10 +98,31 @@ def wall_boxes(slabs: Sequence[Slab], max_length: float) -> BoxSet:
     if not len(faces):
         return empty_boxes()
     across = corners[:, 1].min(), corners[:, 1].max()
-    u, v = (merge_close_values(faces[..., axis], EDGE_MERGE_DISTANCE) for axis in (0, 2))
-    solid = is_in_triangles(faces[..., [0, 2]], cell_centers(u, v))
+    u, v, solid = _solid_cells(faces[..., [0, 2]])
     pieces = split_rectangles(cover_with_rectangles(u, v, solid), max_length)
     return concat_boxes(_piece(piece, across, main.yaw) for piece in pieces)
+
+
+def _solid_cells(
+    faces: Float[np.ndarray, "f 3 2"],
+) -> tuple[Float[np.ndarray, " nu"], Float[np.ndarray, " nv"], Bool[np.ndarray, "_ _"]]:
+    """Return grid lines along and up [m], and the cells (row = up) that the faces of a wall cover.
+
+    Lines are through all corners. Walls of more than `MAX_EXACT_FACES`, as of scans, have cells of `SCAN_CELL` instead,
+    and holes up to two cells wide are closed.
+    """
+    if len(faces) <= MAX_EXACT_FACES:
+        u, v = (merge_close_values(faces[..., axis], EDGE_MERGE_DISTANCE) for axis in (0, 1))
+        return u, v, is_in_triangles(faces, cell_centers(u, v))
+    low, high = faces.min(axis=(0, 1)), faces.max(axis=(0, 1))
+    count = np.maximum(np.round((high - low) / SCAN_CELL), 1).astype(int)
+    points = sample_surface(np.dstack([faces, np.zeros(faces.shape[:2])]), SAMPLE_SPACING * SCAN_CELL)[:, :2]
+    column, row = np.clip((points - low) / (high - low) * count, 0, count - 1).astype(int).T
+    solid = np.zeros((count[1] + 2, count[0] + 2), bool)
+    solid[row + 1, column + 1] = True
+    solid = np.asarray(ndimage.binary_closing(solid, np.ones((3, 3))))[1:-1, 1:-1]
+    u, v = (np.linspace(low[axis], high[axis], count[axis] + 1) for axis in (0, 1))
+    return u, v, solid
 
 
 def _piece(piece: Float[np.ndarray, "4"], across: tuple[float, float], yaw: float) -> BoxSet:

@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from gltf_files import CUBE, GltfFile, read_scene, triangles_of, two_rooms
+from gltf_files import CUBE, GltfFile, read_scene, scan_of_two_rooms, triangles_of, two_rooms
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
@@ -151,6 +151,19 @@ def test_storeys_are_found_by_floors_with_walls_above(tmp_path):
     levels = open_dataset(file.write(tmp_path / "tower.glb")).load_house("tower").levels
     assert [[round(r.shape.floor, 3) for r in level.rooms] for level in levels] == [[0], [3]]
     assert [[round(r.shape.ceiling, 3) for r in level.rooms] for level in levels] == [[2.7], [5.7]]
+
+
+def test_a_noisy_scan_has_the_same_rooms_walls_and_doorway(tmp_path):
+    """One mesh of 45,000 triangles without names: furniture is an obstacle, walls are as thick as in the drawing."""
+    house = compiled(scan_of_two_rooms(0.1, 0.004).write(tmp_path / "scan.glb"))
+    assert house.report["rooms"] == 2
+    rooms, region = house.navigation.room[0], house.navigation.region[0]
+    assert set(np.unique(rooms[region == 0])) == {0, 1}
+    walls = house.colliders.object_id < 0
+    thin = 2 * house.colliders.size[walls, :2].min(axis=1)
+    assert np.median(thin) == pytest.approx(0.13, abs=0.04)
+    # 3.95 m x 4 m less 0.1 m to walls each, and the furniture with the agent's radius around it
+    assert (region == 0).sum() * 0.01 == pytest.approx(2 * 3.7 * 3.75 - 1.8 * 1.3 - 0.8 * 0.8, abs=2)
 
 
 def test_names_and_paths_open_the_same_houses(flat, tmp_path):

@@ -52,7 +52,7 @@ def map_storey(triangles: TriangleSet, storey: float) -> FreeMap | None:
     low, cell = _grid(near, yaw)
     spacing = _spacing(near, SAMPLE_SPACING * cell)
     cell = max(cell, spacing / SAMPLE_SPACING)
-    flat = near[near.slope > 0.7]
+    flat = near[abs(near.slope) > 0.7]
     points = _plan_points(flat, storey, FLOOR_BAND, yaw, spacing)
     if not len(points):
         return None

@@ -32,11 +32,13 @@ def dominant_height(heights: Float[np.ndarray, " n"], areas: Float[np.ndarray, "
 
 
 def find_storeys(triangles: TriangleSet) -> list[float]:
-    """Return the heights of the storeys' floors [m], ascending; none without level areas that face up.
+    """Return the heights of the storeys' floors [m], ascending; none without level areas.
+
+    Faces of either side count, since scans and drawn blocks may have floors that face down.
 
     A storey is a height with at least `MIN_FLOOR_AREA` of level faces and, unless it is the only one, with walls above.
     """
-    flat = triangles[triangles.slope > LEVEL_SLOPE]
+    flat = triangles[abs(triangles.slope) > LEVEL_SLOPE]
     if not len(flat):
         return []
     number = np.round(flat.middle[:, 1] / BIN).astype(int)
@@ -70,5 +72,5 @@ def _refined(flat: TriangleSet, height: float) -> float:
 
 def floor_height(triangles: TriangleSet, storey: float) -> float:
     """Return the height of the floor of triangles in a room [m]; that of its storey without level faces near it."""
-    near = (triangles.slope > LEVEL_SLOPE) & (abs(triangles.middle[:, 1] - storey) < FLOOR_TOLERANCE)
+    near = (abs(triangles.slope) > LEVEL_SLOPE) & (abs(triangles.middle[:, 1] - storey) < FLOOR_TOLERANCE)
     return dominant_height(triangles.middle[near, 1], triangles.area[near]) if near.any() else storey

@@ -65,6 +65,11 @@ class TriangleSet:
         """Minimum and maximum height of each triangle [m]."""
         return np.stack([self.corners[..., 1].min(axis=1), self.corners[..., 1].max(axis=1)], axis=1)
 
+    @property
+    def extent(self) -> Float[np.ndarray, " t"]:
+        """Largest extent of each triangle along an axis of the plan [m]."""
+        return np.ptp(self.corners[..., [0, 2]], axis=1).max(axis=1, initial=0)
+
     def within(self, low: float, high: float) -> Bool[np.ndarray, " t"]:
         """Return a mask of the triangles that reach into a range of heights [m]."""
         return (self.heights[:, 1] > low) & (self.heights[:, 0] < high)
@@ -160,7 +165,7 @@ def _split(triangles: TriangleSet, pieces: Sequence[PlanPolygon]) -> tuple[Trian
     plan = triangles.corners[..., [0, 2]]
     low, high = (f([p for piece in pieces for p in piece], axis=0) for f in (np.min, np.max))
     near = np.flatnonzero(((plan.max(axis=1) > low) & (plan.min(axis=1) < high)).all(axis=1))
-    small = np.ptp(plan[near], axis=1).max(axis=1, initial=0) < MAX_UNCUT_EDGE
+    small = triangles.extent[near] < MAX_UNCUT_EDGE
     tested = np.where(small[:, None, None], plan[near].mean(axis=1, keepdims=True), plan[near])
     within = np.any([_contains(piece, tested) for piece in pieces], axis=0)
     whole, cut = near[within], near[~within & ~small].tolist()

@@ -1,6 +1,6 @@
 """Walls among the triangles of a storey: upright plane pieces, with the room that each one faces."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +15,9 @@ ANGLE_STEP = np.deg2rad(5.0)  # normals within about this angle are of one plane
 OFFSET_STEP = 0.03  # [m], faces within about this distance are of one plane
 MAX_GAP = 0.3  # [m], maximum gap along a wall
 MIN_LENGTH, MIN_HEIGHT, MIN_AREA = 0.4, 1.0, 0.4  # [m], [m], [m^2], minimum size of a wall
-MAX_WALL_TRIANGLES = 400  # walls of more triangles are of a scan, and become obstacles as they are
+MAX_WALL_TRIANGLES = 400  # walls of more triangles are of a scan, whose faces are found along outlines
+SCAN_REACH = 0.28  # [m], maximum distance of a scan's wall from an outline
+SCAN_COSINE = 0.7  # minimum cosine between the normals of a scan's face and its wall
 PROBE_DISTANCE = 0.1  # [m], distance in front of a wall at which its room is looked up
 MAX_THICKNESS = 0.45  # [m], maximum distance of the outer layer behind the inner one
 
@@ -52,7 +54,8 @@ def find_walls(
 ) -> dict[int, list[Int[np.ndarray, " _"]]]:
     """Return the walls of each room by its index, each as rows of triangles.
 
-    A wall's outer layer is part of it. Faces that no room is in front of, and scans, are not walls.
+    A wall's outer layer is part of it. Faces that no room is in front of are not walls. Rough walls of scans are those
+    along the sides of outlines.
 
     Args:
         triangles: Triangles of the architecture.
@@ -67,7 +70,35 @@ def find_walls(
             mine = [back for back in backs if back.is_back_of(face)]
             backs = [back for back in backs if not back.is_back_of(face)]
             walls.setdefault(face.room, []).append(np.concatenate([face.rows, *(back.rows for back in mine)]))
+    rest = np.flatnonzero(~mask_of(walls, len(triangles)) & triangles.within(*heights))
+    for room, rows in _scan_walls(triangles[rest], rooms):
+        walls.setdefault(room, []).append(rest[rows])
     return walls
+
+
+def _scan_walls(
+    triangles: TriangleSet, rooms: Sequence[Float[np.ndarray, "_ 2"]]
+) -> Iterator[tuple[int, Int[np.ndarray, " _"]]]:
+    """Yield the room and the triangles of each wall of a scan; a triangle is in one wall at most."""
+    upright = np.flatnonzero((abs(triangles.slope) < SCAN_COSINE) & (triangles.area > 0))
+    normal = triangles.doubled_normal[upright][:, [0, 2]]
+    normal = normal / np.linalg.norm(normal, axis=1, keepdims=True)
+    middle = triangles.middle[upright][:, [0, 2]]
+    faced = _room_in_front(middle + PROBE_DISTANCE * normal, rooms)
+    left = np.ones(len(upright), bool)
+    for room, corners in enumerate(rooms):
+        for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+            length = float(np.linalg.norm(end - start))
+            if length > MIN_LENGTH:
+                way = (end - start) / length
+                across = np.array([-way[1], way[0]])
+                along, off = (middle - start) @ way, abs((middle - start) @ across)
+                near = (along > -PROBE_DISTANCE) & (along < length + PROBE_DISTANCE) & (off < SCAN_REACH)
+                near &= left & (abs(normal @ across) > SCAN_COSINE) & ((faced == room) | (faced < 0))
+                rows = upright[near]
+                if len(rows) > MAX_WALL_TRIANGLES and _is_large(triangles, rows):
+                    left &= ~near
+                    yield room, rows
 
 
 def _wall_faces(
@@ -92,7 +123,7 @@ def _wall_faces(
     found = []
     for part in np.split(order, np.flatnonzero(np.diff(group.reshape(-1)[order])) + 1) if len(order) else []:
         for piece in _connected(part, along):
-            if _is_wall(triangles, rows[piece]):
+            if len(piece) <= MAX_WALL_TRIANGLES and _is_large(triangles, rows[piece]):
                 ends = float(along[piece].min()), float(along[piece].max())
                 at = float(angle[piece[0]]), float(offset[piece].mean())
                 found.append(WallFace(rows[piece], *at, ends, int(room[piece[0]])))
@@ -118,12 +149,11 @@ def _connected(part: Int[np.ndarray, " n"], along: Float[np.ndarray, "t 3"]) -> 
     return np.split(part[order], starts)
 
 
-def _is_wall(triangles: TriangleSet, rows: Int[np.ndarray, " r"]) -> bool:
-    """Return whether triangles are large enough for a wall, and few enough for a drawn one."""
+def _is_large(triangles: TriangleSet, rows: Int[np.ndarray, " r"]) -> bool:
+    """Return whether triangles are long, high and large enough for a wall."""
     size = np.ptp(triangles.corners[rows].reshape(-1, 3), axis=0)
     length = float(np.hypot(size[0], size[2]))
-    few = len(rows) <= MAX_WALL_TRIANGLES
-    return bool(few and length > MIN_LENGTH and size[1] > MIN_HEIGHT and triangles.area[rows].sum() > MIN_AREA)
+    return bool(length > MIN_LENGTH and size[1] > MIN_HEIGHT and triangles.area[rows].sum() > MIN_AREA)
 
 
 def mask_of(walls: dict[int, list[Int[np.ndarray, " _"]]], count: int) -> Bool[np.ndarray, " _"]:
