@@ -63,7 +63,7 @@ def damaged(number: int) -> bytes:
                 other, place = rng.choice(leaves(file.json))
                 container[key] = copy.deepcopy(other[place])
             else:
-                container[key] = rng.choice(ODD)
+                container[key] = copy.deepcopy(rng.choice(ODD))  # a shared list could contain itself
         return whole(file)
     data = bytearray(whole(file))
     for _ in range(rng.choice((1, 4, 40))):
