@@ -26,6 +26,9 @@ from home_mjx.tasks.rules.task_bank import RowStart, TaskBank
 from home_mjx.tasks.sounds.sound_events import SoundEvent
 
 GOAL_TOLERANCE = 0.15  # [m] distance tolerance: agents move in steps and may miss the centre of a cell by this much
+POINT_TOLERANCE = (
+    0.125  # [m] the same for points: half a step of 0.25 m, so that 0.2 m suffices for any point of a cell
+)
 
 log = logging.getLogger(__name__)
 
@@ -294,7 +297,7 @@ def _feasible_rows(
 def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     """Return whether paths lead to all guides of a row's stages, agents excepted, and near enough for its conditions.
 
-    Near enough: to `GOAL_TOLERANCE` less than the maximum of every DISTANCE condition.
+    Near enough: to `GOAL_TOLERANCE`, for points `POINT_TOLERANCE`, less than the maximum of every DISTANCE condition.
 
     Args:
         column: Columns of one row, with `field`.
@@ -306,7 +309,8 @@ def is_feasible(column: dict, nearest: Float[np.ndarray, " g"]) -> bool:
     kind = column["descriptor"][:, Attribute.KIND]
     led_to = guide[guide >= 0]
     leads = np.all((field_[led_to] >= 0) | (kind[led_to] == TargetKind.AGENT)) and np.all(field_[first] >= 0)
-    return bool(leads and np.all(nearest[field_[first]] + GOAL_TOLERANCE <= column["maximum"][asked]))
+    tolerance = np.where(kind[first] == TargetKind.PLACE, POINT_TOLERANCE, GOAL_TOLERANCE)
+    return bool(leads and np.all(nearest[field_[first]] + tolerance <= column["maximum"][asked]))
 
 
 def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[np.ndarray, "c g"]:

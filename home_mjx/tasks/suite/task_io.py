@@ -2,6 +2,7 @@
 
 import logging
 import typing
+from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -93,6 +94,31 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
     index = {name: number for number, name in enumerate(bank.house_ids)}
     names: dict[str, int] = {}
     rows = list(read_json_lines(file, "task", lambda line: _parse_row(line, index, names), MAX_BYTES))
+    return _pack_rows(path, bank, rows, tuple(names))
+
+
+def convert_tasks(lines: Sequence[TaskLine], bank: HouseBank, path: str | Path) -> TaskBank:
+    """Return tasks read from a file of another format; checks, lengths and errors as for `load_tasks`.
+
+    Args:
+        lines: The tasks.
+        bank: Holds the houses.
+        path: The file, for messages, which name its tasks as lines from 1.
+    """
+    index = {name: number for number, name in enumerate(bank.house_ids)}
+    names: dict[str, int] = {}
+    rows = []
+    for number, line in enumerate(lines, 1):
+        try:
+            rows.append(_parse_row(encode(line), index, names))
+        except DatasetError as error:
+            place = f"line {number}, {error.element}"
+            raise type(error)(error.message, file=path, element=place, hint=error.hint) from None
+    return _pack_rows(path, bank, rows, tuple(names))
+
+
+def _pack_rows(path: str | Path, bank: HouseBank, rows: list[dict[str, Any]], names: tuple[str, ...]) -> TaskBank:
+    """Return the tasks of parsed rows of a file, with distances; `DatasetError` if one cannot be used."""
     if not rows:
         raise DatasetError("file holds no task", file=path, hint="Write one JSON object a line, see `save_tasks`.")
     fields = {}
@@ -100,7 +126,7 @@ def load_tasks(path: str | Path, bank: HouseBank) -> TaskBank:
         own = [(number, row) for number, row in enumerate(rows) if row["house"] == view.house]
         if own:
             fields[view.house] = _distance_fields(path, bank, view, own)
-    tasks = pack_task_bank(bank, rows, fields, tuple(names))
+    tasks = pack_task_bank(bank, rows, fields, names)
     fault = find_violation(tasks.rows, bank, column_ranges(), feature_ranges(), {})
     if fault is not None:
         raise DatasetError(fault.message, file=path, element=f"line {fault.row + 1}, {fault.field}", hint=fault.hint)
