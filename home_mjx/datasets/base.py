@@ -8,12 +8,12 @@ import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from home_mjx.core.checks import check_flag
-from home_mjx.core.files import resolve_below
+from home_mjx.core.files import read_code, resolve_below
 from home_mjx.datasets.splits import split_of
 from home_mjx.errors import UnknownIdError, UnknownNameError, did_you_mean
 from home_mjx.schema.categories import COARSE, FINE, NYU40
@@ -289,3 +289,16 @@ class FileDigests:
 
     def save(self, interval: float = 0.0) -> None:
         """Do nothing: digests are not stored."""
+
+
+@cache
+def code_digest(*paths: Path) -> bytes:
+    """Return a SHA-256 digest of code and tables: files, and all below folders; comments and docstrings do not count.
+
+    Args:
+        paths: Python files, CSV files, and folders of both.
+    """
+    files = [file for path in paths for file in ([path] if path.is_file() else sorted(path.rglob("*")))]
+    code = [read_code(file).encode() for file in files if file.suffix == ".py"]
+    tables = [file.read_bytes() for file in files if file.suffix == ".csv"]
+    return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in code + tables)).digest()

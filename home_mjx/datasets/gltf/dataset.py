@@ -14,7 +14,7 @@ import numpy as np
 
 from home_mjx.core.files import NUM_HEAD_BYTES
 from home_mjx.core.paths import cache_folder
-from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions, code_digest
 from home_mjx.datasets.gltf.categories import category_metadata
 from home_mjx.datasets.gltf.decode.container import GLB_MAGIC, GltfDocument, read_document, uri_path
 from home_mjx.datasets.gltf.decode.images import ImageStore
@@ -29,7 +29,6 @@ from home_mjx.datasets.gltf.objects import FoundObject, split_objects
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.schema.house import House, Metadata, Problem
 
-VERSION = 1  # of the reader; raise it whenever the same file would give another house
 SUFFIXES = (".glb", ".gltf")
 ROOM_MODES = ("auto", "one")
 OPTIONS_HINT = "Options are `up=y|z`, `scale=METRES` and `rooms=auto|one`, such as `gltf:scan.glb?up=z&scale=0.01`."
@@ -168,7 +167,7 @@ class GltfDataset(Dataset):
         problems = _problems(document, {**materials.notes, **meshes.notes}, stated, len(rooms), len(levels))
         return House(
             id=house_id,
-            version=f"gltf@2.0/{VERSION}",
+            version="gltf@2.0",
             path=path,
             levels=levels,
             models=parts.models,
@@ -187,11 +186,11 @@ class GltfDataset(Dataset):
 
 
 class SceneDigests(FileDigests):
-    """Digests of scenes, which also depend on the version of the reader and its options."""
+    """Digests of scenes, which also depend on the reader's code and its options."""
 
     def __init__(self, dataset: GltfDataset) -> None:
         super().__init__(dataset.root, dataset.scene_files)
-        self.key = repr((VERSION, dataset.options)).encode()
+        self.key = repr(dataset.options).encode() + code_digest(Path(__file__).parent)
 
     def house(self, house_id: str) -> bytes:
         """Return a SHA-256 digest of the files of a scene and of what else determines the house."""

@@ -8,9 +8,8 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import ClassVar
 
-from home_mjx.core.files import read_code
 from home_mjx.core.paths import cache_folder
-from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions, code_digest
 from home_mjx.datasets.furniture import furniture_provider
 from home_mjx.datasets.procthor.assets import AssetTable, find_database, read_assets
 from home_mjx.datasets.procthor.build import HouseBuilder, textures_of, with_texture_root
@@ -152,14 +151,10 @@ class ProcthorDigests(FileDigests):
         return super().texture(path)
 
 
-@cache
 def reader_digest() -> bytes:
-    """Return a digest of the code and tables that read houses; comments and docstrings do not count."""
+    """Return a digest of the code and tables that read houses."""
     folder = Path(__file__).parent
-    code = [*sorted(folder.glob("*.py")), folder.parent / "outlines.py", folder.parent / "taxonomy.py"]
-    texts = [read_code(path).encode() for path in code]
-    tables = [path.read_bytes() for path in (TABLE, *sorted(folder.glob("*.csv")))]
-    return hashlib.sha256(b"".join(hashlib.sha256(part).digest() for part in texts + tables)).digest()
+    return code_digest(folder, folder.parent / "outlines.py", folder.parent / "taxonomy.py", TABLE)
 
 
 @cache
