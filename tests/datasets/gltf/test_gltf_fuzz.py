@@ -11,7 +11,7 @@ import pytest
 from gltf_files import GltfFile, two_rooms
 from test_gltf_decoder import SQUARE, one_pixel
 
-from home_mjx.datasets.gltf.dataset import open_gltf
+from home_mjx.datasets.gltf.dataset import GltfDataset
 from home_mjx.errors import HomeMjxError
 
 COUNT = 90
@@ -79,7 +79,7 @@ def whole(file: GltfFile) -> bytes:
 def outcome(path: Path) -> str:
     """Return how a scene is read: as a house, or by which error; `no file` if the error names none."""
     try:
-        house = open_gltf(str(path)).load_house(path.stem)
+        house = GltfDataset(str(path)).load_house(path.stem)
     except HomeMjxError as error:
         return type(error).__name__ if error.file else "no file"
     return type(house).__name__
