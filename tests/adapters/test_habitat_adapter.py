@@ -213,6 +213,7 @@ def test_sampled_episodes_replay_from_their_file(tmp_path):
         ({"goals": [{"position": [0, True, 0]}]}, r"3 finite numbers.*goals\[0\].position"),
         ({"goals": []}, "object_category"),
         ({"scene_id": 3}, "scene_id"),
+        ({"info": {"geodesic_distance": None}}, r"geodesic_distance.*episodes\[0\].info"),
     ],
 )
 def test_broken_episodes_are_located(tmp_path, change, message):
@@ -293,3 +294,30 @@ def test_rewards_of_a_subclass_and_object_goals():
     assert env.current_episode.object_category == "chair"
     results = [env.step("look_up")[1:] for _ in range(3)]
     assert [(reward, done) for reward, done, _ in results] == [(-1, False), (-2, False), (-3, True)]
+    config = habitat.get_config("objectnav", **options)
+    again = habitat.Env(config, habitat.NavigationDataset(env.episodes, {}))
+    rows, old = again.env.params.tasks.rows, env.habitat_env.env.params.tasks.rows
+    np.testing.assert_array_equal(rows.columns["descriptor"], old.columns["descriptor"])
+    np.testing.assert_array_equal(rows.start, old.start)
+    for category, message in (("tv_monitor", "no such object"), ("dragon", "dragon")):
+        odd = habitat.NavigationEpisode({**env.episodes[1].fields, "object_category": category})
+        with pytest.raises(DatasetError, match=rf"{message}.*episodes\[1\]"):
+            habitat.Env(config, habitat.NavigationDataset((env.episodes[0], odd), {}))
+
+
+def test_goals_of_categories_and_content_beside_a_file(tmp_path):
+    """Files of ObjectNav: goals by scene and category, and one file per scene in the folder `content`."""
+    fields = {"episode_id": "0", "scene_id": "s/a.glb", "start_position": [0, 0, 0], "start_rotation": [0, 0, 0, 1]}
+    goal = {"position": [1.0, 2.0, 3.0], "radius": 0.5, "view_points": []}
+    (tmp_path / "content").mkdir()
+    parts = {"a": {"a.glb_bed": [goal]}, "b": {"b.glb_bed": []}}
+    for name, goals in parts.items():
+        own = fields | {"goals": [], "object_category": "bed", "scene_id": f"s/{name}.glb"}
+        text = json.dumps({"goals_by_category": goals, "episodes": [own]}).encode()
+        (tmp_path / "content" / f"{name}.json.gz").write_bytes(gzip.compress(text))
+    (tmp_path / "val.json.gz").write_bytes(gzip.compress(b'{"episodes": [], "name": "val"}'))
+    dataset = habitat.read_dataset(tmp_path / "val.json.gz")
+    assert [one.house_id for one in dataset.episodes] == ["a", "b"]
+    found = [dataset.goals_of(one) for one in dataset.episodes]
+    assert [[(goal.position, goal.radius) for goal in goals] for goals in found] == [[((1.0, 2.0, 3.0), 0.5)], []]
+    assert dataset.fields["name"] == "val"

@@ -166,6 +166,8 @@ def _read_file(file: Path) -> tuple[dict[str, Any], list[NavigationEpisode]]:
         raise DatasetError(f"file is not JSON: {error!s:.100}", file=file) from None
     if not isinstance(fields, dict) or not isinstance(fields.get("episodes"), list):
         raise DatasetError("expected an object with a list `episodes`", file=file)
+    if not isinstance(fields.get("goals_by_category", {}), dict):
+        raise DatasetError("expected an object", file=file, element="goals_by_category")
     for number, episode in enumerate(fields["episodes"]):
         _check_episode(episode, file, f"episodes[{number}]")
     return fields, [NavigationEpisode(episode) for episode in fields["episodes"]]
@@ -194,6 +196,9 @@ def _check_episode(episode: Any, file: Path, element: str) -> None:
     if abs(sum(value * value for value in episode["start_rotation"]) - 1) > MAX_NORM_ERROR:
         message = f"expected a rotation x, y, z, w of norm 1, got {episode['start_rotation']}"
         raise DatasetError(message, file=file, element=f"{element}.start_rotation")
+    info = episode.get("info") or {}
+    if not isinstance(info, dict) or type(info.get("geodesic_distance", 0.0)) not in (int, float):
+        raise DatasetError("expected a number `geodesic_distance`", file=file, element=f"{element}.info")
     goals = episode.get("goals") or []
     if not isinstance(goals, list) or not (goals or isinstance(episode.get("object_category"), str)):
         raise DatasetError("expected a list `goals`, or `object_category`", file=file, element=element)

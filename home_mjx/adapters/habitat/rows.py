@@ -10,7 +10,7 @@ import numpy as np
 from home_mjx.adapters.habitat.episodes import NavigationDataset, NavigationEpisode
 from home_mjx.adapters.habitat.frames import NO_OFFSET, Vector, from_world, rotation_of, to_world, yaw_of
 from home_mjx.bank.bank import HouseBank
-from home_mjx.errors import DatasetError
+from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.schema.semantic import Semantic
 from home_mjx.schema.vocabulary import encode_name, vocabularies
 from home_mjx.tasks.rules.enums import Attribute, Feature
@@ -59,9 +59,8 @@ def to_tasks(
     for number, episode in enumerate(dataset.episodes):
         try:
             lines.append(_task_line(episode, success_distance, offsets.get(episode.house_id, NO_OFFSET)))
-        except ValueError as error:  # of a category
-            hint = getattr(error, "hint", None)
-            raise DatasetError(str(error), file=path, element=f"episodes[{number}]", hint=hint) from None
+        except ConfigError as error:  # of a category
+            raise DatasetError(error.message, file=path, element=f"episodes[{number}]", hint=error.hint) from None
     try:
         return convert_tasks(lines, bank, path)
     except DatasetError as error:
