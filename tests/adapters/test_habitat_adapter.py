@@ -321,3 +321,15 @@ def test_goals_of_categories_and_content_beside_a_file(tmp_path):
     found = [dataset.goals_of(one) for one in dataset.episodes]
     assert [[(goal.position, goal.radius) for goal in goals] for goals in found] == [[((1.0, 2.0, 3.0), 0.5)], []]
     assert dataset.fields["name"] == "val"
+
+
+def test_offsets_lead_from_the_frame_of_a_scene_to_the_world(tmp_path):
+    """A house that its compiler moved by 2 m along x and -3 m along y: y is Habitat's -z."""
+    env, offsets = env_of_all().env, {HOME: (2.0, -3.0, 0.5)}
+    plain = env_of_all().episodes[0].start_position
+    moved = habitat.to_episodes(env.params.tasks, env.bank, offsets)
+    np.testing.assert_allclose(moved[0].start_position, np.add(plain, (-2.0, -0.5, -3.0)), atol=1e-6)
+    rows = habitat.to_tasks(habitat.NavigationDataset(moved, {}), env.bank, 0.2, offsets, tmp_path / "x").rows
+    np.testing.assert_allclose(rows.start, env.params.tasks.rows.start, atol=1e-6)
+    with pytest.raises(DatasetError, match=r"episodes\[0\]"):
+        habitat.to_tasks(habitat.NavigationDataset(moved, {}), env.bank, 0.2, {}, tmp_path / "x")
