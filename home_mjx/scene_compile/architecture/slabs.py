@@ -19,8 +19,8 @@ from home_mjx.geometry.rectangle_cover import (
 )
 from home_mjx.geometry.rotations import yaw_matrix
 
-MAX_EXACT_FACES = 400  # maximum number of faces of a wall whose corners become grid lines
-SCAN_CELL = 0.1  # [m], cells of walls with more faces
+SCAN_CELL = 0.1  # [m], cells of the walls of scans
+MAX_CELL_RATIO = 4  # number of cells between all corners re that of `SCAN_CELL`, above which a wall is that of a scan
 EDGE_MERGE_DISTANCE = 0.03  # [m], opening edges closer than this are merged; copies in neighbouring walls differ less
 
 
@@ -108,14 +108,14 @@ def _solid_cells(
 ) -> tuple[Float[np.ndarray, " nu"], Float[np.ndarray, " nv"], Bool[np.ndarray, "_ _"]]:
     """Return grid lines along and up [m], and the cells (row = up) that the faces of a wall cover.
 
-    Lines are through all corners. Walls of more than `MAX_EXACT_FACES`, as of scans, have cells of `SCAN_CELL` instead,
+    Lines are through all corners. Walls whose corners are as dense as those of scans have cells of `SCAN_CELL` instead,
     and holes up to two cells wide are closed.
     """
-    if len(faces) <= MAX_EXACT_FACES:
-        u, v = (merge_close_values(faces[..., axis], EDGE_MERGE_DISTANCE) for axis in (0, 1))
-        return u, v, is_in_triangles(faces, cell_centers(u, v))
+    u, v = (merge_close_values(faces[..., axis], EDGE_MERGE_DISTANCE) for axis in (0, 1))
     low, high = faces.min(axis=(0, 1)), faces.max(axis=(0, 1))
     count = np.maximum(np.round((high - low) / SCAN_CELL), 1).astype(int)
+    if len(u) * len(v) <= MAX_CELL_RATIO * count.prod():
+        return u, v, is_in_triangles(faces, cell_centers(u, v))
     points = sample_surface(np.dstack([faces, np.zeros(faces.shape[:2])]), SAMPLE_SPACING * SCAN_CELL)[:, :2]
     column, row = np.clip((points - low) / (high - low) * count, 0, count - 1).astype(int).T
     solid = np.zeros((count[1] + 2, count[0] + 2), bool)
