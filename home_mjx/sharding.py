@@ -70,6 +70,14 @@ class EnvSharding:
         """Put arrays on the devices; `specs` is a prefix of their pytree."""
         return jax.device_put(tree, self.named(specs))
 
+    def with_shardings(self, shapes: T, specs: Any) -> T:
+        """Return the shapes of arrays, such as those of `jax.eval_shape`, with shardings; `specs` as for `put`."""
+
+        def sharded(sharding: NamedSharding, part: Any) -> Any:
+            return jax.tree.map(lambda x: jax.ShapeDtypeStruct(x.shape, x.dtype, sharding=sharding), part)
+
+        return jax.tree.map(sharded, self.named(specs), shapes)
+
     def put_envs(self, tree: T) -> T:
         """Split arrays with a leading environment axis over the devices.
 

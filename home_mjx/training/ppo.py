@@ -16,6 +16,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import optax
+from jax.stages import Compiled, Lowered
 from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.pytree import Pytree
@@ -100,14 +101,29 @@ class PPO:
         self._reset = self.sharding.map(self._reset_local, (params, BY_ENV), BY_ENV)
         self.update = self.sharding.map(self._update_local, (params, self._specs), (self._specs, REPLICATED))
 
-    def init(self, params: EnvParams, key: Array) -> TrainState:
+    def lower(self, params: EnvParams) -> tuple[Lowered, Lowered]:
+        """Trace the programs of `init` and `update` without computing anything, so that both compile at the same time.
+
+        Example:
+            >>> reset, update = ppo.lower(env.params)  # doctest: +SKIP
+            >>> state = ppo.init(env.params, jax.random.key(0), reset.compile())  # doctest: +SKIP
+            >>> state, metrics = update.compile()(env.params, state)  # doctest: +SKIP
+        """
+        keys = jax.ShapeDtypeStruct((self.config.num_envs, 2), jnp.uint32)
+        state = jax.eval_shape(self.init, params, jax.random.key(0))
+        reset = self._reset.lower(params, self.sharding.with_shardings(keys, BY_ENV))
+        return reset, self.update.lower(params, self.sharding.with_shardings(state, self._specs))
+
+    def init(self, params: EnvParams, key: Array, reset: Compiled | None = None) -> TrainState:
         """Return a state with fresh parameters and reset environments; `key` is typed or raw.
 
-        With `stagger` their step counters are at random times of an episode, so that the first ones end early.
+        With `stagger` their step counters are at random times of an episode, so that the first ones end early. `reset`
+        is the first program of `lower`; None: it is compiled here.
         """
         net_key, env_key, own = jax.random.split(jax.random.wrap_key_data(to_raw_key(key)), 3)
         net = self.agent.init_net(net_key)
-        actor = self._reset(params, jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
+        keys = self.sharding.put_envs(jax.random.key_data(jax.random.split(env_key, self.config.num_envs)))
+        actor = (reset or self._reset)(params, keys)
         return self.to_devices(TrainState(
             net=net, opt=self.optimizer.init(net), actor=actor, key=to_raw_key(own), updates=jnp.zeros((), jnp.int32)
         ))  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+from jax.stages import Compiled, Lowered
 
 from home_mjx.core.progress import say, silence
 from home_mjx.core.workers import usable_cores, worker_threads
@@ -44,6 +45,8 @@ LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": AdvisedPPO, "clone": Be
 MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter stages have one per update
 MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
 DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
+# XLA chooses kernels by their times, without checking the results of each candidate: the same choices in half the time.
+COMPILER_OPTIONS = {"gpu": {"xla_gpu_autotune_level": 1}}  # by platform
 
 
 def train(
@@ -131,28 +134,28 @@ class _Stage:
     """Updates of one algorithm, compiled and ready to run.
 
     Attributes:
+        number: Place among the stages of the configuration.
         ppo: The learner.
         params: Houses and tasks, on the learner's devices.
-        state: Initial state; with fresh parameters if an earlier stage runs first.
         update: The compiled update.
         first: Updates of the run before this stage.
         last: Updates of the run after it.
+        state: Initial state; with fresh parameters if an earlier stage runs first.
     """
 
+    number: int
     ppo: PPO
     params: Any
-    state: TrainState
     update: Any
     first: int
     last: int
+    state: Any = None
 
 
 def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
     """Compile in parallel, and return in order, the stages not complete after `done` updates; at least the last.
 
-    `path` is the run's checkpoint file. A stage in progress has its state as initial state. A new first stage begins
-    with the network of `config.start`, if any. A stage that begins just after the checkpoint has the network of that.
-    Others have fresh parameters, which `_Run.learn` replaces by those of the stage before.
+    `path` is the run's checkpoint file.
     """
     found, last = [], 0
     with worker_threads(usable_cores()) as pool:
@@ -160,19 +163,36 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
             first, last = last, last + options.num_updates
             if done >= last and number < len(config.stages) - 1:
                 continue
-            ppo, key = LEARNERS[algorithm](env.core, options), jax.random.key(config.seed)
+            ppo = LEARNERS[algorithm](env.core, options)
             params = ppo.sharding.put_params(env.params)
-            state = ppo.init(params, jax.random.fold_in(key, number) if number else key)
-            before = config.start if number == 0 else path if done == first else None
-            if before is not None:
-                state = state.replace(net=load_net(before, state.net))
-            state = load_checkpoint(path, state, config) if done > first else state.replace(updates=jnp.int32(first))
-            state = ppo.to_devices(state)
-            update = pool.submit(ppo.update.lower(params, state).compile)
-            found.append(_Stage(ppo, params, state, update, first, last))
-    for stage in found:
-        stage.update = stage.update.result()
-    return found
+            reset, update = (pool.submit(_compile, program) for program in ppo.lower(params))
+            found.append((_Stage(number, ppo, params, update, first, last), reset))
+        for stage, reset in found:
+            stage.state = _initial_state(config, stage, reset.result(), done, path)
+            stage.update = stage.update.result()
+    return [stage for stage, _ in found]
+
+
+def _compile(program: Lowered) -> Compiled:
+    """Compile a program with `COMPILER_OPTIONS` for its platform."""
+    return program.compile(COMPILER_OPTIONS.get(jax.default_backend()))
+
+
+def _initial_state(config: RunConfig, stage: _Stage, reset: Compiled, done: int, path: Path) -> TrainState:
+    """Return the state of a stage before its next update, with the compiled `reset` of its environments.
+
+    A stage in progress has its state of the checkpoint `path`. A new first stage begins with the network of
+    `config.start`, if any. A stage that begins just after the checkpoint has the network of that. Others have fresh
+    parameters, which `_Run.learn` replaces by those of the stage before.
+    """
+    ppo, key = stage.ppo, jax.random.key(config.seed)
+    state = ppo.init(stage.params, jax.random.fold_in(key, stage.number) if stage.number else key, reset)
+    before = config.start if stage.number == 0 else path if done == stage.first else None
+    if before is not None:
+        state = state.replace(net=load_net(before, state.net))
+    new = done <= stage.first
+    state = state.replace(updates=jnp.int32(stage.first)) if new else load_checkpoint(path, state, config)
+    return ppo.to_devices(state)
 
 
 @dataclass

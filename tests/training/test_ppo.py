@@ -97,6 +97,14 @@ def test_time_running_out_is_continued_by_the_value_of_the_last_observation(ppo:
     assert late == 8
 
 
+def test_programs_compiled_in_advance_are_those_of_init_and_update(ppo: PPO, state: TrainState, env):
+    reset, update = ppo.lower(env.params)
+    again = ppo.init(env.params, jax.random.key(0), reset.compile())
+    jax.tree.map(np.testing.assert_array_equal, again, state)
+    metrics = update.compile()(env.params, again)[1]
+    jax.tree.map(np.testing.assert_array_equal, metrics, ppo.update(env.params, state)[1])
+
+
 def test_staggered_environments_end_at_different_times(ppo: PPO, state: TrainState, env):
     assert len(set(np.asarray(state.actor.env.world.step).tolist())) > 2
     together = PPO(env.core, dataclasses.replace(SMALL, stagger=False), ONE)

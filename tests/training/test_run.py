@@ -43,7 +43,11 @@ class Counter(PPO):
         self.config, self.sharding = config, EnvSharding(make_mesh(jax.devices()[:1]))
         self.update = jax.jit(self._counted)
 
-    def init(self, params: object, key: object) -> TrainState:
+    def lower(self, params: object) -> tuple[object, object]:
+        state = self.to_devices(self.init(params, None))
+        return jax.jit(lambda: 0).lower(), self.update.lower(params, state)
+
+    def init(self, params: object, key: object, reset: object = None) -> TrainState:
         net = {"count": jnp.zeros(3)}
         return TrainState.build_unchecked(net=net, opt=(), actor=(), key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0))
 
