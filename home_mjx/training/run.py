@@ -46,7 +46,7 @@ MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter 
 MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
 DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
 # XLA chooses kernels by their times, without checking the results of each candidate: the same choices in half the time.
-COMPILER_OPTIONS = {"gpu": {"xla_gpu_autotune_level": 1}}  # by platform
+COMPILER_OPTIONS: dict[str, dict[str, str | bool]] = {"gpu": {"xla_gpu_autotune_level": "1"}}  # by platform
 
 
 def train(
