@@ -26,6 +26,7 @@ _PUBLIC = {
     "State": "home_mjx.tasks",
     "Task": "home_mjx.tasks",
     "compile_dataset": "home_mjx.houses",
+    "compiler_options": "home_mjx.core.compile_cache",
     "list_envs": "home_mjx.registry",
     "load_bank": "home_mjx.houses",
     "make": "home_mjx.env_factory",

@@ -8,6 +8,7 @@ import jax
 
 from benchmarks.cases.record import BenchSettings, Measurement, make_measurement
 from home_mjx.core import profiling
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.env_factory import make
 
 
@@ -53,7 +54,8 @@ def _rate(settings: BenchSettings, env: Any) -> tuple[float, float]:
         actions = profiling.drawn_actions((settings.num_envs, env.action_size))
     else:
         actions = profiling.drawn_moves((settings.num_envs,), env.action_size)
-    step, seconds = profiling.compiled(jax.vmap(env.core.step, (None, 0, 0)), env.params, states, actions[0])
+    batch, options = jax.vmap(env.core.step, (None, 0, 0)), compiler_options()
+    step, seconds = profiling.compiled(batch, env.params, states, actions[0], options=options)
     rate = profiling.steps_per_second(functools.partial(step, env.params), states, actions, settings.seconds)
     return rate * settings.num_envs, seconds
 

@@ -12,6 +12,7 @@ from gymnasium.vector import AutoresetMode
 
 from home_mjx.adapters import gymnasium_tools as tools
 from home_mjx.core.checks import check_number
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.native.fork_guard import forbid_after_fork
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, State
@@ -63,8 +64,9 @@ class GymEnv(gymnasium.Env, EzPickle):
         self.observation_space = observation_space(self.env)
         self.action_space = action_space(self.env)
         self._picture = tools.DisplayCamera(self.env, render_size) if render_mode else None
-        self._reset: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.reset), "reset")
-        self._step: Callable[..., State] = forbid_after_fork(jax.jit(self.env.core.step), "step")
+        core, xla = self.env.core, compiler_options()
+        self._reset: Callable[..., State] = forbid_after_fork(jax.jit(core.reset, compiler_options=xla), "reset")
+        self._step: Callable[..., State] = forbid_after_fork(jax.jit(core.step, compiler_options=xla), "step")
         self._state: State | None = None
         # Rows of saved episodes: the first, and from one to the next. Those of a batch share the rows.
         self._first_row, self._row_step = tools.position_in_batch()
@@ -165,8 +167,9 @@ class GymVectorEnv(gymnasium.vector.VectorEnv):
         self.action_space = batch(self.single_action_space, num_envs)
         self._picture = tools.DisplayCamera(self.env, render_size) if render_mode else None
         auto = AutoReset(self.env.core, final_obs="all")
-        self._reset: Callable[..., State] = forbid_after_fork(jax.jit(auto.reset), "reset")
-        self._step: Callable[..., State] = forbid_after_fork(jax.jit(auto.step), "step")
+        xla = compiler_options()
+        self._reset: Callable[..., State] = forbid_after_fork(jax.jit(auto.reset, compiler_options=xla), "reset")
+        self._step: Callable[..., State] = forbid_after_fork(jax.jit(auto.step, compiler_options=xla), "step")
         self._merge: Callable[..., State] = jax.jit(select_envs)
         self._state: State | None = None
         self._pending_reset = np.zeros(num_envs, bool)  # NEXT_STEP: environments whose next step only resets

@@ -18,10 +18,15 @@ WARM = 10  # untimed steps after a reset
 NUM_ACTIONS = 8
 
 
-def compiled(function: Callable[..., Any], *args: Any) -> tuple[Callable[..., Any], float]:
-    """Compile a function for the shapes of `args`; return the program and the time of tracing and compiling [s]."""
+def compiled(
+    function: Callable[..., Any], *args: Any, options: dict[str, str | bool] | None = None
+) -> tuple[Callable[..., Any], float]:
+    """Compile a function for the shapes of `args`; return the program and the time of tracing and compiling [s].
+
+    `options` are XLA's, such as those of `compiler_options`.
+    """
     start = time.perf_counter()
-    program = jax.jit(function).lower(*args).compile()
+    program = jax.jit(function).lower(*args).compile(options)
     return program, time.perf_counter() - start
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.checks import check_number
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.pytree import Pytree
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
@@ -111,7 +112,10 @@ def evaluate(
     env = with_episodes(env, num_episodes, seed)
     batch = min(num_episodes, max_batch)
     keys = jax.random.key_data(jax.random.split(jax.random.key(seed), num_episodes + batch))
-    play = jax.jit(lambda params, net, keys, numbers: _run_batch(env.core, make_policy(net), params, keys, numbers))
+    play = jax.jit(
+        lambda params, net, keys, numbers: _run_batch(env.core, make_policy(net), params, keys, numbers),
+        compiler_options=compiler_options(),
+    )
     parts = []
     for start in range(0, num_episodes, batch):
         numbers = jnp.arange(start, start + batch, dtype=jnp.int32)

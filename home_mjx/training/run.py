@@ -9,8 +9,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jax.stages import Compiled, Lowered
+from jax.stages import Compiled
 
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.progress import say, silence
 from home_mjx.core.workers import usable_cores, worker_threads
 from home_mjx.env_factory import make, make_core
@@ -45,8 +46,6 @@ LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": AdvisedPPO, "clone": Be
 MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter stages have one per update
 MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
 DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
-# XLA chooses kernels by their times, without checking the results of each candidate: the same choices in half the time.
-COMPILER_OPTIONS: dict[str, dict[str, str | bool]] = {"gpu": {"xla_gpu_autotune_level": "1"}}  # by platform
 
 
 def train(
@@ -165,17 +164,12 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
                 continue
             ppo = LEARNERS[algorithm](env.core, options)
             params = ppo.sharding.put_params(env.params)
-            reset, update = (pool.submit(_compile, program) for program in ppo.lower(params))
+            reset, update = (pool.submit(program.compile, compiler_options()) for program in ppo.lower(params))
             found.append((_Stage(number, ppo, params, update, first, last), reset))
         for stage, reset in found:
             stage.state = _initial_state(config, stage, reset.result(), done, path)
             stage.update = stage.update.result()
     return [stage for stage, _ in found]
-
-
-def _compile(program: Lowered) -> Compiled:
-    """Compile a program with `COMPILER_OPTIONS` for its platform."""
-    return program.compile(COMPILER_OPTIONS.get(jax.default_backend()))
 
 
 def _initial_state(config: RunConfig, stage: _Stage, reset: Compiled, done: int, path: Path) -> TrainState:

@@ -11,6 +11,7 @@ from home_mjx.adapters.habitat.config import HabitatConfig, build
 from home_mjx.adapters.habitat.episodes import NavigationDataset, NavigationEpisode
 from home_mjx.adapters.habitat.observations import action_index, convert, make_space, measures, to_host
 from home_mjx.core.checks import check_number
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.native.fork_guard import forbid_after_fork
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import EnvParams, State
@@ -57,8 +58,9 @@ class HabitatEnv:
             state = core.step(params, state, action)
             return state, convert(names, state.obs, *depths)
 
-        self._reset: Callable[..., Any] = forbid_after_fork(jax.jit(reset), "reset")
-        self._step: Callable[..., Any] = forbid_after_fork(jax.jit(step), "step")
+        xla = compiler_options()
+        self._reset: Callable[..., Any] = forbid_after_fork(jax.jit(reset, compiler_options=xla), "reset")
+        self._step: Callable[..., Any] = forbid_after_fork(jax.jit(step, compiler_options=xla), "step")
         self._state: State | None = None
         self._index, self._metrics = -1, {}
         self.seed(self.config.seed)

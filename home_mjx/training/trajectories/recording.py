@@ -10,6 +10,7 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.core.checks import check_number
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
@@ -126,7 +127,7 @@ class _RecordingBatch:
         self.running, self.last = np.ones(num, bool), False
         self.open = [_RunningEpisode() for _ in range(num)]
         self._begin_episodes(range(num), self._host(state))
-        self._step: Callable[..., Any] = jax.jit(self._step_all)
+        self._step: Callable[..., Any] = jax.jit(self._step_all, compiler_options=compiler_options())
 
     @property
     def num_running_steps(self) -> int:

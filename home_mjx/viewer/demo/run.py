@@ -15,6 +15,7 @@ import numpy as np
 
 from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
 from home_mjx.core import profiling
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.files import write_all_or_none
 from home_mjx.core.workers import worker_threads
 from home_mjx.env_factory import make
@@ -105,7 +106,7 @@ def _walk_and_search(
         guided.params, states, _no_actions(guided, states)
     )
     search = thread.submit(film_searches, folder, options)
-    step, step_seconds = lowered.compile(), time.perf_counter() - start
+    step, step_seconds = lowered.compile(compiler_options()), time.perf_counter() - start
     observer.on_update(1)
     observer.on_phase("walking")
     walk = record_walk(guided, step, states, options, observer)
@@ -151,7 +152,8 @@ def _compiled_begin(env: Env[HouseholdEnv], options: DemoOptions) -> tuple[Any, 
     keys = jnp.zeros((options.num_envs, 2), jnp.uint32)
     houses = jnp.zeros(options.num_envs, jnp.int32)
     reset = functools.partial(env.core.reset, observe=False)
-    return profiling.compiled(jax.vmap(reset, (None, 0, 0)), env.params, keys, houses)
+    batch = jax.vmap(reset, (None, 0, 0))
+    return profiling.compiled(batch, env.params, keys, houses, options=compiler_options())
 
 
 def _no_actions(env: Env[HouseholdEnv], states: State) -> jax.Array:

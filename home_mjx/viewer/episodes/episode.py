@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.progress import say
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.task import path_scores
@@ -29,9 +30,10 @@ class EpisodeRunner:
     def __init__(self, env: Env[HouseholdEnv]) -> None:
         self.env = env
         # Two programs for a step: the one of the sensors, which takes longest to compile, serves resets as well.
-        self._reset = jax.jit(functools.partial(env.core.reset, observe=False))
-        self._step = jax.jit(functools.partial(env.core.step, observe=False))
-        self._sense = jax.jit(functools.partial(env.core.observe, update=True))
+        options = compiler_options()
+        self._reset = jax.jit(functools.partial(env.core.reset, observe=False), compiler_options=options)
+        self._step = jax.jit(functools.partial(env.core.step, observe=False), compiler_options=options)
+        self._sense = jax.jit(functools.partial(env.core.observe, update=True), compiler_options=options)
         self._has_sensed = False
         self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
 
