@@ -67,6 +67,18 @@ def compiler_options() -> dict[str, str | bool]:
     return {name: value for name, value in options.items() if f"--{name}=" not in flags}
 
 
+def describe_compile(name: str) -> str:
+    """Return a text for the compilation of a program, which says for how long the program is kept.
+
+    Example:
+        >>> describe_compile("step")  # doctest: +SKIP
+        'compiling step (kept for later runs)'
+    """
+    if os.environ.get(FOLDER_VARIABLE) or _configured_folder():
+        return f"compiling {name} (kept for later runs)"
+    return f"compiling {name} (for this process; `home_mjx.use_compile_cache()` would keep it)"
+
+
 def _configured_folder() -> str | None:
     """Return the folder of JAX's configuration; None if JAX is not imported or no folder is set."""
     return getattr(sys.modules["jax"].config, "jax_compilation_cache_dir", None) if "jax" in sys.modules else None

@@ -2,14 +2,13 @@
 
 import time
 from collections.abc import Mapping
+from contextlib import ExitStack
 from typing import Any
 
-from tqdm import tqdm
-
+from home_mjx.core.progress import ProgressCount
 from home_mjx.tasks.env.observers import EpisodeStep, Observer, RunStart
 
 PROGRESS_METRICS = ("success", "return")  # metrics beside the progress bar
-MIN_SCALED_TOTAL = 1000  # totals from here are shown as 1.5k
 
 
 class RunClock:
@@ -71,48 +70,44 @@ class MetricMeans:
 
 
 class ProgressBar(Observer):
-    """Progress bar of a run, with the step of an episode or the latest metrics beside it.
+    """Progress of a run as a `ProgressCount`, with the step of an episode or the latest metrics beside it.
 
     Args:
-        is_shown: Show the bar; None: in a terminal only.
+        is_shown: Show it; None: by the rule of `home_mjx.core.progress`.
     """
 
     def __init__(self, is_shown: bool | None = None) -> None:
-        self.is_hidden = None if is_shown is None else not is_shown
-        self.bar: tqdm | None = None
+        self.is_shown, self.stack = is_shown, ExitStack()
+        self.count: ProgressCount | None = None
 
     def on_run_start(self, start: RunStart) -> None:
-        """Show the bar, from `start.done` to `start.total`."""
-        scaled = start.total >= MIN_SCALED_TOTAL
-        self.bar = tqdm(
-            total=start.total, initial=start.done, unit=f" {start.unit}", unit_scale=scaled, disable=self.is_hidden
-        )
+        """Show the count, from `start.done` to `start.total`, with the name of the run."""
+        count = ProgressCount(start.name, start.total, start.unit, self.is_shown, start.done)
+        self.count = self.stack.enter_context(count)
 
     def on_phase(self, name: str, note: str = "") -> None:
-        """Show the name before the bar and the note after it; no effect before the start of the run."""
-        if self.bar is not None:
-            self.bar.set_description(name)
-            self.bar.set_postfix_str(note)
+        """Show the name before the count, with the note in brackets; no effect before the start of the run."""
+        if self.count is not None:
+            self.count.describe(f"{name} ({note})" if note else name)
 
     def on_update(self, count: int) -> None:
-        """Advance the bar by `count` units; no effect before the start of the run."""
-        if self.bar is not None:
-            self.bar.update(count)
+        """Count `count` more units; no effect before the start of the run."""
+        if self.count is not None:
+            self.count.update(count)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Show the number of the step in the episode after the bar; no effect before the start of the run."""
-        if self.bar is not None:
-            self.bar.set_postfix_str(f"step {step.index}")
+        """Show the number of the step in the episode after the count; no effect before the start of the run."""
+        if self.count is not None:
+            self.count.add_note(f"step {step.index}")
 
     def on_log(self, line: Mapping[str, float]) -> None:
-        """Show those metrics of the line that are in `PROGRESS_METRICS` after the bar, with two decimals.
+        """Show those metrics of the line that are in `PROGRESS_METRICS` after the count, with two decimals.
 
         No effect before the start of the run.
         """
-        if self.bar is not None:
-            self.bar.set_postfix({name: f"{line[name]:.2f}" for name in PROGRESS_METRICS if name in line})
+        if self.count is not None:
+            self.count.add_note(", ".join(f"{name} {line[name]:.2f}" for name in PROGRESS_METRICS if name in line))
 
     def close(self) -> None:
         """Close the bar, if there is one, so that a message starts on a new line."""
-        if self.bar is not None:
-            self.bar.close()
+        self.stack.close()

@@ -12,7 +12,7 @@ import jax.numpy as jnp
 from jax.stages import Compiled
 
 from home_mjx.core.compile_cache import compiler_options
-from home_mjx.core.progress import say, silence
+from home_mjx.core.progress import ProgressPhase, show_compile, silence
 from home_mjx.core.workers import usable_cores, worker_threads
 from home_mjx.env_factory import make, make_core
 from home_mjx.errors import ConfigError, DatasetError
@@ -63,8 +63,7 @@ def train(
         config: Options.
         out: The folder, which exists.
         resume: Continue from the folder's checkpoint if there is one; the result equals that of an uninterrupted run.
-        progress: Say what happens, and show a bar; None: by the rule of `home_mjx.core.progress`, and a bar in a
-            terminal.
+        progress: Show what happens; None: by the rule of `home_mjx.core.progress`.
         device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that
             measured training time excludes other processes that compile.
         observers: Further observers of the run, or their names.
@@ -85,8 +84,7 @@ def train(
     own = log, TensorBoardLog(out / "tensorboard", done * size), CurvesPlot(log), ProgressBar(progress)
     clock = RunClock(log.lines[-1] if log.lines else {})
     env = make_env(config.env, progress)
-    say("compiling the training update (once, minutes)", progress)
-    with silence():
+    with show_compile("the training update", progress):
         stages = _compile_stages(config, env, done, path)
     with ObserverGroup((*own, *more)) as group, device_lock or nullcontext():
         group.on_run_start(RunStart(config.algorithm, env, "steps", stages[-1].last * size, done * size))
@@ -250,7 +248,7 @@ def evaluate_checkpoint(
         num_episodes: Number of episodes; None: 1000, or all of `episode_file`.
         seed: Seed of episodes and actions.
         greedy: Take the most likely action instead of sampling.
-        progress: Say what happens; None: by the rule of `home_mjx.core.progress`.
+        progress: Show what happens; None: by the rule of `home_mjx.core.progress`.
         episode_file: Episodes, in the houses that they name; `split` and `num_houses` have no effect then.
         dataset: Root of a dataset other than that of training.
 
@@ -268,10 +266,10 @@ def evaluate_checkpoint(
         num_episodes = DEFAULT_EPISODES if episode_file is None else len(env.params.tasks)
     policy = load_policy(path, env.core, greedy)
     begun = time.perf_counter()
-    say(f"playing {num_episodes} episodes with the trained agent", progress)
-    trained = evaluate(env, *policy, num_episodes, seed)
-    say(f"playing {num_episodes} episodes with a random agent", progress)
-    chance = evaluate(env, random_policy(env.core), None, num_episodes, seed)
+    with ProgressPhase(f"compiling and playing {num_episodes} episodes with the trained agent", progress), silence():
+        trained = evaluate(env, *policy, num_episodes, seed)
+    with ProgressPhase(f"compiling and playing {num_episodes} episodes with a random agent", progress), silence():
+        chance = evaluate(env, random_policy(env.core), None, num_episodes, seed)
     return {
         "trained": summarize(trained),
         "random": summarize(chance),

@@ -2,6 +2,7 @@
 
 import io
 import sys
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +15,18 @@ from jaxtyping import Float
 import home_mjx
 from home_mjx.cli import main
 from home_mjx.core import progress
-from home_mjx.core.progress import ProgressCount, command_progress, is_progress_shown, say, silence, track
+from home_mjx.core.compile_cache import describe_compile
+from home_mjx.core.progress import (
+    ProgressCount,
+    ProgressPhase,
+    bar,
+    command_progress,
+    counts,
+    is_progress_shown,
+    say,
+    silence,
+    track,
+)
 from home_mjx.errors import ConfigError
 from home_mjx.houses import HouseSet, add_bakes
 
@@ -65,8 +77,9 @@ def test_another_value_of_the_variable_is_refused(without_pytest: pytest.MonkeyP
 
 
 def test_counts_are_lines_in_a_pipe(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(progress, "DELAY", 0.0)
-    monkeypatch.setattr(progress, "LINE_INTERVAL", 0.0)
+    monkeypatch.setattr(counts, "DELAY", 0.0)
+    monkeypatch.setattr(counts, "LINE_INTERVAL", 0.0)
+    monkeypatch.setattr(counts, "LINE_SHARE", 0.0)
     with ProgressCount("loading 3 houses", 3, "house", progress=True) as count:
         count.update()
         count.describe("compiling 3 houses")
@@ -84,13 +97,54 @@ def test_counts_are_lines_in_a_pipe(capsys: pytest.CaptureFixture, monkeypatch: 
 
 
 def test_counts_are_bars_in_a_terminal(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(progress, "DELAY", 0.0)
+    monkeypatch.setattr(counts, "DELAY", 0.0)
     monkeypatch.setattr(sys, "stderr", Terminal())
     with ProgressCount("loading 3 houses", 3, "house", progress=True) as count:
         count.describe("compiling 3 houses")
         count.update()
     assert "compiling 3 houses:" in sys.stderr.getvalue()
     assert "1/3" in sys.stderr.getvalue()
+
+
+def test_a_bar_predicts_nothing_from_compilation(monkeypatch: pytest.MonkeyPatch):
+    """The first of ten units takes 100 s and each later one 1 s: at no time is more than 9 s predicted."""
+    now = 0.0
+    monkeypatch.setattr(bar.TickingBar, "_now", lambda self: now)
+    with bar.TickingBar(desc="walking", total=10, unit=" steps", file=Terminal()) as shown:
+        assert "<" not in str(shown)
+        now = 100.0
+        shown.update()
+        for _ in range(2):
+            now += 1.0
+            shown.update()
+            assert "<" not in str(shown)
+        now += 1.0
+        shown.update()
+        assert str(shown).startswith("walking:  40%|")
+        assert "<00:06,  1.00 steps/s]" in str(shown)
+
+
+def test_long_work_is_never_silent_in_a_terminal(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(bar, "TICK", 0.02)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    with ProgressPhase("compiling step", progress=True):
+        time.sleep(0.3)
+    with ProgressCount("loading 3 houses", 3, "house", progress=True):
+        time.sleep(0.3)
+    written = sys.stderr.getvalue()
+    assert written.count("compiling step [00:00]") >= 5
+    assert written.count("loading 3 houses:   0%|") >= 5
+    time.sleep(0.1)
+    assert sys.stderr.getvalue() == written  # nothing comes after the end
+
+
+def test_long_work_writes_lines_in_a_log(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture):
+    monkeypatch.setattr(bar, "TICK", 0.05)
+    monkeypatch.setattr(counts, "LINE_INTERVAL", 0.6)
+    with ProgressPhase("compiling step", progress=True):
+        time.sleep(1.4)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["home_mjx: compiling step", "home_mjx: compiling step", "home_mjx: compiling step (1 s)"]
 
 
 def test_what_is_quick_is_not_counted(capsys: pytest.CaptureFixture):
@@ -136,8 +190,8 @@ def test_it_says_what_is_made_and_compiled_once_each(
     assert [line for line in lines if not line.startswith(("generating", "loading 2"))] == [
         "moving 2 houses to the device",
         "baking area of 2 houses (once, then cached) 0/2",
-        "compiling reset (once, up to half a minute)",
-        "compiling step (once, up to half a minute)",
+        describe_compile("reset"),
+        describe_compile("step"),
     ]
 
 

@@ -9,7 +9,7 @@ from home_mjx.cli.houses import load_compiled_house
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path
 from home_mjx.cli.viewpoint import EYE_HEIGHT, Viewpoint, add_viewpoint_arguments, check_inside, place_head
-from home_mjx.core.progress import say
+from home_mjx.core.progress import ProgressPhase, show_compile
 from home_mjx.core.variants import override_fields
 from home_mjx.errors import ConfigError
 from home_mjx.schema.compiled import BANDS
@@ -92,17 +92,18 @@ def run(args: argparse.Namespace) -> int:
         raise ConfigError(given, hint="The result would be silent. `home-mjx render --top` shows the rooms.")
     scene = _bake_late_reverb(args, view) if args.late == "baked" else view.scene
     listener = Listener(jnp.asarray(view.position), jnp.asarray(view.head_quat))
-    say("compiling and tracing the sound (about a minute)")
     survey = jax.jit(survey_room, static_argnames="config")
-    found = survey(scene, SoundSource(jnp.asarray(source)), listener, jax.random.key(0), config)
-    response = np.asarray(found.response)
+    with show_compile("the survey of the room"):
+        found = survey(scene, SoundSource(jnp.asarray(source)), listener, jax.random.key(0), config)
+        response = np.asarray(found.response)
     heard = scipy.signal.fftconvolve(response, clip[None], axes=1)
     for name, samples in (("heard.wav", heard), ("response.wav", response)):
         write_wav(args.out / name, samples.astype(np.float32), config.sample_rate)
         sys.stdout.write(f"{args.out / name}\n")
     if args.map:
-        say("mapping level and T30 over the floor plan (minutes)")
-        for name, picture in draw_storey_maps(scene, source, config).items():
+        with ProgressPhase("mapping level and T30 over the floor plan"):
+            maps = draw_storey_maps(scene, source, config)
+        for name, picture in maps.items():
             write_png(args.out / f"{name}.png", picture)
             sys.stdout.write(f"{args.out / name}.png\n")
     distance = np.linalg.norm(source - view.position)

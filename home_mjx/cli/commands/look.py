@@ -10,7 +10,7 @@ from home_mjx.cli.learning.arguments import TASK_HELP, add_import_option, import
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, image_side_type, parse_dataset, parse_natural, parse_path
 from home_mjx.core.jsonable import parse_assignments
-from home_mjx.core.progress import say
+from home_mjx.core.progress import show_compile
 from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -74,13 +74,13 @@ def run(args: argparse.Namespace) -> int:
     import jax
 
     state = jax.tree.map(lambda x: x[args.env], load_states(args.states, env))
-    lines = describe_state(env, state)
+    with show_compile("the report"):
+        lines = describe_state(env, state)
     sys.stdout.write(f"environment {args.env} of {origin.num_envs} in {args.states}\n" + "\n".join(lines) + "\n")
     if args.no_picture:
         return 0
     folder = make_folder(args.out)
     pictures = draw_state(env, state, *args.size)
-    say("drawing")
     found = (next(line for line in lines if line.startswith(name)) for name in ("task", "status"))
     title, status = (" ".join(line.split()) for line in found)
     path = folder / f"{args.states.stem}_{args.env}.png"

@@ -14,7 +14,7 @@ from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import number_type, parse_path, positive_int_type
 from home_mjx.cli.viewpoint import Viewpoint, add_viewpoint_arguments, place_head, place_overhead_camera
 from home_mjx.core.checks import check_known
-from home_mjx.core.progress import say
+from home_mjx.core.progress import show_compile
 from home_mjx.errors import ConfigError
 from home_mjx.schema.categories import CAMERA_MODELS
 from home_mjx.tasks.base.config import ID_KINDS, PIXEL_KINDS
@@ -101,9 +101,9 @@ def run(args: argparse.Namespace) -> int:
     camera = Camera(jnp.asarray(view.position), jnp.asarray(view.head_quat), jnp.float32(fovy))
     width, height = args.size
     lens = Lens(width, height, model, args.samples)
-    say("compiling the renderer (once, up to a minute)")
     look = jax.jit(functools.partial(render, lens=lens, kinds=kinds, shader=shader, depth_max=DEPTH_MAX))
-    images = {kind: np.asarray(image) for kind, image in look(scene, camera).items()}
+    with show_compile("the renderer"):
+        images = {kind: np.asarray(image) for kind, image in look(scene, camera).items()}
     if (
         args.top is not None and "rgb" in images
     ):  # The camera is inside the cut walls and sees the floor below; draw them dark.

@@ -9,6 +9,7 @@ from jaxtyping import Array, Bool, Int
 
 from home_mjx import physics
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core.compile_cache import describe_compile
 from home_mjx.core.progress import say
 from home_mjx.errors import ConfigError
 from home_mjx.houses.bakes import Bake, find_bake
@@ -220,8 +221,7 @@ class HouseholdEnv:
         What `progress` suppresses is not printed, and may be printed later.
         """
         is_traced = isinstance(argument, jax.core.Tracer)  # pyright: ignore[reportAttributeAccessIssue]
-        text = f"compiling {name} (once, up to half a minute)"
-        if is_traced and name not in self._announced and say(text, self.progress):
+        if is_traced and name not in self._announced and say(describe_compile(name), self.progress):
             self._announced.add(name)
 
     def _init(

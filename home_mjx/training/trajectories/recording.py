@@ -7,10 +7,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
-from tqdm import tqdm
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.compile_cache import compiler_options
+from home_mjx.core.progress import ProgressCount, show_compile
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.autoreset import AutoReset
@@ -58,7 +58,7 @@ def record(
         max_failures: Maximum number of omitted episodes per recorded one, so that recording of a policy without success
             ends. With n recorded episodes, (n + 1) `max_failures` may be omitted.
         resume: Continue the dataset in the folder, with other episodes.
-        progress: Show a progress bar; None: in a terminal.
+        progress: Show progress; None: by the rule of `home_mjx.core.progress`.
 
     Returns:
         Number of steps in the dataset.
@@ -76,11 +76,9 @@ def record(
     check_number("num_envs", num_envs, 1, integer=True)
     check_number("max_failures", max_failures, 1, integer=True)
     without = (EXPERT,) if policy is None and isinstance(env.core, ExpertObservationEnv) else ()
-    hidden = None if progress is None else not progress
-    shown = {"unit": " steps", "unit_scale": True, "disable": hidden}
     with (
         TrajectoryWriter(Path(folder), env, agent, without, resume) as writer,
-        tqdm(total=num_steps, initial=min(writer.steps, num_steps), **shown) as bar,
+        ProgressCount(f"recording {agent}", num_steps, "steps", progress, min(writer.steps, num_steps)) as count,
     ):
         if writer.steps >= num_steps:
             return writer.steps
@@ -96,7 +94,7 @@ def record(
                     continue
                 seen = {name: x for name, x in episode["observations"].items() if name not in without}
                 writer.add({**episode, "observations": seen}, notes)
-                bar.update(len(episode["rewards"]))
+                count.update(len(episode["rewards"]))
             if writer.steps < num_steps:
                 _check_failures(num_failed, writer.episodes - first, max_failures)
     return writer.steps
@@ -121,13 +119,22 @@ class _RecordingBatch:
         self.batch = AutoReset(env.core, final_obs="all")
         keys = jax.random.split(jax.random.fold_in(jax.random.key(seed), first), num)
         episodes = first + jnp.arange(num, dtype=jnp.int32) if is_sequential(env.params.tasks) else None
-        state = jax.jit(self.batch.reset)(env.params, jax.random.key_data(keys), None, episodes)
+        with show_compile("reset", env.core.progress):
+            state = jax.jit(self.batch.reset)(env.params, jax.random.key_data(keys), None, episodes)
+            jax.block_until_ready(state)
         rows = jax.random.key_data(jax.vmap(lambda key: jax.random.split(key, self.agents))(keys)).reshape(-1, 2)
-        self.carry = state, policy.initial_memory(num * self.agents), rows, jnp.ones(num * self.agents, bool)
+        self.carry = (
+            state.replace(info={}),
+            policy.initial_memory(num * self.agents),
+            rows,
+            jnp.ones(num * self.agents, bool),
+        )
         self.running, self.last = np.ones(num, bool), False
         self.open = [_RunningEpisode() for _ in range(num)]
         self._begin_episodes(range(num), self._host(state))
         self._step: Callable[..., Any] = jax.jit(self._step_all, compiler_options=compiler_options())
+        with show_compile("step", env.core.progress):
+            self._step: Callable[..., Any] = jax.jit(self._step_all).lower(env.params, self.carry).compile()
 
     @property
     def num_running_steps(self) -> int:

@@ -17,6 +17,7 @@ from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
 from home_mjx.core import profiling
 from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.files import write_all_or_none
+from home_mjx.core.progress import silence
 from home_mjx.core.workers import worker_threads
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
@@ -27,11 +28,17 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.tasks.experts.expert_observation import EXPERT, add_expert
-from home_mjx.training.progress import ProgressBar
 from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet
+from home_mjx.viewer.demo.phase_log import PhaseLog
 from home_mjx.viewer.demo.search import film_search
 
-NUM_PHASES = 6  # units of progress besides the steps of the walk
+HOUSES = "reading the houses"
+COMPILE = "compiling the walk and the search (kept for later runs)"
+WALK = "walking"
+DRAW = "drawing the contact sheet"
+SEARCH = "waiting for the search and its film"
+MEASURE = "measuring the rate of steps"
+PHASES = (HOUSES, COMPILE, WALK, DRAW, SEARCH, MEASURE)
 MEASURED_SECONDS = 1.0  # [s] for which steps are repeated to measure their rate
 TEXTURE_SIZE = 256  # [px], for pictures of 480 lines
 
@@ -67,24 +74,22 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
     Returns:
         The content of `report.json`.
     """
-    with ObserverGroup([ProgressBar(True)]) as group:
+    with ObserverGroup([PhaseLog(PHASES, {WALK: options.num_steps})]) as group:
         return _run(options, group)
 
 
 def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     """Run the demo as `run_demo` does, with its phases reported to `observer`."""
     started = time.perf_counter()
-    observer.on_run_start(RunStart("demo", None, "steps", options.num_steps + NUM_PHASES))
-    observer.on_phase("houses")
+    observer.on_run_start(RunStart("demo", None, "steps", options.num_steps))
+    observer.on_phase(HOUSES)
     bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=(COARSE_BAKE,), texture_size=TEXTURE_SIZE)
     env = make("PointNav-v0", bank, episode_length=10**6)
-    observer.on_update(1)
     with write_all_or_none(options.out, "demo") as folder, worker_threads(1) as thread:
         report = _walk_and_search(env, options, folder, thread, observer)
         report["peak_memory_bytes"] = profiling.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
         (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
-    observer.on_update(1)
     return report
 
 
@@ -97,28 +102,26 @@ def _walk_and_search(
     starts when the walk has been traced: two threads that trace may share functions or not, as it happens. Programs
     would differ then, and the compile cache would not find them again.
     """
-    observer.on_phase("compiling", "programs of the walk and the search (once)")
+    observer.on_phase(COMPILE)
     guided = add_expert(env)
-    begin, begin_seconds = _compiled_begin(guided, options)
-    states = start_batch(guided, begin, options)
-    start = time.perf_counter()
-    lowered = jax.jit(jax.vmap(guided.core.step, (None, 0, 0))).lower(
-        guided.params, states, _no_actions(guided, states)
-    )
-    search = thread.submit(film_searches, folder, options)
-    step, step_seconds = lowered.compile(compiler_options()), time.perf_counter() - start
-    observer.on_update(1)
-    observer.on_phase("walking")
+    with silence():
+        begin, begin_seconds = _compiled_begin(guided, options)
+        states = start_batch(guided, begin, options)
+        start = time.perf_counter()
+        lowered = jax.jit(jax.vmap(guided.core.step, (None, 0, 0))).lower(
+            guided.params, states, _no_actions(guided, states)
+        )
+        search = thread.submit(film_searches, folder, options)
+        step, step_seconds = lowered.compile(compiler_options()), time.perf_counter() - start
+    observer.on_phase(WALK)
     walk = record_walk(guided, step, states, options, observer)
-    observer.on_phase("drawing")
-    write_contact_sheet(env, walk, folder)
-    observer.on_update(1)
-    observer.on_phase("searching")
+    observer.on_phase(DRAW)
+    with silence():
+        write_contact_sheet(env, walk, folder)
+    observer.on_phase(SEARCH)
     searches = search.result()
-    observer.on_update(1)
-    observer.on_phase("measuring")
+    observer.on_phase(MEASURE)
     rate = measure_rate(guided, states, step)
-    observer.on_update(1)
     return {
         "versions": profiling.versions(),
         "device": profiling.device_name(),
@@ -139,7 +142,9 @@ def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | 
     The folder must exist. Without the extra `train` there is no film.
     """
     try:
-        return [dataclasses.asdict(one) for one in film_search(folder, options.suncg, options.num_films, options.seed)]
+        with silence():  # it runs beside the phases that are shown
+            results = film_search(folder, options.suncg, options.num_films, options.seed)
+        return [dataclasses.asdict(result) for result in results]
     except ConfigError as error:  # without the extra `train` the demo has no film
         return str(error)
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Array, Float, UInt8
 
 from home_mjx import physics
-from home_mjx.core.progress import say
+from home_mjx.core.progress import show_compile
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -50,9 +50,13 @@ class FilmCamera:
 
     def capture(self, state: State) -> CameraShot:
         """Render the first agent's view in a state of one environment; return it as NumPy arrays with the positions."""
-        if not self._is_compiled:
-            self._is_compiled = True
-            say("compiling the film's camera (once, some seconds)", self.env.core.progress)
+        if self._is_compiled:
+            return self._capture(state)
+        self._is_compiled = True
+        with show_compile("the film's camera", self.env.core.progress):
+            return self._capture(state)
+
+    def _capture(self, state: State) -> CameraShot:
         return CameraShot(*(np.asarray(x) for x in self._see(self.env.params, state)))
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:

@@ -1,7 +1,7 @@
 """Episodes from reset to end, step by step; observers are called at each step."""
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import jax
@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from home_mjx.core.compile_cache import compiler_options
-from home_mjx.core.progress import say
+from home_mjx.core.progress import show_compile
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.base.task import path_scores
 from home_mjx.tasks.env.actions import action_names
@@ -34,7 +34,7 @@ class EpisodeRunner:
         self._reset = jax.jit(functools.partial(env.core.reset, observe=False), compiler_options=options)
         self._step = jax.jit(functools.partial(env.core.step, observe=False), compiler_options=options)
         self._sense = jax.jit(functools.partial(env.core.observe, update=True), compiler_options=options)
-        self._has_sensed = False
+        self._called: set[str] = set()
         self._pos = jax.jit(lambda params, state: env.core.snapshot(params, state).pose.pos[0])
 
     def run(self, player: Player, number: int, key: Any, row: int | None, observer: Observer) -> EpisodeResult:
@@ -50,7 +50,7 @@ class EpisodeRunner:
             observer: Observer of the episode.
         """
         params = self.env.params
-        state = self._observe(self._reset(params, key, None, row))
+        state = self._observe(self._call("reset", self._reset, params, key, None, row))
         start, step = self._start(number, row, state), EpisodeStep(0, state, None, 0.0)
         pos, walked = np.asarray(self._pos(params, state)), 0.0
         player.reset()
@@ -60,7 +60,7 @@ class EpisodeRunner:
             action = player.act(step.state)
             if action is None:
                 break
-            state = self._observe(self._step(params, step.state, action))
+            state = self._observe(self._call("step", self._step, params, step.state, action))
             before, pos = pos, np.asarray(self._pos(params, state))
             walked += float(np.linalg.norm(pos - before))
             reward = float(np.reshape(state.reward, -1)[0])
@@ -71,11 +71,16 @@ class EpisodeRunner:
         return result
 
     def _observe(self, state: State) -> State:
-        """Return the state with its sensors' observations, after a reset or a step without; say that they compile."""
-        if not self._has_sensed:
-            self._has_sensed = True
-            say("compiling the sensors (once, up to half a minute)", self.env.core.progress)
-        return self._sense(self.env.params, state)
+        """Return the state with its sensors' observations, after a reset or a step without."""
+        return self._call("sensors", self._sense, self.env.params, state)
+
+    def _call(self, name: str, program: Callable[..., State], *arguments: Any) -> State:
+        """Call a program and return its state; show that it compiles if this is its first call."""
+        if name in self._called:
+            return program(*arguments)
+        self._called.add(name)
+        with show_compile(name, self.env.core.progress):
+            return jax.block_until_ready(program(*arguments))
 
     def _start(self, number: int, row: int | None, state: State) -> EpisodeStart:
         """Describe the episode that begins in `state`, for observers."""
