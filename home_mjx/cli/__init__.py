@@ -47,6 +47,7 @@ COMMAND_PACKAGES = {  # package -> its commands, one module each
 ALL_COMMANDS = COMMANDS | LEARNING_COMMANDS | CHECKOUT_COMMANDS
 CHECKOUT = Path(__file__).resolve().parents[2]  # root of the repository, if this is a clone
 EXIT_BAD_INPUT = 2
+LOG_LEVEL_VARIABLE = "TF_CPP_MIN_LOG_LEVEL"  # of XLA, read when JAX is imported: 2 hides warnings, 3 also errors
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -106,11 +107,22 @@ def _dispatch(argv: list[str]) -> int:
         return EXIT_BAD_INPUT
     check_known("command", [args.command], ALL_COMMANDS)
     use_compile_cache()
+    if args.command != "doctor" and "--debug" not in argv:
+        _hide_xla_log()
     module = _load_command(args.command)
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
     with command_progress():
         return module.run(parser.parse_args(args.arguments))
+
+
+def _hide_xla_log() -> None:
+    """Hide the log of XLA, unless the user has chosen its level; exceptions of XLA are raised as before.
+
+    XLA logs an alarm of six lines as an error when a program compiles for more than two minutes. Our progress shows
+    that time already, and the alarm would break its bars.
+    """
+    os.environ.setdefault(LOG_LEVEL_VARIABLE, "3")
 
 
 def _load_command(name: str) -> ModuleType:

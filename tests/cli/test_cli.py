@@ -1,11 +1,12 @@
 """The command line's frame: help, mistakes, exit codes."""
 
+import os
 import subprocess
 import sys
 
 import pytest
 
-from home_mjx.cli import ALL_COMMANDS, main
+from home_mjx.cli import ALL_COMMANDS, LOG_LEVEL_VARIABLE, main
 from home_mjx.cli.parsing import Parser, parse_seed_range, positive_int_type
 from home_mjx.errors import ConfigError
 
@@ -45,6 +46,33 @@ def test_module_and_version():
 
     done = run("--version")
     assert (done.returncode, done.stdout) == (0, f"home-mjx {home_mjx.__version__}\n")
+
+
+SLOW_CONSTANT = """
+import sys, types
+from home_mjx import cli
+def run(args):
+    import jax, numpy as np
+    x = np.ones((44, 44), np.float32)
+    jax.jit(lambda: jax.lax.reduce_window(x, 0.0, jax.lax.add, (44, 44), (1, 1), "SAME")).lower().compile()
+    return 0
+command = types.SimpleNamespace(run=run, add_arguments=lambda parser: None, __doc__="")
+cli._load_command = lambda name: command
+sys.exit(cli.main(sys.argv[1:]))
+"""
+
+
+def test_the_alarm_of_xla_does_not_break_bars():
+    """XLA logs an alarm when it folds a constant for more than a second, as when a program compiles for minutes."""
+    seen = {}
+    for level in (None, "1"):
+        env = {name: value for name, value in os.environ.items() if name != LOG_LEVEL_VARIABLE}
+        env |= {"JAX_COMPILATION_CACHE_DIR": ""} | ({} if level is None else {LOG_LEVEL_VARIABLE: level})
+        command = [sys.executable, "-c", SLOW_CONSTANT, "demo"]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300, env=env)
+        assert done.returncode == 0
+        seen[level] = "slow_operation_alarm" in done.stderr
+    assert seen == {None: False, "1": True}
 
 
 def test_no_command_shows_help_and_fails(capsys: pytest.CaptureFixture):
