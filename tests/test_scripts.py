@@ -2,6 +2,8 @@
 
 import ast
 import importlib
+import os
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -48,3 +50,41 @@ def _assigned(tree: ast.Module) -> set[str]:
     """Names that stand for something else as well."""
     arguments = {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
     return arguments | {n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+
+
+PIP = """#!/usr/bin/env bash
+case "$*" in
+    *" -e "*)
+        echo "Collecting jaxlib==0.10.2 (from -c requirements/constraints.txt (line 3))"
+        echo "  Downloading jaxlib-0.10.2-cp311-cp311-manylinux_2_27_x86_64.whl (80.1 MB)"
+        echo "Downloading six-1.17.0-py2.py3-none-any.whl (11 kB)"
+        echo "Downloading tqdm-4.67.1-py3-none-any.whl (1.5 MB)"
+        echo "Installing collected packages: six, tqdm, jaxlib"
+        exit $PIP_STATUS
+        ;;
+esac
+"""
+
+
+@pytest.mark.parametrize("status", [0, 1])
+def test_the_installation_says_what_it_does(tmp_path: Path, status: int):
+    """A stand-in for the environment's Python prints lines of pip."""
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.write_text(PIP)
+    python.chmod(0o755)
+    done = subprocess.run(
+        [ROOT / "scripts" / "setup_venv.sh", tmp_path, ".[train]"],
+        env={**os.environ, "PIP_STATUS": str(status)},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    lines = done.stdout.splitlines()
+    assert done.returncode == status
+    assert lines[0].startswith(f"Installing .[train] with its dependencies into {tmp_path}, 69 packages: about 0.4 GB")
+    assert lines[3:5] == [
+        "  downloading jaxlib-0.10.2-cp311-cp311-manylinux_2_27_x86_64.whl (80.1 MB)",
+        "  unpacking 3 packages",
+    ]
+    assert lines[5:] == ["Installed"] * (status == 0)
