@@ -17,6 +17,7 @@ from home_mjx.viewer.pictures.top_view import AGENT_COLOUR, FLOOR_MARGIN, SOURCE
 
 WIDTH, HEIGHT = 640, 480  # [px] of a view
 INSET_SCALE, INSET_MARGIN = 2, 8  # factor of the observed image in a corner of the view, and its margin [px]
+PLAN_LEGEND = ": path (blue), agent (green), radio (red; heard, but not sought)"
 
 Picture = UInt8[np.ndarray, "_ _ 3"]
 
@@ -52,7 +53,8 @@ class WalkRecord:
 def write_contact_sheet(env: Env[HouseholdEnv], walk: WalkRecord, folder: Path) -> None:
     """Write `contact_sheet.png`: a row per environment, at the step in which its agent observes most instances.
 
-    A row shows the agent's view, its depth and category images, and a plan of each storey with the path.
+    The agents follow the shortest path to the farthest goal; they hear a radio and do not seek it. A row shows the
+    agent's view, its depth and category images, and a plan of each storey with the path.
     """
     camera = FilmCamera(env, WIDTH, HEIGHT)
     paths = np.stack(walk.positions)
@@ -60,9 +62,10 @@ def write_contact_sheet(env: Env[HouseholdEnv], walk: WalkRecord, folder: Path) 
     for i, (_, state, obs) in sorted(walk.moments.items()):
         view = _add_inset(camera.capture(state).view, obs["pixels/head_rgb"])
         plans = _draw_plans(env, state, paths[:, i], walk.sources[i])
-        caption = f"home {int(state.world.house)}: what the agent sees; inset: what it observes"
+        house = int(state.world.house)
+        caption = f"home {house}: view of an agent on its way to the farthest goal; inset: what it observes"
         names = [f"storey {level + 1}" for level in range(len(plans))]
-        names[-1] += ": path (blue), agent (green), radio (red)"
+        names[-1] += PLAN_LEGEND
         rows.append([pictures.add_caption(view, caption), pictures.add_caption(_sensors(env, obs), "depth, category")])
         rows[-1] += [pictures.add_caption(plan, name) for plan, name in zip(plans, names, strict=True)]
     media.write_png(folder / "contact_sheet.png", pictures.compose_sheet(rows))

@@ -17,11 +17,13 @@ from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
 from home_mjx.core import profiling
 from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.files import write_all_or_none
+from home_mjx.core.paths import dataset_root
 from home_mjx.core.progress import silence
 from home_mjx.core.workers import worker_threads
+from home_mjx.datasets.base import Dataset
 from home_mjx.env_factory import make
 from home_mjx.errors import ConfigError
-from home_mjx.houses.load import load_bank
+from home_mjx.houses.load import house_set, load_bank
 from home_mjx.navigation.grid import geodesic_distance
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.env import Env
@@ -83,10 +85,13 @@ def _run(options: DemoOptions, observer: Observer) -> dict[str, Any]:
     started = time.perf_counter()
     observer.on_run_start(RunStart("demo", None, "steps", options.num_steps))
     observer.on_phase(HOUSES)
-    bank = load_bank(options.suncg, num_houses=options.num_houses, bakes=(COARSE_BAKE,), texture_size=TEXTURE_SIZE)
+    source = options.suncg or dataset_root() or f"procedural:{options.num_houses}"
+    houses = house_set(source, num_houses=options.num_houses)
+    bank = load_bank(houses, bakes=(COARSE_BAKE,), texture_size=TEXTURE_SIZE)
     env = make("PointNav-v0", bank, episode_length=10**6)
     with write_all_or_none(options.out, "demo") as folder, worker_threads(1) as thread:
         report = _walk_and_search(env, options, folder, thread, observer)
+        report["dataset"] = describe_dataset(houses.resolved_dataset)
         report["peak_memory_bytes"] = profiling.peak_memory_bytes()
         report["wall_seconds"] = time.perf_counter() - started
         (folder / "report.json").write_text(json.dumps(report, indent=2) + "\n")
@@ -125,7 +130,6 @@ def _walk_and_search(
     return {
         "versions": profiling.versions(),
         "device": profiling.device_name(),
-        "dataset": str(options.suncg or "generated"),
         "num_houses": env.bank.num_houses,
         "num_envs": options.num_envs,
         "compile_seconds": {"begin": begin_seconds, "step": step_seconds},
@@ -134,6 +138,16 @@ def _walk_and_search(
         "bank_bytes": sum(leaf.nbytes for leaf in jax.tree.leaves(env.bank)),
         "search": searches,
     }
+
+
+def describe_dataset(dataset: Dataset) -> str:
+    """Return the name of a dataset; for generated houses also their folder's name, which has the generator's version.
+
+    Example:
+        >>> describe_dataset(open_dataset("procedural:8"))  # doctest: +SKIP
+        'procedural:8 (generated-v5)'
+    """
+    return dataset.name if dataset.name == str(dataset.root) else f"{dataset.name} ({dataset.root.name})"
 
 
 def film_searches(folder: Path, options: DemoOptions) -> list[dict[str, Any]] | str:

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float, UInt8
 from PIL import Image, ImageDraw, ImageFont
 
+from home_mjx.viewer.episodes.overlay import AGENT_COLOURS, GOAL_COLOUR, PATH_COLOUR
 from home_mjx.viewer.pictures import media
 from home_mjx.viewer.pictures.pictures import BACKGROUND, TEXT_COLOUR, compose_sheet
 
@@ -18,17 +19,20 @@ SUCCESS_COLOUR, FAILURE_COLOUR, RUNNING_COLOUR = (60, 190, 100), (225, 80, 70), 
 FINAL_FRAME_SECONDS = 1.5  # [s] display time of the last frame of an episode
 MIN_FPS = 6.0  # minimum frames per second; steps of 0.3 s would stutter
 
+MAX_LEGEND_SIZE = 22  # [px] maximum height of the legend's text, on a plan of 640 px
+LEGEND = (("goal", GOAL_COLOUR, False), ("path", PATH_COLOUR, True), ("agent", AGENT_COLOURS[0], True))
+
 RgbImage = UInt8[np.ndarray, "_ _ 3"]
 
 
 def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, success: bool | None = None) -> RgbImage:
-    """Compose a frame: `title` above, view left of the plan, `status` below; both sides are even.
+    """Compose a frame: `title` above, view left of the plan with its legend, `status` below; both sides are even.
 
-    The plan is scaled to fit the size of the view, which keeps its own. `success` colours the background of the status:
-    True green, False red, None (not ended) neutral.
+    The plan and its legend are scaled to fit the size of the view, which keeps its own. `success` colours the
+    background of the status: True green, False red, None (not ended) neutral.
     """
     height, width = view.shape[:2]
-    beside = fit_image(plan, width, height)
+    beside = fit_image(add_legend(plan), width, height)
     size = (width + beside.shape[1] + 3 * PANEL_GAP, height + 2 * TEXT_HEIGHT + 2 * PANEL_GAP)
     canvas = Image.new("RGB", (size[0] + size[0] % 2, size[1] + size[1] % 2), BACKGROUND)  # H.264 needs even sides
     canvas.paste(Image.fromarray(view), (PANEL_GAP, TEXT_HEIGHT + PANEL_GAP))
@@ -41,6 +45,21 @@ def compose_frame(view: RgbImage, plan: RgbImage, title: str, status: str, succe
     _line(
         draw, status, size[1] - TEXT_HEIGHT + 5, TEXT_COLOUR if success is None else (255, 255, 255), 14, canvas.width
     )
+    return np.asarray(canvas)
+
+
+def add_legend(plan: RgbImage) -> RgbImage:
+    """Return a plan with a line below it that names its marks: the ring of the goal, path and agent."""
+    height, width = plan.shape[:2]
+    size = max(8, min(MAX_LEGEND_SIZE, width // 16))  # [px] of the text
+    canvas = Image.new("RGB", (width, height + 2 * size), BACKGROUND)
+    canvas.paste(Image.fromarray(plan))
+    draw, font, left, middle = ImageDraw.Draw(canvas), ImageFont.load_default(size=size), size / 2, height + size
+    for name, colour, is_filled in LEGEND:
+        box = (left, middle - size / 3, left + 2 * size / 3, middle + size / 3)
+        draw.ellipse(box, fill=colour if is_filled else None, outline=colour, width=max(1, size // 8))
+        draw.text((left + size, middle), name, fill=TEXT_COLOUR, font=font, anchor="lm")
+        left += 2 * size + font.getlength(name)
     return np.asarray(canvas)
 
 

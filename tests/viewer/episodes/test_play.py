@@ -20,7 +20,7 @@ from home_mjx.registry import EnvSpec, find_spec
 from home_mjx.tasks.env.observers import EpisodeResult, ObserverGroup
 from home_mjx.viewer.episodes.observers import FilmObserver, ResultsObserver, ShotCache
 from home_mjx.viewer.episodes.run import PlayOptions, run_play
-from home_mjx.viewer.episodes.video import VideoWriter, compose_frame, fit_image
+from home_mjx.viewer.episodes.video import LEGEND, VideoWriter, compose_frame, fit_image
 
 
 def film_of(path: Path) -> np.ndarray:
@@ -39,6 +39,18 @@ def test_frames_have_even_sides_and_keep_what_they_show(rng: np.random.Generator
     assert np.array_equal(picture[34:94, 8:89], view)
     assert fit_image(plan, 50, 40).shape == (40, 50, 3)
     assert np.array_equal(fit_image(plan, 50, 40)[20, 25], [90, 90, 90])
+
+
+def test_a_frame_names_the_marks_of_its_plan():
+    """Below the plan, in the colours of its marks: a ring for the goal, discs for path and agent."""
+    view = np.zeros((360, 480, 3), np.uint8)
+    picture = compose_frame(view, np.zeros((640, 640, 3), np.uint8), "go to the sound", "step")
+    beside = picture[34:394, 496:976].astype(int)
+    for _, colour, _ in LEGEND:
+        row, column = np.nonzero(np.abs(beside - colour).max(axis=2) < 60)
+        assert len(row) >= 4
+        assert row.min() > 330
+        assert np.ptp(column) < 16
 
 
 def test_a_film_runs_in_real_time_with_sound_and_never_slower_than_can_be_followed(tmp_path: Path):
