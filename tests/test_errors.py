@@ -16,7 +16,9 @@ from home_mjx.core.files import MAX_BYTES, read_bytes
 from home_mjx.core.jsonable import MAX_TEXT_LENGTH, from_json, to_json
 from home_mjx.datasets import open_dataset
 from home_mjx.houses import HouseCache
+from home_mjx.raycast_render import LitShader
 from home_mjx.registry import EnvSpec
+from home_mjx.tasks.base.options import make_config
 
 BUILT_IN = {
     errors.HomeMjxError: set(),
@@ -112,6 +114,20 @@ def test_unknown_ids_and_missing_folders(tmp_path: Path):
 def test_unknown_environments(name: str, kind: type[Exception]):
     with pytest.raises(kind, match=f"^unknown environment `{name}`"):
         home_mjx.make(name)
+
+
+def test_an_option_of_a_shader_belongs_into_the_shader():
+    for options, text in (
+        (
+            {"shader": "lit", "density": 1.0},
+            r"^unknown option `density`.*num_lights, .*exposure, as in shader=LitShader\(num_lights=",
+        ),
+        ({"shader": LitShader(ambient=0.1), "num_lights": 2}, r"option of the shader: shader=LitShader\(num_lights="),
+        ({"shader": "fog", "density": 1.0}, r"^unknown shader `fog`.*Known: fast, lit"),
+        ({"shader": "fast", "widht": 3}, r"Did you mean `width`\?.*The shader `fast` has no options"),
+    ):
+        with pytest.raises(errors.ConfigError, match=text):
+            make_config(**options)
 
 
 def test_unknown_options():

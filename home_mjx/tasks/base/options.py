@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 from home_mjx.core.variants import nested_names, replace_variant, variants_of
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
+from home_mjx.raycast_render.shaders.base import resolve_shader
 from home_mjx.tasks.base.config import DiscreteActions, EnvConfig
 
 # Option names of 0.1.0 and their replacements.
@@ -79,7 +80,7 @@ def override_options(records: Records, given: Mapping[str, Any], accepted: Itera
     known = {path: prefix for prefix, record in records.items() for path in _field_paths(record, prefix)}
     changes: dict[str, dict[str, Any]] = {prefix: {} for prefix in records}
     for name, value in given.items():
-        path = _resolve_path(name, known, accepted)
+        path = _resolve_path(name, known, accepted, given.get("shader"))
         changes[known[path]][path.removeprefix(known[path]).removeprefix(".")] = value
     made = {prefix: _replace_fields(record, changes[prefix], prefix) for prefix, record in records.items()}
     _check_clock(changes.get("", {}), made.get(""))
@@ -132,31 +133,51 @@ def _field_paths(record: Any, prefix: str, shared: frozenset[str] = frozenset())
             yield path
 
 
-def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str]) -> str:
+def _resolve_path(name: str, known: Mapping[str, str], others: Iterable[str], shader: Any = None) -> str:
     """Return the full dotted path that an option name refers to; `ConfigError` if it is unknown or ambiguous.
 
     A full path wins over fields of that name at other depths, except those of the task. The keys of `known` are all
-    paths; `others` are further names to suggest.
+    paths; `others` are further names to suggest. `shader` is the value of that option; None if it is not given.
     """
     found = [path for path in known if path.rpartition(".")[2] == name]
     if name in known and not any(known[path] == "task" for path in found if path != name):
         return name
     if not found:
-        _raise_unknown(name, known, others)
+        _raise_unknown(name, known, others, shader)
     if len(found) > 1:  # a task's option that shares a name must not be ignored silently
         raise ConfigError(f"the option `{name}` could be any of {', '.join(found)}", hint="Write one of them in full.")
     return found[0]
 
 
-def _raise_unknown(name: str, known: Iterable[str], others: Iterable[str]) -> NoReturn:
-    """Raise the error for an unknown option: its new name, a hint for other simulators' names, or the closest name."""
+def _raise_unknown(name: str, known: Iterable[str], others: Iterable[str], shader: Any) -> NoReturn:
+    """Raise the error for an unknown option: its new name, a hint for other simulators' names, or the closest name.
+
+    With a shader, the hint also names the options of that shader; an unknown shader raises its own error.
+    """
     if name in RENAMED_OPTIONS:
         raise ConfigError(f"the option `{name}` is now `{RENAMED_OPTIONS[name]}`")
     short = [path.rpartition(".")[2] for path in known]
     everything = {*known, *others, *(word for word in short if short.count(word) == 1)}
+    hint = FOREIGN_OPTION_HINTS.get(name) or did_you_mean(name, everything)
     raise UnknownNameError(
-        f"unknown option `{name}`", hint=FOREIGN_OPTION_HINTS.get(name) or did_you_mean(name, everything)
+        f"unknown option `{name}`", hint=hint if shader is None else _shader_hint(name, shader, hint)
     )
+
+
+def _shader_hint(name: str, spec: Any, hint: str) -> str:
+    """Return the hint for an option that `make` does not know, beside a shader: how to set it, or which options exist.
+
+    Example:
+        >>> _shader_hint("num_lights", "lit", "")
+        'It is an option of the shader: shader=LitShader(num_lights=...).'
+    """
+    shader = resolve_shader(spec)
+    title, own = type(shader).__name__, [field.name for field in dataclasses.fields(shader)]  # pyright: ignore
+    if name in own:
+        return f"It is an option of the shader: shader={title}({name}=...)."
+    options = f"the options {', '.join(own)}, as in shader={title}({own[0]}=...)" if own else "no options"
+    known = f"The shader `{shader.name}` has {options}."
+    return f"{known} {hint}" if hint.startswith("Known") else f"{hint}. {known}"
 
 
 def _replace_fields(record: Any, changes: Mapping[str, Any], full: str) -> Any:
