@@ -24,17 +24,17 @@ __all__ = ["main"]
 
 COMMANDS = {
     "demo": "walk agents through houses; write pictures, a video with sound and a report",
-    "generate": "write seeded houses in SUNCG's format",
+    "generate": "generate houses and write them in SUNCG's format",
     "inspect": "count the contents of a house, or validate it",
     "compile": "compile a house or a dataset; write MJCF",
     "render": "render images of a house from a viewpoint",
     "listen": "render a sound at a listening point of a house",
-    "look": "print and draw a saved state: pose, room, contacts, task, status; view and plan",
+    "look": "print a saved state (pose, room, contacts, task) and draw its view and plan",
     "doctor": "check whether this machine is ready",
 }
 LEARNING_COMMANDS = {
-    "play": "play and film episodes of a task: an expert, a trained agent, a random one, or you by the keyboard",
-    "record": "record a dataset of episodes of an expert or a trained agent",
+    "play": "play and film a task: by an expert, a trained or a random agent, or by yourself with the keyboard",
+    "record": "record a dataset of episodes, for imitation learning",
     "train": "train an agent with recurrent PPO, or on an expert's advice",
     "evaluate": "evaluate a trained agent in held-out houses",
 }

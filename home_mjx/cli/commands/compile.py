@@ -42,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mjcf", type=parse_path, metavar="OUT", help="write one house as MJCF into this folder instead"
     )
-    parser.add_argument("--collision", default="box", help="with --mjcf: collision geoms of objects, `box` or `exact`")
+    parser.add_argument(
+        "--collision", default="box", help="with --mjcf: collision geoms of objects, `box` or `exact` (default: box)"
+    )
     group = parser.add_argument_group("whole datasets")
     workers = os.cpu_count() or 1
     group.add_argument(

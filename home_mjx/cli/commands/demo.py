@@ -20,8 +20,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=parse_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)
     parser.add_argument("--houses", type=house_count_type, default=8, help="number of houses (default: 8)")
-    parser.add_argument("--envs", type=positive_int_type, default=8, help="environments in the batch (default: 8)")
-    parser.add_argument("--steps", type=positive_int_type, default=150, help="length of the walk in steps of 0.1 s")
+    parser.add_argument("--envs", type=positive_int_type, default=8, help="agents that walk at once (default: 8)")
+    parser.add_argument(
+        "--steps", type=positive_int_type, default=150, help="steps of the walk, 0.1 s each (default: 150)"
+    )
     parser.add_argument("--seed", type=parse_seed, default=12, help="seed of poses and noise (default: 12)")
 
 

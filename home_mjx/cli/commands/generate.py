@@ -13,16 +13,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     `--seeds A:B` is a range of seeds, by default 0 to 7; see `parse_seed_range`. `--preset` (`home`) and `--detail`
     (empty: that of the preset) are texts that `run` checks.
     """
-    parser.add_argument("out", type=parse_path, metavar="OUT", help="root of the new dataset")
+    parser.add_argument("out", type=parse_path, metavar="OUT", help="folder of the new dataset")
     parser.add_argument(
         "--seeds",
         type=parse_seed_range,
         default=range(8),
         metavar="A:B",
-        help="from A to B, B excluded (default: 0:8)",
+        help="seeds of the houses: from A to B, B excluded, or a single one (default: 0:8)",
     )
-    parser.add_argument("--preset", default="home", help="home, or flat: one storey, 3 to 6 rooms (default: home)")
-    parser.add_argument("--detail", default="", help="full or low, of the models (default: full; low in flats)")
+    parser.add_argument(
+        "--preset",
+        default="home",
+        help="home, of one to three storeys; or flat, of one storey with 3 to 6 rooms (default: home)",
+    )
+    parser.add_argument(
+        "--detail", default="", help="level of detail of the models: full or low (default: full; low in flats)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs=2,
         default=(640, 480),
         metavar=("W", "H"),
-        help="size of the images [pixels]",
+        help="size of the images [pixels] (default: 640 480)",
     )
     parser.add_argument(
         "--fovy",

@@ -1,4 +1,4 @@
-"""Play and film episodes of a task: an expert, a trained agent, a random one, or you by the keyboard."""
+"""Play and film episodes of a task: by an expert, a trained or a random agent, or by yourself with the keyboard."""
 
 import argparse
 import dataclasses

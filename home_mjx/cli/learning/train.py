@@ -46,9 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("task", metavar="TASK", help=TASK_HELP)
     add_sensors_option(parser, "observed sensors (default: state,goal)")
-    parser.add_argument("--num-envs", type=positive_int_type, help="environments in the batch")
     parser.add_argument(
-        "--steps", type=whole_number_type(MAX_STEPS), help="environment steps, summed over all environments"
+        "--num-envs", type=positive_int_type, help="environments in the batch (default: 2048; 64 on CPUs)"
+    )
+    parser.add_argument(
+        "--steps",
+        type=whole_number_type(MAX_STEPS),
+        help="environment steps, summed over all environments (default: 50 million; 1 million on CPUs)",
     )
     parser.add_argument("--seed", type=parse_seed, default=0, help="seed of all random numbers (default: 0)")
     parser.add_argument("--out", type=parse_path, help="folder for the files (default: runs/TASK)")
