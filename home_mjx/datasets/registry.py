@@ -23,6 +23,7 @@ SUNCG = EntryPoint("suncg", "home_mjx.datasets.suncg.dataset:open_suncg", GROUP)
 BUILT_IN = {  # datasets of this package, which need no entry point; `recognizes` of each tells which paths are its own
     SUNCG.name: SUNCG,
     "gltf": EntryPoint("gltf", "home_mjx.datasets.gltf.dataset:GltfDataset", GROUP),
+    "mjcf": EntryPoint("mjcf", "home_mjx.datasets.mjcf.dataset:MjcfDataset", GROUP),
     "procthor": EntryPoint("procthor", "home_mjx.datasets.procthor.dataset:ProcthorDataset", GROUP),
 }
 SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive

@@ -174,6 +174,8 @@ def add_leaf(
         joint = {"type": "hinge", "axis": "0 0 1", "range": numbers(np.rad2deg(limits))}
         moved = inertia[2] + doors.mass[row] * (arm @ arm)  # parallel axis theorem
     damping = f"{DOOR_DAMPING_RATE * moved:.9g}"
+    rest = np.rad2deg(doors.closed[row]) if joint["type"] == "hinge" else doors.closed[row]
+    joint["springref"] = f"{rest:.9g}"  # without stiffness; tells readers the closed pose
     ET.SubElement(element, "joint", joint, name=name, limited="true", damping=damping, armature="0")
     place = {"pos": numbers(arm), "quat": numbers(doors.quat[row])}
     ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=numbers(inertia))

@@ -1,11 +1,12 @@
 """A scene as a house: rooms with their floors, ceilings and walls, objects, and the rest as static pieces."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from home_mjx.datasets.gltf.categories import STRUCTURE
 from home_mjx.datasets.gltf.layout.rooms import SceneRoom
@@ -17,18 +18,59 @@ from home_mjx.datasets.gltf.layout.triangle_set import (
     split_by_outlines,
 )
 from home_mjx.datasets.gltf.layout.walls import find_walls, mask_of
-from home_mjx.datasets.gltf.objects import FoundObject
 from home_mjx.geometry.polygons import polygon_area
 from home_mjx.geometry.slabs import simplify, triangulate
-from home_mjx.schema.house import Level, Mesh, ObjectNode, RoomNode
+from home_mjx.schema.house import Joint, Level, Mesh, ObjectNode, RoomNode
 
 FLAT_SLOPE = 0.7  # minimum vertical component of the unit normals of floors and ceilings
+GROUND_SLOPE = 0.95  # minimum vertical component of the unit normals of lawns
 FLOOR_REACH, CEILING_REACH = 0.15, 0.3  # [m], maximum distance of faces from the height of a room's floor or ceiling
 ROUGHNESS = 0.08  # [m], small faces up to this height above a floor belong to it, whatever their slope
 PIECE_SIZE = 1.0  # [m], edge of the cells into which static geometry is cut; its colliders are boxes around parts of it
+FAR_PIECE_SIZE = 8.0  # [m], the same for geometry that agents cannot reach, which is not cut
+PLOT_MARGIN = 2.5  # [m], around all rooms, within which agents may be; a fence is at 2 m
 MAX_PIECES = 2_000  # maximum number of pieces of a house; more would need larger cells
 MAX_CUT_TRIANGLES = 300_000  # maximum number of triangles after cutting, by their areas
 REACH = (-0.5, 2.2)  # [m] around floors: heights at which agents touch things
+
+
+@runtime_checkable
+class SceneObject(Protocol):
+    """An object that a reader found in a scene."""
+
+    @property
+    def fine(self) -> str:
+        """Fine category, which is the id of its model."""
+        ...
+
+    @property
+    def key(self) -> str:
+        """Name of its mesh, equal for copies."""
+        ...
+
+    @property
+    def matrix(self) -> Float[np.ndarray, "4 4"]:
+        """House from object."""
+        ...
+
+    @property
+    def points(self) -> Float[np.ndarray, "p 3"]:
+        """Vertices in the house [m]."""
+        ...
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Movable parts of its mesh."""
+        ...
+
+    @property
+    def extra(self) -> Mapping[str, Any]:
+        """What the file has beside that."""
+        ...
+
+    def mesh(self) -> Mesh:
+        """Return its mesh in its own frame."""
+        ...
 
 
 @dataclass
@@ -45,7 +87,7 @@ class HouseParts:
     rooms: Sequence[SceneRoom]
     models: dict[str, Mesh] = field(default_factory=dict)
 
-    def levels(self, triangles: TriangleSet, objects: Sequence[FoundObject]) -> tuple[Level, ...]:
+    def levels(self, triangles: TriangleSet, objects: Sequence[SceneObject]) -> tuple[Level, ...]:
         """Return the levels: rooms with the triangles that are theirs, objects, and all other triangles as pieces."""
         built, rest = [], triangles
         numbers = sorted({room.level for room in self.rooms})
@@ -96,26 +138,36 @@ class HouseParts:
 
     def _pieces(self, triangles: TriangleSet, floors: Sequence[float]) -> list[TriangleSet]:
         """Return triangles by cells of a grid; those that agents can reach are cut to the size of a cell first."""
-        low = np.min([f + REACH[0] for f in floors])
-        reach = triangles.within(low, max(floors) + REACH[1])
-        edge = max(PIECE_SIZE, float(np.sqrt(8 * triangles.area[reach].sum() / MAX_CUT_TRIANGLES)))
-        triangles = concat_triangles([halve_long_edges(triangles[reach], edge), triangles[~reach]])
-        size = PIECE_SIZE
+        reach = self._reachable(triangles, floors)
+        ground = _is_ground(triangles, floors)
+        near = reach & ~ground
+        edge = max(PIECE_SIZE, float(np.sqrt(8 * triangles.area[near].sum() / MAX_CUT_TRIANGLES)))
+        parts = [halve_long_edges(triangles[near], edge), triangles[~reach & ~ground], triangles[ground]]
+        kind = np.repeat(np.arange(3), [len(part) for part in parts])[:, None]
+        triangles, size = concat_triangles(parts), np.where(kind > 0, FAR_PIECE_SIZE, PIECE_SIZE)
         while True:
-            cells = np.floor(triangles.middle / size).astype(int)
+            cells = np.concatenate([np.floor(triangles.middle / size), kind], axis=1).astype(int)
             found, number = np.unique(cells, axis=0, return_inverse=True)
             if len(found) <= MAX_PIECES:
                 break
-            size *= 1.3
+            size = size * 1.3
         order = np.argsort(number.reshape(-1), kind="stable")
         cuts = np.flatnonzero(np.diff(number.reshape(-1)[order])) + 1
         return [triangles[rows] for rows in np.split(order, cuts)] if len(order) else []
+
+    def _reachable(self, triangles: TriangleSet, floors: Sequence[float]) -> Bool[np.ndarray, " t"]:
+        """Return a mask of the triangles that agents may touch: near rooms, and at their heights."""
+        corners = np.concatenate([room.shape.corners for room in self.rooms])
+        low, high = corners.min(axis=0) - PLOT_MARGIN, corners.max(axis=0) + PLOT_MARGIN
+        plan = triangles.corners[..., [0, 2]]
+        beside = ((plan.max(axis=1) > low) & (plan.min(axis=1) < high)).all(axis=1)
+        return beside & triangles.within(min(floors) + REACH[0], max(floors) + REACH[1])
 
     def _objects(
         self,
         level: int,
         first: int,
-        objects: Sequence[FoundObject],
+        objects: Sequence[SceneObject],
         pieces: Sequence[TriangleSet],
         floors: Sequence[float],
         numbers: Sequence[int],
@@ -124,8 +176,9 @@ class HouseParts:
         nodes = []
         for one in objects:
             if numbers[_storey(float(one.points[:, 1].min()) + 0.5, floors)] == level:
-                mesh = self.models.setdefault(one.key, one.mesh())
-                nodes.append(self._node(level, first + len(nodes), one.fine, one.key, mesh, one.node.matrix))
+                mesh = self.models.get(one.key) or one.mesh()
+                node = self._node(level, first + len(nodes), one.fine, one.key, mesh, one.matrix)
+                nodes.append(replace(node, joints=one.joints, extra=one.extra))
         for number, piece in enumerate(pieces):
             middle = piece.corners.reshape(-1, 3).mean(axis=0)
             if numbers[_storey(float(middle[1]), floors)] == level:
@@ -152,6 +205,13 @@ class HouseParts:
         )
 
 
+def _is_ground(triangles: TriangleSet, floors: Sequence[float]) -> Bool[np.ndarray, " t"]:
+    """Return a mask of level triangles at the height of a floor or just below, such as lawns: no obstacles."""
+    high = triangles.heights[:, 1]
+    near = [(high < floor + ROUGHNESS) & (high > floor + REACH[0]) for floor in floors]
+    return (abs(triangles.slope) > GROUND_SLOPE) & np.any(near, axis=0)
+
+
 def _storey(height: float, floors: Sequence[float]) -> int:
     """Return the index of the highest floor below a height [m]; 0 if none is."""
     return max(0, int(np.searchsorted(floors, height)) - 1)
@@ -173,6 +233,7 @@ def _split_flat(
     found, rest = {}, [triangles[~flat], left]
     for i, part in zip(order.tolist(), parts, strict=True):
         near = abs(part.middle[:, 1] - heights[i]) <= reach
+        near &= side > 0 or bool((part.slope[near] < -FLAT_SLOPE).any())  # tops of walls alone are no ceiling
         found[i] = part[near]
         rest.append(part[~near])
     return [found[i] for i in range(len(rooms))], concat_triangles(rest)

@@ -3,12 +3,13 @@
 import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from home_mjx.datasets.gltf.categories import ARCHITECTURE, find_category
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
-from home_mjx.schema.house import Mesh
+from home_mjx.schema.house import Joint, Mesh
 
 MAX_OBJECT_SIZE = 6.0  # [m], maximum extent of an object; larger ones are architecture
 
@@ -21,11 +22,20 @@ class FoundObject:
         node: The node.
         fine: Its fine category.
         meshes: Meshes below the node.
+        joints: Empty; nodes of glTF have no joints.
+        extra: Empty.
     """
 
     node: SceneNode
     fine: str
     meshes: list[PlacedMesh] = field(default_factory=list)
+    joints: tuple[Joint, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def matrix(self) -> np.ndarray:
+        """House from node."""
+        return self.node.matrix
 
     @property
     def points(self) -> np.ndarray:

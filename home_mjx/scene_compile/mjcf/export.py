@@ -18,6 +18,7 @@ from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.mjcf.assets import MjcfAssets, safe_name
 from home_mjx.scene_compile.mjcf.initial_overlaps import resolve_overlaps
 from home_mjx.scene_compile.mjcf.lights import add_lamps
+from home_mjx.scene_compile.mjcf.room_file import room_file
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.categories import COARSE, COLLISIONS
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
@@ -39,7 +40,7 @@ from home_mjx.schema.mjcf import (
 from home_mjx.schema.semantic import Semantic
 
 DEFAULT_FRICTION = f"{DEFAULT_CONTACT.friction} 0.005 0.0001"  # default friction of geoms
-MJCF_FILE, OVERLAPS_FILE = "house.xml", "overlaps.json"
+MJCF_FILE, ROOM_FILE, OVERLAPS_FILE = "house.xml", "house.rooms.json", "overlaps.json"
 EYE_HEIGHT = AgentBody().eye_height  # [m], height of the room cameras above the floor
 NYU40_CEILING_INDEX, ROOF_INDEX = 22, COARSE.index("roof")
 VISUAL_GROUP, CEILING_GROUP = "2", "4"  # geom groups; the viewer shows groups 0 to 2 by default
@@ -119,6 +120,7 @@ def to_mjcf(
 def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = None, collision: str = "box") -> Path:
     """Write the result of `to_mjcf` to `<folder>/<name>/house.xml`, with meshes and textures beside it, atomically.
 
+    `house.rooms.json` beside it states rooms and categories, so that `mjcf:<folder>` reads the house again.
     The name is the house's id by `safe_name`. Options that are no argument here have their defaults.
 
     Args:
@@ -139,7 +141,7 @@ def export_mjcf(house: CompiledHouse, folder: Path, agent: AgentBody | None = No
     if target.exists() and not (target / MJCF_FILE).is_file():
         raise ConfigError("folder exists and is not an exported house", file=target, hint="Choose another folder")
     try:
-        replace_folder(target, {**files, MJCF_FILE: xml.encode()})
+        replace_folder(target, {**files, ROOM_FILE: room_file(house), MJCF_FILE: xml.encode()})
     except OSError as error:
         raise ConfigError(f"cannot write: {error}", file=target, hint="Choose another folder") from error
     return target / MJCF_FILE

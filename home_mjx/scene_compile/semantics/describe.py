@@ -32,7 +32,7 @@ def short_text(size: str, look: Appearance, category: str) -> str:
         'small linen coffee table made of wood'
     """
     colors = look.colors["css"]
-    words = [size] * (size not in ("", "normal")) + [_listed(colors)] * bool(colors)
+    words = [size] * (size not in ("", "normal")) + ([_listed(colors)] if colors else [])
     made = f" made of {_listed(look.materials)}" if look.is_textured and look.materials else ""
     return " ".join([*words, _noun(category)]) + made
 

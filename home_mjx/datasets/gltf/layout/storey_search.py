@@ -12,6 +12,7 @@ MIN_STOREY_HEIGHT = 2.0  # [m], minimum distance of two storeys
 MIN_FLOOR_AREA = 1.0  # [m^2], minimum level area of a storey
 WALL_BAND = (0.3, 1.8)  # [m], heights above a floor between which walls are measured
 MIN_WALL_SHARE = 0.2  # minimum area of a storey's walls, as a share of that with the most
+MIN_UP_SHARE = 0.49  # minimum share of level faces that face up, as of slabs; scans may have floors that face down
 FLOOR_TOLERANCE = 0.5  # [m], maximum distance of a room's floor from the height of its storey
 
 
@@ -66,11 +67,17 @@ def _wall_area(triangles: TriangleSet, floor: float) -> float:
 
 def _refined(flat: TriangleSet, height: float) -> float:
     """Return the dominant height of level faces near the peak of the histogram."""
-    near = abs(flat.middle[:, 1] - height) < FLOOR_TOLERANCE
-    return dominant_height(flat.middle[near, 1], flat.area[near])
+    return _upper_height(flat[abs(flat.middle[:, 1] - height) < FLOOR_TOLERANCE])
+
+
+def _upper_height(flat: TriangleSet) -> float:
+    """Return the dominant height of at least one level face: of those that face up if they are half of all."""
+    up = flat[flat.slope > 0]
+    seen = up if len(up) and up.area.sum() >= MIN_UP_SHARE * flat.area.sum() else flat
+    return dominant_height(seen.middle[:, 1], seen.area)
 
 
 def floor_height(triangles: TriangleSet, storey: float) -> float:
     """Return the height of the floor of triangles in a room [m]; that of its storey without level faces near it."""
     near = (abs(triangles.slope) > LEVEL_SLOPE) & (abs(triangles.middle[:, 1] - storey) < FLOOR_TOLERANCE)
-    return dominant_height(triangles.middle[near, 1], triangles.area[near]) if near.any() else storey
+    return _upper_height(triangles[near]) if near.any() else storey

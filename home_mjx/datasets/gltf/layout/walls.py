@@ -15,6 +15,7 @@ ANGLE_STEP = np.deg2rad(5.0)  # normals within about this angle are of one plane
 OFFSET_STEP = 0.03  # [m], faces within about this distance are of one plane
 MAX_GAP = 0.3  # [m], maximum gap along a wall
 MIN_LENGTH, MIN_HEIGHT, MIN_AREA = 0.4, 1.0, 0.4  # [m], [m], [m^2], minimum size of a wall
+MIN_COVER = 0.1  # minimum share of a wall's rectangle that is covered; edges around an open side are no wall
 MAX_WALL_TRIANGLES = 400  # walls of more triangles are of a scan, whose faces are found along outlines
 SCAN_REACH = 0.28  # [m], maximum distance of a scan's wall from an outline
 SCAN_COSINE = 0.7  # minimum cosine between the normals of a scan's face and its wall
@@ -153,7 +154,8 @@ def _is_large(triangles: TriangleSet, rows: Int[np.ndarray, " r"]) -> bool:
     """Return whether triangles are long, high and large enough for a wall."""
     size = np.ptp(triangles.corners[rows].reshape(-1, 3), axis=0)
     length = float(np.hypot(size[0], size[2]))
-    return bool(length > MIN_LENGTH and size[1] > MIN_HEIGHT and triangles.area[rows].sum() > MIN_AREA)
+    min_area = max(MIN_AREA, MIN_COVER * length * size[1])
+    return bool(length > MIN_LENGTH and size[1] > MIN_HEIGHT and triangles.area[rows].sum() > min_area)
 
 
 def mask_of(walls: dict[int, list[Int[np.ndarray, " _"]]], count: int) -> Bool[np.ndarray, " _"]:

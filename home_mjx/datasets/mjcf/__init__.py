@@ -1,0 +1,1 @@
+"""Houses from MJCF scenes of MuJoCo."""

@@ -1,0 +1,259 @@
+"""A dataset of MJCF scenes: one file, or the files of a folder, each a house."""
+
+import hashlib
+import os
+import re
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import ClassVar
+from urllib.parse import parse_qsl
+
+from home_mjx.core.files import NUM_HEAD_BYTES, is_folder
+from home_mjx.core.paths import cache_folder
+from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions, code_digest
+from home_mjx.datasets.gltf.categories import category_metadata
+from home_mjx.datasets.gltf.house import HouseParts
+from home_mjx.datasets.gltf.layout.room_file import RoomFile, read_room_file, room_file_path
+from home_mjx.datasets.mjcf.categories import metadata_path, read_body_words
+from home_mjx.datasets.mjcf.files import SceneFiles, package_root
+from home_mjx.datasets.mjcf.lights import add_lights, floor_area, read_lights
+from home_mjx.datasets.mjcf.materials import MjcfMaterials
+from home_mjx.datasets.mjcf.model import MjcfScene, compile_scene
+from home_mjx.datasets.mjcf.objects import MjcfObject, ObjectReader
+from home_mjx.datasets.mjcf.rooms import scene_rooms
+from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.schema.house import House, Metadata, Problem
+
+SUFFIX, EXPORT_FILE, CEILING_SUFFIX = ".xml", "house.xml", "_ceiling"
+ROOM_MODES = ("auto", "one")
+OPTIONS_HINT = "Options are `root=FOLDER` and `rooms=auto|one`, such as `mjcf:kitchen.xml?rooms=one`."
+MAX_NOTES = 100  # maximum number of problems listed per house
+MAX_MATERIALS = 60_000  # maximum number of looks of a scene
+
+
+@dataclass(frozen=True)
+class MjcfOptions:
+    """Options of reading MJCF scenes.
+
+    Attributes:
+        root: Folder whose files scenes may name; "": see `package_root`.
+        rooms: `auto`: narrow passages separate rooms; `one`: each storey's connected parts are rooms.
+
+    Raises:
+        ConfigError: `rooms` has another value.
+    """
+
+    root: str = ""
+    rooms: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.rooms not in ROOM_MODES:
+            raise ConfigError(f"unknown option: rooms={self.rooms!r}", hint=OPTIONS_HINT)
+
+
+def holds_mjcf(path: Path) -> bool:
+    """Return whether a path is an MJCF file, by its content, or a folder of some, or of exported houses."""
+    if path.is_dir():
+        return any(_is_mjcf(file) for file in _scene_files(path))
+    return _is_mjcf(path)
+
+
+def _is_mjcf(path: Path) -> bool:
+    """Return whether a file has the element `mujoco` near its start."""
+    if path.suffix.lower() != SUFFIX or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return re.search(rb"<mujoco[\s>]", file.read(NUM_HEAD_BYTES)) is not None
+
+
+def _scene_files(path: Path) -> list[Path]:
+    """Return the files of scenes: a file itself; of a folder its XML files, and the exported houses below it."""
+    if path.is_file():
+        return [path]
+    own = sorted(file for file in path.iterdir() if file.suffix.lower() == SUFFIX)
+    return own + sorted(path.glob(f"*/{EXPORT_FILE}"))
+
+
+def _house_id(file: Path) -> str:
+    """Return the id of a scene: its stem; of exported houses the name of their folder."""
+    name = file.parent.name if file.name == EXPORT_FILE else file.stem
+    return re.sub(r"[^A-Za-z0-9._-]", "_", name)[:128]
+
+
+class MjcfDataset(Dataset):
+    """Houses from MJCF scenes of MuJoCo.
+
+    `root` is the folder in the cache that receives the images, which MuJoCo decodes or makes.
+
+    Args:
+        text: Path of a scene or of a folder of scenes, `PATH` or `PATH?root=FOLDER&rooms=one`.
+
+    Raises:
+        ConfigError: An option is unknown or out of range.
+        MissingFileError: The path does not exist, or the folder holds no scene.
+
+    Example:
+        >>> house = open_dataset("mjcf:kitchen.xml").load_house("kitchen")  # doctest: +SKIP
+    """
+
+    recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_mjcf)
+
+    def __init__(self, text: str) -> None:
+        name, _, query = text.partition("?")
+        if os.path.exists(text):
+            name, query = text, ""
+        self.path = Path(os.path.abspath(Path(name).expanduser()))
+        self.options = _options(query)
+        folder = hashlib.sha256(str(self.path).encode()).hexdigest()[:16]
+        super().__init__(cache_folder() / "mjcf" / folder, f"mjcf:{self.path}{'?' * bool(query)}{query}")
+        if not self.path.exists():
+            raise MissingFileError("scene does not exist", file=self.path, hint="Correct the path.")
+        if not self.house_ids:
+            raise MissingFileError("folder contains no scene of MJCF", file=self.path)
+
+    @cached_property
+    def house_ids(self) -> tuple[str, ...]:
+        """Stems of the files, sorted; characters other than letters, digits, `.`, `_` and `-` become `_`.
+
+        Exported houses have the names of their folders. Scenes of MolmoSpaces with a ceiling are left out of folders
+        that have them without one.
+        """
+        return tuple(self._scenes)
+
+    @cached_property
+    def _scenes(self) -> dict[str, Path]:
+        """Files of the scenes by house id."""
+        files = [file for file in _scene_files(self.path) if file == self.path or _is_mjcf(file)]
+        stems = {file.stem for file in files}
+        found: dict[str, Path] = {}
+        for file in files:
+            if file.stem.removesuffix(CEILING_SUFFIX) not in stems - {file.stem}:
+                found.setdefault(_house_id(file), file)
+        return found
+
+    @property
+    def metadata(self) -> Metadata:
+        """Categories of the models: their ids are fine categories."""
+        return category_metadata()
+
+    def resolved(self, options: ReadOptions) -> ReadOptions:
+        """Return the options with a `strict` of None replaced by False."""
+        return ReadOptions(**{**vars(options), "strict": bool(options.strict)})
+
+    def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
+        """Read one scene as a house.
+
+        Args:
+            house_id: One of `house_ids`.
+            options: Categories to leave out; if strict, a scene without a floor is an error.
+
+        Raises:
+            UnknownIdError: No scene has this id.
+            DatasetError: The scene is broken, shows nothing, or names files outside of its root.
+        """
+        self.check_known(house_id)
+        path, stated, words = self._scenes[house_id], *self._sidecars(house_id)
+        self._collected(path)
+        scene = compile_scene(path)
+        table = MjcfMaterials(scene, self.root)
+        reader = ObjectReader(scene, table, stated.objects, words)
+        objects, architecture = reader.read()
+        if not objects and not len(architecture):
+            raise DatasetError("scene shows nothing: no geom is visible", file=path, hint="Name another file.")
+        split = self.options.rooms == "auto"
+        found = scene_rooms(path, objects, architecture, stated.rooms, split, bool(options.strict))
+        parts = HouseParts(path, found.rooms)
+        levels = parts.levels(found.triangles, self._wanted(objects, options))
+        levels = add_lights(levels, read_lights(scene, floor_area(levels)))
+        self.warn_fallbacks(house_id, found.fallbacks)
+        notes = {**table.notes, **reader.dropped}
+        return House(
+            id=house_id,
+            version="mjcf@1.0",
+            path=path,
+            levels=levels,
+            models=parts.models,
+            problems=(*_problems(scene, objects, notes), *found.problems),
+            fallbacks=found.fallbacks,
+        )
+
+    def _sidecars(self, house_id: str) -> tuple[RoomFile, Mapping[str, str]]:
+        """Return the room file and the metadata of MolmoSpaces beside a scene."""
+        path = self._scenes[house_id]
+        stated = read_room_file(path)
+        if stated.up or stated.scale is not None:
+            hint = "Remove `up` and `scale`: lengths of MJCF are metres, and z is up."
+            raise DatasetError("room file of an MJCF scene has units", file=room_file_path(path), hint=hint)
+        return stated, read_body_words(path)
+
+    def _wanted(self, objects: Sequence[MjcfObject], options: ReadOptions) -> list[MjcfObject]:
+        """Return the objects whose coarse category the options do not exclude."""
+        return [o for o in objects if self.metadata.info(o.fine).coarse not in options.excluded_categories]
+
+    def _collected(self, path: Path) -> SceneFiles:
+        """Return all files of a scene, checked."""
+        root = Path(self.options.root).expanduser().absolute() if self.options.root else package_root(path)
+        if not is_folder(root):
+            raise MissingFileError("root of the scene is not a folder", file=root, hint=OPTIONS_HINT)
+        files = SceneFiles(root)
+        files.add_model(path)
+        return files
+
+    def inputs(self) -> "MjcfDigests":
+        """Return the object that computes digests of the scenes' files."""
+        return MjcfDigests(self)
+
+    def scene_files(self, house_id: str) -> list[Path]:
+        """Return the files of a scene: itself, its sidecars, and all that it names, unless one is missing."""
+        path = self._scenes[house_id]
+        try:
+            named = list(self._collected(path).paths)
+        except DatasetError:
+            named = [path]
+        return [*named, room_file_path(path), metadata_path(path)]
+
+
+class MjcfDigests(FileDigests):
+    """Digests of scenes, which also depend on the readers' code and their options."""
+
+    def __init__(self, dataset: MjcfDataset) -> None:
+        super().__init__(dataset.root, dataset.scene_files)
+        folder = Path(__file__).parent
+        code = code_digest(folder, folder.with_name("gltf"), folder.with_name("taxonomy.csv"))
+        self.key = repr(dataset.options).encode() + code
+
+    def house(self, house_id: str) -> bytes:
+        """Return a SHA-256 digest of the files of a scene and of what else determines the house."""
+        return hashlib.sha256(self.key + super().house(house_id)).digest()
+
+
+def _problems(scene: MjcfScene, objects: Sequence[MjcfObject], notes: dict[str, str]) -> tuple[Problem, ...]:
+    """Return the irregularities of a scene, and what of it is not kept."""
+    found = [Problem("mujoco", note) for note in scene.notes]
+    found += [Problem(element, message) for element, message in list(notes.items())[:MAX_NOTES]]
+    parts = Counter(joint.kind for one in objects for joint in one.joints if not _is_door(one))
+    for kind, count in sorted(parts.items()):
+        found.append(Problem("worldbody", f"{count} {kind} joints of furniture are kept in the records, but fixed"))
+    hidden = int((~scene.shown).sum())
+    if hidden:
+        found.append(Problem("worldbody", f"{hidden} geoms are colliders or transparent: the package makes its own"))
+    for name, count in (("hfield", scene.model.nhfield), ("flex", scene.model.nflex), ("skin", scene.model.nskin)):
+        if count:
+            found.append(Problem(name, "not shown"))
+    return tuple(found)
+
+
+def _is_door(one: MjcfObject) -> bool:
+    """Return whether an object is a door of the house, whose leaves move."""
+    return category_metadata().info(one.fine).coarse == "door"
+
+
+def _options(query: str) -> MjcfOptions:
+    """Return the options of a name's query."""
+    try:
+        return MjcfOptions(**dict(parse_qsl(query, keep_blank_values=True)))
+    except TypeError:
+        raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
