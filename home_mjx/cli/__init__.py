@@ -34,6 +34,7 @@ COMMANDS = {
 }
 LEARNING_COMMANDS = {
     "play": "play and film a task: by an expert, a trained or a random agent, or by yourself with the keyboard",
+    "view": "open a task or a house in a web browser: 3D scene, the agent's view, controls",
     "record": "record a dataset of episodes, for imitation learning",
     "train": "train an agent with recurrent PPO, or on an expert's advice",
     "evaluate": "evaluate a trained agent in held-out houses",

@@ -92,7 +92,7 @@ def run(args: argparse.Namespace) -> int:
     path = args.checkpoint and find_checkpoint(args.checkpoint)
     width, height = args.size
     options = PlayOptions(
-        env=_play_spec(args, path),
+        env=play_spec(args, path),
         agent=args.agent or (EXPERT if path is None else TRAINED),
         checkpoint=path,
         episodes=args.episodes,
@@ -113,7 +113,7 @@ def run(args: argparse.Namespace) -> int:
     return 0
 
 
-def _play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
+def play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
     """Return the spec of `env_spec`, with few sensors by default.
 
     With `--sensors`, or a checkpoint, it has those sensors. Else it has `state`, and `audio` for films of tasks with

@@ -1,6 +1,7 @@
 """Colours of surfaces: texture look-ups with mip maps, diffuse reflectance, and sRGB."""
 
 import math
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -44,7 +45,7 @@ def encode_srgb(linear: Float[Array, "..."]) -> UInt8[Array, "..."]:
     return jnp.round(encoded * 255).astype(jnp.uint8)
 
 
-def texture_edge(textures: UInt32[Array, "l p"]) -> int:
+def texture_edge(textures: UInt32[Any, "l p"]) -> int:
     """Return the edge of the largest mip level [px] of textures (layers, texels of all levels).
 
     A square texture of edge s has (4 s^2 - 1) / 3 texels in all levels.

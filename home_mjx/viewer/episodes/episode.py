@@ -7,6 +7,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.progress import show_compile
@@ -49,26 +50,38 @@ class EpisodeRunner:
             row: Row of the environment's episodes or tasks; None: sampled with the key.
             observer: Observer of the episode.
         """
-        params = self.env.params
-        state = self._observe(self._call("reset", self._reset, params, key, None, row))
-        start, step = self._start(number, row, state), EpisodeStep(0, state, None, 0.0)
-        pos, walked = np.asarray(self._pos(params, state)), 0.0
+        episode = self.begin(number, key, row)
         player.reset()
-        observer.on_episode_start(start)
-        observer.on_episode_step(step)
-        while not step.state.done:
-            action = player.act(step.state)
+        observer.on_episode_start(episode.start)
+        observer.on_episode_step(episode.step)
+        while not episode.step.state.done:
+            action = player.act(episode.step.state)
             if action is None:
                 break
-            state = self._observe(self._call("step", self._step, params, step.state, action))
-            before, pos = pos, np.asarray(self._pos(params, state))
-            walked += float(np.linalg.norm(pos - before))
-            reward = float(np.reshape(state.reward, -1)[0])
-            step = EpisodeStep(step.index + 1, state, action, step.episode_return + reward)
-            observer.on_episode_step(step)
-        result = _result(start, step, walked)
+            observer.on_episode_step(episode.advance(action))
+        result = episode.result()
         observer.on_episode_end(result)
         return result
+
+    def begin(self, number: int, key: Any, row: int | None, house: int | None = None) -> "RunningEpisode":
+        """Reset the environment, and return the episode at its step 0.
+
+        Args:
+            number: Number of the episode, from 1.
+            key: Random key of the reset.
+            row: Row of the environment's episodes or tasks; None: sampled with the key.
+            house: Index of the house, for environments without rows; None: sampled with the key.
+        """
+        state = self._observe(self._call("reset", self._reset, self.env.params, key, house, row))
+        return RunningEpisode(self, self._start(number, row, state), EpisodeStep(0, state, None, 0.0))
+
+    def position(self, state: State) -> Float[np.ndarray, "3"]:
+        """Return the centre of the first agent's capsule [m]."""
+        return np.asarray(self._pos(self.env.params, state))
+
+    def next_state(self, state: State, action: Any) -> State:
+        """Return the state after one step, with observations."""
+        return self._observe(self._call("step", self._step, self.env.params, state, action))
 
     def _observe(self, state: State) -> State:
         """Return the state with its sensors' observations, after a reset or a step without."""
@@ -87,6 +100,37 @@ class EpisodeRunner:
         instruction = get_instruction(self.env, state)
         house = self.env.bank.house_ids[int(state.world.house)]
         return EpisodeStart(number, row, house, instruction.task, instruction.text, instruction.path_length)
+
+
+class RunningEpisode:
+    """Episode between two steps.
+
+    Args:
+        runner: Runner of the environment.
+        start: Description of the episode.
+        step: Its step 0.
+
+    Attributes:
+        start: Description of the episode.
+        step: The last step.
+    """
+
+    def __init__(self, runner: EpisodeRunner, start: EpisodeStart, step: EpisodeStep) -> None:
+        self.start, self.step, self._runner = start, step, runner
+        self._pos, self._walked = runner.position(step.state), 0.0
+
+    def advance(self, action: Any) -> EpisodeStep:
+        """Take one step with the action of all agents, and return it."""
+        state = self._runner.next_state(self.step.state, action)
+        before, self._pos = self._pos, self._runner.position(state)
+        self._walked += float(np.linalg.norm(self._pos - before))
+        reward = float(np.reshape(state.reward, -1)[0])
+        self.step = EpisodeStep(self.step.index + 1, state, action, self.step.episode_return + reward)
+        return self.step
+
+    def result(self) -> EpisodeResult:
+        """Return the result after the last step, whether the episode is over or not."""
+        return _result(self.start, self.step, self._walked)
 
 
 def run_episodes(

@@ -1,0 +1,115 @@
+"""Open a task or a house in a web browser: 3D scene, the agent's view, sound and controls; you can drive the agent."""
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from home_mjx.cli.houses import add_dataset_option, is_dataset_root, selected_houses
+from home_mjx.cli.learning.arguments import (
+    CHECKPOINT_HELP,
+    add_episode_option,
+    add_import_option,
+    add_sensors_option,
+    find_checkpoint,
+    import_modules,
+    newest_version,
+    parse_checkpoint_path,
+)
+from home_mjx.cli.learning.play import BLIND_SENSORS, play_spec
+from home_mjx.cli.parsing import house_count_type, image_side_type, parse_seed, whole_number_type
+from home_mjx.core.jsonable import parse_assignments
+from home_mjx.datasets.registry import has_scheme
+from home_mjx.registry import list_envs
+
+if TYPE_CHECKING:
+    from home_mjx.tasks.env.env import Env
+    from home_mjx.tasks.env.household import HouseholdEnv
+
+HOUSE_TASK = "PointNav"  # task of a house without one: it adds nothing to see but a goal
+HOUSE_OPTIONS = {"ctrl_dt": 0.05, "episode_length": 100_000}  # options of this task: smooth, and almost without an end
+MAX_PORT = 65535
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the optional `TARGET`, a task or a house, and the options of `home-mjx view`.
+
+    `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`. `--host` is a text
+    (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast), `--seed` from 0 (0),
+    `--houses` from 1 (4). `--split`, `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are as in
+    `home-mjx play`.
+    """
+    parser.add_argument(
+        "target", nargs="?", metavar="TASK | HOUSE",
+        help="id of an environment; or a house: an id of --dataset, or a name such as procedural:4?seed=40 (default: "
+        "the houses of --dataset, or a generated one)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--agent", choices=("expert", "random", "trained", "human"),
+        help="agent that acts (default: human, or trained with --checkpoint)",
+    )  # fmt: skip
+    parser.add_argument("--checkpoint", type=parse_checkpoint_path, help=CHECKPOINT_HELP)
+    parser.add_argument("--host", default="localhost", help="name or address to serve at (default: localhost)")
+    parser.add_argument(
+        "--port", type=whole_number_type(MAX_PORT), default=8080, help="port, or the next free one (default: 8080)"
+    )
+    parser.add_argument("--size", type=image_side_type, default=512, help="size of the picture [pixels] (default: 512)")
+    parser.add_argument("--shader", default="fast", help="shader of the picture: fast, lit or your own (default: fast)")
+    parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
+    parser.add_argument("--houses", type=house_count_type, default=4, help="number of houses of a task (default: 4)")
+    parser.add_argument("--split", choices=("train", "val", "test"), help="split of the dataset (default: as of play)")
+    add_episode_option(parser)
+    add_dataset_option(parser)
+    add_import_option(parser)
+    add_sensors_option(parser, "observed sensors (default: state, and audio in tasks with sounds)")
+    parser.add_argument("--env", action="append", default=[], metavar="NAME=VALUE", help="an option of home_mjx.make")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Serve the viewer until an interrupt, and print its address; return 0."""
+    from home_mjx.viewer.browser.live_camera import PictureOptions
+    from home_mjx.viewer.browser.run import ViewOptions, run_view
+    from home_mjx.viewer.browser.server import load_viser
+
+    load_viser()
+    import_modules(args.modules)
+    args.checkpoint = args.checkpoint and find_checkpoint(args.checkpoint)
+    options = ViewOptions(
+        agent=args.agent or ("human" if args.checkpoint is None else "trained"),
+        checkpoint=args.checkpoint,
+        seed=args.seed,
+        picture=PictureOptions(shader=args.shader, size=args.size),
+        host=args.host,
+        port=args.port,
+    )
+    run_view(_make_env(args), options, _print_line)
+    return 0
+
+
+def _print_line(line: str) -> None:
+    """Print a line at once, also into a pipe."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
+
+
+def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":
+    """Make the environment of a task or a checkpoint, else that of a house, which has `HOUSE_TASK`.
+
+    A target is a house if it is a name with a scheme or a path, or if no task has this name and there is a dataset.
+    """
+    from home_mjx.env_factory import make
+
+    if (args.target is None and args.checkpoint is not None) or _is_task(args):
+        args.task, args.no_film = args.target, False
+        args.split = args.split or (None if has_scheme(args.dataset) else "val")
+        return make(play_spec(args, args.checkpoint))
+    args.house = args.target
+    sensors = {"sensors": args.sensors or BLIND_SENSORS}
+    options = {**HOUSE_OPTIONS, **sensors, **parse_assignments(args.env)}
+    return make(newest_version(HOUSE_TASK), selected_houses(args), **options)
+
+
+def _is_task(args: argparse.Namespace) -> bool:
+    """Return whether the target names a task, or nothing that could be a house."""
+    if args.target is None or is_dataset_root(argparse.Namespace(house=args.target, dataset=args.dataset)):
+        return False
+    return args.dataset is None or newest_version(args.target) in list_envs()

@@ -1,0 +1,113 @@
+"""Observer that shows episodes in browser pages: scene, picture, sound and state of each step."""
+
+import json
+import time
+from typing import Any
+
+import jax
+import numpy as np
+
+from home_mjx.tasks.env.env import Env
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
+from home_mjx.tasks.sensors.selection import state_owners
+from home_mjx.viewer.browser.house_scene import HouseScene
+from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, encode_jpeg
+from home_mjx.viewer.browser.models import ModelLibrary
+from home_mjx.viewer.browser.scene_tree import SceneTree
+from home_mjx.viewer.browser.server import ViewServer
+from home_mjx.viewer.episodes.episode import format_status
+from home_mjx.viewer.episodes.observers import SOUND_STATE
+
+SOUND_DELAY = 0.35  # [s], of sound that pages store before they play it
+
+
+class Broadcast(Observer):
+    """Scene, picture, sound and state of each step, for all pages of a server.
+
+    Pictures are rendered, and sound is sent, only while a page is open.
+
+    Args:
+        server: The server.
+        tree: The scene.
+        options: Options of the picture.
+
+    Attributes:
+        options: Options of the picture; set them and call `draw` to show the same state with others.
+        env: The environment of the run.
+        step: The last step.
+        picture_seconds: Time to render and encode the last picture [s].
+    """
+
+    def __init__(self, server: ViewServer, tree: SceneTree, options: PictureOptions) -> None:
+        self.server, self.tree, self.options = server, tree, options
+        self.env: Env[HouseholdEnv] | None = None
+        self.step: EpisodeStep | None = None
+        self.picture_seconds = 0.0
+        self.state: dict[str, Any] = {}
+        self._picture: bytes | None = None
+
+    def on_run_start(self, start: RunStart) -> None:
+        """Store the environment, and make programs for its poses and pictures."""
+        assert start.env is not None
+        env, self.name = start.env, start.name
+        if self.env is None or self.env.params.bank is not env.params.bank:
+            self._library = ModelLibrary(env.bank)
+        self.env, self._house, self._camera = env, -1, LiveCamera(env)
+        self._moving = jax.jit(lambda params, state: env.core.snapshot(params, state).scene.moving)
+        has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
+        self.has_sound = has_sound
+        self.tell(sound=has_sound)
+
+    def on_episode_start(self, start: EpisodeStart) -> None:
+        """Show the instruction."""
+        self.tell(instruction=start.instruction)
+
+    def on_episode_step(self, step: EpisodeStep) -> None:
+        """Move the scene, load another house if there is one, and send picture, sound and status."""
+        assert self.env is not None
+        self.step = step
+        moving = jax.tree.map(np.asarray, self._moving(self.env.params, step.state))
+        house = int(step.state.world.house)
+        if house != self._house:
+            self._house = house
+            self.tree.load(HouseScene(self.env.bank, house, moving, self._library))
+        else:
+            self.tree.move(moving)
+        if self.has_sound and step.index and self.server.sound.num_pages:
+            self.server.sound.publish(encode_sound(step.state.world.sensor_states[SOUND_STATE].frame))
+        self.draw()
+        self.tell(status=format_status(self.env, step, self.name))
+
+    def draw(self) -> None:
+        """Render and send the picture of the last step, if a page is open."""
+        if self.env is None or self.step is None or not self.server.live.num_pages:
+            return
+        began, options = time.perf_counter(), self.options
+        self._picture = encode_jpeg(self._camera.capture(self.step.state, options))
+        self.picture_seconds = time.perf_counter() - began
+        self.server.live.publish(self._picture)
+        shader = f", {options.shader}" if options.kind == "colours" else ""
+        self.tell(caption=f"first person: {options.kind}{shader}, {options.size} px")
+
+    def tell(self, **state: Any) -> None:
+        """Change entries of the page's state, and send those that differ."""
+        changed = {name: value for name, value in state.items() if self.state.get(name) != value}
+        self.state.update(changed)
+        if changed:
+            self.server.live.publish(json.dumps(changed))
+
+    def sound_format(self) -> str:
+        """Return the format of the sound that pages receive first, as JSON."""
+        rate = 16000 if self.env is None else self.env.config.timing.sample_rate
+        return json.dumps({"rate": rate, "delay": SOUND_DELAY})
+
+
+def encode_sound(frame: Any) -> bytes:
+    """Return the first agent's sound, (A, 2, n), as interleaved float32 samples, left first.
+
+    Example:
+        >>> np.frombuffer(encode_sound(np.array([[[1, 2], [3, 4]]])), "<f4").tolist()
+        [1.0, 3.0, 2.0, 4.0]
+    """
+    return np.asarray(frame, "<f4")[0, :2].T.tobytes()

@@ -1,0 +1,228 @@
+"""Panels of the viewer: controls of session, picture and scene, and figures of the episode."""
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from home_mjx.registry import list_envs
+from home_mjx.tasks.base.status import Status
+from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
+from home_mjx.viewer.browser.broadcast import Broadcast
+from home_mjx.viewer.browser.house_scene import CEILING, OUTDOORS
+from home_mjx.viewer.browser.live_camera import PICTURES, SHADERS
+from home_mjx.viewer.browser.session import Session
+
+if TYPE_CHECKING:
+    import viser
+
+ANY_HOUSE = "any house"
+SIZES = ("128", "256", "384", "512", "768")
+SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
+MAX_POINTS = 2000  # steps that are plotted
+
+
+class Panels(Observer):
+    """Controls and figures in viser's panel; it is the last observer, so that the scene exists.
+
+    Args:
+        server: viser's server.
+        broadcast: Scene and picture.
+        agents: Names of agents that can be chosen.
+        load_task: Function that makes the environment of an id and loads it into the session.
+    """
+
+    def __init__(
+        self,
+        server: "viser.ViserServer",
+        broadcast: Broadcast,
+        agents: tuple[str, ...],
+        load_task: Callable[[str], None],
+    ) -> None:
+        self._server, self._broadcast, self._agents, self._load_task = server, broadcast, agents, load_task
+        self._levels: list[Any] = []
+        self._results: list[EpisodeResult] = []
+        self._rewards: list[float] = []
+        server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
+
+    def attach(self, session: Session) -> None:
+        """Add all controls; called once, after the session exists."""
+        self.session, gui = session, self._server.gui
+        with gui.add_folder("Episode"):
+            self._figures = gui.add_markdown("")
+            nothing = np.zeros(1)
+            series: Any = ({}, {"label": "reward", "stroke": "#e0a458"}, {"label": "return", "stroke": "#4caf72"})
+            self._plot = gui.add_uplot((nothing, nothing, nothing), series, scales={"x": {"time": False}}, aspect=2.2)
+        with gui.add_folder("Run"):
+            self._add_run_controls()
+        with gui.add_folder("Environment"):
+            self._add_environment_controls()
+        with gui.add_folder("Picture"):
+            self._add_picture_controls()
+        self._scene_folder = gui.add_folder("Scene")
+        with self._scene_folder:
+            for text, layer in (("ceilings", CEILING), ("outdoors and roofs", OUTDOORS)):
+                self._add_layer(text, layer)
+        self._show_environment()
+
+    def on_run_start(self, start: RunStart) -> None:
+        """Forget the results of another environment or agent."""
+        self._results = []
+        if hasattr(self, "session"):
+            self.session.post(self._show_environment)
+
+    def on_episode_start(self, start: EpisodeStart) -> None:
+        """Show the episode's house, and clear its plot."""
+        self._start, self._rewards = start, []
+        if hasattr(self, "session"):
+            self.session.post(self._show_levels)
+
+    def on_episode_step(self, step: EpisodeStep) -> None:
+        """Show figures and plot of the episode."""
+        if step.index:
+            self._rewards.append(float(np.reshape(step.state.reward, -1)[0]))
+        if hasattr(self, "session"):
+            self._show_figures(step)
+
+    def on_episode_end(self, result: EpisodeResult) -> None:
+        """Store the result; success rate and SPL are those of all stored ones."""
+        self._results.append(result)
+
+    def _add_run_controls(self) -> None:
+        """Add agent, pause, step, reset, seed and speed."""
+        gui, session = self._server.gui, self.session
+        self._agent = gui.add_dropdown("agent", self._agents, initial_value=session.agent)
+        self._agent.on_update(lambda event: session.post(self._choose_agent))
+        pause, speed = (
+            gui.add_checkbox("pause", initial_value=False),
+            gui.add_dropdown("speed", SPEEDS, initial_value="1"),
+        )
+        pause.on_update(lambda event: session.post(lambda: setattr(session, "is_paused", pause.value)))
+        speed.on_update(lambda event: session.post(lambda: setattr(session, "speed", float(speed.value))))
+        step, seed = (
+            gui.add_button("step"),
+            gui.add_number("seed", initial_value=session.seed, min=0, max=2**32 - 1, step=1),
+        )
+        step.on_click(lambda event: session.post(session.advance))
+        again, following = gui.add_button("reset with this seed"), gui.add_button("next episode")
+        again.on_click(lambda event: session.post(lambda: session.reset(int(seed.value))))
+        following.on_click(lambda event: session.post(session.reset))
+
+    def _add_environment_controls(self) -> None:
+        """Add task and house."""
+        gui, session = self._server.gui, self.session
+        spec = session.env.spec
+        names = list_envs() if spec is None or spec.id in list_envs() else [spec.id, *list_envs()]
+        self._task = gui.add_dropdown("task", names, initial_value=spec.id if spec else names[0])
+        self._task.on_update(lambda event: session.post(self._choose_task))
+        self._house: Any = gui.add_dropdown("house", (ANY_HOUSE,), initial_value=ANY_HOUSE)
+        self._house.on_update(lambda event: session.post(self._choose_house))
+
+    def _add_layer(self, text: str, layer: str) -> None:
+        """Add the checkbox of a layer that is hidden at first."""
+        control = self._server.gui.add_checkbox(text, initial_value=False)
+        control.on_update(lambda event: self._broadcast.tree.show_layer(layer, control.value))
+
+    def _add_picture_controls(self) -> None:
+        """Add kind, shader and size of the picture."""
+        gui, options = self._server.gui, self._broadcast.options
+        controls = {
+            "kind": gui.add_dropdown("picture", tuple(PICTURES), initial_value=options.kind),
+            "shader": gui.add_dropdown("shader", unique(*SHADERS, options.shader), initial_value=options.shader),
+            "size": gui.add_dropdown("size [px]", unique(*SIZES, str(options.size)), initial_value=str(options.size)),
+        }
+        for name, control in controls.items():
+            control.on_update(lambda event, name=name, control=control: self._set_picture(name, control.value))
+
+    def _set_picture(self, name: str, value: str) -> None:
+        """Change one option of the picture, and draw it."""
+        changes: dict[str, Any] = {name: int(value) if name == "size" else value}
+        self._broadcast.options = dataclasses.replace(self._broadcast.options, **changes)
+        self.session.post(self._broadcast.draw)
+
+    def _choose_agent(self) -> None:
+        """Load the chosen agent; go back to the current one if it cannot play."""
+        if self._agent.value != self.session.agent:
+            try:
+                self.session.set_agent(self._agent.value)
+            finally:
+                self._agent.value = self.session.agent
+
+    def _choose_task(self) -> None:
+        """Load the chosen task; go back to the current one if that fails."""
+        spec = self.session.env.spec
+        if spec is None or self._task.value != spec.id:
+            try:
+                self._load_task(self._task.value)
+            finally:
+                spec = self.session.env.spec
+                self._task.value = spec.id if spec else self._task.value
+
+    def _choose_house(self) -> None:
+        """Start an episode in the chosen house."""
+        name, ids = self._house.value, self.session.env.bank.house_ids
+        house = None if name not in ids else ids.index(name)
+        if house != self.session.house:
+            self.session.house = house
+            self.session.reset(self.session.seed)
+
+    def _show_environment(self) -> None:
+        """Show agent, houses and levels of the environment."""
+        ids = self.session.env.bank.house_ids
+        self._house.options = (ANY_HOUSE, *ids)
+        self._house.value = ANY_HOUSE if self.session.house is None else ids[self.session.house]
+        self._agent.value = self.session.agent
+        self._show_levels()
+        self._show_figures(self.session.episode.step)
+
+    def _show_levels(self) -> None:
+        """Show a checkbox for each level of the house."""
+        house = self._broadcast.tree.house
+        for control in self._levels:
+            control.remove()
+        self._levels = []
+        for level in house.levels if house is not None else ():
+            with self._scene_folder:
+                control = self._server.gui.add_checkbox(f"storey {level}", initial_value=True)
+            control.on_update(
+                lambda event, level=level, control=control: self._broadcast.tree.show_level(level, control.value)
+            )
+            self._levels.append(control)
+
+    def _show_figures(self, step: EpisodeStep) -> None:
+        """Show the figures and the plot of a step."""
+        self._figures.content = "\n".join(self._lines(step))
+        rewards = np.array([0.0, *self._rewards])[-MAX_POINTS:]
+        first = len(self._rewards) + 1 - len(rewards)
+        self._plot.data = (np.arange(first, first + len(rewards), dtype=float), rewards, np.cumsum(rewards))
+
+    def _lines(self, step: EpisodeStep) -> list[str]:
+        """Return a Markdown table of instruction, figures and status of a step."""
+        session, results = self.session, self._results
+        rows = {
+            "house": self._start.house,
+            "task": self._start.instruction,
+            "step": f"{step.index} of {session.env.config.episode_length}",
+            "return": f"{step.episode_return:+.3f}",
+            **{name: f"{float(value):.3f}" for name, value in step.state.metrics.items()},
+            "status": ", ".join(Status.names(step.state.status)) or "no flag",
+            "real-time factor": f"{session.real_time_factor:.2f}",
+            "picture": f"{1000 * self._broadcast.picture_seconds:.0f} ms",
+        }
+        if results:
+            spl = [result.spl for result in results if not math.isnan(result.spl)]
+            rows["episodes"] = f"{len(results)}, success {np.mean([r.success > 0 for r in results]):.0%}"
+            rows["mean SPL"] = f"{np.mean(spl):.2f}" if spl else "unknown"
+        return ["| | |", "|---|---|", *(f"| {name} | {str(text).replace('|', '/')} |" for name, text in rows.items())]
+
+
+def unique(*names: str) -> tuple[str, ...]:
+    """Return names without repetitions, in order.
+
+    Example:
+        >>> unique("fast", "lit", "fast")
+        ('fast', 'lit')
+    """
+    return tuple(dict.fromkeys(names))

@@ -1,0 +1,156 @@
+"""Running the viewer: an environment, its session and the server, until a person ends it."""
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from home_mjx.core.progress import say
+from home_mjx.env_factory import make
+from home_mjx.tasks.env.env import Env
+from home_mjx.tasks.env.household import HouseholdEnv
+from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
+from home_mjx.viewer.browser.broadcast import Broadcast
+from home_mjx.viewer.browser.held_keys import HeldKeys
+from home_mjx.viewer.browser.house_scene import InstanceGroup
+from home_mjx.viewer.browser.live_camera import PictureOptions
+from home_mjx.viewer.browser.panels import Panels
+from home_mjx.viewer.browser.scene_tree import SceneTree
+from home_mjx.viewer.browser.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
+from home_mjx.viewer.browser.session import Session
+from home_mjx.viewer.episodes.keyboard import key_help
+from home_mjx.viewer.episodes.policies import check_agent
+from home_mjx.viewer.episodes.run import AGENT_NAMES, HUMAN
+
+
+@dataclass(frozen=True)
+class ViewOptions:
+    """Options of the viewer.
+
+    Attributes:
+        agent: One of `AGENT_NAMES`.
+        checkpoint: Checkpoint of agent `trained`.
+        seed: Seed of the first episode and of actions.
+        picture: Options of the picture.
+        host: Name or address to bind.
+        port: Port; the next free one is used if it is taken.
+    """
+
+    agent: str = HUMAN
+    checkpoint: Path | None = None
+    seed: int = 0
+    picture: PictureOptions = field(default_factory=PictureOptions)
+    host: str = "localhost"
+    port: int = DEFAULT_PORT
+
+
+class Viewer:
+    """An environment in browser pages; `run` is its loop. Use it as a context.
+
+    Args:
+        env: The environment.
+        options: Options of the viewer.
+
+    Attributes:
+        session: The session.
+        server: The server; `server.address` is the page's.
+
+    Raises:
+        ConfigError: The extra `view` is not installed, no port is free, or the agent cannot play the environment.
+
+    Example:
+        >>> with Viewer(home_mjx.make("PointNav-v0")) as viewer:  # doctest: +SKIP
+        ...     print(viewer.server.address)
+        ...     viewer.run()
+    """
+
+    def __init__(self, env: Env[HouseholdEnv], options: ViewOptions | None = None) -> None:
+        self.options = options or ViewOptions()
+        self.keys = HeldKeys()
+        self.server = ViewServer(
+            self.options.host, self.options.port, self.keys.handle, self._greet, lambda: self.broadcast.sound_format()
+        )
+        try:
+            tree = SceneTree(self.server.scene, self._show_object)
+            self.broadcast = Broadcast(self.server, tree, self.options.picture)
+            agents = tuple(name for name in AGENT_NAMES if name != "trained" or self.options.checkpoint is not None)
+            self.panels = Panels(self.server.scene, self.broadcast, agents, self._load_task)
+            observers = ObserverGroup((self.broadcast, _Drivers(self.broadcast), self.panels))
+            self.session = Session(
+                env, self.options.agent, observers, self.keys, self.options.checkpoint, self.options.seed, self._warn
+            )
+            self.panels.attach(self.session)
+        except BaseException:
+            self.server.close()
+            raise
+
+    def __enter__(self) -> "Viewer":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.server.close()
+
+    def run(self) -> None:
+        """Step the environment in real time until `stop` or an interrupt."""
+        self.session.run()
+
+    def stop(self) -> None:
+        """End `run`; from any thread."""
+        self.session.post(self.session.stop)
+
+    def _greet(self) -> str:
+        """Return the state for a new page, and have its picture drawn."""
+        if hasattr(self, "session"):
+            self.session.post(self.broadcast.draw)
+        return json.dumps(self.broadcast.state if hasattr(self, "broadcast") else {})
+
+    def _load_task(self, name: str) -> None:
+        """Load another task in the same houses; a trained agent stays behind."""
+        self.broadcast.tell(status=f"loading {name}")
+        env = make(name, self.session.env.bank, sensors=("state",))
+        self.session.load(env, HUMAN if self.session.agent == "trained" else self.session.agent)
+
+    def _show_object(self, group: InstanceGroup, index: int) -> None:
+        """Handle a click on an object."""
+
+    def _warn(self, text: str) -> None:
+        """Show an error on all pages, and on stderr."""
+        say(text)
+        for client in self.server.scene.get_clients().values():
+            client.add_notification("error", text, color="red", auto_close_seconds=15.0)
+
+
+class _Drivers(Observer):
+    """Observer that tells pages whether a person drives, and by which keys."""
+
+    def __init__(self, broadcast: Broadcast) -> None:
+        self._broadcast = broadcast
+
+    def on_run_start(self, start: RunStart) -> None:
+        """Send the key bindings of a human agent; of others none."""
+        assert start.env is not None
+        drives = start.name == HUMAN
+        keys = f"Keys: {key_help(start.env.core.acting_config).removesuffix(', q quit')}; arrows" if drives else ""
+        self._broadcast.tell(drives=drives, keys=keys)
+
+
+def run_view(env: Env[HouseholdEnv], options: ViewOptions, print_line: Callable[[str], Any]) -> None:
+    """Serve the viewer of an environment, print its address, and run until an interrupt.
+
+    Args:
+        env: The environment.
+        options: Options of the viewer.
+        print_line: Callback for lines of text: a warning if other machines can connect, another port, the address.
+
+    Raises:
+        ConfigError: As of `Viewer`.
+    """
+    check_agent(options.agent, options.checkpoint, AGENT_NAMES)
+    with Viewer(env, options) as viewer:
+        if options.port not in (0, viewer.server.port):
+            print_line(f"port {options.port} is taken, using {viewer.server.port}")
+        if options.host not in LOCAL_NAMES:
+            print_line(f"warning: other machines can connect to {options.host}; the address has a secret token")
+        print_line(f"View at {viewer.server.address}")
+        viewer.run()
