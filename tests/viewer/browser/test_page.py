@@ -1,0 +1,130 @@
+"""The viewer's page in a real browser: picture, scene, keys and sound."""
+
+import contextlib
+import io
+import shutil
+import threading
+import time
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from PIL import Image
+
+pytest.importorskip("viser", reason="needs the extra `view`")
+playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright")
+
+from handmade import Furniture, shoebox
+
+import home_mjx
+from home_mjx.bank.bank import HouseBank
+from home_mjx.viewer.browser.broadcast import SOUND_DELAY, encode_sound
+from home_mjx.viewer.browser.live_camera import PictureOptions
+from home_mjx.viewer.browser.run import Viewer, ViewOptions
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+FLAGS = (
+    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+)
+RATE = 16_000
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Viewer]:
+    red = Furniture((1.0, 0.0), (0.6, 0.6, 0.8), color=(0.9, 0.1, 0.1))
+    bank = HouseBank.from_compiled([shoebox(furniture=(red,))])
+    env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic", episode_length=100_000)
+    with Viewer(env, ViewOptions(port=0, picture=PictureOptions(size=64))) as viewer:
+        thread = threading.Thread(target=viewer.run, daemon=True)
+        thread.start()
+        yield viewer
+        viewer.stop()
+        thread.join(30)
+        assert not thread.is_alive()
+
+
+@pytest.fixture(scope="module")
+def page(viewer: Viewer) -> Iterator[object]:
+    with contextlib.ExitStack() as stack:
+        player = stack.enter_context(playwright.sync_playwright())
+        browser = player.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
+        stack.callback(browser.close)
+        page = browser.new_page(viewport={"width": 700, "height": 500})
+        page.set_default_timeout(60_000)
+        page.errors = []
+        page.on("pageerror", lambda error: page.errors.append(str(error)))
+        page.goto(viewer.server.address)
+        wait_until(lambda: page.evaluate("window.viewer?.frames ?? 0") > 0)
+        yield page
+
+
+def wait_until(condition, seconds: float = 60.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)
+
+
+def contrast(shot: bytes) -> float:
+    return float(np.asarray(Image.open(io.BytesIO(shot)).convert("L"), float).std())
+
+
+def test_picture_and_scene_are_not_blank(page):
+    assert contrast(page.locator("#picture").screenshot()) > 5
+    frame = page.frame_locator("#scene")
+    canvas = frame.locator("canvas").first
+    canvas.wait_for()
+    wait_until(lambda: contrast(canvas.screenshot()) > 8)
+    assert "go to the point" in page.inner_text("#instruction")
+    assert "w forward" in page.inner_text("#keys")
+    assert page.errors == []
+
+
+def test_keys_move_the_agent_and_its_picture(viewer: Viewer, page):
+    def pose() -> np.ndarray:
+        return np.asarray(viewer.broadcast.step.state.physics.qpos[:4])
+
+    before, frames = pose(), page.evaluate("window.viewer.frames")
+    page.keyboard.down("a")
+    wait_until(lambda: abs(pose()[3] - before[3]) > 0.3)
+    page.keyboard.up("a")
+    page.keyboard.down("w")
+    wait_until(lambda: np.linalg.norm(pose()[:2] - before[:2]) > 0.3)
+    page.keyboard.up("w")
+    assert page.evaluate("window.viewer.frames") > frames
+    wait_until(lambda: not viewer.keys.held())
+
+
+def test_the_worklet_plays_the_sound_that_is_sent(viewer: Viewer, page):
+    assert page.locator("#sound").is_disabled()
+    viewer.broadcast.tell(sound=True)
+    wait_until(lambda: page.locator("#sound").is_enabled())
+    page.click("#sound")
+    wait_until(lambda: page.evaluate("Boolean(window.viewer.sound.node)"))
+    left = 0.2 * np.sin(2 * np.pi * 440 * np.arange(RATE // 10) / RATE)
+    chunk = encode_sound(np.stack([left, left / 4])[None])
+    loudest = [0.0, 0.0]
+
+    def is_heard() -> bool:
+        viewer.server.sound.publish(chunk)
+        level = page.evaluate("window.viewer.sound.stats?.level ?? [0, 0]")
+        loudest[:] = np.maximum(loudest, level)
+        return loudest[0] > 0.12
+
+    wait_until(is_heard)
+    stats = page.evaluate("window.viewer.sound.stats")
+    assert stats["received"] >= SOUND_DELAY * RATE
+    assert loudest[0] < 0.2
+    assert loudest[1] == pytest.approx(loudest[0] / 4, rel=0.05)
+    page.click("#sound")
+    wait_until(lambda: viewer.server.sound.num_pages == 0)
+
+
+def test_a_lost_connection_comes_back(viewer: Viewer, page):
+    page.reload()
+    wait_until(lambda: page.evaluate("window.viewer?.frames ?? 0") > 0)
+    steps = viewer.broadcast.step.index
+    wait_until(lambda: viewer.broadcast.step.index > steps)
