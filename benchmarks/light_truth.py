@@ -1,12 +1,13 @@
-"""Compare the irradiance of the shader `lit` with a path trace at random points of homes: one JSON object per line.
+"""Compare irradiances of `lit` and `baked` with a path trace at random points of homes: one JSON object per line.
 
     python benchmarks/light_truth.py "procedural:2?seed=4101" --points 1000 --samples 2048
 
 The path tracer shares no code with the bake: it takes triangles of compiled houses, casts by Embree, chooses one lamp
 per vertex by its unoccluded light, and ends paths by chance. Lamps are spheres of 5 cm or rectangles; light passes
 glass and the models of lamps; surfaces have the mean colour of their textures; doors are as placed; nothing is movable.
-Points are hits of random rays from random places of rooms. Errors are relative, of luminance, per source and in total;
-`noise` is the median relative difference between the halves of the samples, times 0.5.
+Points are hits of random rays from random heights above random walkable cells, where cameras may be. Errors are
+relative, of luminance, per source and in total; `noise` is the median relative difference between the halves of the
+samples, times 0.5.
 """
 
 import argparse
@@ -15,6 +16,7 @@ import json
 import math
 import sys
 import time
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -24,13 +26,15 @@ from embreex.mesh_construction import TriangleMesh
 from PIL import Image
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.bank.records.lights import LIGHT_PROBES
 from home_mjx.houses import HouseSet, add_bakes
+from home_mjx.light_probes import LightProbeBake, ProbeOptions
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import semantics
+from home_mjx.raycast_render.scene.types import Hit
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lights, lit, probes
+from home_mjx.raycast_render.shaders import lights, lit
+from home_mjx.raycast_render.shaders.baked import BakedShader
 from home_mjx.schema.compiled import CompiledHouse, RayKind
 from home_mjx.schema.semantic import Semantic
 
@@ -179,14 +183,24 @@ def _linear(srgb: np.ndarray) -> np.ndarray:
     return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
 
 
-def random_points(house: CompiledHouse, scene, count: int) -> tuple[np.ndarray, ...]:
-    """Return points, normals, rooms and instances of surfaces that random rays from places of rooms hit."""
+class Points(NamedTuple):
+    """Points of surfaces."""
+
+    pos: np.ndarray
+    normal: np.ndarray
+    room: np.ndarray
+    instance: np.ndarray
+    triangle: np.ndarray
+
+
+def random_points(house: CompiledHouse, scene, count: int) -> Points:
+    """Return points of surfaces that random rays from walkable places of rooms hit."""
     rng, grid = np.random.default_rng(1), house.navigation
-    level, row, column = (x[rng.integers(len(x), size=4 * count)] for x in [np.array(np.nonzero(grid.room >= 0))][0])
+    cells = np.array(np.nonzero((grid.room >= 0) & (grid.region >= 0)))
+    level, row, column = cells[:, rng.integers(cells.shape[1], size=4 * count)]
     plan = grid.origin + (np.stack([column, row], 1) + rng.random((len(row), 2))) * grid.cell
-    origin = np.concatenate([plan, (grid.floor[level] + rng.uniform(0.3, 2.2, len(row)))[:, None]], 1).astype(
-        np.float32
-    )
+    height = grid.floor[level] + rng.uniform(0.3, grid.agent_height, len(row))
+    origin = np.concatenate([plan, height[:, None]], 1).astype(np.float32)
     way = rng.normal(size=origin.shape).astype(np.float32)
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     hit = cast(scene, jnp.asarray(origin), jnp.asarray(way), mask=int(RayKind.LIGHT))
@@ -203,33 +217,20 @@ def random_points(house: CompiledHouse, scene, count: int) -> tuple[np.ndarray, 
     plan = np.clip(plan, 0, np.array(grid.room.shape[:0:-1]) - 1)
     indoors = grid.room[level, plan[:, 1], plan[:, 0]] >= 0
     good = np.flatnonzero(good & indoors)[:count]
-    return pos[good], normal[good], room[good], instance[good]
+    return Points(pos[good], normal[good], room[good], instance[good], np.asarray(hit.triangle)[good])
 
 
-def lit_irradiance(scene, points: tuple[np.ndarray, ...], options: lit.LitShader) -> jax.Array:
-    """Return the irradiance of `lit` (points, 3)."""
-    pos, normal, room, instance = points
-    at, up = (Vec.unpack(jnp.asarray(x, jnp.float32)) for x in (pos, normal))
-    ones = jnp.ones(len(pos))
-    point = lights.ShadingPoint(at, up, up, up, ones, jnp.asarray(instance), jnp.asarray(room))
-    baked = scene.bank.bakes.get(LIGHT_PROBES)
-    if baked is None:
-        total = lit._ambient(scene, point, None, options)
-        total += lights.lamp_light(
-            scene, lights.place_lights(scene, options.sky), point, None, options.num_lights
-        ).diffuse
-    else:
-        point = point.replace(room=probes.probe_room(scene, point))
-        keys = lights.KeyLamps(baked.keys[scene.house], 2)
-        total = lit._from_probes(scene, baked, point, options)
-        total += lights.lamp_light(scene, lights.place_lights(scene, 0.0), point, None, 2, keys).diffuse
-    if options.sun > 0:
-        sun = options.sun, options.sun_azimuth, options.sun_elevation
-        total += lights.sun_light(scene, point, None, *sun).diffuse
-    return total.pack()
+def lit_irradiance(scene, points: Points, options: lit.LitShader) -> jax.Array:
+    """Return the irradiance of a shader (points, 3)."""
+    at, up = (Vec.unpack(jnp.asarray(x, jnp.float32)) for x in points[:2])
+    ones = jnp.ones(len(points.pos))
+    instance, triangle, room = (jnp.asarray(x) for x in (points.instance, points.triangle, points.room))
+    point = lights.ShadingPoint(at, up, up, up, ones, instance, room)
+    hit = Hit(ones, instance, triangle, ones, ones, instance >= 0)
+    return options.incident(scene, hit, point, None)[0].pack()
 
 
-def by_source(scene, points: tuple[np.ndarray, ...], options: lit.LitShader) -> np.ndarray:
+def by_source(scene, points: Points, options: lit.LitShader) -> np.ndarray:
     """Return the irradiance of `lit` (points, sources, 3)."""
     run = jax.jit(lit_irradiance, static_argnums=2)
     night = run(scene, points, dataclasses.replace(options, sun=0.0, sky=0.0))
@@ -259,16 +260,22 @@ def main() -> None:
     args = parser.parse_args()
     houses, options = HouseSet(args.houses).load(), lit.LitShader()
     plain = HouseBank.from_compiled(houses)
-    banks = {"lit": plain, "lit with probes": add_bakes(plain, houses, LIGHT_PROBES)}
+    bank, alone = (add_bakes(plain, houses, LightProbeBake(o)) for o in (ProbeOptions(), ProbeOptions(texels=0.0)))
+    runs = {
+        "lit without a bake": (plain, lit.LitShader()),
+        "lit, probes alone": (alone, lit.LitShader()),
+        "lit": (bank, lit.LitShader()),
+        "baked": (bank, BakedShader()),
+    }
     for index, house in enumerate(houses):
         nobody = jnp.zeros((0, 3)), jnp.zeros((0, 4))
         physics = plain.physics
         gone = physics.body_pos[index].at[:, 2].add(-100.0)  # nothing movable
         scenes = {
-            name: make_scene(bank, jnp.int32(index), gone, physics.body_quat[index], *nobody)
-            for name, bank in banks.items()
+            name: (make_scene(bank, jnp.int32(index), gone, physics.body_quat[index], *nobody), shader)
+            for name, (bank, shader) in runs.items()
         }
-        points, start = random_points(house, scenes["lit"], args.points), time.perf_counter()
+        points, start = random_points(house, scenes["lit"][0], args.points), time.perf_counter()
         tracer = PathTracer(house, options)
         halves = [tracer.irradiance(*points[:2], args.samples // 2) for _ in range(2)]
         truth = (halves[0] + halves[1]) / 2
@@ -277,11 +284,10 @@ def main() -> None:
             / np.maximum(truth.sum(1) @ LUMINANCE, 1e-9)
         )
         sys.stderr.write(f"{time.perf_counter() - start:.0f} s of path tracing\n")
-        for name, scene in scenes.items():
-            found = by_source(scene, points, options)
+        for name, (scene, shader) in scenes.items():
+            found = by_source(scene, points, shader)
             if args.keep:
-                kept = dict(zip(("pos", "normal", "room", "instance"), points, strict=True))
-                np.savez(f"{args.keep}.{index}.{name[-6:]}.npz", truth=truth, found=found, **kept)
+                np.savez(f"{args.keep}.{index}.{name[:9]}.npz", truth=truth, found=found, **points._asdict())
             line = {"house": house.id, "shader": name, "points": len(points[0]), "noise": round(100 * float(noise), 1)}
             line["total"] = errors(found.sum(1), truth.sum(1))
             line |= {source: errors(found[:, s], truth[:, s]) for s, source in enumerate(SOURCES)}

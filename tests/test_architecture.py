@@ -44,9 +44,9 @@ WITHOUT_JAX = ("schema", "geometry", "datasets", "scene_compile")
 CLOSURES = {
     "home_mjx": 1_500,
     "home_mjx.bank": 5_600,
-    "home_mjx.raycast_render": 10_300,
+    "home_mjx.raycast_render": 10_500,
     "home_mjx.physics": 16_000,
-    "home_mjx.audio_jax": 20_000,
+    "home_mjx.audio_jax": 20_300,
     "home_mjx.tasks": 45_000,
 }
 NOT_BELOW = {  # packages that an import must not load

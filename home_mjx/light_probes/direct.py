@@ -63,11 +63,11 @@ def light_surfaces(
     light[:, ZENITH : ZENITH + 2] = np.where((points.room < 0)[:, None, None], open_sky(points.normal[:, 2]), 0)
     for w in range(len(windows.number)):
         rows = np.flatnonzero(points.seen & (points.room == windows.room[w]))
-        light[rows, ZENITH : ZENITH + 2] += _sky_through(scene, windows, w, start[rows], points.normal[rows], stream)
+        light[rows, ZENITH : ZENITH + 2] += sky_through(scene, windows, w, start[rows], points.normal[rows], stream)
     return DirectLight(light, received, spill)
 
 
-def _sky_through(
+def sky_through(
     scene: RayScene,
     windows: Windows,
     w: int,

@@ -3,22 +3,46 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from typing import NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt32
 
 from home_mjx.bank.records.lights import NUM_GROUPS, LightProbes
+from home_mjx.light_probes.charts import Charts
 from home_mjx.light_probes.lattice import ProbeLattice
 
 AXES = {
     "light": ("probes",),
     "room": ("probes",),
     "spill": ("rooms", "rooms"),
+    "texel": ("texels",),
+    "texel_room": ("texels",),
+    "chart_start": ("instances",),
+    "chart": ("triangles",),
+    "chart_frame": ("charts",),
+    "chart_count": ("charts",),
+    "chart_first": ("charts",),
 }  # those whose lengths differ; of other fields: rooms
-PADDING = {"probes": 256, "rooms": 4}  # multiples to which they are padded
+# Multiples to which they are padded.
+PADDING = {
+    "probes": 256,
+    "rooms": 4,
+    "texels": 1024,
+    "instances": 32,
+    "triangles": 1024,
+    "charts": 64,
+}
 MAX_COLOR = 65408.0  # the largest number of the packed format
-FILL = {"first": -1, "keys": -1, "count": 2, "step": 1}
+FILL = {"first": -1, "keys": -1, "count": 2, "step": 1, "chart_start": -1, "chart": -1, "chart_count": 2}
+
+
+class SurfaceLight(NamedTuple):
+    """Light at the texels of charts."""
+
+    charts: Charts
+    light: Float[np.ndarray, "x texel_groups 3"]
 
 
 @dataclass(frozen=True)
@@ -33,6 +57,13 @@ class ProbeField:
     count: Int[np.ndarray, "r 3"]
     keys: Int[np.ndarray, "r k"]
     spill: Float[np.ndarray, "r s"]
+    texel: UInt32[np.ndarray, "x texel_groups"]
+    texel_room: Int[np.ndarray, " x"]
+    chart_start: Int[np.ndarray, " i"]
+    chart: Int[np.ndarray, " t"]
+    chart_frame: Float[np.ndarray, "c 3 3"]
+    chart_count: Int[np.ndarray, "c 2"]
+    chart_first: Int[np.ndarray, " c"]
 
     @classmethod
     def pack(
@@ -42,8 +73,10 @@ class ProbeField:
         valid: Bool[np.ndarray, " p"],
         keys: Int[np.ndarray, "r k"],
         spill: Float[np.ndarray, "r s"],
+        surfaces: SurfaceLight,
     ) -> "ProbeField":
         """Return the record; rooms without a valid probe get none."""
+        charts = surfaces.charts
         groups = np.moveaxis(light.reshape(len(light), 6, NUM_GROUPS, 3), 1, 2)
         lit = np.bincount(lattice.room[valid], minlength=len(lattice.first)) > 0
         return cls(
@@ -55,6 +88,13 @@ class ProbeField:
             lattice.count.astype(np.int32),
             keys,
             _other_shares(spill),
+            pack_colors(surfaces.light),
+            charts.room.astype(np.int16),
+            charts.start.astype(np.int32),
+            charts.of_triangle.astype(np.int16),
+            charts.frame.astype(np.float32),
+            charts.count.astype(np.int16),
+            charts.first.astype(np.int32),
         )
 
     @property
@@ -65,7 +105,14 @@ class ProbeField:
     @property
     def lengths(self) -> dict[str, int]:
         """Lengths of the axes of `PADDING`."""
-        return {"probes": len(self.light), "rooms": len(self.first)}
+        return {
+            "probes": len(self.light),
+            "rooms": len(self.first),
+            "texels": len(self.texel),
+            "instances": len(self.chart_start),
+            "triangles": len(self.chart),
+            "charts": len(self.chart_first),
+        }
 
 
 def pack_colors(color: Float[np.ndarray, "*n 3"]) -> UInt32[np.ndarray, "*n"]:
@@ -90,7 +137,8 @@ def padded_lengths(records: Sequence[ProbeField], capacity_factor: float = 1.0) 
     """Return lengths of the axes of `PADDING`, padded, for fields up to `capacity_factor` times the largest."""
     largest = {axis: max(record.lengths[axis] for record in records) for axis in PADDING}
     return {
-        axis: max(-(-math.ceil(n * capacity_factor) // PADDING[axis]), 1) * PADDING[axis] for axis, n in largest.items()
+        axis: max(-(-math.ceil(n * capacity_factor) // PADDING[axis]), int(axis != "texels")) * PADDING[axis]
+        for axis, n in largest.items()
     }
 
 

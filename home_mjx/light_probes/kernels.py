@@ -30,6 +30,7 @@ class Kernels(NamedTuple):
 
     cast: Callable[..., None]
     reflect: Callable[..., None]
+    gather: Callable[..., None]
 
 
 @functools.cache
@@ -50,21 +51,27 @@ def compile_kernels() -> Kernels:
 
     word, flag, real, number = types.int64, types.boolean, types.float32, types.int64
     options: dict[str, Any] = {"error_model": "numpy", "nogil": True, "cache": True}
-    tables = real[:, :, ::1], number[::1], real[:, ::1], number[:, ::1], real[:, ::1], real[:, ::1], real[:, ::1]
+    surfaces = real[:, :, ::1], number[::1], real[:, ::1], number[:, ::1], real[:, ::1], number[::1], real[:, ::1]
+    made = njit(types.void(word, word, word, sizes, word, flag), **options)(cast)
+    options["fastmath"] = True
     return Kernels(
-        njit(types.void(word, word, word, sizes, word, flag), **options)(cast),
-        njit(types.void(*tables, flag[::1], real[:, :, ::1]), fastmath=True, **options)(reflect),
+        made,
+        njit(types.void(*surfaces, real[:, ::1], real[:, ::1], flag[::1], real[:, :, ::1]), **options)(reflect),
+        njit(types.void(*surfaces, real[:, ::1], flag[::1], number[::1], real[:, ::1], real[:, ::1]), **options)(
+            gather
+        ),
     )
 
 
 @no_type_check
-def reflect(light, cell, fraction, stride, normal, albedo, way, foreign, out):
+def reflect(light, cell, fraction, stride, normal, place, known, albedo, way, foreign, out):
     """Write to `out` (probes, 6, lanes) the irradiance by surfaces around probes, given that of all probes.
 
     `light` (all probes, 6, lanes) has the irradiance on faces +x, -x, +y, -y, +z and -z. Other arrays have a row per
     ray, probe by probe: the first of the eight probes around its hit (-1 none), fractions to the next ones, their
-    strides along x and y, normal, reflectance, and the ray's direction. Where `foreign`, the lamps of the hit's room,
-    which are in the first group, are other rooms' lamps for the probe.
+    strides along x and y, normal, row of `known` (rows, lanes), which has the hit's irradiance (-1: that of the probes
+    counts), reflectance, and the ray's direction. Where `foreign`, the lamps of the hit's room, which are in the first
+    group, are other rooms' lamps for the probe.
     """
     lanes, rays = light.shape[2], len(cell) // len(out)
     sent, total = np.empty(lanes, np.float32), np.empty(6, np.float32)
@@ -73,7 +80,7 @@ def reflect(light, cell, fraction, stride, normal, albedo, way, foreign, out):
         total[:] = ZERO
         for i in range(p * rays, (p + 1) * rays):
             if cell[i] >= 0:
-                interpolate(light, cell[i], fraction[i], stride[i], normal[i], sent)
+                receive(light, cell[i], fraction[i], stride[i], normal[i], place[i], known, sent)
                 for j in range(lanes):
                     sent[j] *= albedo[i, j % LANES] * INVERSE_PI
                 if foreign[i]:
@@ -90,6 +97,44 @@ def reflect(light, cell, fraction, stride, normal, albedo, way, foreign, out):
         for face in range(6):
             for j in range(lanes):
                 out[p, face, j] *= PI / max(total[face], TINY)
+
+
+@no_type_check
+def gather(light, cell, fraction, stride, normal, place, known, albedo, foreign, row, direct, out):
+    """Write to `out` (points, lanes) the irradiance at points by surfaces that their rays hit.
+
+    Rays follow each other point by point and are distributed by the cosine. Arguments as of `reflect`, and `direct`
+    (rows, lanes), the direct light of hits, with the `row` of each; that of rays without a hit is dark.
+    """
+    lanes, rays = light.shape[2], len(cell) // len(out)
+    sent = np.empty(lanes, np.float32)
+    for p in range(len(out)):
+        out[p] = ZERO
+        for i in range(p * rays, (p + 1) * rays):
+            if cell[i] >= 0:
+                receive(light, cell[i], fraction[i], stride[i], normal[i], place[i], known, sent)
+            else:
+                sent[:] = ZERO
+            for j in range(lanes):
+                sent[j] = (sent[j] + direct[row[i], j]) * albedo[i, j % LANES]
+            if foreign[i]:
+                for j in range(LANES):
+                    sent[LANES + j] += sent[j]
+                    sent[j] = ZERO
+            for j in range(lanes):
+                out[p, j] += sent[j]
+        for j in range(lanes):
+            out[p, j] /= np.float32(rays)
+
+
+@compile_inner()
+@no_type_check
+def receive(light, cell, fraction, stride, normal, place, known, sent):
+    """Write to `sent` (lanes) row `place` of `known`, or else the irradiance between the probes from `cell` on."""
+    if place >= 0:
+        sent[:] = known[place]
+    else:
+        interpolate(light, cell, fraction, stride, normal, sent)
 
 
 @compile_inner()

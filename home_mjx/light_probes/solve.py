@@ -4,7 +4,8 @@ Every source of light is traced for itself and every lamp at every hit, so that 
 the others. Work is split by blocks of probes whose sums do not depend on the number of threads.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -13,6 +14,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import NUM_GROUPS, NUM_KEY_LAMPS, OTHER_LAMPS, OWN_LAMPS, ZENITH
 from home_mjx.core.workers import map_threads
 from home_mjx.geometry.rotations import quat_matrix
+from home_mjx.light_probes.charts import place_charts
 from home_mjx.light_probes.direct import MIN_PROBE_DISTANCE, light_surfaces
 from home_mjx.light_probes.emitters import (
     Lamps,
@@ -23,18 +25,29 @@ from home_mjx.light_probes.emitters import (
     sample_lamp,
     sky_groups,
 )
-from home_mjx.light_probes.field import ProbeField
+from home_mjx.light_probes.field import ProbeField, SurfaceLight
+from home_mjx.light_probes.hit_cache import HitCache, LitPoints
 from home_mjx.light_probes.kernels import compile_kernels
-from home_mjx.light_probes.lattice import ProbeLattice, find_donors, find_inner, locate, place_probes
+from home_mjx.light_probes.lattice import ProbeLattice, find_donors, find_inner, place_probes
 from home_mjx.light_probes.options import ProbeOptions
 from home_mjx.light_probes.ray_scene import RayScene
-from home_mjx.light_probes.surfaces import PROBE_OFFSET, SurfacePoints, SurfaceTables
+from home_mjx.light_probes.surfaces import SurfacePoints, SurfaceTables
+from home_mjx.light_probes.texels import (
+    TexelScene,
+    add_direct,
+    gather_texels,
+    keep_visible,
+    known_light,
+    known_rows,
+    surface_arguments,
+)
 from home_mjx.schema.compiled import CompiledHouse
 
 BLOCK = 64  # probes per task
 MAX_BACK_SHARE = 0.25  # share of rays that hit backs of surfaces, beyond which a probe is inside a solid
 MAX_PASSES = 40
 MAX_RATIO = 0.95  # of what successive passes add; the rest of this series is added to the last pass
+FIRST_RAYS = 32  # per texel, of the light that the rays of the last gather find
 COHERENT = 8  # directions per packet of rays
 
 
@@ -48,6 +61,17 @@ class Gathered:
     received: Float[np.ndarray, "r k"]
     spill: Float[np.ndarray, "r s"]
     rays: tuple[np.ndarray, ...]
+    hits: SurfacePoints
+    instance: Int[np.ndarray, " n"]  # of hits
+    points: LitPoints  # of the probes' own rooms and outdoors
+
+
+class Probes(NamedTuple):
+    """Probes with rays in blocks, what these gather, and the donors of the others."""
+
+    blocks: list[np.ndarray]
+    parts: list[Gathered]
+    donors: tuple[np.ndarray, ...]
 
 
 def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: ProbeOptions) -> ProbeField:
@@ -66,16 +90,25 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
     for rows, part in zip(blocks, parts, strict=True):
         sky[rows] = part.sky
     valid &= ~(_is_hidden(scene, lattice) & sky.any(axis=(1, 2)))  # dark corners behind furniture stay dark
-    donors = find_donors(lattice, valid)
-    light = _passes(lattice, blocks, parts, donors, options.change)
+    probes = Probes(blocks, parts, find_donors(lattice, valid))
+    base = np.zeros_like(sky)
+    for rows, part in zip(blocks, parts, strict=True):
+        base[rows] = part.base
+    reflected = _passes(base, probes, options.change)
     rooms = len(house.rooms.type)
-    received = sum((part.received for part in parts), np.zeros((rooms, len(lamps.number))))
-    keys = _key_lamps(received)
-    light += _fill(_direct_at_probes(scene, lattice, lamps, keys, valid), donors)
-    light += _fill(sky, donors)
+    keys = _key_lamps(sum((part.received for part in parts), np.zeros((rooms, len(lamps.number)))))
+    direct = HitCache.from_points(LitPoints.join([part.points for part in parts]))
+    charts, seen = keep_visible(scene, place_charts(house, lattice, options.texels))
+    first = TexelScene(scene, tables, lattice, reflected, direct, None, lamps, windows, keys, options)
+    known = known_light(charts, gather_texels(first, charts, seen, FIRST_RAYS), seen)
+    reflected = _reflect(base, probes, reflected, known)
+    last = replace(first, light=reflected, known=known)
+    texels = add_direct(last, charts, seen, gather_texels(last, charts, seen, options.rays))
+    light = reflected + _fill(_direct_at_probes(scene, lattice, lamps, keys, valid), probes.donors)
+    light += _fill(sky, probes.donors)
     spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
-    rows = np.append(lamps.number, -1)
-    return ProbeField.pack(lattice, light, valid, rows[keys].astype(np.int32), spill)
+    rows = np.append(lamps.number, -1)[keys].astype(np.int32)
+    return ProbeField.pack(lattice, light, valid, rows, spill, SurfaceLight(charts, texels))
 
 
 def _is_hidden(scene: RayScene, lattice: ProbeLattice) -> Bool[np.ndarray, " p"]:
@@ -115,62 +148,59 @@ def _gather(
     sky = np.einsum("brf,brl->bfl", cosine, sky)
     sky = np.pad(sky, ((0, 0), (0, 0), (3 * ZENITH, 3 * (NUM_GROUPS - ZENITH - 2))))
     lit = np.isin(lattice.room[rows], windows.room)[:, None, None]
-    cell, fraction = locate(lattice, points.pos + points.normal * PROBE_OFFSET, points.room)
     return Gathered(
         (base + np.where(lit, 0, sky)).astype(np.float32),
         np.where(lit, sky, 0).astype(np.float32),
         (points.seen & ~hits.front).reshape(len(rows), -1).mean(axis=1),
         found.received,
         found.spill,
-        _reflect_rows(lattice, np.where(points.seen, cell, -1), fraction, points, way, own),
+        (*surface_arguments(lattice, points, None, hits.instance), way.astype(np.float32), points.room != own),
+        points,
+        hits.instance,
+        _own_points(points, hits.instance, own, found.light),
     )
 
 
-def _reflect_rows(
-    lattice: ProbeLattice,
-    cell: np.ndarray,
-    fraction: np.ndarray,
-    points: SurfacePoints,
-    way: np.ndarray,
-    own: np.ndarray,
-) -> tuple[np.ndarray, ...]:
-    """Return the arrays of `kernels.reflect` from `cell` to `foreign`."""
-    count = lattice.count[np.maximum(points.room, 0)]
-    stride = np.stack([count[:, 1] * count[:, 2], count[:, 2]], axis=1).astype(np.int64)
-    real = (np.ascontiguousarray(x, np.float32) for x in (points.normal, points.albedo, way))
-    return cell.astype(np.int64), fraction, stride, *real, points.room != own
+def _own_points(points: SurfacePoints, instance: np.ndarray, own: np.ndarray, light: np.ndarray) -> LitPoints:
+    """Return the points in the rooms of the probes that see them, and outdoors."""
+    rows = np.flatnonzero(points.seen & ((points.room == own) | (points.room < 0)))
+    return LitPoints(points.pos[rows], points.normal[rows], instance[rows], light[rows])
 
 
-def _passes(
-    lattice: ProbeLattice,
-    blocks: list[np.ndarray],
-    parts: list[Gathered],
-    donors: tuple[np.ndarray, ...],
-    change: float,
-) -> Float[np.ndarray, "p 6 lanes"]:
+def _passes(base: Float[np.ndarray, "p 6 lanes"], probes: Probes, change: float) -> Float[np.ndarray, "p 6 lanes"]:
     """Repeat reflections until the last pass changes each group by less than `change`; return the light of probes."""
-    base = np.zeros((len(lattice.pos), 6, NUM_GROUPS * 3), np.float32)
-    for rows, part in zip(blocks, parts, strict=True):
-        base[rows] = part.base
-    light, reflect = _fill(base.copy(), donors), compile_kernels().reflect
-
-    def one(task: tuple[np.ndarray, Gathered]) -> np.ndarray:
-        """Reflect the light around the probes of one block."""
-        out = np.empty((len(task[0]), *light.shape[1:]), np.float32)
-        reflect(light, *task[1].rays, out)
-        return out
-
+    light = _fill(base.copy(), probes.donors)
     step, ratio = light.sum(axis=(0, 1)), np.ones(light.shape[2])
-    for _ in range(MAX_PASSES if blocks else 0):
-        new = base.copy()
-        for rows, out in zip(blocks, map_threads(one, zip(blocks, parts, strict=True)), strict=True):
-            new[rows] += out
-        before, light = light, _fill(new, donors)
+    for _ in range(MAX_PASSES if probes.blocks else 0):
+        before, light = light, _reflect(base, probes, light, None)
         last, step, total = step, (light - before).sum(axis=(0, 1)), light.sum(axis=(0, 1))
         ratio = np.clip(step / np.maximum(last, 1e-20), 0, MAX_RATIO)
         if (step <= change * total).all():
             return light + (light - before) * (ratio / (1 - ratio)).astype(np.float32)
     return light
+
+
+def _reflect(
+    base: Float[np.ndarray, "p 6 lanes"], probes: Probes, light: Float[np.ndarray, "p 6 lanes"], known: HitCache | None
+) -> Float[np.ndarray, "p 6 lanes"]:
+    """Return `base` and the light that surfaces reflect to probes: of `light` around them, or what is `known` of it."""
+    reflect = compile_kernels().reflect
+
+    def one(task: tuple[np.ndarray, Gathered]) -> np.ndarray:
+        """Reflect the light around the probes of one block."""
+        rows, part = task
+        out = np.empty((len(rows), *light.shape[1:]), np.float32)
+        rays = part.rays
+        if known is not None:
+            rays = *rays[:4], known_rows(known, part.hits, part.instance), known.light, *rays[6:]
+        reflect(light, *rays, out)
+        return out
+
+    new = base.copy()
+    tasks = list(zip(probes.blocks, probes.parts, strict=True))
+    for rows, out in zip(probes.blocks, map_threads(one, tasks), strict=True):
+        new[rows] += out
+    return _fill(new, probes.donors)
 
 
 def _fill(light: Float[np.ndarray, "p 6 lanes"], donors: tuple[np.ndarray, ...]) -> Float[np.ndarray, "p 6 lanes"]:

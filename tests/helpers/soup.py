@@ -97,6 +97,7 @@ class Soup:
             triangle_slot=i32(slot),
             triangle_part=i32(np.zeros(len(triangles))),
             model_root=i32(roots[:-1]),
+            model_triangle=i32(np.cumsum([0, *map(len, self.models[:-1])])),
             model_box=f32([[m.min(axis=(0, 1)), m.max(axis=(0, 1))] for m in self.models]),
             house_root=i32(roots[-1:]),
             instance_model=i32(columns["model"][None]),

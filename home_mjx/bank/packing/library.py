@@ -111,7 +111,7 @@ class Library:
 
 def model_owners(model: Model, start: Counts) -> Owners:
     """Return the owners of one model's rows, by kind; `start` has its first rows of `node` and `triangle`."""
-    at = ModelOwner(model, start["node"])
+    at = ModelOwner(model, start["node"], start["triangle"])
     return {"model": [at], "triangle": [at], "node": [TreeOwner(model.tree, start["node"], start["triangle"])]}
 
 

@@ -30,6 +30,11 @@ def model_root(at: ModelOwner) -> Any:
     return [at.node]
 
 
+def model_triangle(at: ModelOwner) -> Any:
+    """Return the bank's row of the first triangle of a model, as a list of one."""
+    return [at.triangle]
+
+
 def model_box(at: ModelOwner) -> Any:
     """Return the bounds (min, max) of a model in its frame [m], with a leading axis of one."""
     return at.record.box[None]
@@ -95,6 +100,7 @@ class Geometry(Pytree):
     triangle_slot: Int[Array, " triangle"] = array("material slot", source="slot")
     triangle_part: Int[Array, " triangle"] = array("semantic part", source="part")
     model_root: Int[Array, " model"] = array("root node of the model's tree", source=model_root)
+    model_triangle: Int[Array, " model"] = array("first row of the model's triangles", source=model_triangle)
     model_box: Float[Array, "model 2 3"] = array("[m], min and max", source=model_box)
     house_root: Int[Array, " h"] = array(
         "root node of the top tree over static instances (leaves hold instance indices)", source=top_root

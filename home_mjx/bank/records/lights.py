@@ -39,6 +39,10 @@ OWN_LAMPS, OTHER_LAMPS, ZENITH, HORIZON, SUNS = range(5)
 SUN_AZIMUTHS = (10.0, 70.0, 130.0, 190.0, 250.0, 310.0)  # [degrees], equally spaced
 SUN_ELEVATION = 35.0  # [degrees]
 NUM_GROUPS = SUNS + len(SUN_AZIMUTHS)
+# Further groups of texels: direct light of the room's key lamps, and of a sun at `TEXEL_SUN_AZIMUTH`.
+KEY_LAMPS, KEY_SUN = NUM_GROUPS, NUM_GROUPS + 1
+TEXEL_SUN_AZIMUTH = 250.0  # [degrees]
+NUM_TEXEL_GROUPS = NUM_GROUPS + 2
 
 
 class LightProbes(Pytree):
@@ -48,6 +52,9 @@ class LightProbes(Pytree):
     sky groups per radiance of the sky, of suns per normal irradiance. Sky groups have white horizon and the shader's
     zenith and ground. Direct light of suns and of `keys` is not in it. A room's probes follow each other, z fastest,
     then y.
+
+    Faces of the architecture have charts, which are grids of texels. A texel has the irradiance on its face per group,
+    and in two more groups the direct light of the key lamps of its room and of the sun at `TEXEL_SUN_AZIMUTH`.
     """
 
     light: UInt32[Array, "h probes groups 6"]  # colours packed as by `light_probes.field.pack_colors`
@@ -58,3 +65,10 @@ class LightProbes(Pytree):
     count: Int[Array, "h rooms 3"]  # numbers of probes along the axes, at least 2
     keys: Int[Array, "h rooms k"]  # rows of the light table of the lamps that need shadow rays; -1 none
     spill: Float[Array, "h rooms rooms"]  # shares of the other rooms' lamps in group `OTHER_LAMPS`; rows sum to 1 or 0
+    texel: UInt32[Array, "h texels texel_groups"]  # colours packed alike; charts with their two axes, second fastest
+    texel_room: Int[Array, "h texels"]
+    chart_start: Int[Array, "h instances"]  # row in `chart` of the first triangle of instances; -1 none has a chart
+    chart: Int[Array, "h triangles"]  # chart of each triangle of these instances; -1 none
+    chart_frame: Float[Array, "h charts 3 3"]  # position of the first texel [m], vectors along both axes [1/m]
+    chart_count: Int[Array, "h charts 2"]  # numbers of texels along the axes, at least 2
+    chart_first: Int[Array, "h charts"]  # first texel of each chart

@@ -24,10 +24,11 @@ class TreeOwner:
 
 @dataclass(frozen=True)
 class ModelOwner:
-    """A model with its BVH at row `node` of the bank."""
+    """A model with its BVH at row `node` and its triangles at row `triangle` of the bank."""
 
     record: Model
     node: int
+    triangle: int
 
 
 @dataclass(frozen=True)

@@ -47,6 +47,7 @@ def _geometry() -> Geometry:
         triangle_slot=jnp.asarray(none),
         triangle_part=jnp.asarray(none),
         model_root=jnp.asarray(none),
+        model_triangle=jnp.asarray(none),
         model_box=jnp.asarray(box[:1].reshape(1, 2, 3)),
         house_root=jnp.asarray(none),
         instance_model=jnp.zeros((1, 1), jnp.int32),

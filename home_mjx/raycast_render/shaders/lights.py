@@ -131,7 +131,7 @@ def lamp_light(
     """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`; 0 for none.
 
     Shadow rays ignore the lamp that carries the light, and none start on it. `spread` has emitting positions in [-1, 1]
-    along both axes of linear and rectangular lights; None: their centres. Results are arbitrary on a miss.
+    along both axes of linear and rectangular lights; None: their centres. The result is 0 on a miss.
     """
     if count == 0:
         none = point.pos.map(jnp.zeros_like)
@@ -146,7 +146,7 @@ def lamp_light(
         source = source + light.axis_u * spread[None, ..., 0] + light.axis_v * spread[None, ..., 1]
     own = _is_own_lamp(light, at.instance)
     strength, toward = _unoccluded_irradiance(light, source - at.pos, at, own)
-    strength = jnp.where((key >> INDEX_BITS > 0) & (light.power > 0), strength, 0.0)
+    strength = jnp.where((key >> INDEX_BITS > 0) & (light.power > 0) & (at.instance >= 0), strength, 0.0)
     start = at.pos + at.normal * SHADOW_BIAS
     way = source - start
     reach = jnp.where(

@@ -1,7 +1,7 @@
 """The shader `lit`: direct light with shadows, baked indirect light, glass, mirrors, highlights, filtered textures.
 
-Where the bank has light probes, they give indirect light, that of the sky, and that of all but two lamps. Without them
-windows are lights, and indirect light is uniform within a room.
+Where the bank has light probes, they and the texels of faces give indirect light, that of the sky, and that of all but
+two lamps. Without them windows are lights, and indirect light is uniform within a room.
 """
 
 import math
@@ -33,7 +33,7 @@ from home_mjx.raycast_render.scene.surface import (
     texture_coordinates,
     texture_corners,
 )
-from home_mjx.raycast_render.scene.types import Scene
+from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import lights, texture
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, register_shader
@@ -46,6 +46,7 @@ from home_mjx.raycast_render.shaders.probes import (
 )
 from home_mjx.raycast_render.shaders.specular import PathState, start_path, trace_specular
 from home_mjx.raycast_render.shaders.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
+from home_mjx.raycast_render.shaders.texels import find_chart, mix_texels, texel_irradiance
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
@@ -138,7 +139,6 @@ class LitShader(Shader):
     def radiance(self, scene: Scene, rays: CameraRays) -> Vec:
         """Compute the radiance along camera rays, by glass and mirrors too [W/m^2/sr]; that of the sky on a miss."""
         path, growth = start_path(rays), pixel_footprint(rays.camera, rays.lens)[1]
-        sample = self._light_sample(rays)
         path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
         row = jnp.maximum(material_rows(scene, path.hit), 0)
         frame = _hit_frame(scene, path)
@@ -146,20 +146,9 @@ class LitShader(Shader):
         color = _diffuse_reflectance(scene, path, frame, row, growth)
         # The barrier prevents recomputation of the surface for every light.
         point, color, row = jax.lax.optimization_barrier((point, color, row))
-        probes = scene.bank.bakes.get(LIGHT_PROBES)
-        if probes is None:
-            indirect = _ambient(scene, point, sample, self)
-            got = lights.lamp_light(scene, lights.place_lights(scene, self.sky), point, sample, self.num_lights)
-        else:
-            point = point.replace(room=probe_room(scene, point))
-            indirect = _from_probes(scene, probes, point, self) * _near_blocking(scene, point, sample, self)
-            keys = lights.KeyLamps(probes.keys[scene.house], min(self.num_lights, NUM_KEY_LAMPS))
-            got = lights.lamp_light(scene, lights.place_lights(scene, 0.0), point, sample, keys.count, keys)
-        if self.sun > 0:
-            sun = lights.sun_light(scene, point, sample, self.sun, self.sun_azimuth, self.sun_elevation)
-            got = jax.tree.map(jnp.add, got, sun)
-        diffuse = got.diffuse + indirect
-        light = color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * got.specular
+        sample = self._light_sample(rays)
+        diffuse, specular = self.incident(scene, path.hit, point, sample)
+        light = color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * specular
         above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
         return path.throughput * select(path.hit.instance < 0, above, light)
 
@@ -167,6 +156,33 @@ class LitShader(Shader):
         """Map radiance to display light by `tone_map`; auto exposure is computed before the episode's exposure."""
         exposure = auto_exposure(light) if self.exposure is None else self.exposure
         return tone_map(scale_exposure(scene.appearance, light), exposure)
+
+    def incident(
+        self, scene: Scene, hit: Hit, point: lights.ShadingPoint, sample: lights.LightSample
+    ) -> tuple[Vec, Vec]:
+        """Return irradiance and specular radiance for a specular reflectance of 1, see `lights.IncidentLight`."""
+        probes = scene.bank.bakes.get(LIGHT_PROBES)
+        if probes is None:
+            indirect = _ambient(scene, point, sample, self)
+            got = lights.lamp_light(scene, lights.place_lights(scene, self.sky), point, sample, self.num_lights)
+        else:
+            point = point.replace(room=probe_room(scene, point))
+            indirect = baked_irradiance(scene, probes, hit, point, self) * _near_blocking(scene, point, sample, self)
+            got = self._key_light(scene, probes, point, sample)
+        if self.sun > 0:
+            got = jax.tree.map(jnp.add, got, self._sun_light(scene, point, sample))
+        return got.diffuse + indirect, got.specular
+
+    def _key_light(
+        self, scene: Scene, probes: LightProbes, point: lights.ShadingPoint, sample: lights.LightSample
+    ) -> lights.IncidentLight:
+        """Compute the direct light of the key lamps of rooms."""
+        keys = lights.KeyLamps(probes.keys[scene.house], min(self.num_lights, NUM_KEY_LAMPS))
+        return lights.lamp_light(scene, lights.place_lights(scene, 0.0), point, sample, keys.count, keys)
+
+    def _sun_light(self, scene: Scene, point: lights.ShadingPoint, sample: lights.LightSample) -> lights.IncidentLight:
+        """Compute the direct light of the sun."""
+        return lights.sun_light(scene, point, sample, self.sun, self.sun_azimuth, self.sun_elevation)
 
     def _light_sample(self, rays: CameraRays) -> lights.LightSample:
         """Return positions in [-1, 1]² per pixel; None (lights' centres) with one sample and no ambient occlusion.
@@ -275,16 +291,28 @@ def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSampl
     return (lamps + daylight) * options.ambient * _near_blocking(scene, point, spread, options)
 
 
-def _from_probes(scene: Scene, probes: LightProbes, point: lights.ShadingPoint, options: LitShader) -> Vec:
-    """Return the irradiance [W/m^2] by reflections, the sky and far lamps: of probes; outdoors of the open sky."""
-    day = _daylight(scene, options)
+def baked_irradiance(
+    scene: Scene, probes: LightProbes, hit: Hit, point: lights.ShadingPoint, options: LitShader
+) -> Vec:
+    """Return the irradiance [W/m^2] by reflections, the sky and far lamps: of texels, or of probes for other faces."""
+    day = daylight(scene, options)
+    around = probe_light(scene, probes, point, day)
+    if probes.texel.shape[1]:
+        chart = find_chart(scene, probes, hit)
+        mixed = mix_texels(probes, scene.house, scene.appearance, day)
+        around = select(chart < 0, around, texel_irradiance(probes, mixed, scene.house, point.pos, chart))
+    return around * options.ambient
+
+
+def probe_light(scene: Scene, probes: LightProbes, point: lights.ShadingPoint, day: Daylight) -> Vec:
+    """Return the irradiance [W/m^2] of probes; outdoors of the open sky."""
     mixed = mix_groups(probes, scene.house, scene.appearance, day)
     inside = probe_irradiance(probes, mixed, scene.house, point.pos, point.shading, point.room)
     outside = open_irradiance(day, Vec(*ZENITH_COLOR), Vec(*GROUND_COLOR), point.shading)
-    return select(point.room < 0, outside, inside) * options.ambient
+    return select(point.room < 0, outside, inside)
 
 
-def _daylight(scene: Scene, options: LitShader) -> Daylight:
+def daylight(scene: Scene, options: LitShader) -> Daylight:
     """Return the daylight of the environment."""
     look, redness = scene.appearance, sun_redness(options.sun_elevation)
     turned = None if look is None else look.sun_azimuth

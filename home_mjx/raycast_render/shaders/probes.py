@@ -54,18 +54,23 @@ def mix_groups(
     Without overrides that depend on the environment, the mixture is that of all houses of the bank, and environments
     of a batch share it.
     """
-    varies = look is not None and any(
-        x is not None for x in (look.lamps, look.daylight, look.sun_azimuth, look.sun_elevation)
-    )
-    light = probes.light[house] if varies else probes.light.reshape(-1, *probes.light.shape[2:])
+    own = varies(look)
+    light = probes.light[house] if own else probes.light.reshape(-1, *probes.light.shape[2:])
     mixed = jnp.zeros((len(light), 6, 3), jnp.float32)
-    for group, weight in enumerate(_weights(day)):
+    for group, weight in enumerate(group_weights(day)):
         part = unpack_colors(light[:, group]) * weight[None, None]
         if group in (OWN_LAMPS, OTHER_LAMPS) and look is not None and look.lamps is not None:
-            part = part * _lamp_factors(probes, house, look.lamps)[group][:, None, None]
+            part = part * lamp_factors(probes, house, look.lamps, probes.room[house])[group][:, None, None]
         mixed = mixed + part
     mixed = jax.lax.optimization_barrier(mixed)
-    return MixedProbes(mixed, 0 if varies else house * probes.light.shape[1])
+    return MixedProbes(mixed, 0 if own else house * probes.light.shape[1])
+
+
+def varies(look: AppearanceOverrides | None) -> bool:
+    """Return whether overrides change the light of an environment, so that it has a mixture of its own."""
+    return look is not None and any(
+        x is not None for x in (look.lamps, look.daylight, look.sun_azimuth, look.sun_elevation)
+    )
 
 
 def unpack_colors(packed: UInt32[Array, "*n"]) -> Float[Array, "*n 3"]:
@@ -75,7 +80,7 @@ def unpack_colors(packed: UInt32[Array, "*n"]) -> Float[Array, "*n 3"]:
     return jnp.stack(channels, axis=-1)
 
 
-def _weights(day: Daylight) -> list[Float[Array, "3"]]:
+def group_weights(day: Daylight) -> list[Float[Array, "3"]]:
     """Return the weight of each group and colour but for factors of lamps; suns are interpolated by azimuth."""
     step = SUN_AZIMUTHS[1] - SUN_AZIMUTHS[0]
     apart = [jnp.abs((day.azimuth - angle + 180.0) % 360.0 - 180.0) / step for angle in SUN_AZIMUTHS]
@@ -86,14 +91,13 @@ def _weights(day: Daylight) -> list[Float[Array, "3"]]:
     return [*(groups[i] for i in range(SUNS)), *suns]
 
 
-def _lamp_factors(
-    probes: LightProbes, house: Int[Array, ""], lamps: Float[Array, " rooms_and_none"]
+def lamp_factors(
+    probes: LightProbes, house: Int[Array, ""], lamps: Float[Array, " rooms_and_none"], place: Int[Array, " n"]
 ) -> tuple[Float[Array, " n"], Float[Array, " n"]]:
-    """Return the factors of own and other lamps at each probe of a house, given those of lamps by room + 1."""
+    """Return the factors of own and other lamps in rooms `place` of a house, given those of lamps by room + 1."""
     rooms = probes.first.shape[1]
     own = lamps[jnp.clip(jnp.arange(rooms) + 1, 0, len(lamps) - 1)]
     others = probes.spill[house] @ own
-    place = probes.room[house]
     return own[place], others[place]
 
 
