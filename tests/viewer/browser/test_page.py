@@ -12,9 +12,10 @@ import pytest
 from PIL import Image
 
 pytest.importorskip("viser", reason="needs the extra `view`")
-playwright = pytest.importorskip("playwright.sync_api", reason="needs Playwright")
+pytest.importorskip("playwright.sync_api", reason="needs Playwright")
 
 from handmade import Furniture, shoebox
+from playwright.sync_api import sync_playwright
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
@@ -49,7 +50,7 @@ def viewer() -> Iterator[Viewer]:
 @pytest.fixture(scope="module")
 def page(viewer: Viewer) -> Iterator[object]:
     with contextlib.ExitStack() as stack:
-        player = stack.enter_context(playwright.sync_playwright())
+        player = stack.enter_context(sync_playwright())
         browser = player.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
         stack.callback(browser.close)
         page = browser.new_page(viewport={"width": 700, "height": 500})
