@@ -66,6 +66,7 @@ class Broadcast(Observer):
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Move the scene, load another house if there is one, and send picture, sound and status."""
         assert self.env is not None
+        is_repeated = self.step is not None and self.step.index == step.index  # such as after a door was opened
         self.step = step
         moving = jax.tree.map(np.asarray, self._moving(self.env.params, step.state))
         house = int(step.state.world.house)
@@ -74,7 +75,7 @@ class Broadcast(Observer):
             self.tree.load(HouseScene(self.env.bank, house, moving, self._library))
         else:
             self.tree.move(moving)
-        if self.has_sound and step.index and self.server.sound.num_pages:
+        if self.has_sound and step.index and not is_repeated and self.server.sound.num_pages:
             self.server.sound.publish(encode_sound(step.state.world.sensor_states[SOUND_STATE].frame))
         self.draw()
         self.tell(status=format_status(self.env, step, self.name))

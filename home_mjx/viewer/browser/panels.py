@@ -13,6 +13,7 @@ from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeSte
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.house_scene import CEILING, OUTDOORS
 from home_mjx.viewer.browser.live_camera import PICTURES, SHADERS
+from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.session import Session
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class Panels(Observer):
         self._rewards: list[float] = []
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
 
-    def attach(self, session: Session) -> None:
+    def attach(self, session: Session, overlays: Overlays) -> None:
         """Add all controls; called once, after the session exists."""
         self.session, gui = session, self._server.gui
         with gui.add_folder("Episode"):
@@ -55,6 +56,9 @@ class Panels(Observer):
             nothing = np.zeros(1)
             series: Any = ({}, {"label": "reward", "stroke": "#e0a458"}, {"label": "return", "stroke": "#4caf72"})
             self._plot = gui.add_uplot((nothing, nothing, nothing), series, scales={"x": {"time": False}}, aspect=2.2)
+        self._card_folder = gui.add_folder("Object", visible=False)
+        with self._card_folder:
+            self._card = gui.add_markdown("")
         with gui.add_folder("Run"):
             self._add_run_controls()
         with gui.add_folder("Environment"):
@@ -63,6 +67,8 @@ class Panels(Observer):
             self._add_picture_controls()
         self._scene_folder = gui.add_folder("Scene")
         with self._scene_folder:
+            for name, is_shown in overlays.is_shown.items():
+                self._add_overlay(overlays, name, is_shown)
             for text, layer in (("ceilings", CEILING), ("outdoors and roofs", OUTDOORS)):
                 self._add_layer(text, layer)
         self._show_environment()
@@ -81,7 +87,7 @@ class Panels(Observer):
 
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Show figures and plot of the episode."""
-        if step.index:
+        if step.index > len(self._rewards):  # not again after a door was opened
             self._rewards.append(float(np.reshape(step.state.reward, -1)[0]))
         if hasattr(self, "session"):
             self._show_figures(step)
@@ -119,6 +125,15 @@ class Panels(Observer):
         self._task.on_update(lambda event: session.post(self._choose_task))
         self._house: Any = gui.add_dropdown("house", (ANY_HOUSE,), initial_value=ANY_HOUSE)
         self._house.on_update(lambda event: session.post(self._choose_house))
+
+    def show_card(self, text: str) -> None:
+        """Show the card of a clicked object (Markdown), below the episode."""
+        self._card.content, self._card_folder.visible = text, True
+
+    def _add_overlay(self, overlays: Overlays, name: str, is_shown: bool) -> None:
+        """Add the checkbox of an overlay."""
+        control = self._server.gui.add_checkbox(name, initial_value=is_shown)
+        control.on_update(lambda event: self.session.post(lambda: overlays.show(name, control.value)))
 
     def _add_layer(self, text: str, layer: str) -> None:
         """Add the checkbox of a layer that is hidden at first."""

@@ -15,6 +15,8 @@ from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.held_keys import HeldKeys
 from home_mjx.viewer.browser.house_scene import InstanceGroup
 from home_mjx.viewer.browser.live_camera import PictureOptions
+from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
+from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.panels import Panels
 from home_mjx.viewer.browser.scene_tree import SceneTree
 from home_mjx.viewer.browser.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
@@ -76,11 +78,12 @@ class Viewer:
             self.broadcast = Broadcast(self.server, tree, self.options.picture)
             agents = tuple(name for name in AGENT_NAMES if name != "trained" or self.options.checkpoint is not None)
             self.panels = Panels(self.server.scene, self.broadcast, agents, self._load_task)
-            observers = ObserverGroup((self.broadcast, _Drivers(self.broadcast), self.panels))
+            overlays = Overlays(self.server.scene)
+            observers = ObserverGroup((self.broadcast, overlays, _Drivers(self.broadcast), self.panels))
             self.session = Session(
                 env, self.options.agent, observers, self.keys, self.options.checkpoint, self.options.seed, self._warn
             )
-            self.panels.attach(self.session)
+            self.panels.attach(self.session, overlays)
         except BaseException:
             self.server.close()
             raise
@@ -112,7 +115,17 @@ class Viewer:
         self.session.load(env, HUMAN if self.session.agent == "trained" else self.session.agent)
 
     def _show_object(self, group: InstanceGroup, index: int) -> None:
-        """Handle a click on an object."""
+        """Show the card of a clicked object, and open or close it if it is a door; on a viser thread."""
+        self.session.post(lambda: self._handle_click(group, index))
+
+    def _handle_click(self, group: InstanceGroup, index: int) -> None:
+        """Handle a click on the session's thread."""
+        session, state = self.session, self.session.episode.step.state
+        house = int(state.world.house)
+        self.panels.show_card(format_card(session.env.bank, house, group, index))
+        door = find_door(session.env.bank, house, group, index)
+        if door is not None and not state.done:
+            session.replace_state(toggle_door(session.env, state, door))
 
     def _warn(self, text: str) -> None:
         """Show an error on all pages, and on stderr."""

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 pytest.importorskip("viser", reason="needs the extra `view`")
-pytest.importorskip("playwright.sync_api", reason="needs Playwright")
+pytest.importorskip("playwright", reason="needs Playwright")
 
 from handmade import Furniture, shoebox
 from playwright.sync_api import sync_playwright
@@ -53,7 +53,7 @@ def page(viewer: Viewer) -> Iterator[object]:
         player = stack.enter_context(sync_playwright())
         browser = player.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
         stack.callback(browser.close)
-        page = browser.new_page(viewport={"width": 700, "height": 500})
+        page = browser.new_page(viewport={"width": 1000, "height": 600})
         page.set_default_timeout(60_000)
         page.errors = []
         page.on("pageerror", lambda error: page.errors.append(str(error)))
@@ -122,6 +122,22 @@ def test_the_worklet_plays_the_sound_that_is_sent(viewer: Viewer, page):
     assert loudest[1] == pytest.approx(loudest[0] / 4, rel=0.05)
     page.click("#sound")
     wait_until(lambda: viewer.server.sound.num_pages == 0)
+
+
+def test_a_click_on_an_object_opens_its_card(viewer: Viewer, page):
+    scene = viewer.server.scene
+    (client,) = scene.get_clients().values()
+    client.camera.position, client.camera.look_at = (1.0, -1.5, 2.5), (1.0, 0.0, 0.4)
+    box = page.locator("#scene").bounding_box()
+    card = page.frame_locator("#scene").get_by_text("An ottoman is here.")
+
+    def is_open() -> bool:
+        page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        time.sleep(0.3)
+        return card.count() > 0
+
+    wait_until(is_open)
+    assert page.frame_locator("#scene").get_by_text("0.60 × 0.60 × 0.80 m").count() > 0
 
 
 def test_a_lost_connection_comes_back(viewer: Viewer, page):
