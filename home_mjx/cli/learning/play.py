@@ -27,6 +27,7 @@ from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
+    from home_mjx.viewer.browser.scene_observer import PageRecorder
 
 EXPERT, TRAINED = "expert", "trained"
 BLIND_SENSORS = ("state",)  # sensors of agents that do not use observations
@@ -36,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the optional `TASK`, a text for `task_spec`, and the options of `home-mjx play`.
 
     `--agent` is `expert`, `random`, `trained` or `human`; None by default. `--checkpoint` is a path or `demo`.
-    `--greedy` and `--no-film` are flags, and `--out` is the path of a folder (`play`).
+    `--greedy`, `--no-film` and `--html` are flags, and `--out` is the path of a folder (`play`).
 
     `--episodes` (3), `--houses` (4) and `--samples` (1) are from 1. `--size W H` is in pixels (480 360). `--seed` is
     from 0 to 2**32 - 1 (0). `--split` is `train`, `val` or `test`; None by default.
@@ -55,6 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--episodes", type=positive_int_type, default=3, help="number of episodes (default: 3)")
     parser.add_argument("--out", type=parse_path, default=Path("play"), help="folder for the film (default: play)")
     parser.add_argument("--no-film", action="store_true", help="do not write a film")
+    parser.add_argument("--html", action="store_true", help="also write the episodes as a 3D page without a server")
     parser.add_argument(
         "--size", type=image_side_type, nargs=2, default=(480, 360), metavar=("W", "H"),
         help="size of the agent's view [pixels] (default: 480 360)",
@@ -105,12 +107,26 @@ def run(args: argparse.Namespace) -> int:
     check_agent(options.agent, path, AGENT_NAMES)
     if not args.no_film:
         options = dataclasses.replace(options, out=make_folder(args.out))
-    run_play(options, observers=args.observers)
+    run_play(options, observers=[*args.observers, *_page_recorders(args, options.file_name)])
     if options.out is not None:
-        sys.stdout.write(
-            f"Watch   {options.out / options.file_name}.mp4\nLook at {options.out / options.file_name}.png\n"
-        )
+        base = options.out / options.file_name
+        sys.stdout.write(f"Watch   {base}.mp4\nLook at {base}.png\n" + f"Open    {base}.html\n" * args.html)
     return 0
+
+
+def _page_recorders(args: argparse.Namespace, name: str) -> "list[PageRecorder]":
+    """Return the recorder of a page for `--html`, else none.
+
+    Raises:
+        ConfigError: The extra `view` is not installed, or there is no folder because of `--no-film`.
+    """
+    if not args.html:
+        return []
+    if args.no_film:
+        raise ConfigError("--html cannot be combined with --no-film", hint="The page is written beside the film.")
+    from home_mjx.viewer.browser.scene_observer import PageRecorder
+
+    return [PageRecorder(name)]
 
 
 def play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":

@@ -4,16 +4,14 @@ import json
 import time
 from typing import Any
 
-import jax
 import numpy as np
 
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.sensors.selection import state_owners
-from home_mjx.viewer.browser.house_scene import HouseScene
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, encode_jpeg
-from home_mjx.viewer.browser.models import ModelLibrary
+from home_mjx.viewer.browser.scene_observer import SceneObserver
 from home_mjx.viewer.browser.scene_tree import SceneTree
 from home_mjx.viewer.browser.server import ViewServer
 from home_mjx.viewer.episodes.episode import format_status
@@ -41,6 +39,7 @@ class Broadcast(Observer):
 
     def __init__(self, server: ViewServer, tree: SceneTree, options: PictureOptions) -> None:
         self.server, self.tree, self.options = server, tree, options
+        self._scene = SceneObserver(tree)
         self.env: Env[HouseholdEnv] | None = None
         self.step: EpisodeStep | None = None
         self.picture_seconds = 0.0
@@ -48,13 +47,11 @@ class Broadcast(Observer):
         self._picture: bytes | None = None
 
     def on_run_start(self, start: RunStart) -> None:
-        """Store the environment, and make programs for its poses and pictures."""
+        """Store the environment, and make the programs for its poses and pictures."""
         assert start.env is not None
         env, self.name = start.env, start.name
-        if self.env is None or self.env.params.bank is not env.params.bank:
-            self._library = ModelLibrary(env.bank)
-        self.env, self._house, self._camera = env, -1, LiveCamera(env)
-        self._moving = jax.jit(lambda params, state: env.core.snapshot(params, state).scene.moving)
+        self.env, self.step, self._camera = env, None, LiveCamera(env)
+        self._scene.on_run_start(start)
         has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
         self.has_sound = has_sound
         self.tell(sound=has_sound)
@@ -68,13 +65,7 @@ class Broadcast(Observer):
         assert self.env is not None
         is_repeated = self.step is not None and self.step.index == step.index  # such as after a door was opened
         self.step = step
-        moving = jax.tree.map(np.asarray, self._moving(self.env.params, step.state))
-        house = int(step.state.world.house)
-        if house != self._house:
-            self._house = house
-            self.tree.load(HouseScene(self.env.bank, house, moving, self._library))
-        else:
-            self.tree.move(moving)
+        self._scene.on_episode_step(step)
         if self.has_sound and step.index and not is_repeated and self.server.sound.num_pages:
             self.server.sound.publish(encode_sound(step.state.world.sensor_states[SOUND_STATE].frame))
         self.draw()

@@ -5,6 +5,7 @@ import numpy as np
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.scene_compile import decode_row
+from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -28,7 +29,8 @@ def format_card(bank: HouseBank, house: int, group: InstanceGroup, index: int) -
     colours = [str(known[name]) for name in COLOUR_COLUMNS if name in known]
     category = _words(known.get("fine", "object"))
     size = _size(bank, house, int(group.objects[index]))
-    mass = float(bank.physics.body_mass[house, int(known["movable"])]) if "movable" in known else None
+    movable = int(np.asarray(bank.semantics)[group.semantic[index], Semantic.MOVABLE])
+    mass = float(bank.physics.body_mass[house, movable]) if movable >= 0 else None
     room = f"{_words(known['room_type'])}, room {known.get('room')}" if "room_type" in known else None
     lines = {
         "colours": ", ".join(colours),

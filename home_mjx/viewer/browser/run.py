@@ -12,7 +12,6 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
-from home_mjx.viewer.browser.held_keys import HeldKeys
 from home_mjx.viewer.browser.house_scene import InstanceGroup
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
@@ -21,6 +20,7 @@ from home_mjx.viewer.browser.panels import Panels
 from home_mjx.viewer.browser.scene_tree import SceneTree
 from home_mjx.viewer.browser.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
 from home_mjx.viewer.browser.session import Session
+from home_mjx.viewer.episodes.held_keys import HeldKeys
 from home_mjx.viewer.episodes.keyboard import key_help
 from home_mjx.viewer.episodes.policies import check_agent
 from home_mjx.viewer.episodes.run import AGENT_NAMES, HUMAN

@@ -16,8 +16,8 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStep, Observer, RunStart
 from home_mjx.tasks.experts.expert_observation import add_expert
-from home_mjx.viewer.browser.held_keys import HeldKeys, HeldKeysPlayer
 from home_mjx.viewer.episodes.episode import EpisodeRunner, RunningEpisode
+from home_mjx.viewer.episodes.held_keys import HeldKeys, HeldKeysPlayer
 from home_mjx.viewer.episodes.policies import Player, PolicyPlayer, make_policy
 from home_mjx.viewer.episodes.run import HUMAN
 

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Iterator
 
+import jax
 import numpy as np
 import pytest
 from PIL import Image
@@ -19,9 +20,12 @@ from playwright.sync_api import sync_playwright
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
+from home_mjx.tasks.env.observers import RunStart
 from home_mjx.viewer.browser.broadcast import SOUND_DELAY, encode_sound
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.run import Viewer, ViewOptions
+from home_mjx.viewer.browser.scene_observer import PageRecorder
+from home_mjx.viewer.episodes.episode import EpisodeRunner
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
@@ -138,6 +142,27 @@ def test_a_click_on_an_object_opens_its_card(viewer: Viewer, page):
 
     wait_until(is_open)
     assert page.frame_locator("#scene").get_by_text("0.60 × 0.60 × 0.80 m").count() > 0
+
+
+def test_a_recorded_episode_opens_from_disk_without_network(viewer: Viewer, page, tmp_path):
+    runner, recorder = EpisodeRunner(viewer.session.env), PageRecorder("walk")
+    recorder.on_run_start(RunStart("human", runner.env, "episodes", 1))
+    episode = runner.begin(1, jax.random.key(0), None, 0)
+    recorder.on_episode_start(episode.start)
+    recorder.on_episode_step(episode.step)
+    for _ in range(3):
+        recorder.on_episode_step(episode.advance(np.array([1, 0, 0, 0], np.float32)))
+    recorder.on_episode_end(episode.result())
+    recorder.write(tmp_path)
+    recorder.close()
+    asked, tab = [], page.context.browser.new_page()
+    tab.on("request", lambda request: asked.append(request.url))
+    tab.goto((tmp_path / "walk.html").as_uri())
+    canvas = tab.locator("canvas").first
+    canvas.wait_for()
+    wait_until(lambda: contrast(canvas.screenshot()) > 8)
+    assert not [url for url in asked if url.startswith(("http", "ws"))]
+    tab.close()
 
 
 def test_a_lost_connection_comes_back(viewer: Viewer, page):
