@@ -19,7 +19,10 @@ show_phases() {
     local line names
     while IFS= read -r line; do
         case $line in
-            *"Downloading "*" ("[0-9][0-9]*" MB)"*) echo "  downloading ${line##*Downloading }" ;;
+            *"Downloading "*" ("[0-9][0-9]*" MB)"*)
+                line=${line##*Downloading }
+                echo "  downloading ${line##*/}"
+                ;;
             "Installing collected packages: "*)
                 IFS=, read -ra names <<<"$line"
                 echo "  unpacking ${#names[@]} packages"
