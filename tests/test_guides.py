@@ -21,6 +21,8 @@ SMALLER = (
     (r"range\((?:100|1000)\)", "range(2)"),
     (r"\b1000\b", "8"),
     (r"num_houses=(?:8|16)", "num_houses=2"),
+    (r'"procedural:([12])"', r'"procedural:\1?preset=flat"'),
+    (r'"procedural:8"', '"procedural:3?preset=flat"'),
     (r"num_slots=8", "num_slots=2"),
     (r"num_timesteps=\d+", "num_timesteps=8"),
     (r"episode_length=100", "episode_length=4"),
