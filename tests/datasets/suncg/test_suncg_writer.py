@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from tiny_dataset import HOUSE_ID, edit_house, write_tiny_dataset
 
+from home_mjx.core.images import decode_image, encode_png
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.datasets.suncg.read.joints import read_joints
 from home_mjx.datasets.suncg.read.metadata import read_metadata
@@ -294,3 +295,22 @@ def test_hidden_grounds_stay_hidden_and_keep_their_box(tmp_path):
     assert again.levels[0].grounds[0].mesh is None
     assert [problem.rule for problem in again.problems if problem.rule == "missing-part"] == []
     np.testing.assert_allclose(again.levels[0].grounds[0].bbox, house.levels[0].grounds[0].bbox)
+
+
+def test_only_a_file_that_was_broken_before_is_named(tmp_path: Path, monkeypatch, caplog):
+    """Another process may create the same texture between two looks of this one: that is no broken file."""
+    image, path = np.full((4, 4, 3), 9, np.uint8), tmp_path / "texture" / "oak.png"
+    path.parent.mkdir()
+    with monkeypatch.context() as patch:
+
+        def lose_race(path: Path, content: np.ndarray) -> bool:
+            path.write_bytes(encode_png(content))
+            return False
+
+        patch.setattr(writer_module, "_holds", lose_race)
+        writer_module.write_textures(tmp_path, {"oak": image})
+    assert caplog.text == ""
+    path.write_bytes(b"no image")
+    writer_module.write_textures(tmp_path, {"oak": image})
+    assert f"broken file {path} is rewritten" in caplog.text
+    assert np.array_equal(decode_image(path.read_bytes()), image)

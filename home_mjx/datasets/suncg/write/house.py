@@ -238,8 +238,9 @@ def _remove_files(folder: Path, names: Iterable[str]) -> None:
 
 def _mend(path: Path, content: str | UInt8[np.ndarray, "h w 3"]) -> None:
     """Write a file atomically, since others may be reading it, unless it has this text or, decoded, this image."""
+    is_old = path.exists()  # before it is read: a file that another process creates meanwhile is not broken
     if not _holds(path, content):
-        if path.exists():
+        if is_old:
             log.warning("broken file %s is rewritten", path)
         with write_atomically(path) as file:
             if isinstance(content, str):
