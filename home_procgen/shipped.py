@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from home_mjx.core.files import read_code
-from home_mjx.core.progress import plural, say
+from home_mjx.core.progress import plural, track
 from home_mjx.core.workers import usable_cores
 from home_mjx.schema.compiled import Model
 from home_mjx.schema.house import Mesh
@@ -78,9 +78,11 @@ class ShippedHomes:
         names = [Path(path).stem for path in paths]
         missing = [name for name in names if not has_intact_texture(self.root, name)]
         if missing:
-            say(f"drawing {plural(len(missing), 'texture')} (once, then cached)", progress)
+            text = f"drawing {plural(len(missing), 'texture')} (once, then cached)"
             with ThreadPoolExecutor(usable_cores()) as pool:
-                list(pool.map(lambda name: write_textures_named(self.root, {name}), missing))
+                drawn = pool.map(lambda name: write_textures_named(self.root, {name}), missing)
+                for _ in track(drawn, text, "textures", progress, total=len(missing)):
+                    pass
             save_intact_index(self.root)
 
 

@@ -5,13 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from home_mjx.core.progress import counts
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
 from home_procgen.floor_plan.rooms import Rect, RoomPlan
 from home_procgen.floor_plan.walls import RoomSurfaces
 from home_procgen.meshes import build_room_meshes
 from home_procgen.model_store import get_model
+from home_procgen.presets import HOME_VARIANT
 from home_procgen.primitives.palette import plain
+from home_procgen.shipped import ShippedHomes
 from home_procgen.textures import patterns
 from home_procgen.textures.finishes import FINISHES
 from home_procgen.textures.recipes import ALL_NAMES, RECIPES, canvas_of, texture, texture_names
@@ -102,3 +105,15 @@ def test_tiles_have_grout_between_them():
     image = patterns.subway(np.random.default_rng(0), (0.2, 0.2, 0.2), (0.4, 0.4, 0.4), rows=4, columns=2)
     assert np.isclose(image.max(), 0.9)
     assert 0.02 < (image[..., 0] > 0.85).mean() < 0.2
+
+
+def test_drawn_textures_are_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture):
+    monkeypatch.setattr(counts, "DELAY", 0.0)
+    monkeypatch.setattr(counts, "LINE_INTERVAL", 0.0)
+    monkeypatch.setattr(counts, "LINE_SHARE", 0.0)
+    names = [f"texture/{name}.png" for name in ALL_NAMES[:3]]
+    for _ in range(2):  # the second time nothing is missing
+        ShippedHomes(tmp_path / "homes", HOME_VARIANT).write_textures(names, progress=True)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(" (once")[0] for line in lines] == ["home_mjx: drawing 3 textures"] * 3
+    assert [line.split(" cached) ")[1][:3] for line in lines] == ["1/3", "2/3", "3/3"]
