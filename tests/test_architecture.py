@@ -1,6 +1,7 @@
 """The package's structure: folders follow the flow of data (docs/architecture.md), and nothing imports backwards."""
 
 import ast
+import functools
 import importlib
 import subprocess
 import sys
@@ -263,14 +264,15 @@ def test_public_class_names_are_unique():
     assert [name for name, count in names.items() if count > 1] == []
 
 
-def lazy_imports() -> set[str]:
+@functools.cache
+def lazy_imports() -> frozenset[str]:
     """Modules with an import inside a function, of these packages."""
     found = set()
     for module, tree in MODULES.items():
         for node in ast.walk(tree):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and any(imported(module, node)):
                 found.add(".".join(module))
-    return found
+    return frozenset(found)
 
 
 def test_imports_inside_functions_are_in_named_places():

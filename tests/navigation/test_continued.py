@@ -119,7 +119,7 @@ def test_a_thing_in_the_way_is_no_cliff():
     bank = HouseBank.from_compiled([house])
     y = np.linspace(-0.6, 0.6, 121)
     points = np.stack([np.full_like(y, -2.0), y, np.zeros_like(y)], axis=1).astype(np.float32)
-    found = np.asarray(jax.vmap(lambda p: geodesic_distance(bank, jnp.int32(0), None, p))(points))
+    found = np.asarray(jax.jit(jax.vmap(lambda p: geodesic_distance(bank, jnp.int32(0), None, p)))(points))
     far = np.ptp(found, axis=0).argmax()
     assert np.ptp(found[:, far]) > 2.5  # around the table
     assert abs(np.diff(found[:, far])).max() < 0.25 * np.ptp(found[:, far])
@@ -145,9 +145,8 @@ def test_beside_the_home_region_is_not_in_it(bank, houses):
     n = house.navigation
     cells = np.indices(n.home_mask.shape)[1:].reshape(2, -1)[::-1].T
     points = np.c_[(cells + 0.5) * n.cell + n.origin, np.full(len(cells), n.floor[0])].astype(np.float32)
-    found = np.asarray(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p))(points)).reshape(
-        n.home_mask.shape
-    )
+    near = jax.jit(jax.vmap(lambda p: is_near_home_region(bank, jnp.int32(0), p)))
+    found = np.asarray(near(points)).reshape(n.home_mask.shape)
     padded = np.pad(n.home_mask[0], 1)
     around = [
         padded[1 + a : 1 + a + padded.shape[0] - 2, 1 + b : 1 + b + padded.shape[1] - 2]

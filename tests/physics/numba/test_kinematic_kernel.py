@@ -34,7 +34,7 @@ def begun(bank, template, rng):
     pick = rng.integers(0, starts.shape[1], (ENVS, agents))
     pos = starts[house[:, None], pick] + np.array([0, 0, 0.01])
     yaw = rng.uniform(-np.pi, np.pi, (ENVS, agents))
-    reset = jax.vmap(lambda *given: physics.reset(template, bank, *given))
+    reset = jax.jit(jax.vmap(lambda *given: physics.reset(template, bank, *given)))
     house = jnp.asarray(house, jnp.int32)
     return house, reset(house, jnp.asarray(pos, jnp.float32), jnp.asarray(yaw, jnp.float32))
 
@@ -95,10 +95,10 @@ def test_one_environment_and_nested_batches_are_the_same(world, rng):
     house, state = begun(bank, template, rng)
     action = jnp.asarray(rng.uniform(-1, 1, (ENVS, template.layout.num_agents, 3)), jnp.float32)
     step = lambda *given: physics.step(template, bank, *given).qpos  # noqa: E731
-    flat = jax.vmap(step)(house, state, action)
+    flat = jax.jit(jax.vmap(step))(house, state, action)
     folded = jax.tree.map(lambda x: x.reshape(6, 8, *x.shape[1:]), (house, state, action))
-    assert_array_equal(np.asarray(jax.vmap(jax.vmap(step))(*folded)).reshape(flat.shape), flat)
-    assert_array_equal(step(house[5], jax.tree.map(lambda x: x[5], state), action[5]), flat[5])
+    assert_array_equal(np.asarray(jax.jit(jax.vmap(jax.vmap(step)))(*folded)).reshape(flat.shape), flat)
+    assert_array_equal(jax.jit(step)(house[5], jax.tree.map(lambda x: x[5], state), action[5]), flat[5])
 
 
 def test_gradients_are_those_of_the_step_in_jax():
@@ -111,7 +111,7 @@ def test_gradients_are_those_of_the_step_in_jax():
     state = physics.reset(template, bank, house, jnp.zeros((1, 3)), jnp.zeros(1))
 
     def slope(step):
-        return jax.jacobian(lambda given: step(given)[0].qpos)(action)
+        return jax.jit(jax.jacobian(lambda given: step(given)[0].qpos))(action)
 
     got = slope(lambda given: physics.dynamics.step_kinematic(template, bank.physics, house, state, given))
     expected = slope(lambda given: step_in_jax(template, bank.physics, house, state, given))
@@ -125,6 +125,6 @@ def test_a_bank_without_bodies():
     assert template.layout.num_bodies == 0
     state = physics.reset(template, bank, jnp.int32(0), jnp.zeros((1, 3)), jnp.zeros(1))
     action = jnp.array([[1.0, 0.0, 0.0]])
-    expected = step_in_jax(template, bank.physics, jnp.int32(0), state, action)[0]
+    expected = jax.jit(lambda: step_in_jax(template, bank.physics, jnp.int32(0), state, action)[0])()
     got = physics.step(template, bank, jnp.int32(0), state, action)
     assert_allclose(got.qpos, expected.qpos, atol=1e-6)

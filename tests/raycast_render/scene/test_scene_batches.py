@@ -71,8 +71,9 @@ def overridden(bank, override, sense):
     """Senses of scenes with an override each, built outside and inside of `vmap`."""
     eye, factors = jnp.array([-1.0, -1, 1.5]), jnp.array([0.2, 0.5, 0.9])
     build = jax.vmap(lambda factor: override(place(bank, jnp.int32(0)), factor), out_axes=Scene.axes())
-    outside = jax.vmap(sense, in_axes=(Scene.axes(), None))(jax.jit(build)(factors), eye)
-    return outside, jax.vmap(lambda factor: sense(override(place(bank, jnp.int32(0)), factor), eye))(factors)
+    outside = jax.jit(jax.vmap(sense, in_axes=(Scene.axes(), None)))(jax.jit(build)(factors), eye)
+    inside = jax.jit(jax.vmap(lambda factor: sense(override(place(bank, jnp.int32(0)), factor), eye)))(factors)
+    return outside, inside
 
 
 def test_appearance_that_crosses_the_border_of_vmap_reaches_its_environment(bank):

@@ -29,7 +29,7 @@ def test_the_minimum_number_of_visible_points_is_enough():
         hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
         return jnp.sum((hit.instance == instance) & is_reachable(eye, eye + way * hit.t[:, None], REACH))
 
-    counts = np.asarray(jax.vmap(count)(jnp.asarray(eyes)))
+    counts = np.asarray(jax.jit(jax.vmap(count))(jnp.asarray(eyes)))
     found = can_pick_from(bank, jnp.int32(0), jnp.asarray(eyes), instance, jnp.asarray(BOX), REACH)
     assert {0, MIN_VISIBLE_POINTS - 1, MIN_VISIBLE_POINTS, 25} <= set(counts.tolist()), np.bincount(counts)
     np.testing.assert_array_equal(found, counts >= MIN_VISIBLE_POINTS)
