@@ -38,6 +38,7 @@ from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.schema.compiled import CompiledHouse
 
 CONFIG = AudioConfig(response_seconds=2.0, receiver=Omni(), late=Baked())
+look_up = jax.jit(lookup_late_sound, static_argnums=3)
 DT = CONFIG.bin_seconds
 METRES = DT * CONFIG.speed_of_sound
 MID = 3  # 1 kHz
@@ -57,7 +58,7 @@ def baked(house: CompiledHouse, options: BakeOptions) -> Scene:
 def whole_energy(scene: Scene, source: jax.Array, listener: jax.Array) -> jax.Array:
     """Histogram (k, 7) of early paths and the baked field together."""
     paths = early_paths(scene, SoundSource(source), Listener(listener, HEAD), CONFIG)
-    late = lookup_late_sound(scene, source, listener, CONFIG).energy
+    late = look_up(scene, source, listener, CONFIG).energy
     return late.at[(paths.distance / METRES).astype(jnp.int32)].add(paths.gain**2, mode="drop")
 
 
@@ -183,7 +184,7 @@ def test_silent_cells_do_not_weaken_a_direction(uneven):
         comes_from=jnp.where(reached, jnp.int8([127, 0, 0]), jnp.zeros_like(late.comes_from)),
     )
     scene = scene.replace(bank=scene.bank.replace(bakes={"late_reverb": record}))
-    found = lookup_late_sound(scene, jnp.float32([-2.0, 1.0, 1.2]), ear, CONFIG).arrival_direction
+    found = look_up(scene, jnp.float32([-2.0, 1.0, 1.2]), ear, CONFIG).arrival_direction
     np.testing.assert_allclose(found, np.broadcast_to([1, 0, 0], found.shape), atol=1e-3)
 
 
@@ -197,7 +198,7 @@ def with_directions(scene: Scene, direction: list[int]) -> Scene:
 def test_a_mean_direction_is_at_most_1_long(uneven):
     """Noise of the bake makes it up to 1.7 long, each component being limited to 1."""
     scene = with_directions(uneven[1], [127, -127, 127])
-    found = lookup_late_sound(scene, jnp.float32([-2.0, 1.0, 1.2]), jnp.float32([0.3, -0.2, 1.4]), CONFIG)
+    found = look_up(scene, jnp.float32([-2.0, 1.0, 1.2]), jnp.float32([0.3, -0.2, 1.4]), CONFIG)
     for way in (found.arrival_direction, found.emission_direction):
         np.testing.assert_allclose(np.linalg.norm(way, axis=1), 1, atol=1e-6)
 
@@ -227,9 +228,7 @@ def test_a_waveform_has_the_energy_of_the_field(uneven):
     scene, config = uneven[1], AudioConfig(response_seconds=2.0, late=Baked(), receiver=Omni())
     source, listener = SoundSource(jnp.float32([-2.0, 1.0, 1.2])), Listener(jnp.float32([1.5, -0.7, 1.7]), HEAD)
     response = jax.jit(impulse_response, static_argnums=4)(scene, source, listener, jax.random.key(0), config)
-    energy = np.asarray(jax.jit(lookup_late_sound, static_argnums=3)(scene, source.pos, listener.pos, config).energy)[
-        15:
-    ]
+    energy = np.asarray(look_up(scene, source.pos, listener.pos, config).energy)[15:]
     width = octave_gains(np.linspace(0, config.sample_rate / 2, 4001)).mean(axis=1)
     heard = (np.asarray(response)[:, 15 * config.bin_samples :] ** 2).sum(axis=1)
     np.testing.assert_allclose(10 * np.log10(heard / (energy @ width).sum()), 0, atol=0.5)
@@ -317,7 +316,7 @@ def test_sound_in_the_other_room_comes_out_of_the_doorway(coupled):
     for place, way, energy in zip(room.listeners[3:], -truth.way[3:].sum(axis=1), truth.energy[3:], strict=True):
         source, ear = (jnp.asarray(x, jnp.float32) for x in (room.source, place))
         whole, bins = first_span(scene, source, ear)
-        first, last = np.asarray(lookup_late_sound(scene, source, ear, CONFIG).arrival_direction)[[0, -1]]
+        first, last = np.asarray(look_up(scene, source, ear, CONFIG).arrival_direction)[[0, -1]]
         assert np.linalg.norm(last) < 0.2
         door, away = doorway_from(place)
         exact = way[bins].sum(axis=0) / energy[:, bins].sum()

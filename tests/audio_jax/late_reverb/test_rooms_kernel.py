@@ -29,6 +29,15 @@ def random_rates(rng, size, states, octaves):
     return own[..., None] * np.eye(size) - exchange, *rng.uniform(0, 1, (2, 2, size))
 
 
+def by_the_exponential(rates, start, listener, bins):
+    """Energy in each bin, of one environment, state and octave: float64, by powers of the matrix of one bin."""
+    step, wanted = expm(-rates), []
+    for _ in range(bins):
+        wanted.append(listener @ start)
+        start = step @ start
+    return wanted
+
+
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """Calls of XLA run the kernel on the CPU."""
@@ -52,7 +61,7 @@ def test_energy_falls_as_by_the_matrix_exponential(here, rng, size, states, octa
     (got,) = coupled_decay.launch_decay(bins, *(jnp.float32(x) for x in (rates, start, listener)), counts)
     assert got.shape == (2, states, bins, octaves)
     for env, state, octave in np.ndindex(2, states, octaves):
-        wanted = [listener[env] @ expm(-n * rates[env, state, octave]) @ start[env] for n in range(bins)]
+        wanted = by_the_exponential(rates[env, state, octave], start[env], listener[env], bins)
         np.testing.assert_allclose(got[env, state, :, octave], wanted, rtol=2e-4, atol=1e-9)
 
 
@@ -68,7 +77,7 @@ def test_the_cpu_kernel_follows_the_matrix_exponential(on_cpu, rng, size, states
     got = jax.vmap(lambda *one: coupled_decay._decay_by_cpu(*one, jnp.int32(size), bins=bins))(*given)
     assert got.shape == (2, states, bins, octaves)
     for env, state, octave in np.ndindex(2, states, octaves):
-        wanted = [listener[env] @ expm(-n * rates[env, state, octave]) @ start[env] for n in range(bins)]
+        wanted = by_the_exponential(rates[env, state, octave], start[env], listener[env], bins)
         np.testing.assert_allclose(got[env, state, :, octave], wanted, rtol=2e-4, atol=1e-9)
 
 
@@ -85,8 +94,8 @@ def test_houses_beyond_the_cpu_kernel_take_xla(rng):
 def test_gradients_are_those_of_xla(rng):
     """Of the energy with respect to the rates, with the CPU kernel in the forward pass."""
     rates, start, listener = (jnp.float32(x[0]) for x in random_rates(rng, 4, 1, 2))
-    ours = jax.grad(lambda x: coupled_decay.decay_in_rooms(x, start, listener, 30).sum())(rates)
-    theirs = jax.grad(lambda x: room_matrices.decay_in_rooms_by_xla(x, start, listener, 30).sum())(rates)
+    ours = jax.jit(jax.grad(lambda x: coupled_decay.decay_in_rooms(x, start, listener, 30).sum()))(rates)
+    theirs = jax.jit(jax.grad(lambda x: room_matrices.decay_in_rooms_by_xla(x, start, listener, 30).sum()))(rates)
     np.testing.assert_allclose(ours, theirs, rtol=1e-3, atol=1e-4)
 
 

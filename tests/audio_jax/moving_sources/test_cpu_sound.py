@@ -134,7 +134,7 @@ def test_there_are_gradients(rng):
     config = AudioConfig(response_seconds=0.1, motion=Motion(tail_seconds=0.0))
     reads = some_reads(rng, 1, config)
     slopes = [
-        jax.grad(lambda source, make=make: jnp.sum(make(reads.replace(source=source), config) ** 2))(reads.source)
+        jax.jit(jax.grad(lambda x, make=make: jnp.sum(make(reads.replace(source=x), config) ** 2)))(reads.source)
         for make in (render_early_frame, render_early_xla)
     ]
     np.testing.assert_allclose(*slopes, rtol=0, atol=1e-3 * np.std(slopes[1]))

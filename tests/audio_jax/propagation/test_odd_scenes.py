@@ -46,7 +46,7 @@ def test_an_open_house_has_what_is_left():
     bare = replace(model, triangle=np.where(floor[:, None, None], model.triangle, model.triangle[:, :1]))
     scene = scene_of(replace(whole, planes=planes, models={**whole.models, model.key: bare}))
     source = jnp.float32([-1.0, 0.0, 1.0])
-    paths = early_paths(scene, SoundSource(source), Listener(EARS, HEAD), CONFIG)
+    paths = jax.jit(early_paths, static_argnums=3)(scene, SoundSource(source), Listener(EARS, HEAD), CONFIG)
     loud = np.any(np.asarray(paths.gain) > 0, axis=1)
     image = np.array([-1.0, 0.0, -1.0])
     expected = [np.linalg.norm(x - np.asarray(EARS)) for x in (np.asarray(source), image)]

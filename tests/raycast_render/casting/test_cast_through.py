@@ -75,7 +75,7 @@ def test_any_shape_of_rays_one_origin_and_none():
     scene, (origin, direction) = random_soup(rng).scene(), random_rays(rng, 12)
     origin, direction = f32(origin[0]), f32(direction)
     each = jnp.broadcast_to(origin, direction.shape)
-    expected = one_by_one(scene, each, direction, None)
+    expected = jax.jit(lambda scene: one_by_one(scene, each, direction, None))(scene)
     found = through(scene, origin, direction.reshape(3, 4, 3))
     assert found.t.shape == (3, 4, STEPS)
     assert_same(found, expected)
