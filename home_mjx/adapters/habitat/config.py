@@ -39,6 +39,7 @@ KEYS = {
     "habitat.simulator.forward_step_size": "forward_step_size",
     "habitat.simulator.turn_angle": "turn_angle",
     "habitat.simulator.tilt_angle": "tilt_angle",
+    "habitat.simulator.habitat_sim_v0.allow_sliding": "allow_sliding",
     "habitat.task.measurements.success.success_distance": "success_distance",
     **{
         f"habitat.simulator.agents.main_agent.sim_sensors.{sensor}_sensor.{name}": name
@@ -68,6 +69,7 @@ class HabitatConfig:
         forward_step_size: Distance of `move_forward` [m].
         turn_angle: Angle of turns [degrees].
         tilt_angle: Angle of looks [degrees]; None: there are none.
+        allow_sliding: Whether agents slide along obstacles; False: they stop at contact.
         success_distance: Maximum distance on success [m]; None: 0.2 to points, 1.0 to objects.
         max_episode_steps: Steps until an episode ends.
         seed: Seed of resets.
@@ -92,6 +94,7 @@ class HabitatConfig:
     forward_step_size: float = 0.25
     turn_angle: float = 10.0
     tilt_angle: float | None = None
+    allow_sliding: bool = True
     success_distance: float | None = None
     max_episode_steps: int = 500
     seed: int = 100
@@ -194,6 +197,7 @@ def _options(config: HabitatConfig) -> dict[str, Any]:
     least = math.ceil(moves.min_duration(AgentBody()) / Timing().sim_dt) * Timing().sim_dt
     return {
         "impl": "kinematic",
+        "allow_sliding": config.allow_sliding,
         "actions": moves,
         "ctrl_dt": max(DISCRETE_CTRL_DT, least),
         "stop": True,

@@ -13,7 +13,9 @@ WARP_HINT = ". MJX-Warp is not supported: agents fall through the floor"
 JACOBIANS = ("auto", "dense", "sparse")
 CONTROLS = ("velocity", "force")
 MAX_AGENTS = 128  # maximum number of agents; arrays grow with the number of agent pairs
-NON_NUMERIC_OPTIONS = ("impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing")
+NON_NUMERIC_OPTIONS = (
+    "impl", "jacobian", "control", "sleep", "restitution", "body", "bodies", "timing", "allow_sliding"
+)  # fmt: skip
 OPTIONAL_NUMBERS = ("friction", "max_geom_pairs", "max_contact_points")  # numbers that may be None
 WHOLE_NUMBERS = (
     "num_agents", "iterations", "ls_iterations", "agent_slots", "body_slots", "max_geom_pairs", "max_contact_points"
@@ -54,6 +56,8 @@ class PhysicsConfig:
             `iterations=1`, since MJX's solver is a loop of unknown length. "c": C MuJoCo on each house's own model, on
             CPUs only; no gradients. "kinematic": no dynamics. Agents slide along obstacles, and bodies stay where they
             are.
+        allow_sliding: Whether kinematic agents slide along obstacles; False: they stop at contact, as
+            `allow_sliding=False` in Habitat. Others always slide, as contacts with agents have no friction.
 
     Raises:
         ConfigError: A value is invalid.
@@ -80,6 +84,7 @@ class PhysicsConfig:
     sleep: bool = True
     jacobian: str = "auto"
     impl: str = "fused"
+    allow_sliding: bool = True
 
     def __post_init__(self) -> None:
         self._check_choices()
@@ -88,6 +93,10 @@ class PhysicsConfig:
         if self.restitution is not None:
             check_number("restitution", self.restitution, 0, 0.9)
         check_flag("sleep", self.sleep)
+        check_flag("allow_sliding", self.allow_sliding)
+        if not self.allow_sliding and self.impl != "kinematic":
+            message = f"`allow_sliding=False` needs kinematic movement, got impl `{self.impl}`"
+            raise ConfigError(message, element="PhysicsConfig.allow_sliding", hint='Set `impl="kinematic"`.')
         self._check_bodies()
 
     def _check_bodies(self) -> None:

@@ -72,7 +72,8 @@ def _step_chunk(frame, chunk):
         )
         result = float_result(frame, NEW_QPOS, env), float_result(frame, NEW_QVEL, env), int_result(frame, TOUCHED, env)
         table = float_row(frame, AGENT, 0)
-        step_env(obstacles, motion, house, float(times[0]), int(times[1]), table, state, commands, result)
+        step = float(times[0]), int(times[1]), times[2] > 0
+        step_env(obstacles, motion, house, step, table, state, commands, result)
     free_memory(obstacles)
 
 

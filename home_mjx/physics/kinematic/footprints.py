@@ -80,18 +80,18 @@ def move_and_slide(
     least one box.
     """
     pos = old + way
-    depth = _penetration_depths(boxes, agents, pos)
+    depth = penetration_depths(boxes, agents, pos)
     count = jnp.sum(depth > 0, dtype=jnp.int32)
     for _ in range(DEPENETRATION_ITERATIONS):
         pos = pos + _depenetration(boxes, agents, pos, depth)
-        depth = _penetration_depths(boxes, agents, pos)
+        depth = penetration_depths(boxes, agents, pos)
     # In a gap that is too narrow the agent keeps its old position, unless penetration was deeper there.
     deepest = depth.max()
-    stays = (deepest > MAX_PENETRATION) & (_penetration_depths(boxes, agents, old).max() <= deepest)
+    stays = (deepest > MAX_PENETRATION) & (penetration_depths(boxes, agents, old).max() <= deepest)
     return jnp.where(stays, old, pos), count
 
 
-def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
+def penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"]) -> Float[Array, " n"]:
     """Return the moving agent's horizontal penetration at `pos` of each box, then of each agent [m].
 
     Negative values mean apart: -1 for boxes and agents above or below it, and for itself. Other agents count as upright
@@ -108,6 +108,11 @@ def _penetration_depths(boxes: Footprints, agents: AgentCapsules, pos: Float[Arr
     apart = own | (jnp.abs(away[:, 2]) > agents.half_length + agents.radius + length + radius)
     distance = jnp.sqrt(jnp.where(apart, 1.0, jnp.maximum(away[:, 0] ** 2 + away[:, 1] ** 2, 1e-12)))
     return jnp.concatenate([in_box, jnp.where(apart, -1.0, agents.radius + radius - distance)])
+
+
+def box_gradients(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array]:
+    """Return the outward unit u and v of `_side_distances`."""
+    return _side_distances(boxes, pos)[1:]
 
 
 def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, Array, Array]:
@@ -133,7 +138,7 @@ def _side_distances(boxes: Footprints, pos: Float[Array, "3"]) -> tuple[Array, A
 def _depenetration(
     boxes: Footprints, agents: AgentCapsules, pos: Float[Array, "3"], depth: Float[Array, " n"]
 ) -> Array:
-    """Return the displacement (x, y, 0) [m] that resolves the deepest `_penetration_depths`; 0 if none is positive.
+    """Return the displacement (x, y, 0) [m] that resolves the deepest `penetration_depths`; 0 if none is positive.
 
     Of equal depths, the first counts, so boxes before agents. Only one obstacle is resolved. The result is also 0 at a
     point of a box half-way between its nearest sides. So it is for an agent at the same x and y.

@@ -12,6 +12,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsSetup
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, TURN_RATE
 from home_mjx.physics.base.state import PhysicsState
+from home_mjx.physics.kinematic.contact_stop import move_and_stop
 from home_mjx.physics.kinematic.doors import drive_doors, leaf_boxes, push_doors
 from home_mjx.physics.kinematic.footprints import AgentCapsules, Footprints, move_and_slide
 from home_mjx.physics.kinematic.support import MAX_SUPPORT_OVERLAP, drop_released_bodies, support_height
@@ -32,6 +33,7 @@ def step_in_jax(
     """Advance agents, doors and held or released bodies by one control step; see `dynamics.step_checked`.
 
     Agents have their commanded speeds at once, and the height of their support after each substep: they never fall.
+    They slide along obstacles, or stop at contact without `allow_sliding`.
     `control`, forces, masses, friction and `state.scale` are ignored. `house` must be a valid index, as it is not
     clipped.
 
@@ -51,6 +53,7 @@ def step_in_jax(
     half, floor, ramps = table[:, RADIUS] + table[:, HALF_LENGTH], physics.floor[house], physics.ramp[house]
     stand = jax.vmap(lambda at, h: support_height(level, ramps, floor, at, at[2] - h))
     step_up = stand(agents[:, :3], half)[1]
+    move = move_and_slide if config.allow_sliding else move_and_stop
     pos, yaw, touched = agents[:, :3], agents[:, 3], jnp.zeros(layout.num_agents, jnp.int32)
     for _ in range(steps):
         yaw = yaw + wanted[:, 2]
@@ -60,7 +63,7 @@ def step_in_jax(
         angle = push_doors(leaves, angle, pos + way, sizes[0], half)
         boxes = jax.tree.map(lambda *x: jnp.concatenate(x), fixed, Footprints.from_boxes(leaf_boxes(leaves, angle)))
         one = jax.vmap(
-            lambda me, old, way, pos=pos, boxes=boxes, step_up=step_up: move_and_slide(
+            lambda me, old, way, pos=pos, boxes=boxes, step_up=step_up: move(
                 boxes.without_boxes_below(old[2] - half[me] + jnp.maximum(step_up[me], jnp.float32(MAX_STEP_HEIGHT))),
                 AgentCapsules(pos, *sizes, me),
                 old,

@@ -48,7 +48,7 @@ def _step_native(
 ) -> tuple[PhysicsState, Overflow]:
     """Step with the kernel; held bodies that do not exist count as none, since native code does not check bounds."""
     config, bodies = template.config, physics.body_size.shape[1]
-    times = jnp.asarray((config.timing.ctrl_dt, num_substeps(config)), jnp.float32)
+    times = jnp.asarray((config.timing.ctrl_dt, num_substeps(config), config.allow_sliding), jnp.float32)
     held = jnp.where(state.held < bodies, state.held, -1)
     static = physics.collider_pos, physics.collider_quat, physics.collider_size
     shared = (*static, physics.ramp_collider, physics.ramp, physics.floor, physics.body_size)

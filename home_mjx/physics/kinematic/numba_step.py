@@ -15,6 +15,7 @@ from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, offset_pointer, pointer_to
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, STRAFE_SPEED, TURN_RATE
 from home_mjx.physics.base.servo import MAX_DOOR_SPEED, MAX_RAMP_GAP, NOT_DRIVEN
+from home_mjx.physics.kinematic.contact_stop import ADVANCES, CONTACT_DISTANCE, MIN_APPROACH
 from home_mjx.physics.kinematic.doors import MIN_PUSH_LEVER
 from home_mjx.physics.kinematic.footprints import DEPENETRATION_ITERATIONS, MAX_PENETRATION
 from home_mjx.physics.kinematic.kinematic_step import MAX_STEP_HEIGHT
@@ -114,20 +115,20 @@ def free_memory(obstacles):
 
 @compiled
 @no_type_check
-def step_env(obstacles, motion, house, dt, substeps, table, state, control, result):
+def step_env(obstacles, motion, house, step, table, state, control, result):
     """Step one environment by a control step, see `kinematic_step.step_in_jax`.
 
     Args:
         obstacles: Memory for boxes; its lists are made anew.
         motion: Memory for agents and doors.
         house: Rows of the environment's house.
-        dt: Length of the control step [s].
-        substeps: Number of substeps.
+        step: Length of the control step [s], number of substeps, and whether agents slide along obstacles.
         table: Rows of `control.agent_table`.
         state: qpos, qvel.
         control: Actions (a, 3); held bodies (a), -1 none; grips (a, 7); goals of the doors (h).
         result: New qpos and qvel, and the number of touched obstacles (a).
     """
+    dt, substeps, sliding = step
     qpos, qvel = state
     action, held, grip, goal = control
     new_qpos, new_qvel, touched = result
@@ -145,7 +146,7 @@ def step_env(obstacles, motion, house, dt, substeps, table, state, control, resu
         _, motion.step_up[a] = _stand(obstacles, house, motion, row, a)
         touched[a] = 0
     for _ in range(substeps):
-        _move_agents(obstacles, motion, house, table, action, dt / substeps, touched)
+        _move_agents(obstacles, motion, house, table, action, dt / substeps, sliding, touched)
     for i in range(first_door):
         new_qpos[i] = qpos[i]
     for i in range(4 * agents + 6 * bodies + doors):
@@ -326,7 +327,7 @@ def _sign(x):
 
 @compiled
 @no_type_check
-def _move_agents(obstacles, motion, house, table, action, dt, touched):
+def _move_agents(obstacles, motion, house, table, action, dt, sliding, touched):
     """Advance agents and doors by one substep; `touched` becomes the maximum number of touched obstacles so far."""
     for a in range(motion.num_agents):
         row = offset_pointer(table, AGENT_COLUMNS * a)
@@ -338,7 +339,8 @@ def _move_agents(obstacles, motion, house, table, action, dt, touched):
         motion.way[3 * a + 2] = 0.0
     _push_doors(obstacles, motion, house.door, table)
     for a in range(motion.num_agents):
-        touched[a] = max(touched[a], _move_and_slide(obstacles, motion, house, table, a))
+        stopped_by = 0 if sliding else _stop_at_contact(obstacles, motion, house, table, a)
+        touched[a] = max(touched[a], stopped_by, _move_and_slide(obstacles, motion, house, table, a, sliding))
     for a in range(motion.num_agents):
         for k in range(3):
             motion.pos[3 * a + k] = motion.moved[3 * a + k]
@@ -349,11 +351,76 @@ def _move_agents(obstacles, motion, house, table, action, dt, touched):
 
 @compiled
 @no_type_check
-def _move_and_slide(obstacles, motion, house, table, a):
-    """Write the position of agent `a` after its way, see `footprints.move_and_slide`; return the touched obstacles."""
+def _stop_at_contact(obstacles, motion, house, table, a):
+    """Shorten the way of agent `a` up to the first contact, see `contact_stop`; return the obstacles that stop it."""
+    way = offset_pointer(motion.way, 3 * a)
+    length = sqrt(max(way[0] * way[0] + way[1] * way[1], TINY * TINY))
+    x, y, gone = way[0] / length, way[1] / length, 0.0
+    for _ in range(ADVANCES):
+        free, _ = _free_way(obstacles, motion, house, table, a, gone * x, gone * y, x, y)
+        gone = min(gone + max(free, 0.0), length)
+    _, touched = _free_way(obstacles, motion, house, table, a, gone * x, gone * y, x, y)
+    way[0], way[1] = gone * x, gone * y
+    return touched if gone < length else 0
+
+
+@compiled
+@no_type_check
+def _free_way(obstacles, motion, house, table, me, dx, dy, ahead_x, ahead_y):
+    """Return how far agent `me`, displaced by (dx, dy), may move ahead [m], and how many obstacles it would touch."""
+    row = offset_pointer(table, AGENT_COLUMNS * me)
+    radius, length, z = float(row[RADIUS]), float(row[HALF_LENGTH]), motion.pos[3 * me + 2]
+    x, y = motion.pos[3 * me] + dx, motion.pos[3 * me + 1] + dy
+    lowest = z - radius - length + max(motion.step_up[me], MAX_STEP_HEIGHT)
+    static, num_static = _list_near(obstacles, house, me, motion.pos[3 * me], motion.pos[3 * me + 1], 3 * radius)
+    free, count = inf, 0
+    for k in range(num_static + obstacles.num_bodies + obstacles.num_doors):
+        is_static = k < num_static
+        box = static if is_static else obstacles.bodies  # doors follow the bodies
+        box = offset_pointer(box, BOX_COLUMNS * (k if is_static else k - num_static))
+        above = max(max(box[6] - (z + length), z - length - box[7]), 0.0)
+        if box[7] <= lowest or above >= radius:
+            continue
+        from_x, from_y = x - box[0], y - box[1]
+        u, v = box[2] * from_x + box[3] * from_y, box[2] * from_y - box[3] * from_x
+        beyond_u, beyond_v = abs(u) - box[4], abs(v) - box[5]
+        out_u, out_v = max(beyond_u, 0.0), max(beyond_v, 0.0)
+        distance = sqrt(out_u * out_u + out_v * out_v)
+        apart = distance
+        if distance == 0:
+            apart, distance = max(beyond_u, beyond_v), 1.0
+            out_u, out_v = (1.0, 0.0) if beyond_u > beyond_v else (0.0, 1.0)
+        out_u, out_v = _sign(u) * out_u / distance, _sign(v) * out_v / distance
+        approach = -((box[2] * out_u - box[3] * out_v) * ahead_x + (box[3] * out_u + box[2] * out_v) * ahead_y)
+        if approach > MIN_APPROACH:
+            room = (apart - sqrt(max(radius * radius - above * above, TINY))) / approach
+            free, count = min(free, room), count + (room < CONTACT_DISTANCE)
+    for a in range(motion.num_agents):
+        other = offset_pointer(table, AGENT_COLUMNS * a)
+        most = other[HALF_LENGTH] + other[RADIUS] + length + radius
+        if a == me or abs(z - motion.pos[3 * a + 2]) > most:
+            continue
+        from_x, from_y = x - motion.pos[3 * a], y - motion.pos[3 * a + 1]
+        distance = sqrt(max(from_x * from_x + from_y * from_y, TINY))
+        approach = -(from_x * ahead_x + from_y * ahead_y) / distance
+        if approach > MIN_APPROACH:
+            room = (distance - other[RADIUS] - radius) / approach
+            free, count = min(free, room), count + (room < CONTACT_DISTANCE)
+    return free, count
+
+
+@compiled
+@no_type_check
+def _move_and_slide(obstacles, motion, house, table, a, sliding):
+    """Write the position of agent `a` after its way, see `footprints.move_and_slide`; return the touched obstacles.
+
+    An agent that does not slide has its way shortened already, and moves only out of obstacles that moved into it.
+    """
     row = offset_pointer(table, AGENT_COLUMNS * a)
     old_x, old_y, z = motion.pos[3 * a], motion.pos[3 * a + 1], motion.pos[3 * a + 2]
     x, y = old_x + motion.way[3 * a], old_y + motion.way[3 * a + 1]
+    if not sliding:
+        old_x, old_y = x, y
     lowest = z - row[RADIUS] - row[HALF_LENGTH] + max(motion.step_up[a], MAX_STEP_HEIGHT)
     depth, out_x, out_y, count = _deepest(obstacles, motion, house, table, a, x, y, lowest)
     for _ in range(DEPENETRATION_ITERATIONS):
