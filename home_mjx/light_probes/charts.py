@@ -70,7 +70,7 @@ class Faces(NamedTuple):
 
 def place_charts(house: CompiledHouse, lattice: ProbeLattice, density: float) -> Charts:
     """Place about `density` texels per metre on the faces of rooms; with a density of 0 there are none."""
-    own = _instances(house) if density > 0 else []
+    own = _instances(house) if density > 0 and len(lattice.first) else []
     faces = _faces(house, own)
     sizes = np.array([len(house.models[house.instances.model[i]].triangle) for i in own], np.int64)
     start = np.full(len(house.instances.model), -1, np.int32)

@@ -230,7 +230,7 @@ def _direct_at_probes(
         share = face_cosines(aim) * share[:, None]
         group = np.where(lattice.room[rows] == lamps.room[k], OWN_LAMPS, OTHER_LAMPS)
         light[rows, :, group] += share[..., None] * lamps.intensity[k]
-    return light.reshape(len(light), 6, -1)
+    return light.reshape(len(light), 6, 3 * NUM_GROUPS)
 
 
 def face_cosines(way: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 6"]:

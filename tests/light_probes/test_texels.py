@@ -1,6 +1,6 @@
 """Texels against closed forms, and their lookup against positions that a linear function marks."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import jax
 import jax.numpy as jnp
@@ -12,15 +12,18 @@ from test_light_bake import FEW, NIGHT, bake, grey
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import KEY_LAMPS, NUM_GROUPS, OTHER_LAMPS
+from home_mjx.light_probes import solve
 from home_mjx.light_probes.field import pack_colors, stack_fields
 from home_mjx.raycast_render import LitShader
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.surface import face_normals
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders.baked import BakedShader
 from home_mjx.raycast_render.shaders.lights import ShadingPoint
 from home_mjx.raycast_render.shaders.probes import unpack_colors
 from home_mjx.raycast_render.shaders.texels import find_chart, mix_texels, texel_irradiance
+from home_mjx.schema.semantic import Semantic
 
 LAMP = np.array([0.3, 0.2, 1.2])
 
@@ -123,3 +126,26 @@ def test_without_texels_faces_take_probes():
     assert scene.bank.bakes["light_probes"].texel.shape[1] == 0
     assert (np.asarray(find_chart(scene, scene.bank.bakes["light_probes"], hit)) == -1).all()
     assert (incident(LitShader(sun=0.0, sky=0.0), scene, hit, pos, normal)[:, 0] > 0).all()
+
+
+def test_a_house_without_rooms_has_neither_probes_nor_texels():
+    house = grey(shoebox(), 0.6)
+    none = type(house.rooms)(**{f.name: getattr(house.rooms, f.name)[:0] for f in fields(house.rooms)})
+    semantics = house.semantics.copy()
+    semantics[:, Semantic.ROOM] = -1
+    record = solve.solve_house(
+        HouseBank.from_compiled([house]), 0, replace(house, rooms=none, semantics=semantics), FEW
+    )
+    assert (len(record.light), len(record.texel), (record.chart_start >= 0).sum()) == (0, 0, 0)
+
+
+def test_lamps_of_an_episode_scale_texels(box):
+    """Factors of lamps by room + 1, as of domain randomisation; at night all light is theirs."""
+    hit, pos, _ = seen(box[2], 50)
+    probes, house = box[2].bank.bakes["light_probes"], jnp.int32(0)
+    chart = find_chart(box[2], probes, hit)
+    full, dim = (
+        texel_irradiance(probes, mix_texels(probes, house, look, NIGHT, True), house, Vec.unpack(pos), chart).x
+        for look in (None, AppearanceOverrides(jnp.uint32(0), lamps=jnp.array([1.0, 0.25])))
+    )
+    np.testing.assert_allclose(dim, 0.25 * full, rtol=1e-5)
