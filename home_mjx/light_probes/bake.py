@@ -11,7 +11,7 @@ from home_mjx.light_probes.field import ProbeField, padded_lengths, stack_fields
 from home_mjx.light_probes.options import ProbeOptions
 from home_mjx.schema.compiled import CompiledHouse
 
-CACHE_VERSION = 5  # raise it whenever the same house and options would give another field
+CACHE_VERSION = 6  # raise it whenever the same house and options would give another field
 
 
 @dataclass(frozen=True)

@@ -112,6 +112,7 @@ def _faces(house: CompiledHouse, own: list[int]) -> Faces:
         model, pose = house.models[instances.model[i]], instances.pose[i]
         corners = model.triangle @ pose[:, :3].T + pose[:, 3]
         normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normal *= np.sign(np.linalg.det(pose[:, :3]))  # fronts are fronts in the model's frame
         length = np.linalg.norm(normal, axis=1)
         room = house.semantics[:, Semantic.ROOM][instances.semantic[i] + model.part]
         columns.append(

@@ -13,7 +13,9 @@ from test_light_bake import FEW, NIGHT, bake, grey
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import KEY_LAMPS, NUM_GROUPS, OTHER_LAMPS
 from home_mjx.light_probes import solve
+from home_mjx.light_probes.charts import place_charts
 from home_mjx.light_probes.field import pack_colors, stack_fields
+from home_mjx.light_probes.lattice import place_probes
 from home_mjx.raycast_render import LitShader
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
@@ -149,3 +151,15 @@ def test_lamps_of_an_episode_scale_texels(box):
         for look in (None, AppearanceOverrides(jnp.uint32(0), lamps=jnp.array([1.0, 0.25])))
     )
     np.testing.assert_allclose(dim, 0.25 * full, rtol=1e-5)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_texels_of_mirrored_objects_are_in_front_of_them(side):
+    """Corners of a mirrored pose turn the other way in the world; faces of a room around the middle still face it."""
+    house = grey(shoebox((4.0, 4.0, 2.5)), 0.6)
+    pose = house.instances.pose.copy()
+    pose[0, 0, 0] = side
+    turned = replace(house, instances=replace(house.instances, pose=pose))
+    charts = place_charts(turned, place_probes(house.rooms, 1.0), 2.0)
+    assert len(charts.pos) > 0
+    assert (np.sum(charts.normal * (charts.pos - [0.0, 0.0, 1.25]), axis=1) < -1.0).all()
