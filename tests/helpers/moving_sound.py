@@ -1,5 +1,7 @@
 """Paths and late sound of all kinds, as moving frames are made of."""
 
+import functools
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -48,11 +50,17 @@ def some_reads(rng, sources: int, config: AudioConfig) -> DelayReads:
     new = [moved(x, rng) for x in old]
     quats = jnp.float32(rng.normal(size=(sources, 2, 4)))
     quats = quats / jnp.linalg.norm(quats, axis=-1, keepdims=True)
-    pairs = [match_paths(a, b, q[0], q[1], max_path_change(config)) for a, b, q in zip(old, new, quats, strict=True)]
     past = config.memory_length - 1
     signal = jnp.float32(rng.normal(size=(sources, past + config.frame + config.num_lookahead)))
-    reads = [early._source_reads(s, past, p, config, None) for s, p in zip(signal, pairs, strict=True)]
+    reads = [_read(*each, config) for each in zip(signal, old, new, quats, strict=True)]
     return jax.tree.map(lambda *x: jnp.stack(x), *reads)
+
+
+@functools.partial(jax.jit, static_argnums=4)
+def _read(signal, old, new, quats, config: AudioConfig) -> DelayReads:
+    """What a frame reads of one source."""
+    pairs = match_paths(old, new, quats[0], quats[1], max_path_change(config))
+    return early._source_reads(signal, config.memory_length - 1, pairs, config, None)
 
 
 def some_late(rng, envs: int, sources: int, config: AudioConfig):
