@@ -27,6 +27,7 @@ COMMANDS = {
     "generate": "generate houses and write them in SUNCG's format",
     "inspect": "count the contents of a house, or validate it",
     "compile": "compile a house or a dataset; write MJCF",
+    "export": "write a house as a glTF file",
     "render": "render images of a house from a viewpoint",
     "listen": "render a sound at a listening point of a house",
     "look": "print a saved state (pose, room, contacts, task) and draw its view and plan",

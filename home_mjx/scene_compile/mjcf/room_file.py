@@ -1,4 +1,4 @@
-"""The room file of an exported house: what MJCF cannot say, for the package's own reader of MJCF scenes."""
+"""The room file beside an exported house: its rooms, for the package's own readers of MJCF and glTF scenes."""
 
 import json
 
@@ -11,10 +11,10 @@ from home_mjx.schema.semantic import Semantic
 NO_CATEGORIES = ("unknown", "empty")  # fine categories that readers need not know
 
 
-def room_file(house: CompiledHouse) -> bytes:
-    """Return the JSON file that states the rooms of a house and the categories of its objects, by body.
+def room_file(house: CompiledHouse, has_objects: bool = True) -> bytes:
+    """Return the JSON file that states the rooms of a house and, on request, the categories of its objects, by body.
 
-    Its frame has y up: (x, z) of a corner is (x, -y) of the MJCF.
+    Its frame has y up: (x, z) of a corner is (x, -y) of the world.
     """
     rooms, owner = house.rooms, house.instances.object_id
     fine = house.semantics[house.instances.semantic, Semantic.FINE]
@@ -31,4 +31,4 @@ def room_file(house: CompiledHouse) -> bytes:
         if len(polygon)
     ]
     known = {name: category for name, category in objects.items() if category not in NO_CATEGORIES}
-    return json.dumps({"rooms": listed, "objects": known}, indent=1).encode()
+    return json.dumps({"rooms": listed} | ({"objects": known} if has_objects else {}), indent=1).encode()

@@ -1,0 +1,1 @@
+"""Export of compiled houses as glTF."""
