@@ -53,11 +53,14 @@ class GltfDocument:
     root: JsonValue
     chunk: bytes | None = None
     _buffers: dict[int, bytes] = field(default_factory=dict, repr=False)
+    _lists: dict[str, list[JsonValue]] = field(default_factory=dict, repr=False)
 
     def items(self, key: str) -> list[JsonValue]:
-        """Return the entries of a top-level list, such as `meshes`; [] if it is absent."""
-        value = self.root.member(key)
-        return value.entries() if value.has_value else []
+        """Return the entries of a top-level list, such as `meshes`, listed once; [] if it is absent."""
+        if key not in self._lists:
+            value = self.root.member(key)
+            self._lists[key] = value.entries() if value.has_value else []
+        return self._lists[key]
 
     def item(self, key: str, index: JsonValue) -> JsonValue:
         """Return the entry of a top-level list that another value names by its index.
