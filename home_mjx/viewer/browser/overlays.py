@@ -20,6 +20,7 @@ PATH_COLOUR, GOAL_COLOUR, GRID_COLOUR = (250, 170, 60), (60, 200, 110), (90, 150
 PATH_WIDTH = 4.0  # [px]
 LIFT = np.array([0.0, 0.0, 0.04])  # [m], of lines and points above the floor
 MAX_PATH = 2000  # points of the path that are kept
+MIN_PATH_STEP = 0.05  # [m], distance of points of the path
 GOAL_RADIUS = 0.15  # [m]
 
 
@@ -60,9 +61,10 @@ class Overlays(Observer):
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Draw path and goal of a step, and the grid of another house."""
         feet, boxes = (np.asarray(x) for x in self._look(self._env.params, step.state))
-        self._path = [*self._path, feet + LIFT][-MAX_PATH:]
         house, goals = int(step.state.world.house), get_goal_markers(self._env.bank, step.state, boxes)
-        self._draw_line(PATH, np.array(self._path), PATH_COLOUR)
+        if not self._path or np.linalg.norm(feet + LIFT - self._path[-1]) > MIN_PATH_STEP:
+            self._path = [*self._path, feet + LIFT][-MAX_PATH:]
+            self._draw_line(PATH, np.array(self._path), PATH_COLOUR)
         self._draw_goal(goals.places)
         if step.index == 0:
             shortest = shortest_path(self._env.bank, house, feet, goals)

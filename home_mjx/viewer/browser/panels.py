@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 ANY_HOUSE = "any house"
 SIZES = ("128", "256", "384", "512", "768")
 SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
+MIN_SECONDS = 0.2  # [s], time between updates of figures and plot
 MAX_POINTS = 2000  # steps that are plotted
 
 
@@ -46,6 +48,7 @@ class Panels(Observer):
         self._levels: list[Any] = []
         self._results: list[EpisodeResult] = []
         self._rewards: list[float] = []
+        self._shown_at = 0.0
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
 
     def attach(self, session: Session, overlays: Overlays) -> None:
@@ -89,7 +92,9 @@ class Panels(Observer):
         """Show figures and plot of the episode."""
         if step.index > len(self._rewards):  # not again after a door was opened
             self._rewards.append(float(np.reshape(step.state.reward, -1)[0]))
-        if hasattr(self, "session"):
+        is_due = time.monotonic() - self._shown_at > MIN_SECONDS or step.state.done or not step.index
+        if hasattr(self, "session") and is_due:
+            self._shown_at = time.monotonic()
             self._show_figures(step)
 
     def on_episode_end(self, result: EpisodeResult) -> None:
