@@ -96,7 +96,9 @@ def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":
 
     A target is a house if it is a name with a scheme or a path, or if no task has this name and there is a dataset.
     """
+    from home_mjx.bank.packing.texture_layers import texture_size_for
     from home_mjx.env_factory import make
+    from home_mjx.houses.load import load_bank
 
     if (args.target is None and args.checkpoint is not None) or _is_task(args):
         args.task, args.no_film = args.target, False
@@ -105,7 +107,8 @@ def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":
     args.house = args.target
     sensors = {"sensors": args.sensors or BLIND_SENSORS}
     options = {**HOUSE_OPTIONS, **sensors, **parse_assignments(args.env)}
-    return make(newest_version(HOUSE_TASK), selected_houses(args), **options)
+    bank = load_bank(selected_houses(args), texture_size=texture_size_for(args.size))
+    return make(newest_version(HOUSE_TASK), bank, **options)
 
 
 def _is_task(args: argparse.Namespace) -> bool:

@@ -93,7 +93,7 @@ class Panels(Observer):
         if step.index > len(self._rewards):  # not again after a door was opened
             self._rewards.append(float(np.reshape(step.state.reward, -1)[0]))
         is_due = time.monotonic() - self._shown_at > MIN_SECONDS or step.state.done or not step.index
-        if hasattr(self, "session") and is_due:
+        if hasattr(self, "session") and (is_due or self.session.is_paused):
             self._shown_at = time.monotonic()
             self._show_figures(step)
 
