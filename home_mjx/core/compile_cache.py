@@ -53,8 +53,8 @@ def compiler_options() -> dict[str, str | bool]:
     with jaxlib 0.11 or later, which does not have them.
 
     Example:
-        >>> options = home_mjx.compiler_options()
-        >>> step = jax.jit(lambda x: x + 1, compiler_options=options)
+        >>> import jax
+        >>> step = jax.jit(lambda x: x + 1, compiler_options=compiler_options())
         >>> int(step(1))
         2
     """
