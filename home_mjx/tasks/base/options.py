@@ -43,7 +43,6 @@ FOREIGN_OPTION_HINTS = {
     "success_radius": SUCCESS_OPTION_HINT,
     "success_distance": SUCCESS_OPTION_HINT,
     "goal_radius": SUCCESS_OPTION_HINT,
-    "allow_sliding": "Agents slide along what they touch, always; `contact_cost` is what that costs.",
     "scenes": HOUSES_HINT,
     "scene": HOUSES_HINT,
     "dataset": HOUSES_HINT,

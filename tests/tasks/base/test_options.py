@@ -102,7 +102,6 @@ def test_agents_have_the_common_body_or_their_own():
         ("gps", "gps_compass"),
         ("compass", "gps_compass"),
         ("success_radius", "`success_distance`"),
-        ("allow_sliding", "slide"),
         ("turn_angle", "DiscreteActions"),
         ("render_mode", "Gymnasium"),
     ],
