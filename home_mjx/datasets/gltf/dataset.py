@@ -1,11 +1,7 @@
 """A dataset of glTF scenes: one file, or the files of a folder, each a house."""
 
-import hashlib
-import os
-import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 from urllib.parse import parse_qsl
@@ -13,9 +9,7 @@ from urllib.parse import parse_qsl
 import numpy as np
 
 from home_mjx.core.files import NUM_HEAD_BYTES
-from home_mjx.core.paths import cache_folder
-from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions, code_digest
-from home_mjx.datasets.gltf.categories import category_metadata
+from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
 from home_mjx.datasets.gltf.decode.container import GLB_MAGIC, GltfDocument, read_document, uri_path
 from home_mjx.datasets.gltf.decode.images import ImageStore
 from home_mjx.datasets.gltf.decode.materials import MaterialReader
@@ -25,14 +19,14 @@ from home_mjx.datasets.gltf.house import HouseParts
 from home_mjx.datasets.gltf.layout.room_file import UP_AXES, RoomFile, read_room_file, room_file_path
 from home_mjx.datasets.gltf.layout.rooms import find_rooms
 from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
-from home_mjx.datasets.gltf.objects import FoundObject, split_objects
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
-from home_mjx.schema.house import House, Metadata, Problem
+from home_mjx.datasets.gltf.objects import split_objects
+from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, ROOM_MODES, SceneDataset, scene_id
+from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.geometry.meshes import Z_UP
+from home_mjx.schema.house import House, Problem
 
 SUFFIXES = (".glb", ".gltf")
-ROOM_MODES = ("auto", "one")
 OPTIONS_HINT = "Options are `up=y|z`, `scale=METRES` and `rooms=auto|one`, such as `gltf:scan.glb?up=z&scale=0.01`."
-MAX_NOTES = 100  # maximum number of problems listed per house
 
 
 @dataclass(frozen=True)
@@ -62,7 +56,7 @@ class SceneOptions:
         """Return the transform from the scene to the house: metres, Y up."""
         matrix, up = np.eye(4), self.up or stated.up or "y"
         if up == "z":
-            matrix[:3, :3] = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
+            matrix[:3, :3] = Z_UP.T
         matrix[:3, :3] *= self.scale or stated.scale or 1.0
         return matrix
 
@@ -78,7 +72,7 @@ def holds_scenes(path: Path) -> bool:
     return head[:4] == GLB_MAGIC or (path.suffix.lower() in SUFFIXES and head.lstrip()[:1] == b"{")
 
 
-class GltfDataset(Dataset):
+class GltfDataset(SceneDataset):
     """Houses from glTF scenes.
 
     `root` is the folder in the cache that receives the images, since most are inside of GLB files.
@@ -95,43 +89,29 @@ class GltfDataset(Dataset):
     """
 
     recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_scenes)
+    scheme = "gltf"
+    no_scene = "folder contains no .glb or .gltf file"
+    code = (Path(__file__).parent,)
 
-    def __init__(self, text: str) -> None:
-        name, _, query = text.partition("?")
-        if os.path.exists(text):
-            name, query = text, ""
-        self.path = Path(os.path.abspath(Path(name).expanduser()))
-        self.options = _options(query)
-        folder = hashlib.sha256(str(self.path).encode()).hexdigest()[:16]
-        super().__init__(cache_folder() / "gltf" / folder, f"gltf:{self.path}{'?' * bool(query)}{query}")
-        if not self.path.exists():
-            raise MissingFileError("scene does not exist", file=self.path, hint="Correct the path.")
-        if not self.house_ids:
-            raise MissingFileError("folder contains no .glb or .gltf file", file=self.path)
+    def read_options(self, query: str) -> SceneOptions:
+        """Return the options of a name's query."""
+        values = dict(parse_qsl(query, keep_blank_values=True))
+        try:
+            scale = float(values["scale"]) if "scale" in values else None
+            return SceneOptions(**{**values, "scale": scale})  # type: ignore[arg-type]
+        except (TypeError, ValueError) as error:
+            if isinstance(error, ConfigError):
+                raise
+            raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
 
-    @cached_property
-    def house_ids(self) -> tuple[str, ...]:
-        """Stems of the files, sorted; characters other than letters, digits, `.`, `_` and `-` become `_`."""
-        return tuple(self._scenes)
-
-    @cached_property
-    def _scenes(self) -> dict[str, Path]:
-        """Files of the scenes by house id."""
+    def find_scenes(self) -> dict[str, Path]:
+        """Return the files of the scenes by house id: their stems, sorted."""
         files = [self.path] if self.path.is_file() else sorted(self.path.iterdir())
         found: dict[str, Path] = {}
         for file in files:
             if file == self.path or file.suffix.lower() in SUFFIXES:
-                found.setdefault(re.sub(r"[^A-Za-z0-9._-]", "_", file.stem)[:128], file)
+                found.setdefault(scene_id(file.stem), file)
         return found
-
-    @property
-    def metadata(self) -> Metadata:
-        """Categories of the models: their ids are fine categories."""
-        return category_metadata()
-
-    def resolved(self, options: ReadOptions) -> ReadOptions:
-        """Return the options with a `strict` of None replaced by False."""
-        return ReadOptions(**{**vars(options), "strict": bool(options.strict)})
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
         """Read one scene as a house.
@@ -145,7 +125,7 @@ class GltfDataset(Dataset):
             DatasetError: The scene is broken, shows nothing, or has no floor.
         """
         self.check_known(house_id)
-        path, stated = self._scenes[house_id], read_room_file(self._scenes[house_id])
+        path, stated = self.scenes[house_id], read_room_file(self.scenes[house_id])
         document = read_document(path)
         images = ImageStore(document, self.root, bool(options.strict))
         materials = MaterialReader(document, images)
@@ -160,7 +140,7 @@ class GltfDataset(Dataset):
             hint = f"State its units by `?scale=` and `?up=`, or its rooms in {room_file_path(path).name}."
             raise DatasetError("scene has no floor: no level area with walls above", file=path, hint=hint)
         parts = HouseParts(path, rooms)
-        levels = parts.levels(triangles, _wanted(objects, options))
+        levels = parts.levels(triangles, self.wanted(objects, options))
         if not any(room.floor or room.ceiling or room.walls for level in levels for room in level.rooms):
             raise DatasetError("no triangle is in a room", file=path, hint="Correct the outlines of its room file.")
         self.warn_fallbacks(house_id, images.fallbacks)
@@ -175,26 +155,10 @@ class GltfDataset(Dataset):
             fallbacks=tuple(images.fallbacks),
         )
 
-    def inputs(self) -> "SceneDigests":
-        """Return the object that computes digests of the scenes' files."""
-        return SceneDigests(self)
-
     def scene_files(self, house_id: str) -> list[Path]:
         """Return the files of a scene: itself, its room file, its buffers and images."""
-        path = self._scenes[house_id]
+        path = self.scenes[house_id]
         return [path, room_file_path(path), *_external_files(path)]
-
-
-class SceneDigests(FileDigests):
-    """Digests of scenes, which also depend on the reader's code and its options."""
-
-    def __init__(self, dataset: GltfDataset) -> None:
-        super().__init__(dataset.root, dataset.scene_files)
-        self.key = repr(dataset.options).encode() + code_digest(Path(__file__).parent)
-
-    def house(self, house_id: str) -> bytes:
-        """Return a SHA-256 digest of the files of a scene and of what else determines the house."""
-        return hashlib.sha256(self.key + super().house(house_id)).digest()
 
 
 def _external_files(path: Path) -> list[Path]:
@@ -206,12 +170,6 @@ def _external_files(path: Path) -> list[Path]:
         return [uri_path(path.parent, uri) for uri in named]
     except DatasetError:
         return []
-
-
-def _wanted(objects: Iterable[FoundObject], options: ReadOptions) -> list[FoundObject]:
-    """Return the objects whose coarse category the options do not exclude."""
-    metadata = category_metadata()
-    return [one for one in objects if metadata.info(one.fine).coarse not in options.excluded_categories]
 
 
 def _problems(
@@ -229,15 +187,3 @@ def _problems(
         message = f"{rooms} rooms on {levels} storeys were found from the geometry, without types"
         found.append(Problem("scenes", message))
     return tuple(found)
-
-
-def _options(query: str) -> SceneOptions:
-    """Return the options of a name's query."""
-    values = dict(parse_qsl(query, keep_blank_values=True))
-    try:
-        scale = float(values["scale"]) if "scale" in values else None
-        return SceneOptions(**{**values, "scale": scale})  # type: ignore[arg-type]
-    except (TypeError, ValueError) as error:
-        if isinstance(error, ConfigError):
-            raise
-        raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None

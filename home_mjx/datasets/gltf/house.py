@@ -65,7 +65,7 @@ class SceneObject(Protocol):
 
     @property
     def extra(self) -> Mapping[str, Any]:
-        """What the file has beside that."""
+        """Further entries of the file."""
         ...
 
     def mesh(self) -> Mesh:

@@ -1,22 +1,19 @@
 """A dataset of MJCF scenes: one file, or the files of a folder, each a house."""
 
-import hashlib
-import os
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
 from urllib.parse import parse_qsl
 
 from home_mjx.core.files import NUM_HEAD_BYTES, is_folder
-from home_mjx.core.paths import cache_folder
-from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions, code_digest
+from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
 from home_mjx.datasets.gltf.categories import category_metadata
 from home_mjx.datasets.gltf.house import HouseParts
 from home_mjx.datasets.gltf.layout.room_file import RoomFile, read_room_file, room_file_path
+from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, ROOM_MODES, SceneDataset, scene_id
 from home_mjx.datasets.mjcf.categories import metadata_path, read_body_words
 from home_mjx.datasets.mjcf.files import SceneFiles, package_root
 from home_mjx.datasets.mjcf.lights import add_lights, floor_area, read_lights
@@ -25,12 +22,11 @@ from home_mjx.datasets.mjcf.model import MjcfScene, compile_scene
 from home_mjx.datasets.mjcf.objects import MjcfObject, ObjectReader
 from home_mjx.datasets.mjcf.rooms import scene_rooms
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
-from home_mjx.schema.house import House, Metadata, Problem
+from home_mjx.schema.house import House, Problem
 
+FOLDER = Path(__file__).parent
 SUFFIX, EXPORT_FILE, CEILING_SUFFIX = ".xml", "house.xml", "_ceiling"
-ROOM_MODES = ("auto", "one")
 OPTIONS_HINT = "Options are `root=FOLDER` and `rooms=auto|one`, such as `mjcf:kitchen.xml?rooms=one`."
-MAX_NOTES = 100  # maximum number of problems listed per house
 MAX_MATERIALS = 60_000  # maximum number of looks of a scene
 
 
@@ -77,13 +73,7 @@ def _scene_files(path: Path) -> list[Path]:
     return own + sorted(path.glob(f"*/{EXPORT_FILE}"))
 
 
-def _house_id(file: Path) -> str:
-    """Return the id of a scene: its stem; of exported houses the name of their folder."""
-    name = file.parent.name if file.name == EXPORT_FILE else file.stem
-    return re.sub(r"[^A-Za-z0-9._-]", "_", name)[:128]
-
-
-class MjcfDataset(Dataset):
+class MjcfDataset(SceneDataset):
     """Houses from MJCF scenes of MuJoCo.
 
     `root` is the folder in the cache that receives the images, which MuJoCo decodes or makes.
@@ -100,48 +90,29 @@ class MjcfDataset(Dataset):
     """
 
     recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_mjcf)
+    scheme = "mjcf"
+    no_scene = "folder contains no scene of MJCF"
+    code = (FOLDER, FOLDER.with_name("gltf"), FOLDER.with_name("taxonomy.csv"))
 
-    def __init__(self, text: str) -> None:
-        name, _, query = text.partition("?")
-        if os.path.exists(text):
-            name, query = text, ""
-        self.path = Path(os.path.abspath(Path(name).expanduser()))
-        self.options = _options(query)
-        folder = hashlib.sha256(str(self.path).encode()).hexdigest()[:16]
-        super().__init__(cache_folder() / "mjcf" / folder, f"mjcf:{self.path}{'?' * bool(query)}{query}")
-        if not self.path.exists():
-            raise MissingFileError("scene does not exist", file=self.path, hint="Correct the path.")
-        if not self.house_ids:
-            raise MissingFileError("folder contains no scene of MJCF", file=self.path)
+    def read_options(self, query: str) -> MjcfOptions:
+        """Return the options of a name's query."""
+        try:
+            return MjcfOptions(**dict(parse_qsl(query, keep_blank_values=True)))
+        except TypeError:
+            raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
 
-    @cached_property
-    def house_ids(self) -> tuple[str, ...]:
-        """Stems of the files, sorted; characters other than letters, digits, `.`, `_` and `-` become `_`.
+    def find_scenes(self) -> dict[str, Path]:
+        """Return the files of the scenes by house id: their stems, sorted, then names of exported houses' folders.
 
-        Exported houses have the names of their folders. Scenes of MolmoSpaces with a ceiling are left out of folders
-        that have them without one.
+        Scenes of MolmoSpaces with a ceiling are left out of folders that have them without one.
         """
-        return tuple(self._scenes)
-
-    @cached_property
-    def _scenes(self) -> dict[str, Path]:
-        """Files of the scenes by house id."""
         files = [file for file in _scene_files(self.path) if file == self.path or _is_mjcf(file)]
         stems = {file.stem for file in files}
         found: dict[str, Path] = {}
         for file in files:
             if file.stem.removesuffix(CEILING_SUFFIX) not in stems - {file.stem}:
-                found.setdefault(_house_id(file), file)
+                found.setdefault(scene_id(file.parent.name if file.name == EXPORT_FILE else file.stem), file)
         return found
-
-    @property
-    def metadata(self) -> Metadata:
-        """Categories of the models: their ids are fine categories."""
-        return category_metadata()
-
-    def resolved(self, options: ReadOptions) -> ReadOptions:
-        """Return the options with a `strict` of None replaced by False."""
-        return ReadOptions(**{**vars(options), "strict": bool(options.strict)})
 
     def load_house(self, house_id: str, options: ReadOptions = DEFAULT_OPTIONS) -> House:
         """Read one scene as a house.
@@ -155,7 +126,7 @@ class MjcfDataset(Dataset):
             DatasetError: The scene is broken, shows nothing, or names files outside of its root.
         """
         self.check_known(house_id)
-        path, stated, words = self._scenes[house_id], *self._sidecars(house_id)
+        path, stated, words = self.scenes[house_id], *self._sidecars(house_id)
         self._collected(path)
         scene = compile_scene(path)
         table = MjcfMaterials(scene, self.root)
@@ -166,7 +137,7 @@ class MjcfDataset(Dataset):
         split = self.options.rooms == "auto"
         found = scene_rooms(path, objects, architecture, stated.rooms, split, bool(options.strict))
         parts = HouseParts(path, found.rooms)
-        levels = parts.levels(found.triangles, self._wanted(objects, options))
+        levels = parts.levels(found.triangles, self.wanted(objects, options))
         levels = add_lights(levels, read_lights(scene, floor_area(levels)))
         self.warn_fallbacks(house_id, found.fallbacks)
         notes = {**table.notes, **reader.dropped}
@@ -182,16 +153,12 @@ class MjcfDataset(Dataset):
 
     def _sidecars(self, house_id: str) -> tuple[RoomFile, Mapping[str, str]]:
         """Return the room file and the metadata of MolmoSpaces beside a scene."""
-        path = self._scenes[house_id]
+        path = self.scenes[house_id]
         stated = read_room_file(path)
         if stated.up or stated.scale is not None:
             hint = "Remove `up` and `scale`: lengths of MJCF are metres, and z is up."
             raise DatasetError("room file of an MJCF scene has units", file=room_file_path(path), hint=hint)
         return stated, read_body_words(path)
-
-    def _wanted(self, objects: Sequence[MjcfObject], options: ReadOptions) -> list[MjcfObject]:
-        """Return the objects whose coarse category the options do not exclude."""
-        return [o for o in objects if self.metadata.info(o.fine).coarse not in options.excluded_categories]
 
     def _collected(self, path: Path) -> SceneFiles:
         """Return all files of a scene, checked."""
@@ -202,32 +169,14 @@ class MjcfDataset(Dataset):
         files.add_model(path)
         return files
 
-    def inputs(self) -> "MjcfDigests":
-        """Return the object that computes digests of the scenes' files."""
-        return MjcfDigests(self)
-
     def scene_files(self, house_id: str) -> list[Path]:
         """Return the files of a scene: itself, its sidecars, and all that it names, unless one is missing."""
-        path = self._scenes[house_id]
+        path = self.scenes[house_id]
         try:
             named = list(self._collected(path).paths)
         except DatasetError:
             named = [path]
         return [*named, room_file_path(path), metadata_path(path)]
-
-
-class MjcfDigests(FileDigests):
-    """Digests of scenes, which also depend on the readers' code and their options."""
-
-    def __init__(self, dataset: MjcfDataset) -> None:
-        super().__init__(dataset.root, dataset.scene_files)
-        folder = Path(__file__).parent
-        code = code_digest(folder, folder.with_name("gltf"), folder.with_name("taxonomy.csv"))
-        self.key = repr(dataset.options).encode() + code
-
-    def house(self, house_id: str) -> bytes:
-        """Return a SHA-256 digest of the files of a scene and of what else determines the house."""
-        return hashlib.sha256(self.key + super().house(house_id)).digest()
 
 
 def _problems(scene: MjcfScene, objects: Sequence[MjcfObject], notes: dict[str, str]) -> tuple[Problem, ...]:
@@ -249,11 +198,3 @@ def _problems(scene: MjcfScene, objects: Sequence[MjcfObject], notes: dict[str, 
 def _is_door(one: MjcfObject) -> bool:
     """Return whether an object is a door of the house, whose leaves move."""
     return category_metadata().info(one.fine).coarse == "door"
-
-
-def _options(query: str) -> MjcfOptions:
-    """Return the options of a name's query."""
-    try:
-        return MjcfOptions(**dict(parse_qsl(query, keep_blank_values=True)))
-    except TypeError:
-        raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None

@@ -82,8 +82,8 @@ class PartFinder:
             model_id=model_id,
             part=f"{name}_{joint}",
             kind=kind,  # type: ignore[arg-type]
-            axis=_vector(axis / np.linalg.norm(axis)),
-            point=_vector(point),
+            axis=to_vector(axis / np.linalg.norm(axis)),
+            point=to_vector(point),
             low=low,
             high=high,
             face_ranges=_runs(mask),
@@ -97,7 +97,7 @@ def _runs(mask: Bool[np.ndarray, " f"]) -> tuple[tuple[int, int], ...]:
     return tuple((int(a), int(b) - 1) for a, b in edge.reshape(-1, 2))
 
 
-def _vector(values: Float[np.ndarray, "3"]) -> Vector:
+def to_vector(values: Float[np.ndarray, "3"]) -> Vector:
     """Return three values as a tuple of floats."""
     x, y, z = np.asarray(values, float).tolist()
     return x, y, z

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.mjcf.joints import to_vector
 from home_mjx.datasets.mjcf.model import LEVEL_LINEAR, MjcfScene
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
 from home_mjx.schema.house import Level, Light, ObjectNode
@@ -40,9 +41,9 @@ def read_lights(scene: MjcfScene, floor_area: float) -> list[SceneLight]:
         light = Light(
             kind="spot" if spot else "point",
             power=ROOM_POWER * floor_area * strength[i] / sum(strength.values()),
-            color=_triple(model.light_diffuse[i] / model.light_diffuse[i].max()),
-            position=_triple(position),
-            direction=_triple(aim) if spot else None,
+            color=to_vector(model.light_diffuse[i] / model.light_diffuse[i].max()),
+            position=to_vector(position),
+            direction=to_vector(aim) if spot else None,
             cutoff=float(np.deg2rad(np.clip(model.light_cutoff[i], 1, 90))) if spot else None,
             dropoff=float(np.clip(model.light_exponent[i], 0, 128)) if spot else 0.0,
         )
@@ -90,13 +91,7 @@ def _lit(node: ObjectNode, light: Light) -> ObjectNode:
     aim = None if light.direction is None else back[:3, :3] @ np.array(light.direction)
     own = replace(
         light,
-        position=_triple(back[:3, :3] @ np.array(light.position) + back[:3, 3]),
-        direction=None if aim is None else _triple(aim / np.linalg.norm(aim)),
+        position=to_vector(back[:3, :3] @ np.array(light.position) + back[:3, 3]),
+        direction=None if aim is None else to_vector(aim / np.linalg.norm(aim)),
     )
     return replace(node, lights=(*node.lights, own))
-
-
-def _triple(values: Float[np.ndarray, "3"]) -> tuple[float, float, float]:
-    """Return three values as a tuple of floats."""
-    x, y, z = np.asarray(values, float).tolist()
-    return x, y, z

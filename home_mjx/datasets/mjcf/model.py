@@ -14,10 +14,11 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
 from home_mjx.errors import DatasetError
+from home_mjx.geometry.meshes import Z_UP
 
 MIN_INERTIA = 1e-6  # [kg], [kg m^2], of moving bodies whose mass the file leaves out
 MAX_SHOWN_GROUP = 2  # groups above it are hidden by default in MuJoCo's viewer
-LEVEL_LINEAR = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # house (Y up) from world (Z up)
+LEVEL_LINEAR = Z_UP.T  # house (Y up) from world (Z up)
 
 
 @dataclass(frozen=True)

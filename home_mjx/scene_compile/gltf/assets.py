@@ -8,12 +8,13 @@ import numpy as np
 from home_mjx.core.color import decode_srgb
 from home_mjx.core.files import read_bytes
 from home_mjx.core.images import has_cut_outs
+from home_mjx.geometry.meshes import Z_UP
 from home_mjx.scene_compile.gltf.document import DocumentWriter
 from home_mjx.scene_compile.mjcf.assets import png_bytes
 from home_mjx.schema.compiled import CompiledHouse, Model
 
 MIME_TYPES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-FROM_Z_UP = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # glTF has y up
+FROM_Z_UP = Z_UP.T  # glTF has y up
 
 
 class GltfAssets:
