@@ -381,18 +381,12 @@ def _free_way(obstacles, motion, house, table, me, dx, dy, ahead_x, ahead_y):
         above = max(max(box[6] - (z + length), z - length - box[7]), 0.0)
         if box[7] <= lowest or above >= radius:
             continue
-        from_x, from_y = x - box[0], y - box[1]
-        u, v = box[2] * from_x + box[3] * from_y, box[2] * from_y - box[3] * from_x
+        u, v = _box_frame(box, x, y)
         beyond_u, beyond_v = abs(u) - box[4], abs(v) - box[5]
-        out_u, out_v = max(beyond_u, 0.0), max(beyond_v, 0.0)
-        distance = sqrt(out_u * out_u + out_v * out_v)
-        apart = distance
-        if distance == 0:
-            apart, distance = max(beyond_u, beyond_v), 1.0
-            out_u, out_v = (1.0, 0.0) if beyond_u > beyond_v else (0.0, 1.0)
-        out_u, out_v = _sign(u) * out_u / distance, _sign(v) * out_v / distance
-        approach = -((box[2] * out_u - box[3] * out_v) * ahead_x + (box[3] * out_u + box[2] * out_v) * ahead_y)
+        out_x, out_y = _way_out(box, u, v, beyond_u, beyond_v)
+        approach = -(out_x * ahead_x + out_y * ahead_y)
         if approach > MIN_APPROACH:
+            apart = _signed_distance(beyond_u, beyond_v)
             room = (apart - sqrt(max(radius * radius - above * above, TINY))) / approach
             free, count = min(free, room), count + (room < CONTACT_DISTANCE)
     for a in range(motion.num_agents):
@@ -456,23 +450,15 @@ def _deepest(obstacles, motion, house, table, me, x, y, lowest):
         above = max(max(box[6] - (z + length), z - length - box[7]), 0.0)
         if above >= radius:
             continue
-        from_x, from_y = x - box[0], y - box[1]
-        u, v = box[2] * from_x + box[3] * from_y, box[2] * from_y - box[3] * from_x
+        u, v = _box_frame(box, x, y)
         beyond_u, beyond_v = abs(u) - box[4], abs(v) - box[5]
         if beyond_u > radius or beyond_v > radius:
             continue
-        out_u, out_v = max(beyond_u, 0.0), max(beyond_v, 0.0)
-        distance = sqrt(out_u * out_u + out_v * out_v)
-        is_inside = distance == 0
-        depth = sqrt(max(radius * radius - above * above, TINY)) - (max(beyond_u, beyond_v) if is_inside else distance)
+        depth = sqrt(max(radius * radius - above * above, TINY)) - _signed_distance(beyond_u, beyond_v)
         count += depth > 0
         if depth > worst:
             worst = depth
-            if is_inside:
-                out_u, out_v = (1.0, 0.0) if beyond_u > beyond_v else (0.0, 1.0)
-                distance = 1.0
-            out_u, out_v = _sign(u) * out_u / distance, _sign(v) * out_v / distance
-            out_x, out_y = box[2] * out_u - box[3] * out_v, box[3] * out_u + box[2] * out_v
+            out_x, out_y = _way_out(box, u, v, beyond_u, beyond_v)
     for a in range(motion.num_agents):
         other = offset_pointer(table, AGENT_COLUMNS * a)
         most = other[HALF_LENGTH] + other[RADIUS] + length + radius
@@ -485,6 +471,36 @@ def _deepest(obstacles, motion, house, table, me, x, y, lowest):
         if depth > worst:
             worst, out_x, out_y = depth, from_x / distance, from_y / distance
     return worst, out_x, out_y, count
+
+
+@compiled
+@no_type_check
+def _box_frame(box, x, y):
+    """Return a point in the frame of a box, along its two horizontal axes [m]."""
+    from_x, from_y = x - box[0], y - box[1]
+    return box[2] * from_x + box[3] * from_y, box[2] * from_y - box[3] * from_x
+
+
+@compiled
+@no_type_check
+def _signed_distance(beyond_u, beyond_v):
+    """Return the distance from a box by the distances beyond its sides [m]; negative inside."""
+    out_u, out_v = max(beyond_u, 0.0), max(beyond_v, 0.0)
+    distance = sqrt(out_u * out_u + out_v * out_v)
+    return max(beyond_u, beyond_v) if distance == 0 else distance
+
+
+@compiled
+@no_type_check
+def _way_out(box, u, v, beyond_u, beyond_v):
+    """Return the unit vector (x, y) away from a box at (u, v) in its frame, by the distances beyond its sides [m]."""
+    out_u, out_v = max(beyond_u, 0.0), max(beyond_v, 0.0)
+    distance = sqrt(out_u * out_u + out_v * out_v)
+    if distance == 0:
+        out_u, out_v = (1.0, 0.0) if beyond_u > beyond_v else (0.0, 1.0)
+        distance = 1.0
+    out_u, out_v = _sign(u) * out_u / distance, _sign(v) * out_v / distance
+    return box[2] * out_u - box[3] * out_v, box[3] * out_u + box[2] * out_v
 
 
 @compiled
@@ -511,8 +527,7 @@ def _support(boxes, count, x, y, foot, height):
         box = offset_pointer(boxes, BOX_COLUMNS * k)
         if box[7] <= height or box[7] > foot + MAX_SUPPORT_OVERLAP:
             continue
-        from_x, from_y = x - box[0], y - box[1]
-        u, v = box[2] * from_x + box[3] * from_y, box[2] * from_y - box[3] * from_x
+        u, v = _box_frame(box, x, y)
         if abs(u) <= box[4] + MAX_SUPPORT_REACH and abs(v) <= box[5] + MAX_SUPPORT_REACH:
             height = box[7]
     return height
