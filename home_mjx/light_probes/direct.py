@@ -6,12 +6,19 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.bank.records.lights import NUM_GROUPS, OTHER_LAMPS, OWN_LAMPS, SUNS, ZENITH
-from home_mjx.light_probes.emitters import Lamps, Windows, open_sky, sample_lamp, sky_groups, sun_directions
+from home_mjx.light_probes.emitters import (
+    MIN_SURFACE_DISTANCE,
+    Lamps,
+    Windows,
+    open_sky,
+    sample_lamp_on_face,
+    sky_groups,
+    sun_directions,
+)
 from home_mjx.light_probes.ray_scene import RayScene
 from home_mjx.light_probes.surfaces import SurfacePoints
 
 BIAS = 1e-3  # [m], offset of shadow rays above a surface
-MIN_SURFACE_DISTANCE, MIN_PROBE_DISTANCE = 0.1, 0.2  # [m], assumed at least between a lamp and a surface
 
 
 class DirectLight(NamedTuple):
@@ -48,9 +55,8 @@ def light_surfaces(
     inside = np.where(points.seen & (points.room >= 0), points.room, -1)
     for k, number in enumerate(lamps.number):
         random = np.random.default_rng((*stream, int(number))).random((len(own), 2), np.float32) * 2 - 1
-        way, share, reach = sample_lamp(lamps, k, start, random, MIN_SURFACE_DISTANCE)
-        share = share * np.maximum(np.einsum("ij,ij->i", way, points.normal), 0)
-        share = share / np.maximum(np.linalg.norm(way, axis=1), 1e-6) * points.seen
+        way, share, reach = sample_lamp_on_face(lamps, k, start, points.normal, random)
+        share = share * points.seen
         share = share * scene.is_clear(start, way, np.where(share > 0, reach, -1))
         group = np.where(own == lamps.room[k], OWN_LAMPS, OTHER_LAMPS)
         light[np.arange(len(own)), group] += share[:, None] * lamps.intensity[k]

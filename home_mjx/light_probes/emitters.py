@@ -14,6 +14,7 @@ from home_mjx.core.color import decode_srgb
 from home_mjx.core.images import read_texture
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 
+MIN_SURFACE_DISTANCE, MIN_PROBE_DISTANCE = 0.1, 0.2  # [m], assumed at least between a lamp and a surface
 BULB_RADIUS = 0.05  # [m], of a lamp that has no extent
 MEAN_COLOR_EDGE = 16  # [px], to which a texture is reduced before the mean of its colours is taken
 ZENITH_COLOR, GROUND_COLOR = np.array([0.45, 0.68, 1.0]), np.array([0.2, 0.21, 0.16])  # as of the shader `lit`
@@ -110,6 +111,19 @@ def sample_lamp(
     cosine = -(way @ lamps.direction[k].astype(np.float32)) / distance
     profile = np.where(cosine >= lamps.cutoff[k], np.maximum(cosine, 1e-6) ** np.float32(lamps.exponent[k]), 0)
     return way, profile / np.maximum(square, np.float32(least**2)), np.maximum(1 - 1.1 * BULB_RADIUS / distance, 0)
+
+
+def sample_lamp_on_face(
+    lamps: Lamps,
+    k: int,
+    points: Float[np.ndarray, "n 3"],
+    normal: Float[np.ndarray, "n 3"],
+    random: Float[np.ndarray, "n 2"],
+) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, " n"], Float[np.ndarray, " n"]]:
+    """Return `sample_lamp` for faces: shares are of the irradiance on the unit normals, 0 behind a face."""
+    way, share, reach = sample_lamp(lamps, k, points, random, MIN_SURFACE_DISTANCE)
+    share = share * np.maximum(np.einsum("ij,ij->i", way, normal), 0)
+    return way, share / np.maximum(np.linalg.norm(way, axis=1), 1e-6), reach
 
 
 def _on_sphere(random: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n 3"]:

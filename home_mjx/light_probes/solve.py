@@ -15,8 +15,9 @@ from home_mjx.bank.records.lights import NUM_GROUPS, NUM_KEY_LAMPS, OTHER_LAMPS,
 from home_mjx.core.workers import map_threads
 from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.light_probes.charts import place_charts
-from home_mjx.light_probes.direct import MIN_PROBE_DISTANCE, light_surfaces
+from home_mjx.light_probes.direct import light_surfaces
 from home_mjx.light_probes.emitters import (
+    MIN_PROBE_DISTANCE,
     Lamps,
     Windows,
     lamp_models,

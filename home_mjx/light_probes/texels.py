@@ -19,8 +19,8 @@ from home_mjx.bank.records.lights import (
 )
 from home_mjx.core.workers import map_threads
 from home_mjx.light_probes.charts import Charts, drop_unused, fill_invalid, smooth
-from home_mjx.light_probes.direct import BIAS, MIN_SURFACE_DISTANCE, sky_through
-from home_mjx.light_probes.emitters import Lamps, Windows, sample_lamp, sky_groups
+from home_mjx.light_probes.direct import BIAS, sky_through
+from home_mjx.light_probes.emitters import Lamps, Windows, sample_lamp_on_face, sky_groups
 from home_mjx.light_probes.hit_cache import HitCache, LitPoints
 from home_mjx.light_probes.kernels import compile_kernels
 from home_mjx.light_probes.lattice import ProbeLattice, locate
@@ -40,7 +40,7 @@ NOTHING = np.zeros((1, 3 * NUM_GROUPS), np.float32)
 
 @dataclass(frozen=True)
 class TexelScene:
-    """What light at texels depends on.
+    """Inputs of the light at texels.
 
     Attributes:
         rays: The house.
@@ -210,9 +210,7 @@ def _add_lamps(
         random = np.random.default_rng((*stream, int(number))).random((SAMPLES, len(start), 2), np.float32) * 2 - 1
         total = np.zeros(len(start), np.float32)
         for sample in random:
-            way, share, reach = sample_lamp(lamps, k, start, sample, MIN_SURFACE_DISTANCE)
-            share = share * np.maximum(np.einsum("ij,ij->i", way, normal), 0)
-            share = share / np.maximum(np.linalg.norm(way, axis=1), 1e-6)
+            way, share, reach = sample_lamp_on_face(lamps, k, start, normal, sample)
             total += share * scene.rays.is_clear(start, way, np.where(share > 0, reach, -1)) / SAMPLES
         group = np.where(room == lamps.room[k], OWN_LAMPS, OTHER_LAMPS)
         group = np.where((scene.keys[room] == k).any(axis=1), KEY_LAMPS, group)

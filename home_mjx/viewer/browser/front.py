@@ -56,7 +56,7 @@ class Request(NamedTuple):
 
     @property
     def is_websocket(self) -> bool:
-        """Whether the request opens a WebSocket."""
+        """True if the request opens a WebSocket."""
         return self.headers.get("Upgrade", "").lower() == "websocket"
 
 

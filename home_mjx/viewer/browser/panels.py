@@ -77,7 +77,7 @@ class Panels(Observer):
         self._show_environment()
 
     def on_run_start(self, start: RunStart) -> None:
-        """Forget the results of another environment or agent."""
+        """Clear the results of another environment or agent."""
         self._results = []
         if hasattr(self, "session"):
             self.session.post(self._show_environment)
