@@ -1,11 +1,10 @@
 """Generation of datasets: one house per seed, and the shared library."""
 
-import gc
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+from home_mjx.core.workers import pause_gc
 from home_mjx.datasets.suncg.write.house import write_house
 from home_procgen.build import build_home
 from home_procgen.dataset_writer import write_seeds
@@ -46,19 +45,7 @@ def generate_dataset(
 
 def write_home(root: Path, seed: int, variant: Variant = HOME_VARIANT) -> None:
     """Write the home of a seed below a dataset root, and the models and textures it uses that are not there yet."""
-    with _pause_gc():
+    with pause_gc():  # a home creates few cycles, and models many objects
         home = build_home(seed, variant)
         write_used_models(root, home, variant.detail)
         write_house(root, home)
-
-
-@contextmanager
-def _pause_gc() -> Iterator[None]:
-    """Suspend cyclic garbage collection: it would scan all models repeatedly, and a home creates few cycles."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()

@@ -18,6 +18,7 @@ from typing import IO, Any, TypeVar
 from numba.core.caching import FunctionCache
 
 from home_mjx.core.files import read_bytes, read_text, write_atomically
+from home_mjx.core.workers import pause_gc
 from home_mjx.errors import DatasetError
 
 T = TypeVar("T")
@@ -48,7 +49,8 @@ def verify_cache(build: Callable[..., T]) -> Callable[..., T]:
         sums = folder / f"{stem}.{DIGESTS_SUFFIX}"
         with exclusive_lock(folder / f"{stem}.{LOCK_SUFFIX}"):
             delete_unverified(folder, stem, sums)
-            made = build(*args)
+            with pause_gc():  # an eighth of the time
+                made = build(*args)
             _note(folder, stem, sums)
         return made
 
@@ -69,6 +71,15 @@ def verify_cache_once(function: Callable[..., T]) -> Callable[..., T]:
         return made
 
     return first_checked
+
+
+def is_recorded(build: Callable[..., Any]) -> bool:
+    """Return whether digests of functions that `build` compiles are recorded; also True if there is no cache folder.
+
+    The files may be of other sources: then the functions are compiled anew.
+    """
+    folder, stem = _place(build)
+    return folder is None or (folder / f"{stem}.{DIGESTS_SUFFIX}").exists()
 
 
 def delete_unverified(folder: Path, stem: str, sums: Path) -> None:

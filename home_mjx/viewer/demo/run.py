@@ -31,6 +31,7 @@ from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.tasks.experts.expert_observation import EXPERT, add_expert
 from home_mjx.viewer.demo.drawing import WalkRecord, write_contact_sheet
+from home_mjx.viewer.demo.kernels import compile_beside
 from home_mjx.viewer.demo.phase_log import PhaseLog
 from home_mjx.viewer.demo.search import film_search
 
@@ -76,7 +77,8 @@ def run_demo(options: DemoOptions) -> dict[str, Any]:
     Returns:
         The content of `report.json`.
     """
-    with ObserverGroup([PhaseLog(PHASES, {WALK: options.num_steps})]) as group:
+    phases = PhaseLog(PHASES, {WALK: options.num_steps})
+    with compile_beside(), ObserverGroup([phases]) as group:
         return _run(options, group)
 
 
