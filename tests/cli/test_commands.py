@@ -34,7 +34,7 @@ def houses(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_generate_writes_what_inspect_counts(tmp_path: Path, capsys: pytest.CaptureFixture):
-    assert main(["generate", str(tmp_path / "new"), "--seeds", "5:7"]) == 0
+    assert main(["generate", str(tmp_path / "new"), "--seeds", "5:7", "--preset", "flat"]) == 0
     written = sorted(path.parent.name for path in (tmp_path / "new").glob("house/*/house.json"))
     assert len(written) == 2
     capsys.readouterr()
@@ -356,6 +356,7 @@ def test_bench_of_all_sensors_bakes_the_houses_of_a_dataset(houses: Path, capsys
     assert json.loads(capsys.readouterr().out)["value"] > 1
 
 
+@pytest.mark.slow
 def test_streams_of_a_dataset_of_one_house_are_measured_on_generated_ones(
     tmp_path: Path, capsys: pytest.CaptureFixture
 ):

@@ -210,7 +210,7 @@ def test_a_batch_announces_its_step_without_its_reset(
 
 def test_a_command_says_what_it_does(tmp_path: Path, without_pytest: pytest.MonkeyPatch, capsys: pytest.CaptureFixture):
     without_pytest.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
-    assert main(["generate", str(tmp_path / "new"), "--seeds", "2"]) == 0
+    assert main(["generate", str(tmp_path / "new"), "--seeds", "2", "--preset", "flat"]) == 0
     assert "home_mjx: generating 1 house\n" in capsys.readouterr().err
     assert main(["inspect", "--dataset", str(tmp_path / "new")]) == 0
     assert "home_mjx: compiling house 686f6d65" in capsys.readouterr().err

@@ -36,6 +36,7 @@ def test_changed_neighbours_change_no_bit(world):
         assert_array_equal(got[:, ::2], want[:, ::2])
 
 
+@pytest.mark.parametrize("world", [pytest.param("jax", marks=pytest.mark.slow), "fused", "c"], indirect=True)
 def test_alone_as_in_the_batch(world):
     """Within 1e-4 over 100 physics steps, bodies resting and pushed."""
     index = rollouts.NAMES.index("sofa")

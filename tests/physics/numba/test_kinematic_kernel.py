@@ -18,7 +18,7 @@ from home_mjx.schema import AgentBody
 ENVS, STEPS = 48, 60
 
 
-@pytest.fixture(scope="module", params=["storeys, 1", "storeys, 3", "flats, 2"])
+@pytest.fixture(scope="module", params=[pytest.param("storeys, 1", marks=pytest.mark.slow), "storeys, 3", "flats, 2"])
 def world(request, generated_bank):
     """Bank and template of homes on stairs, or of flats with movable bodies and doors; agents of different sizes."""
     kind, num = request.param.split(", ")
