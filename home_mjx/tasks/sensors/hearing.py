@@ -1,5 +1,6 @@
 """Sound at both ears, or other receivers, of every agent, and spectra of it."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -48,6 +49,12 @@ from home_mjx.tasks.sounds.word_sounds import NO_WORD, num_audible_frames, synth
 
 MAX_PRESSURE = 1e6  # [pressure re the source at 1 m], bound of the observation
 MIN_AUDIBLE_ENERGY = 1e-8  # energy of a response re 1 m below which any clip is under -100 dB, the minimum of levels
+
+# Inline: the program is that of plain calls. A reset, a step and other environments of equal options share one trace.
+_inline = functools.partial(jax.jit, inline=True, static_argnames="config")
+_render_state, _respond, _render_frames, _convolve = map(
+    _inline, (render_receiver_state, impulse_response, render_frames, convolve_frame)
+)
 
 
 class HearingState(Pytree):
@@ -117,8 +124,8 @@ class Hearing(Sensor):
         def render_agent(old: Any, new: Any) -> Float[Array, "c m"]:
             """Return one agent's frame, from responses before and after the step."""
             if config.audio.motion is not None:
-                return render_frames(left, old, new, config.audio, snapshot.head)
-            return jnp.sum(jax.vmap(lambda s, a, b: convolve_frame(s, a, b, config.audio))(left, old, new), axis=0)
+                return _render_frames(left, old, new, config.audio, snapshot.head)
+            return jnp.sum(jax.vmap(lambda s, a, b: _convolve(s, a, b, config.audio))(left, old, new), axis=0)
 
         return HearingState(
             phase=phase, time=time, response=response, frame=jax.vmap(render_agent)(before, response), tokens=said
@@ -260,7 +267,7 @@ def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..
     By default the result is the field `response` of `HearingState`; another `response`, a function of scene, source,
     listener, key and options, uses the same rays. The rays' random key is that of the episode, the same in all steps.
     """
-    response = response or (render_receiver_state if config.audio.motion is not None else impulse_response)
+    response = response or (_render_state if config.audio.motion is not None else _respond)
     pose, num_agents = snapshot.pose, config.num_agents
     sources = all_sources(snapshot)
     # One key per episode, not per step: successive responses stay coherent, so the tail does not flutter.

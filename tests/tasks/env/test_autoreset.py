@@ -1,6 +1,7 @@
 """Automatic resets: who ends begins anew, everybody is observed once."""
 
 import functools
+import re
 
 import jax
 import jax.numpy as jnp
@@ -26,6 +27,7 @@ def core() -> HouseholdEnv:
         "late": "traced",
         "num_rays": 8,
         "num_bounces": 2,
+        "num_edges": 0,
     }
     return HouseholdEnv(make_config(episode_length=LENGTH, **options))
 
@@ -72,8 +74,16 @@ def keys():
 
 
 def casts(lowered) -> int:
-    """Ray casts in a lowered program."""
-    return lowered.as_text().count("home_mjx_cast")
+    """Ray casts that a lowered program runs: those of a function count at each call of it."""
+    parts = re.split(r"func\.func (?:public |private )?@", lowered.as_text())[1:]
+    functions = {part.partition("(")[0]: part for part in parts}
+
+    @functools.cache
+    def count(name: str) -> int:
+        calls = re.findall(r"(?<!custom_)call @([^(]+)\(", functions[name])
+        return functions[name].count("home_mjx_cast") + sum(map(count, calls))
+
+    return count("main")
 
 
 def test_everybody_is_observed_once(core, params, program, lowered):
