@@ -50,7 +50,8 @@ class EverybodyActs(PointNav):
 
 def core_of(acting, sensors=CHEAP, **options):
     physics = PhysicsConfig(impl="kinematic", num_agents=AGENTS, bodies=BODIES)
-    options = {"width": 8, "height": 8, "late": "traced", "num_rays": 16, "num_bounces": 2, **options}
+    sound = {"late": "traced", "num_rays": 16, "num_bounces": 2, "num_edges": 0}
+    options = {"width": 8, "height": 8, **sound, **options}
     return HouseholdEnv(make_config(sensors=sensors, physics=physics, **options), Kept(acting=acting))
 
 
