@@ -21,7 +21,7 @@ def test_a_source_that_no_agent_hears_is_told(options):
     """Walls let nothing through; a source outside is heard by an agent beside it; silence is no source."""
     core = HouseholdEnv(make_config(**FEW, **options))
     env = core.bind(HouseBank.from_compiled([shoebox((6.0, 5.0, 3.0))]))
-    begun = core.reset(env.params, jax.random.key(0), observe=False)
+    begun = jax.jit(functools.partial(core.reset, observe=False))(env.params, jax.random.key(0))
     perceive = jax.jit(functools.partial(core.observe, update=True))
 
     def told(source, second=(1.0, 1.0), clip=0):
