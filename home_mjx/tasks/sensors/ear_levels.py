@@ -37,6 +37,8 @@ from home_mjx.tasks.sounds.word_sounds import voice_power
 MAX_EAR_DELAY = 1.0  # [ms], maximum delay between the ears; larger than that of any head
 MS_PER_SECOND = 1000.0
 
+_energy_envelope = jax.jit(energy_envelope, inline=True, static_argnames="config")  # one trace, as in `hearing`
+
 
 class EarLevelsState(Pytree):
     """State of `EarLevels`."""
@@ -107,7 +109,7 @@ class EarLevels(Sensor):
             left = left + gain**2 * voice_power(source_tokens(snapshot, said), config.audio)
         if snapshot.contact_sounds is not None:
             left = jnp.concatenate([left, emitted_power(scale_contact_sounds(snapshot), time, config.audio)])
-        envelopes = trace_responses(config, snapshot, energy_envelope)  # axes (a, e)
+        envelopes = trace_responses(config, snapshot, _energy_envelope)  # axes (a, e)
         power = jax.vmap(jax.vmap(mean_band_power), (0, None))(envelopes.energy, left)  # (a, e, 2, bands)
         weight = jnp.sum(power, axis=2)
         lead = jnp.sum(weight * envelopes.left_ear_lead, axis=(1, 2)) / jnp.maximum(jnp.sum(weight, axis=(1, 2)), 1e-30)

@@ -31,7 +31,8 @@ def heard():
     """A function from the clip, schedule and yaw to what is heard in the third frame of 0.3 s."""
     core = HouseholdEnv(make_config(num_agents=2, speech=("say:yes",), **OPTIONS))
     env = core.bind(HouseBank.from_compiled([shoebox((9.0, 7.0, 3.0), absorption=0.5)]))
-    begun, template = core.reset(env.params, jax.random.key(0), observe=False), core.template(env.bank)
+    begun = jax.jit(functools.partial(core.reset, observe=False))(env.params, jax.random.key(0))
+    template = core.template(env.bank)
     perceive = jax.jit(functools.partial(core.observe, update=True))
     angle = physics.door_angle(template, begun.physics)
 

@@ -21,7 +21,7 @@ def heard():
     """A function from the clips, gains and times [s] of two sources to what is heard in the first frame."""
     core = HouseholdEnv(make_config(num_sources=2, clips=("tone", "bell"), **OPTIONS))
     env = core.bind(HouseBank.from_compiled([shoebox()]))
-    begun = core.reset(env.params, jax.random.key(0), observe=False)
+    begun = jax.jit(functools.partial(core.reset, observe=False))(env.params, jax.random.key(0))
     apart = begun.world.sounds.pos.at[1].add(jnp.array([0.5, -0.5, 0.2]))
     perceive = jax.jit(functools.partial(core.observe, update=True))
 
