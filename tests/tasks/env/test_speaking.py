@@ -81,7 +81,7 @@ def test_what_is_said_is_in_the_next_state_and_every_space_has_it(generated_bank
     space = GymnaxEnv(env).action_space()
     assert isinstance(space, DiscreteSpace)
     assert space.n == 9
-    state = env.core.reset(env.params, jax.random.key(0), observe=False)
+    state = jax.jit(functools.partial(env.core.reset, observe=False))(env.params, jax.random.key(0))
     assert state.world.spoken_token.tolist() == [-1]
     step = jax.jit(functools.partial(env.core.step, observe=False))
     spoken = step(env.params, state, jnp.int32(7))

@@ -17,7 +17,8 @@ from home_mjx.tasks.env.actions import decode_actions
 
 SENSES = ("prev_action", "prev_reward", "held_object")
 SOUNDS = ("log_mel", "stft")
-OPTIONS = {"late": "traced", "num_rays": 4, "num_bounces": 1, "impl": "kinematic", "actions": "discrete", "hands": True}
+FEW = {"late": "traced", "num_rays": 4, "num_bounces": 1, "num_edges": 0}
+OPTIONS = {"impl": "kinematic", "actions": "discrete", "hands": True, **FEW}
 LENGTH = 2
 FORWARD, LEFT = 1, 2
 
