@@ -99,9 +99,10 @@ def test_rows_are_of_all_houses_and_tasks_and_begin_on_their_floors(env, bank, r
 def test_mistakes_cost_and_end_episodes_only_if_told_to(bank):
     anywhere = PointGoals(stop=True, success_distance=1000.0)
     task = HouseTasks(tasks=(anywhere, ObjectNav(**STOPS)), num_tasks=2, failure_cost=0.25)
+    states = begun(HouseholdEnv(CONFIG, task).bind(bank))
     for ends in (True, False):
         env = HouseholdEnv(CONFIG, dataclasses.replace(task, terminate_on_failure=ends)).bind(bank)
-        states, names, step = begun(env), env.core.action_names, jax.jit(jax.vmap(env.core.step, in_axes=(None, 0, 0)))
+        names, step = env.core.action_names, jax.jit(jax.vmap(env.core.step, in_axes=(None, 0, 0)))
         num = len(states.reward)
         stays, stops, goes = (np.full(num, names.index(name)) for name in ("look_up", "stop", "move_forward"))
         quiet, stopped = step(env.params, states, stays), step(env.params, states, stops)
