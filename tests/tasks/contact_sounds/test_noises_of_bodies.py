@@ -14,7 +14,7 @@ from home_mjx.audio_jax.contact_sounds.sound_bank import SUSTAINED, TRANSIENTS
 from home_mjx.tasks import Status, Variation, make_config
 
 RATE, FRAME = 16000, 1600
-QUIET = {"late": "traced", "num_rays": 4, "num_bounces": 1, "sensors": ("audio",)}
+QUIET = {"late": "traced", "num_rays": 4, "num_bounces": 1, "num_edges": 0, "sensors": ("audio",)}
 AHEAD = jnp.array([1.0, 0.0, 0.0, 0.0])
 
 
