@@ -4,15 +4,15 @@ A provider is an entry point of the group `home_mjx.fallback_models` with the me
 `FurnitureProvider`. `home_procgen` is one.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Protocol, runtime_checkable
 
 from home_mjx.core.paths import installed
 from home_mjx.errors import ConfigError
-from home_mjx.schema.house import Joint, Light, Material, Mesh
+from home_mjx.schema.house import House, Joint, Light, Material, Mesh
 
 GROUP = "home_mjx.fallback_models"
 Edges = tuple[float, float, float]  # [m], along x (right of the front, seen from behind), y (up), z (front)
@@ -109,3 +109,41 @@ def furniture_provider() -> FurnitureProvider:
         if hasattr(provider, "furniture"):
             return provider.furniture()
     raise ConfigError("no installed package provides furniture", hint="Install home_mjx with home_procgen again.")
+
+
+def textures_of(house: House) -> set[str]:
+    """Return the names of the textures of a house whose paths are relative: those of our furniture."""
+    paths = [found.texture for found in _materials(house) if found.texture is not None]
+    return {path.stem for path in paths if not path.is_absolute()}
+
+
+def _materials(house: House) -> Iterator[Material]:
+    meshes: list[Mesh | None] = list(house.models.values())
+    for level in house.levels:
+        yield from (material for item in level.objects for material in item.materials)
+        meshes += [mesh for room in level.rooms for mesh in (room.floor, room.ceiling, room.walls)]
+    yield from (material for mesh in meshes if mesh is not None for material in mesh.materials)
+
+
+def with_texture_root(house: House, root: Path) -> House:
+    """Return a house whose relative paths of textures are below a folder."""
+
+    def placed(materials: tuple[Material, ...]) -> tuple[Material, ...]:
+        return tuple(m if m.texture is None else replace(m, texture=root / m.texture) for m in materials)
+
+    def mesh(found: Mesh | None) -> Mesh | None:
+        return None if found is None else replace(found, materials=placed(found.materials))
+
+    levels = tuple(
+        replace(
+            level,
+            objects=tuple(replace(item, materials=placed(item.materials)) for item in level.objects),
+            rooms=tuple(
+                replace(room, floor=mesh(room.floor), ceiling=mesh(room.ceiling), walls=mesh(room.walls))
+                for room in level.rooms
+            ),
+        )
+        for level in house.levels
+    )
+    models = {key: replace(found, materials=placed(found.materials)) for key, found in house.models.items()}
+    return replace(house, levels=levels, models=models)

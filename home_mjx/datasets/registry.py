@@ -22,6 +22,7 @@ GROUP = "home_mjx.datasets"  # entry points that open datasets by their scheme
 SUNCG = EntryPoint("suncg", "home_mjx.datasets.suncg.dataset:open_suncg", GROUP)  # opens other folders
 BUILT_IN = {  # datasets of this package, which need no entry point; `recognizes` of each tells which paths are its own
     SUNCG.name: SUNCG,
+    "habitat": EntryPoint("habitat", "home_mjx.datasets.habitat.dataset:HabitatDataset", GROUP),
     "gltf": EntryPoint("gltf", "home_mjx.datasets.gltf.dataset:GltfDataset", GROUP),
     "mjcf": EntryPoint("mjcf", "home_mjx.datasets.mjcf.dataset:MjcfDataset", GROUP),
     "procthor": EntryPoint("procthor", "home_mjx.datasets.procthor.dataset:ProcthorDataset", GROUP),

@@ -1,7 +1,7 @@
 """Words of other datasets for kinds of objects, mapped to fine categories; the table is `taxonomy.csv`.
 
-Sources are `ai2thor` (ProcTHOR, Holodeck, MolmoSpaces), `future3d` (3D-FUTURE), `mpcat40` (Matterport3D, HM3D),
-`replicacad` and `robocasa`.
+Sources are `ai2thor` (ProcTHOR, Holodeck, MolmoSpaces), `future3d` (3D-FUTURE), `hssd` (HSSD and WordNet), `mpcat40`
+(Matterport3D, HM3D), `replicacad` and `robocasa`.
 """
 
 import csv

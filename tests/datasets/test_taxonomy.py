@@ -11,7 +11,7 @@ from home_mjx.datasets.taxonomy import CLASSES, TABLE, find_word, fine_category,
 from home_mjx.schema.categories import COARSE, FINE, NYU40
 
 SAMPLE = Path(__file__).parents[3] / "shared" / "data" / "taxonomy_sample"
-SOURCES = ("ai2thor", "future3d", "mpcat40", "replicacad", "robocasa")
+SOURCES = ("ai2thor", "future3d", "hssd", "mpcat40", "replicacad", "robocasa")
 needs_sample = pytest.mark.skipif(not SAMPLE.is_dir(), reason=f"{SAMPLE} does not exist")
 
 

@@ -158,10 +158,10 @@ class GltfDataset(SceneDataset):
     def scene_files(self, house_id: str) -> list[Path]:
         """Return the files of a scene: itself, its room file, its buffers and images."""
         path = self.scenes[house_id]
-        return [path, room_file_path(path), *_external_files(path)]
+        return [path, room_file_path(path), *external_files(path)]
 
 
-def _external_files(path: Path) -> list[Path]:
+def external_files(path: Path) -> list[Path]:
     """Return the files that a scene names by URIs; none if it cannot be read."""
     try:
         document = read_document(path)

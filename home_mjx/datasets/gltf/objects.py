@@ -45,7 +45,7 @@ class FoundObject:
     def mesh(self) -> Mesh:
         """Return the meshes joined in the node's frame; normals are dropped unless all meshes have them."""
         back = np.linalg.inv(self.node.matrix)
-        return join_meshes([_moved(m.mesh, back @ m.matrix) for m in self.meshes])
+        return join_meshes([move_mesh(m.mesh, back @ m.matrix) for m in self.meshes])
 
     @property
     def key(self) -> str:
@@ -90,7 +90,7 @@ def _category(item: PlacedMesh, stated: Mapping[str, str]) -> tuple[SceneNode, s
     return item.chain[-1], ""
 
 
-def _moved(mesh: Mesh, matrix: np.ndarray) -> Mesh:
+def move_mesh(mesh: Mesh, matrix: np.ndarray) -> Mesh:
     """Return a mesh in another frame, wound outwards and with unit normals."""
     if np.allclose(matrix, np.eye(4), rtol=0, atol=1e-9):
         return mesh

@@ -14,13 +14,14 @@ from home_mjx.datasets.gltf.categories import category_metadata
 from home_mjx.datasets.gltf.house import HouseParts
 from home_mjx.datasets.gltf.layout.room_file import RoomFile, read_room_file, room_file_path
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, ROOM_MODES, SceneDataset, scene_id
+from home_mjx.datasets.gltf.scene_lights import add_lights, floor_area
+from home_mjx.datasets.gltf.scene_rooms import scene_rooms
 from home_mjx.datasets.mjcf.categories import metadata_path, read_body_words
 from home_mjx.datasets.mjcf.files import SceneFiles, package_root
-from home_mjx.datasets.mjcf.lights import add_lights, floor_area, read_lights
+from home_mjx.datasets.mjcf.lights import read_lights
 from home_mjx.datasets.mjcf.materials import MjcfMaterials
 from home_mjx.datasets.mjcf.model import MjcfScene, compile_scene
 from home_mjx.datasets.mjcf.objects import MjcfObject, ObjectReader
-from home_mjx.datasets.mjcf.rooms import scene_rooms
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.schema.house import House, Problem
 

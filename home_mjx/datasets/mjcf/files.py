@@ -86,7 +86,7 @@ class SceneFiles:
     def _elements(self, path: Path, folder: Path, above: tuple[Path, ...]) -> Iterator[XmlElement]:
         """Yield the elements of a file and of those that it includes, whose paths are relative to `folder`."""
         self._add(path, Location(path, "mujoco"))
-        stack = [(XmlElement(path, "mujoco", node=_parse(path)), 1)]
+        stack = [(XmlElement(path, "mujoco", node=read_xml(path)), 1)]
         while stack:
             found, depth = stack.pop()
             if depth > MAX_DEPTH:
@@ -149,8 +149,16 @@ def _png_pixels(path: Path) -> int:
     return width * height
 
 
-def _parse(path: Path) -> ET.Element:
-    """Return the root element of an XML file without a document type, which could define entities."""
+def read_xml(path: Path, tags: tuple[str, ...] = ("mujoco", "mujocoinclude")) -> ET.Element:
+    """Return the root element of an XML file without a document type, which could define entities.
+
+    Args:
+        path: The file.
+        tags: Tags that the root element may have.
+
+    Raises:
+        DatasetError: The file is not XML, too large, or of another kind.
+    """
     text = read_text(path, max_bytes=MAX_XML_BYTES)
     if "<!DOCTYPE" in text or "<!ENTITY" in text:
         raise DatasetError("document types and entities are not read", file=path, hint="Remove them.")
@@ -158,8 +166,8 @@ def _parse(path: Path) -> ET.Element:
         root = ET.fromstring(text)
     except (ET.ParseError, ValueError, RecursionError) as error:
         raise DatasetError(f"not valid XML: {error}", file=path, hint="Correct or fetch it again.") from None
-    if root.tag not in ("mujoco", "mujocoinclude"):
-        raise DatasetError(f"expected the element `mujoco`, got `{printable(root.tag[:40])}`", file=path)
+    if root.tag not in tags:
+        raise DatasetError(f"expected the element `{tags[0]}`, got `{printable(root.tag[:40])}`", file=path)
     return root
 
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.datasets.gltf.scene_lights import to_vector
 from home_mjx.datasets.mjcf.model import LEVEL_LINEAR, MjcfScene
-from home_mjx.schema.house import Joint, Vector
+from home_mjx.schema.house import Joint
 
 FREE, SLIDE, HINGE = 0, 2, 3  # `mujoco.mjtJoint`
 MIN_RANGE = 1e-4  # [rad] or [m], minimum range of a joint that moves
@@ -95,9 +96,3 @@ def _runs(mask: Bool[np.ndarray, " f"]) -> tuple[tuple[int, int], ...]:
     """Return the first and last index of each run of true values."""
     edge = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]])))
     return tuple((int(a), int(b) - 1) for a, b in edge.reshape(-1, 2))
-
-
-def to_vector(values: Float[np.ndarray, "3"]) -> Vector:
-    """Return three values as a tuple of floats."""
-    x, y, z = np.asarray(values, float).tolist()
-    return x, y, z

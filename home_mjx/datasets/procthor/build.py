@@ -17,7 +17,7 @@ from home_mjx.datasets.procthor.records import ThorHouse
 from home_mjx.datasets.procthor.shell import build_shell, room_polygon
 from home_mjx.datasets.taxonomy import UNKNOWN
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Fallback, House, Material, Mesh, ObjectNode, Problem
+from home_mjx.schema.house import Fallback, House, ObjectNode, Problem
 
 REASON = "models of AI2-THOR are not public"
 STRICT_HINT = "Read it with `strict=False`: our own furniture is shown, and listed."
@@ -150,40 +150,3 @@ def _piece_node(found: PlacedPiece) -> ObjectNode:
 
 def _numbered(node: ObjectNode, index: int) -> ObjectNode:
     return replace(node, id=f"0_{index}", index=index)
-
-
-def textures_of(house: House) -> set[str]:
-    """Return the names of all textures of a house."""
-    return {found.texture.stem for found in _materials(house) if found.texture is not None}
-
-
-def _materials(house: House) -> Iterator[Material]:
-    meshes: list[Mesh | None] = list(house.models.values())
-    for level in house.levels:
-        yield from (material for item in level.objects for material in item.materials)
-        meshes += [mesh for room in level.rooms for mesh in (room.floor, room.ceiling, room.walls)]
-    yield from (material for mesh in meshes if mesh is not None for material in mesh.materials)
-
-
-def with_texture_root(house: House, root: Path) -> House:
-    """Return a house whose textures have absolute paths below a folder."""
-
-    def placed(materials: tuple[Material, ...]) -> tuple[Material, ...]:
-        return tuple(m if m.texture is None else replace(m, texture=root / m.texture) for m in materials)
-
-    def mesh(found: Mesh | None) -> Mesh | None:
-        return None if found is None else replace(found, materials=placed(found.materials))
-
-    levels = tuple(
-        replace(
-            level,
-            objects=tuple(replace(item, materials=placed(item.materials)) for item in level.objects),
-            rooms=tuple(
-                replace(room, floor=mesh(room.floor), ceiling=mesh(room.ceiling), walls=mesh(room.walls))
-                for room in level.rooms
-            ),
-        )
-        for level in house.levels
-    )
-    models = {key: replace(found, materials=placed(found.materials)) for key, found in house.models.items()}
-    return replace(house, levels=levels, models=models)

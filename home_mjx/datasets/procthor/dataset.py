@@ -10,9 +10,9 @@ from typing import ClassVar
 
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, Dataset, FileDigests, ReadOptions, code_digest
-from home_mjx.datasets.furniture import furniture_provider
+from home_mjx.datasets.furniture import furniture_provider, textures_of, with_texture_root
 from home_mjx.datasets.procthor.assets import AssetTable, find_database, read_assets
-from home_mjx.datasets.procthor.build import HouseBuilder, textures_of, with_texture_root
+from home_mjx.datasets.procthor.build import HouseBuilder
 from home_mjx.datasets.procthor.parse import parse_house
 from home_mjx.datasets.procthor.source import (
     ProcthorName,

@@ -159,8 +159,12 @@ def _decode_data(uri: JsonValue) -> bytes:
         raise uri.error(f"data URI is not base64: {error}") from None
 
 
-def read_document(path: Path) -> GltfDocument:
+def read_document(path: Path, tolerated: frozenset[str] = frozenset()) -> GltfDocument:
     """Read a `.gltf` or `.glb` file; its content decides which it is.
+
+    Args:
+        path: The file.
+        tolerated: Extensions that may be required although they are not decoded, such as of textures.
 
     Raises:
         MissingFileError: The file is missing.
@@ -173,7 +177,7 @@ def read_document(path: Path) -> GltfDocument:
     if version.text().split(".")[0] != "2":
         raise version.error(f"expected glTF 2, got version `{version.text()[:20]}`", "Export it as glTF 2.0.")
     for required in document.items("extensionsRequired"):
-        if required.text() not in SUPPORTED_EXTENSIONS:
+        if required.text() not in SUPPORTED_EXTENSIONS | tolerated:
             message = f"file requires the extension `{required.text()[:60]}`, which is not supported"
             raise required.error(message, REMEDIES.get(required.text(), "Export the file without it."))
     return document

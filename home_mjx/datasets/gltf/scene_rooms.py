@@ -1,4 +1,4 @@
-"""Rooms of an MJCF scene: stated by its room file, found from its architecture, or one room around everything."""
+"""Rooms of a scene with objects: stated by a file, found from its architecture, or one room around everything."""
 
 import re
 from collections.abc import Sequence
@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.gltf.house import SceneObject
 from home_mjx.datasets.gltf.layout.room_file import StatedRoom, room_file_path
 from home_mjx.datasets.gltf.layout.rooms import SceneRoom, find_rooms
 from home_mjx.datasets.gltf.layout.triangle_set import TriangleSet, concat_triangles
-from home_mjx.datasets.mjcf.objects import MjcfObject
 from home_mjx.errors import DatasetError
 from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.house import Fallback, Material, Problem
@@ -40,11 +40,13 @@ class FoundRooms:
 
 def scene_rooms(
     path: Path,
-    objects: Sequence[MjcfObject],
+    objects: Sequence[SceneObject],
     triangles: TriangleSet,
     stated: Sequence[StatedRoom],
     split: bool,
     strict: bool,
+    element: str = "worldbody",
+    floor: float | None = None,
 ) -> FoundRooms:
     """Return the rooms of a scene.
 
@@ -55,6 +57,8 @@ def scene_rooms(
         stated: Rooms of its room file; none: they are found.
         split: Whether narrow passages separate rooms.
         strict: Refuse scenes without a floor, instead of adding one.
+        element: Element of the file that holds the architecture, for messages.
+        floor: Height of a floor that is added [m]; None: that of the lowest point.
 
     Raises:
         DatasetError: The scene has no floor, and `strict` is set.
@@ -63,14 +67,15 @@ def scene_rooms(
     if rooms:
         rooms = rooms if stated else _typed(path, rooms)
         message = f"{len(rooms)} rooms on {rooms[-1].level + 1} storeys were found from the geometry"
-        return FoundRooms(tuple(rooms), triangles, () if stated else (Problem("worldbody", message),))
+        return FoundRooms(tuple(rooms), triangles, () if stated else (Problem(element, message),))
     if strict:
         hint = f"State its rooms in {room_file_path(path).name}, and add a floor."
-        raise DatasetError("scene has no floor", file=path, element="worldbody", hint=hint)
-    room, triangles = _open_room(objects, triangles)
+        raise DatasetError("scene has no floor", file=path, element=element, hint=hint)
+    room, triangles = _open_room(objects, triangles, floor)
     rooms = _typed(path, find_rooms(triangles, [room], split))
-    replacement = "a level floor around everything, at the height of its lowest point"
-    return FoundRooms(tuple(rooms), triangles, (), (Fallback("room mesh", "floor", "worldbody", replacement),))
+    where = "the height of its lowest point" if floor is None else f"a height of {floor:.2f} m"
+    replacement = f"a level floor around everything, at {where}"
+    return FoundRooms(tuple(rooms), triangles, (), (Fallback("room mesh", "floor", element, replacement),))
 
 
 def _typed(path: Path, rooms: list[SceneRoom]) -> list[SceneRoom]:
@@ -80,15 +85,18 @@ def _typed(path: Path, rooms: list[SceneRoom]) -> list[SceneRoom]:
     return [replace(rooms[0], types=types)] if len(rooms) == 1 else rooms
 
 
-def _open_room(objects: Sequence[MjcfObject], triangles: TriangleSet) -> tuple[StatedRoom, TriangleSet]:
-    """Return a room around everything, and the architecture with a floor at the height of the lowest point."""
+def _open_room(
+    objects: Sequence[SceneObject], triangles: TriangleSet, floor: float | None
+) -> tuple[StatedRoom, TriangleSet]:
+    """Return a room around everything, and the architecture with a floor, by default at that of the lowest point."""
     points = np.concatenate([one.points for one in objects] + [triangles.corners.reshape(-1, 3)])
     low, high = points.min(axis=0), points.max(axis=0)
     (x0, z0), (x1, z1) = low[[0, 2]] - MARGIN, high[[0, 2]] + MARGIN
     corners = np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
-    ceiling = max(low[1] + MIN_HEIGHT, high[1] + HEADROOM)
-    room = StatedRoom(corners, floor=float(low[1]), ceiling=float(ceiling))
-    return room, concat_triangles([_floor(corners, float(low[1]), triangles), triangles])
+    base = float(low[1]) if floor is None else floor
+    ceiling = max(base + MIN_HEIGHT, high[1] + HEADROOM)
+    room = StatedRoom(corners, floor=base, ceiling=float(ceiling))
+    return room, concat_triangles([_floor(corners, base, triangles), triangles])
 
 
 def _floor(corners: Float[np.ndarray, "4 2"], height: float, other: TriangleSet) -> TriangleSet:

@@ -1,0 +1,1 @@
+"""Reader of Habitat's scene datasets, and of the scans that Habitat shows."""
