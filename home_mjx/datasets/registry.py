@@ -23,6 +23,7 @@ SUNCG = EntryPoint("suncg", "home_mjx.datasets.suncg.dataset:open_suncg", GROUP)
 BUILT_IN = {  # datasets of this package, which need no entry point; `recognizes` of each tells which paths are its own
     SUNCG.name: SUNCG,
     "habitat": EntryPoint("habitat", "home_mjx.datasets.habitat.dataset:HabitatDataset", GROUP),
+    "front": EntryPoint("front", "home_mjx.datasets.front.dataset:FrontDataset", GROUP),
     "gltf": EntryPoint("gltf", "home_mjx.datasets.gltf.dataset:GltfDataset", GROUP),
     "mjcf": EntryPoint("mjcf", "home_mjx.datasets.mjcf.dataset:MjcfDataset", GROUP),
     "procthor": EntryPoint("procthor", "home_mjx.datasets.procthor.dataset:ProcthorDataset", GROUP),

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.datasets.gltf.categories import ARCHITECTURE, find_category
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
@@ -53,6 +54,36 @@ class FoundObject:
         back = np.linalg.inv(self.node.matrix)
         places = [(id(m.mesh), np.round(back @ m.matrix, 6).tolist()) for m in self.meshes]
         return f"{self.fine}_{hashlib.sha256(repr(places).encode()).hexdigest()[:12]}"
+
+
+@dataclass(frozen=True)
+class MeshObject:
+    """An object with one mesh.
+
+    Attributes:
+        fine: Fine category.
+        key: Name of its mesh, equal for copies.
+        matrix: House from mesh.
+        body: Its mesh.
+        joints: Movable parts.
+        extra: Name, the dataset's word for its category, and further entries of the file.
+    """
+
+    fine: str
+    key: str
+    matrix: Float[np.ndarray, "4 4"]
+    body: Mesh
+    joints: tuple[Joint, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def points(self) -> Float[np.ndarray, "p 3"]:
+        """Vertices in the house [m]."""
+        return self.body.vertices @ self.matrix[:3, :3].T + self.matrix[:3, 3]
+
+    def mesh(self) -> Mesh:
+        """Return its mesh."""
+        return self.body
 
 
 def split_objects(

@@ -11,6 +11,7 @@ from jaxtyping import Float
 
 from home_mjx.datasets.furniture import FurnitureProvider
 from home_mjx.datasets.gltf.decode.scene import Matrix
+from home_mjx.datasets.gltf.objects import MeshObject
 from home_mjx.datasets.habitat.articulated import ArticulatedReader, read_pose
 from home_mjx.datasets.habitat.assets import AssetStore, mesh_bounds, primitive_mesh
 from home_mjx.datasets.habitat.semantics import fine_of_word
@@ -22,40 +23,10 @@ from home_mjx.datasets.habitat.urdf import read_urdf
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.taxonomy import UNKNOWN
 from home_mjx.errors import DatasetError, MissingFileError
-from home_mjx.schema.house import Fallback, Joint, Mesh, Problem
+from home_mjx.schema.house import Fallback, Mesh, Problem
 
 MIN_FLOOR_LAMP = 1.0  # [m], minimum height of lamps that stand on the floor
 KEPT_ATTRIBUTES = ("mass", "semantic_id", "user_defined")
-
-
-@dataclass(frozen=True)
-class HabitatObject:
-    """One object.
-
-    Attributes:
-        fine: Fine category.
-        key: Name of its mesh, equal for copies.
-        matrix: House from mesh.
-        body: Its mesh.
-        joints: Movable parts.
-        extra: HabitatTemplate, the dataset's word for its category, type of motion, and attributes that nothing here uses.
-    """
-
-    fine: str
-    key: str
-    matrix: Matrix
-    body: Mesh
-    joints: tuple[Joint, ...] = ()
-    extra: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def points(self) -> Float[np.ndarray, "p 3"]:
-        """Vertices in the house [m]."""
-        return self.body.vertices @ self.matrix[:3, :3].T + self.matrix[:3, 3]
-
-    def mesh(self) -> Mesh:
-        """Return its mesh."""
-        return self.body
 
 
 @dataclass
@@ -82,7 +53,7 @@ class ObjectBuilder:
     fallbacks: list[Fallback] = field(default_factory=list)
     problems: list[Problem] = field(default_factory=list)
 
-    def rigid(self, value: JsonValue, origin: JsonValue) -> HabitatObject | None:
+    def rigid(self, value: JsonValue, origin: JsonValue) -> MeshObject | None:
         """Return a rigid instance; None if it has no volume.
 
         Raises:
@@ -130,7 +101,7 @@ class ObjectBuilder:
 
     def _object(
         self, value: JsonValue, template: HabitatTemplate | None, key: str, mesh: Mesh, matrix: Matrix
-    ) -> HabitatObject | None:
+    ) -> MeshObject | None:
         """Return an object; None, with a note, if its transform has no volume or is beyond all limits."""
         if not is_valid(matrix):
             self.problems.append(Problem(value.element, "transform without volume, or beyond all limits: left out"))
@@ -138,7 +109,7 @@ class ObjectBuilder:
         fine, word = self.category(value.member("template_name").text(), template)
         if fine == "floor_lamp" and np.ptp(mesh_bounds(mesh, matrix)[:, 1]) < MIN_FLOOR_LAMP:
             fine = "table_lamp"
-        return HabitatObject(fine, f"{fine}_{key}", matrix, mesh, (), self._extra(value, template, word))
+        return MeshObject(fine, f"{fine}_{key}", matrix, mesh, (), self._extra(value, template, word))
 
     def category(self, name: str, template: HabitatTemplate | None) -> tuple[str, str]:
         """Return the fine category of an instance, and the dataset's word for it; "" without one."""
@@ -166,7 +137,7 @@ class ObjectBuilder:
 
     def _replaced(
         self, value: JsonValue, placement: Placement, template: HabitatTemplate | None, frame: Matrix, reason: str
-    ) -> HabitatObject | None:
+    ) -> MeshObject | None:
         """Return our furniture in place of a missing asset, in the box of its collider if that is known."""
         name = value.member("template_name")
         fine, _ = self.category(name.text(), template)
@@ -193,7 +164,7 @@ class ObjectBuilder:
         if self.strict:
             raise name.error(f"no template is called `{name.text()[:60]}`", "Fetch it.", MissingFileError)
 
-    def articulated(self, value: JsonValue, origin: JsonValue) -> HabitatObject | None:
+    def articulated(self, value: JsonValue, origin: JsonValue) -> MeshObject | None:
         """Return an articulated instance; errors as of `rigid`."""
         name, placement = value.member("template_name"), read_placement(value, origin)
         template = self.source.table("articulated_objects").find(name)
@@ -216,7 +187,7 @@ class ObjectBuilder:
             return None
         text = f"{path.relative_to(self.source.root).as_posix()} {scale} {sorted(pose.items())}"
         extra = self._extra(value, template, word)
-        return HabitatObject(fine, f"{fine}_{digest_of(text)}", placement.rigid, mesh, joints, extra)
+        return MeshObject(fine, f"{fine}_{digest_of(text)}", placement.rigid, mesh, joints, extra)
 
     def _urdf_path(self, template: HabitatTemplate) -> Path | None:
         """Return the URDF file of a template: the one it names, else its own, else the one beside its configuration."""
@@ -229,7 +200,7 @@ class ObjectBuilder:
 
     def _missing_articulated(
         self, value: JsonValue, placement: Placement, template: HabitatTemplate | None
-    ) -> HabitatObject | None:
+    ) -> MeshObject | None:
         """Return our furniture in place of a missing URDF file; None for doors, whose place in the wall is unknown."""
         name = value.member("template_name").text()
         fine, _ = self.category(name, template)
@@ -262,6 +233,6 @@ def digest_of(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:12]
 
 
-def kept_objects(found: Sequence[HabitatObject | None]) -> list[HabitatObject]:
+def kept_objects(found: Sequence[MeshObject | None]) -> list[MeshObject]:
     """Return the objects that are not None."""
     return [one for one in found if one is not None]

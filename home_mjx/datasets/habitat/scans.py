@@ -15,9 +15,9 @@ from home_mjx.datasets.gltf.categories import ARCHITECTURE
 from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh
 from home_mjx.datasets.gltf.layout.room_file import StatedRoom
 from home_mjx.datasets.gltf.layout.triangle_set import TriangleSet
+from home_mjx.datasets.gltf.objects import MeshObject
 from home_mjx.datasets.habitat.assets import AssetStore
 from home_mjx.datasets.habitat.matterport import read_house_file, read_labelled_ply
-from home_mjx.datasets.habitat.objects import HabitatObject
 from home_mjx.datasets.habitat.semantics import fine_of_word
 from home_mjx.datasets.habitat.templates import HabitatTemplate, path_below
 from home_mjx.datasets.suncg.formats.json_value import Location
@@ -49,7 +49,7 @@ class ScanLabels:
     rooms: tuple[StatedRoom, ...] = ()
     problems: tuple[Problem, ...] = ()
 
-    def split(self, triangles: TriangleSet) -> tuple[list[HabitatObject], TriangleSet]:
+    def split(self, triangles: TriangleSet) -> tuple[list[MeshObject], TriangleSet]:
         """Return the labelled furniture of a scan as objects, and all other triangles."""
         if not len(self.points) or not len(triangles):
             return [], triangles
@@ -66,7 +66,7 @@ class ScanLabels:
         return found, triangles[~taken]
 
 
-def _object(triangles: TriangleSet, fine: str, number: int, word: str) -> HabitatObject:
+def _object(triangles: TriangleSet, fine: str, number: int, word: str) -> MeshObject:
     """Return faces of a scan as an object around the middle of its base."""
     points = triangles.corners.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -74,7 +74,7 @@ def _object(triangles: TriangleSet, fine: str, number: int, word: str) -> Habita
     matrix[:3, 3] = (low[0] + high[0]) / 2, low[1], (low[2] + high[2]) / 2
     moved = TriangleSet(triangles.corners - matrix[:3, 3], triangles.uv, triangles.slot, triangles.materials)
     extra = {"name": f"{word}_{number}", "category": word}
-    return HabitatObject(fine, f"{fine}_scan_{number}", matrix, moved.mesh(Path("scan")), (), extra)
+    return MeshObject(fine, f"{fine}_scan_{number}", matrix, moved.mesh(Path("scan")), (), extra)
 
 
 def read_scan_labels(template: HabitatTemplate, root: Path, matrix: Matrix, assets: AssetStore) -> ScanLabels:
