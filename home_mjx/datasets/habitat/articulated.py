@@ -19,6 +19,7 @@ from home_mjx.geometry.meshes import box_triangles
 from home_mjx.schema.house import Fallback, Joint, Mesh
 
 MIN_RANGE = 1e-4  # [rad] or [m], minimum range of a joint that moves
+STRIP_WIDTH = 0.01  # [m], of the frame that doors without a frame get
 PART_NAMES = {"hinge": "door", "slide": "drawer"}
 Pose = Mapping[str, float]
 
@@ -62,7 +63,11 @@ class ArticulatedReader:
             count = faces[name][1]
         if not count:
             return None, ()
-        return join_meshes(parts), tuple(self._joints(model_id, frames, faces))
+        mesh, joints = join_meshes(parts), tuple(self._joints(model_id, frames, faces))
+        covered = sum(last - first + 1 for joint in joints for first, last in joint.face_ranges)
+        if model_id == "door" and covered == len(mesh.faces):  # the compiler moves leaves of frames alone
+            mesh = join_meshes([mesh, hinge_strip(mesh, joints[0])])
+        return mesh, joints
 
     def _frames(self) -> Iterator[tuple[str, Matrix]]:
         """Yield each link with its frame in the root link, carriers first."""
@@ -161,6 +166,40 @@ class ArticulatedReader:
             mesh = self.assets.mesh(path_below(self.root, self.model.path.parent, shape.file))
             return None if mesh is None else replace(mesh, path=self.model.path)
         return plain_mesh(self.model.path, solid_triangles(shape), GREY) if min(shape.size) > 0 else None
+
+
+def wall_frame(mesh: Mesh, joints: Sequence[Joint]) -> Matrix:
+    """Return the model from the frame of a door: x along its closed first leaf, y up, the origin in its middle.
+
+    The compiler takes that frame's x axis as the direction of the wall.
+    """
+    leaf = joints[0].move(mesh, joints[0].closed)
+    plan = leaf.vertices[np.unique(leaf.faces[joints[0].faces])][:, [0, 2]]
+    way = np.linalg.svd(plan - plan.mean(axis=0), full_matrices=False)[2][0]
+    matrix = np.eye(4)
+    matrix[:3, 0], matrix[:3, 2] = (way[0], 0, way[1]), (-way[1], 0, way[0])
+    local = plan @ matrix[[0, 2]][:, [0, 2]]
+    middle = matrix[[0, 2]][:, [0, 2]] @ ((local.min(axis=0) + local.max(axis=0)) / 2)
+    matrix[[0, 2], 3] = middle
+    return matrix
+
+
+def move_joint(joint: Joint, matrix: Matrix) -> Joint:
+    """Return a joint in another frame, by a rigid transform."""
+    point = matrix[:3, :3] @ np.array(joint.point) + matrix[:3, 3]
+    return replace(joint, axis=to_vector(matrix[:3, :3] @ np.array(joint.axis)), point=to_vector(point))
+
+
+def hinge_strip(mesh: Mesh, joint: Joint) -> Mesh:
+    """Return a strip along a joint's axis, as long as a mesh: the frame of a door that consists of leaves alone."""
+    axis = np.array(joint.axis)
+    along = (mesh.vertices - joint.point) @ axis
+    low, high = float(along.min()), float(along.max())
+    other = np.eye(3)[int(abs(axis).argmin())]
+    side = np.cross(axis, other) / np.linalg.norm(np.cross(axis, other))
+    turn = np.stack([side, np.cross(axis, side), axis], axis=1)
+    box = box_triangles(np.array([0, 0, (low + high) / 2]), np.array([STRIP_WIDTH, STRIP_WIDTH, high - low]) / 2)
+    return plain_mesh(mesh.path, box @ turn.T + joint.point, GREY)
 
 
 def solid_triangles(shape: UrdfShape) -> Triangles:

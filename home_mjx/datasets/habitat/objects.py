@@ -11,8 +11,8 @@ from jaxtyping import Float
 
 from home_mjx.datasets.furniture import FurnitureProvider
 from home_mjx.datasets.gltf.decode.scene import Matrix
-from home_mjx.datasets.gltf.objects import MeshObject
-from home_mjx.datasets.habitat.articulated import ArticulatedReader, read_pose
+from home_mjx.datasets.gltf.objects import MeshObject, move_mesh
+from home_mjx.datasets.habitat.articulated import ArticulatedReader, move_joint, read_pose, wall_frame
 from home_mjx.datasets.habitat.assets import AssetStore, mesh_bounds, primitive_mesh
 from home_mjx.datasets.habitat.semantics import fine_of_word
 from home_mjx.datasets.habitat.source import HabitatSource
@@ -186,8 +186,15 @@ class ObjectBuilder:
             self.problems.append(Problem(value.element, "no link is visible: left out"))
             return None
         text = f"{path.relative_to(self.source.root).as_posix()} {scale} {sorted(pose.items())}"
-        extra = self._extra(value, template, word)
-        return MeshObject(fine, f"{fine}_{digest_of(text)}", placement.rigid, mesh, joints, extra)
+        extra, matrix = self._extra(value, template, word), placement.rigid
+        if fine == "door" and joints:
+            frame = wall_frame(mesh, joints)
+            mesh, joints = (
+                move_mesh(mesh, np.linalg.inv(frame)),
+                tuple(move_joint(joint, np.linalg.inv(frame)) for joint in joints),
+            )
+            matrix = matrix @ frame
+        return MeshObject(fine, f"{fine}_{digest_of(text)}", matrix, mesh, joints, extra)
 
     def _urdf_path(self, template: HabitatTemplate) -> Path | None:
         """Return the URDF file of a template: the one it names, else its own, else the one beside its configuration."""

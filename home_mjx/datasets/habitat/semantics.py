@@ -16,6 +16,7 @@ from home_mjx.datasets.gltf.layout.storey_search import MIN_STOREY_HEIGHT
 from home_mjx.datasets.procthor.surfaces import room_type
 from home_mjx.datasets.suncg.formats.json_value import JsonValue, Location
 from home_mjx.datasets.taxonomy import UNKNOWN, plain_word, vocabulary
+from home_mjx.schema.categories import ROOM_TYPES
 from home_mjx.schema.house import Problem
 
 SOURCES = ("hssd", "replicacad", "mpcat40")  # tables of words, tried in this order
@@ -69,7 +70,18 @@ def _region(value: JsonValue) -> StatedRoom | None:
     if not is_outline(corners):
         return None
     ceiling = floor + size if floor is not None and size is not None else None
-    return StatedRoom(corners, room_type(label.text()) if label.has_value else "", 0, floor, ceiling)
+    return StatedRoom(corners, region_type(label.text()) if label.has_value else "", 0, floor, ceiling)
+
+
+def region_type(label: str) -> str:
+    """Return the type of a room of a region's label: the type itself in any spelling, else by words; "" if unknown.
+
+    Example:
+        >>> region_type("child room"), region_type("entryway/foyer/lobby"), region_type("void")
+        ('Child_Room', 'Entryway', '')
+    """
+    word = plain_word(label)
+    return next((name for name in ROOM_TYPES if plain_word(name) == word), "") or room_type(label)
 
 
 def stack_rooms(rooms: Iterable[StatedRoom]) -> tuple[StatedRoom, ...]:
