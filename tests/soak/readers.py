@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from mutations import Mutation, of_archive, of_bytes, of_json, of_json_lines, of_png, of_text
+from scene_readers import colors_file, front, habitat_file, house_file, labelled_ply, urdf
 
 from home_mjx.errors import HomeMjxError
 
@@ -429,6 +430,17 @@ TARGETS = {
     "sums": Target(kept_text(b'{"a.nbi": "00", "a.nbc": "11"}', sums), JSON, ()),
     "digests": Target(digest_index, (of_bytes,), ()),
     "whole-house": Target(whole_house, JSON, ()),
+    "habitat-dataset": Target(habitat_file("flat.scene_dataset_config.json"), JSON, quick=False),
+    "habitat-scene": Target(habitat_file("scenes/flat_0.scene_instance.json"), JSON),
+    "habitat-object": Target(habitat_file("configs/chair_1.object_config.json"), JSON),
+    "habitat-semantics": Target(habitat_file("flat.semantic_config.json"), JSON),
+    "habitat-lights": Target(habitat_file("configs/day.lighting_config.json"), JSON, quick=False),
+    "habitat-asset": Target(habitat_file("objects/chair_1.glb"), (of_bytes,)),
+    "urdf": Target(urdf, TEXT),
+    "matterport": Target(house_file, TEXT),
+    "labelled-ply": Target(labelled_ply, (of_bytes,)),
+    "hm3d": Target(colors_file, TEXT),
+    "front": Target(front, JSON),
     "marker": Target(kept_text(b'{"generator": "home_mjx", "version": 5}', marker, "generated.json"), JSON),
     "checkpoint": Target(checkpoint(alone=False), ARCHIVE),
     "agent": Target(checkpoint(alone=True), ARCHIVE),
