@@ -26,6 +26,7 @@ BUILT_IN = {  # datasets of this package, which need no entry point; `recognizes
     "front": EntryPoint("front", "home_mjx.datasets.front.dataset:FrontDataset", GROUP),
     "gltf": EntryPoint("gltf", "home_mjx.datasets.gltf.dataset:GltfDataset", GROUP),
     "mjcf": EntryPoint("mjcf", "home_mjx.datasets.mjcf.dataset:MjcfDataset", GROUP),
+    "usd": EntryPoint("usd", "home_mjx.datasets.usd.dataset:UsdDataset", GROUP),
     "procthor": EntryPoint("procthor", "home_mjx.datasets.procthor.dataset:ProcthorDataset", GROUP),
 }
 SCHEME = re.compile(r"([a-z][a-z0-9_+-]+):(?!//|\\)(.*)", re.DOTALL)  # two letters and more: `C:` is a drive

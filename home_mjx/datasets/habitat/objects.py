@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.core.files import is_file
 from home_mjx.datasets.furniture import FurnitureProvider
 from home_mjx.datasets.gltf.decode.scene import Matrix
 from home_mjx.datasets.gltf.objects import MeshObject, move_mesh
@@ -169,7 +170,7 @@ class ObjectBuilder:
         name, placement = value.member("template_name"), read_placement(value, origin)
         template = self.source.table("articulated_objects").find(name)
         path = self._urdf_path(template) if template is not None else None
-        if template is None or path is None or not path.is_file():
+        if template is None or path is None or not is_file(path):
             self._check_strict(name)
             return self._missing_articulated(value, placement, template)
         scale = float(placement.scale[0])

@@ -1,0 +1,1 @@
+"""Reader of OpenUSD scenes; needs the extra `usd`."""

@@ -1,0 +1,216 @@
+"""Visible prims of a USD stage as placed meshes: polygon meshes and simple solids, with their materials."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from home_mjx.core.color import encode_srgb
+from home_mjx.core.files import is_file
+from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
+from home_mjx.datasets.shapes import cone_triangles, cylinder_triangles, sphere_triangles
+from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location, printable
+from home_mjx.datasets.usd.layers import UsdScene, below, layer_unit, pxr
+from home_mjx.geometry.meshes import Z_UP, box_triangles
+from home_mjx.schema.house import Fallback, Material, Mesh
+
+MAX_PRIMS = 100_000  # maximum number of visited prims
+MAX_DEPTH = 200  # maximum number of nested prims
+MAX_CORNERS = 30_000_000  # maximum number of corners of faces of a mesh
+GREY = Material("default", (0.6, 0.6, 0.6), None, 1.0)
+AXES = {"X": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]), "Y": Z_UP.T, "Z": np.eye(3)}  # from z
+
+
+@dataclass
+class PrimReader:
+    """Reader of the prims of a scene.
+
+    Attributes:
+        scene: The scene.
+        fallbacks: Textures that materials do without.
+    """
+
+    scene: UsdScene
+    fallbacks: list[Fallback] = field(default_factory=list)
+
+    def read(self) -> Iterator[PlacedMesh]:
+        """Yield the visible meshes with the prims above them; instances are shown once each.
+
+        Raises:
+            DatasetError: A mesh is broken, or prims are too many or too deep.
+        """
+        root = self.scene.stage.GetPseudoRoot()
+        unit = layer_unit(self.scene.stage.GetRootLayer())
+        stack = [(root, self.scene.frame, (), unit)]
+        for _ in range(MAX_PRIMS):
+            if not stack:
+                return
+            prim, above, chain, unit = stack.pop()
+            if len(chain) > MAX_DEPTH:
+                raise self._place(prim).error(f"prims are more than {MAX_DEPTH} levels deep")
+            matrix, own_unit = self._matrix(prim, above, unit)
+            node = SceneNode(printable(prim.GetName()[:100]), str(prim.GetPath()), matrix)
+            chain = (*chain, node)
+            if not self._is_shown(prim):
+                continue
+            mesh = self._mesh(prim) if abs(np.linalg.det(matrix[:3, :3])) > 1e-15 else None
+            if mesh is not None and len(mesh.faces):
+                yield PlacedMesh(mesh, node.name, chain[1:])
+            usd = pxr("Usd")
+            children = list(prim.GetFilteredChildren(usd.TraverseInstanceProxies(usd.PrimDefaultPredicate)))
+            stack += [(child, matrix, chain, own_unit) for child in reversed(children)]
+        raise self._place(root).error(f"scene has more than {MAX_PRIMS} prims")
+
+    def _place(self, prim: Any) -> Location:
+        """Return the location of a prim."""
+        return Location(self.scene.path, str(prim.GetPath()))
+
+    def _is_shown(self, prim: Any) -> bool:
+        """Return whether a prim and all below may be visible: neither hidden nor a guide or proxy."""
+        geometry = pxr("UsdGeom")
+        if not prim.IsA(geometry.Imageable):
+            return True
+        shape = geometry.Imageable(prim)
+        hidden = shape.GetVisibilityAttr().Get() == geometry.Tokens.invisible
+        return not hidden and shape.GetPurposeAttr().Get() not in (geometry.Tokens.guide, geometry.Tokens.proxy)
+
+    def _matrix(
+        self, prim: Any, above: Float[np.ndarray, "4 4"], unit: float
+    ) -> tuple[Float[np.ndarray, "4 4"], float]:
+        """Return house from prim, and the unit of its layer, to which referenced geometry is scaled."""
+        geometry = pxr("UsdGeom")
+        matrix = above
+        if prim.IsA(geometry.Xformable):
+            shape = geometry.Xformable(prim)
+            local = np.array(shape.GetLocalTransformation(), float).T
+            if not (abs(local) <= MAX_COORDINATE).all():
+                raise self._place(prim).error("transform is not finite")
+            matrix = (self.scene.frame if shape.GetResetXformStack() else above) @ local
+        specs = prim.GetPrimStack()
+        own = layer_unit(specs[-1].layer) if specs else unit
+        if own != unit:  # USD does not convert the units of references
+            matrix = matrix @ np.diag([own / unit, own / unit, own / unit, 1.0])
+        return matrix, own
+
+    def _mesh(self, prim: Any) -> Mesh | None:
+        """Return the mesh of a prim; None for other kinds of prims."""
+        geometry = pxr("UsdGeom")
+        if prim.IsA(geometry.Mesh):
+            return self._polygons(prim)
+        solid = self._solid(prim)
+        if solid is None:
+            return None
+        return self._joined(prim, solid, np.zeros((len(solid), 3, 2)))
+
+    def _solid(self, prim: Any) -> Float[np.ndarray, "t 3 3"] | None:
+        """Return the triangles of a cube, sphere, cylinder or cone; None for other prims."""
+        geometry = pxr("UsdGeom")
+        if prim.IsA(geometry.Cube):
+            return box_triangles(np.zeros(3), np.full(3, self._number(prim, "size") / 2))
+        if prim.IsA(geometry.Sphere):
+            return sphere_triangles(self._number(prim, "radius"))
+        for kind, shape in ((geometry.Cylinder, cylinder_triangles), (geometry.Cone, cone_triangles)):
+            if prim.IsA(kind):
+                found = shape(self._number(prim, "radius"), self._number(prim, "height") / 2)
+                return found @ AXES.get(str(prim.GetAttribute("axis").Get()), np.eye(3)).T
+        return None
+
+    def _number(self, prim: Any, name: str) -> float:
+        """Return a positive number of a prim."""
+        value = float(prim.GetAttribute(name).Get())
+        if not 0 < value <= MAX_COORDINATE:
+            raise self._place(prim).error(f"`{name}` is not a positive, finite number")
+        return value
+
+    def _polygons(self, prim: Any) -> Mesh | None:
+        """Return a polygon mesh as triangles, the cage of subdivision surfaces; None without faces."""
+        names = ("points", "faceVertexCounts", "faceVertexIndices")
+        values = [prim.GetAttribute(name).Get() for name in names]
+        points, counts, index = (np.array(v if v is not None else []) for v in values)
+        points, counts, index = points.reshape(-1, 3).astype(float), counts.astype(int), index.astype(int)
+        place = self._place(prim)
+        if not len(counts):
+            return None
+        if not (abs(points) <= MAX_COORDINATE).all() or len(index) > MAX_CORNERS:
+            raise place.error("points are not finite, or too many")
+        if counts.min() < 0 or counts.sum() != len(index) or index.min(initial=0) < 0:
+            raise place.error("counts of faces do not fit their indices")
+        if index.max(initial=-1) >= len(points):
+            raise place.error(f"expected indices of the {len(points)} points")
+        corner = _fans(counts)
+        if str(prim.GetAttribute("orientation").Get()) == "leftHanded":
+            corner = corner[:, [0, 2, 1]]
+        return self._joined(prim, points[index[corner]], self._coordinates(prim, index, corner))
+
+    def _coordinates(self, prim: Any, index: Int[np.ndarray, " c"], corner: Int[np.ndarray, "t 3"]) -> np.ndarray:
+        """Return the texture coordinates of the corners of triangles; 0 without any."""
+        geometry = pxr("UsdGeom")
+        primvar = geometry.PrimvarsAPI(prim).FindPrimvarWithInheritance("st")
+        found = primvar.ComputeFlattened() if primvar and primvar.HasValue() else None
+        values = np.array(found, float).reshape(-1, 2) if found is not None else np.zeros((0, 2))
+        rows = {"faceVarying": corner, "vertex": index[corner], "varying": index[corner]}
+        chosen = rows.get(str(primvar.GetInterpolation())) if len(values) else None
+        if chosen is None or chosen.max(initial=-1) >= len(values) or not np.isfinite(values).all():
+            return np.zeros((len(corner), 3, 2))
+        return values[chosen]
+
+    def _joined(self, prim: Any, triangles: Float[np.ndarray, "t 3 3"], uv: np.ndarray) -> Mesh:
+        """Return triangles with the material of their prim as a mesh."""
+        count = len(triangles)
+        return Mesh(
+            path=self.scene.path,
+            vertices=triangles.reshape(-1, 3),
+            faces=np.arange(3 * count).reshape(-1, 3),
+            uv=uv,
+            slot=np.zeros(count, int),
+            group=np.full(count, -1),
+            materials=(self._material(prim),),
+        )
+
+    def _material(self, prim: Any) -> Material:
+        """Return the diffuse colour, opacity and texture of a prim's `UsdPreviewSurface`, else its display colour."""
+        shade = pxr("UsdShade")
+        bound = shade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        shader = bound.ComputeSurfaceSource()[0] if bound else None
+        if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
+            shown = pxr("UsdGeom").Gprim(prim).GetDisplayColorAttr().Get()
+            return GREY if not shown else Material("display", _color(shown[0]), None, 1.0)
+        name = printable(bound.GetPrim().GetName()[:100])
+        diffuse, opacity = shader.GetInput("diffuseColor"), shader.GetInput("opacity")
+        source = diffuse.GetConnectedSource() if diffuse else None
+        color = diffuse.Get() if diffuse and not source else None
+        alpha = opacity.Get() if opacity and not opacity.HasConnectedSource() else None
+        path = self._texture(shade.Shader(source[0].GetPrim()), name) if source else None
+        white = (1.0, 1.0, 1.0) if source else GREY.diffuse
+        opaque = float(np.clip(alpha, 0, 1)) if alpha is not None else 1.0
+        return Material(name, _color(color) if color is not None else white, path, opaque)
+
+    def _texture(self, shader: Any, name: str) -> Path | None:
+        """Return the image of a `UsdUVTexture`; None, with a fallback, if it is missing or of another format."""
+        value = shader.GetInput("file")
+        text = str(value.Get().path) if value and value.Get() else ""
+        path = below(self.scene.root, self.scene.path, text) if text else None
+        if path is not None and is_file(path) and path.suffix.lower() in (".png", ".jpg", ".jpeg"):
+            return path
+        reason = "image is missing, or neither PNG nor JPEG"
+        self.fallbacks.append(Fallback("texture", text[:100] or name, name, "the material's colour", reason))
+        return None
+
+
+def _fans(counts: Int[np.ndarray, " f"]) -> Int[np.ndarray, "t 3"]:
+    """Return the corners, among all corners of faces, of the fan of triangles of each face."""
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    sides = np.maximum(counts - 2, 0)
+    face = np.repeat(np.arange(len(counts)), sides)
+    step = np.arange(len(face)) - np.repeat(np.cumsum(sides) - sides, sides)
+    return first[face][:, None] + np.stack([0 * step, step + 1, step + 2], axis=1)
+
+
+def _color(linear: Any) -> tuple[float, float, float]:
+    """Return a linear colour as sRGB."""
+    values = np.clip(np.nan_to_num(np.array(linear, float)), 0, 1)
+    red, green, blue = np.round(encode_srgb(values), 6).tolist()
+    return red, green, blue

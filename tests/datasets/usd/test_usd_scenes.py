@@ -1,0 +1,144 @@
+"""USD scenes as houses: files written here, and those of the shared sample; needs usd-core."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gltf_files import BOXES
+
+pytest.importorskip("pxr", reason="usd-core is not installed")
+
+from home_mjx.datasets import open_dataset
+from home_mjx.datasets.usd.layers import open_scene
+from home_mjx.datasets.usd.prims import PrimReader
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import House
+
+SAMPLE = Path(__file__).parents[4] / "shared" / "data" / "usd_sample"
+needs_sample = pytest.mark.skipif(not SAMPLE.is_dir(), reason="the shared USD sample is not here")
+NO_POINTS = """def Mesh "a" {
+point3f[] points = [(0,0,0)]
+int[] faceVertexCounts = [3]
+int[] faceVertexIndices = [0,1,2]
+}"""
+LOOK = """def Material "oak" {
+token outputs:surface.connect = </oak/s.outputs:surface>
+def Shader "s" {
+uniform token info:id = "UsdPreviewSurface"
+color3f inputs:diffuseColor = (1, 0.25, 0)
+float inputs:opacity = 0.5
+token outputs:surface
+}
+}
+"""
+
+
+@pytest.fixture(autouse=True)
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
+
+
+def write(path: Path, body: str, head: str = 'upAxis = "Y"; metersPerUnit = 1') -> Path:
+    path.write_text(f"#usda 1.0\n({head})\n{body}\n")
+    return path
+
+
+def boxes(scale: float = 1.0, z_up: bool = False) -> str:
+    """Return the flat of two rooms as cubes of edge 2, placed and scaled."""
+    text = ""
+    for name, (low, high) in BOXES.items():
+        middle, half = (np.array(low) + high) / 2 * scale, (np.array(high) - low) / 2 * scale
+        if z_up:
+            middle, half = middle[[0, 2, 1]] * [1, -1, 1], half[[0, 2, 1]]
+        text += f'def Cube "{name.replace(".", "_")}" {{\ndouble size = 2\n'
+        text += (
+            f"double3 xformOp:translate = {tuple(middle.tolist())}\ndouble3 xformOp:scale = {tuple(half.tolist())}\n"
+        )
+        text += 'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]\n}\n'
+    return text
+
+
+def read(path: Path) -> House:
+    dataset = open_dataset(f"usd:{path}")
+    return dataset.load_house(dataset.house_ids[0])
+
+
+@pytest.mark.parametrize(
+    ("scale", "z_up", "head"),
+    [(1, False, 'upAxis = "Y"; metersPerUnit = 1'), (100, True, 'upAxis = "Z"'), (0.1, False, "metersPerUnit = 10")],
+)
+def test_rooms_and_objects_are_in_metres_with_y_up(tmp_path, scale, z_up, head):
+    (level,) = read(write(tmp_path / "flat.usda", boxes(scale, z_up), head)).levels
+    assert [room.shape.ceiling for room in level.rooms] == pytest.approx([2.6, 2.6], abs=1e-4)
+    found = {o.model_id: o.transform[:3, 3] for o in level.objects if o.model_id != "structure"}
+    assert sorted(found) == ["chair", "dining_table"]
+    assert found["chair"] == pytest.approx([1.25, 0.46, 1.25], abs=1e-4)
+
+
+def points(path: Path) -> tuple[np.ndarray, PrimReader]:
+    reader = PrimReader(open_scene(path))
+    placed = list(reader.read())
+    return np.concatenate([p.mesh.vertices @ p.matrix[:3, :3].T + p.matrix[:3, 3] for p in placed]), reader
+
+
+def test_polygons_materials_hidden_prims_and_instances(tmp_path):
+    quad = "point3f[] points = [(0,0,0),(1,0,0),(1,1,0),(0,1,0)]\nint[] faceVertexCounts = [4]\n"
+    quad += 'int[] faceVertexIndices = [0,1,2,3]\nuniform token orientation = "leftHanded"\n'
+    quad += 'texCoord2f[] primvars:st = [(0,0),(1,0),(1,1),(0,1)] (interpolation = "vertex")\n'
+    bound = f'def Mesh "a" (prepend apiSchemas = ["MaterialBindingAPI"]) {{\n{quad}rel material:binding = </oak>\n}}\n'
+    hidden = f'def Mesh "b" {{\n{quad}token visibility = "invisible"\n}}\n'
+    one = 'def Xform "c" (instanceable = true; prepend references = </class>) {\ndouble3 xformOp:translate = (5,0,0)\n'
+    one += 'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
+    kind = f'class Xform "class" {{\ndef Mesh "m" {{\n{quad}}}\n}}\n'
+    path = write(tmp_path / "a.usda", LOOK + bound + hidden + kind + one)
+    first, second = PrimReader(open_scene(path)).read()
+    assert first.mesh.vertices[first.mesh.faces].tolist()[0] == [[0, 0, 0], [1, 1, 0], [1, 0, 0]]
+    assert first.mesh.uv[0].tolist() == [[0, 0], [1, 1], [1, 0]]
+    (material,) = first.mesh.materials
+    assert (material.opacity, material.diffuse) == (0.5, pytest.approx((1, 0.537, 0), abs=1e-3))
+    assert second.matrix[:3, 3].tolist() == [5, 0, 0]
+
+
+def test_references_of_other_units_are_scaled(tmp_path):
+    write(tmp_path / "part.usda", 'def Cube "cube" {\ndouble size = 2\n}', 'defaultPrim = "cube"; metersPerUnit = 0.01')
+    body = 'def "box" (prepend references = @./part.usda@) {}\n'
+    found, _ = points(write(tmp_path / "whole.usda", body))
+    assert [found.min(), found.max()] == pytest.approx([-0.01, 0.01])
+
+
+@pytest.mark.parametrize(
+    ("body", "head", "message"),
+    [
+        ('def "a" (prepend references = @../../etc/a.usda@) {}', "", "leads out of"),
+        ('def "a" (prepend references = @/etc/a.usda@) {}', "", "expected a relative path"),
+        ('def "a" (prepend references = @http://host/a.usda@) {}', "", "expected a relative path"),
+        ("def Cube", "", "not a USD layer"),
+        ('def Cube "a" {}', 'upAxis = "X"', "not legal"),
+        ('def Cube "a" {}', "metersPerUnit = 0", "out of range"),
+        (NO_POINTS, "", "indices of the 1 points"),
+        ('def Xform "a" {}', "", "shows nothing"),
+    ],
+)  # fmt: skip
+def test_broken_scenes_are_refused(tmp_path, body, head, message):
+    with pytest.raises(DatasetError, match=message):
+        read(write(tmp_path / "a.usda", body, head))
+
+
+@needs_sample
+def test_axes_units_and_the_teapot_of_the_sample(tmp_path):
+    """Its files name others as in the repository that they are from, where they are one folder deeper."""
+    shutil.copytree(SAMPLE / "stage_configuration", tmp_path / "foundation" / "stage_configuration")
+    shutil.copytree(SAMPLE / "_common", tmp_path / "_common")
+    for name in ("upAxis_Y", "upAxis_Z", "upAxis_invalid"):
+        scene = open_scene(next(tmp_path.rglob(f"{name}.usda")), tmp_path)
+        assert ("upAxis" in scene.notes) == (name == "upAxis_invalid")
+        assert len(scene.layers) == 2
+        assert list(PrimReader(scene).read())
+    with pytest.raises(DatasetError, match="not legal"):
+        open_scene(next(tmp_path.rglob("upAxis_X.usda")), tmp_path)
+    found, _ = points(SAMPLE / "Teapot" / "Teapot.usd")
+    assert [found.min(axis=0), found.max(axis=0)] == [
+        pytest.approx([-0.153, 0, -0.262], abs=0.02),
+        pytest.approx([0.153, 0.230, 0.229], abs=0.02),
+    ]
