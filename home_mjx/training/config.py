@@ -10,6 +10,7 @@ from home_mjx.training.networks.agent import NetworkConfig
 ALGORITHMS = ("ppo", "advised", "clone")
 OPTIMIZERS = ("adam", "lamb")
 FINAL_OBS = ("cheap", "all")
+AUXILIARY = ("none", "source")
 INTEGER_OPTIONS = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
 MAX_GRADIENT_STEPS = 2**31 - 1  # maximum number of gradient steps; they are counted in 32 bits
 MIN_SECONDS = 1e-3
@@ -40,6 +41,9 @@ class PPOConfig:
         entropy_cost: Weight of the entropy bonus.
         value_cost: Weight of the value loss.
         advice_cost: Initial weight of an expert's advice with algorithm "advised", see `AdvisedPPO`.
+        auxiliary: Further loss. "source": predict direction and distance of the first sound source from the memory,
+            see `source_loss`. "none": none.
+        auxiliary_cost: Weight of that loss.
         stagger: Start environments at random times of their first episode, so that they do not all end at once.
         final_obs: Bootstrap of returns after an episode that runs out of time. "cheap": the value of the last
             observation if it needs no rays, else the value of the step before. "all": the value of the last
@@ -70,6 +74,8 @@ class PPOConfig:
     entropy_cost: float = 0.01
     value_cost: float = 0.5
     advice_cost: float = 0.5
+    auxiliary: str = "none"
+    auxiliary_cost: float = 0.1
     stagger: bool = True
     final_obs: str = "cheap"
     network: NetworkConfig = field(default_factory=lambda: NetworkConfig(dtype="bfloat16"))
@@ -77,6 +83,7 @@ class PPOConfig:
     def __post_init__(self) -> None:
         check_known("optimizer", [self.optimizer], OPTIMIZERS)
         check_known("choice of `final_obs`", [self.final_obs], FINAL_OBS)
+        check_known("auxiliary loss", [self.auxiliary], AUXILIARY)
         check_flag("stagger", self.stagger)
         check_type("network", self.network, NetworkConfig)
         for option in fields(self):

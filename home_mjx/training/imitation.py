@@ -50,16 +50,16 @@ class AdvisedPPO(PPO):
         )
 
     def current_loss(self, state: TrainState) -> LossFunction:
-        """Return PPO's loss plus the cloning loss; its weight falls linearly to 0 at 70 % of the run's updates."""
+        """Return PPO's losses plus the cloning loss; its weight falls linearly to 0 at 70 % of the run's updates."""
         left = 1 - state.updates.astype(jnp.float32) / (ADVICE_DECAY_FRACTION * self.config.num_updates)
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
         def loss(net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
             """Return the sum, and its parts by name."""
-            params, value = self.apply_net(net, batch)
+            params, value, further, found = self.apply_net(net, batch)
             own, parts = self.clipped_loss(params, value, batch)
             advice, told = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
-            return own + weight * advice, parts | told
+            return own + weight * advice + further, parts | told | found
 
         return loss
 
@@ -116,7 +116,7 @@ class BehaviorCloning(AdvisedPPO):
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
         """Return the negative log-likelihood of the expert's actions plus weighted value error; and parts by name."""
-        params, value = self.apply_net(net, batch)
+        params, value, further, told = self.apply_net(net, batch)
         clone_loss, parts = advice_loss(self.agent.distribution, params, batch.steps.obs[EXPERT])
         value_loss = 0.5 * jnp.mean((value - batch.target) ** 2)
-        return clone_loss + self.config.value_cost * value_loss, parts | {"value": value_loss}
+        return clone_loss + self.config.value_cost * value_loss + further, parts | told | {"value": value_loss}

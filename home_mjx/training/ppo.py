@@ -33,6 +33,8 @@ from home_mjx.tasks.base.state import EnvParams, to_raw_key
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.reset import is_sequential
+from home_mjx.tasks.sensors.interaural_cues import SOURCE_TARGET
+from home_mjx.training.auxiliary import NUM_PREDICTIONS, TARGET_SENSORS, add_sensors, source_loss
 from home_mjx.training.config import PPOConfig
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Policy, RolloutState, Transitions, compute_advantages, rollout, to_rows
@@ -84,7 +86,8 @@ class PPO:
     def __init__(
         self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
     ) -> None:
-        self.core, self.config = core, config or PPOConfig()
+        self.config = config or PPOConfig()
+        self.core = core = add_sensors(core, TARGET_SENSORS[self.config.auxiliary])
         devices = list(devices or jax.devices())
         self.config.check_devices(len(devices), core.num_agents)
         self.agent = make_agent(core, self.config)
@@ -201,12 +204,27 @@ class PPO:
         return self.loss
 
     def loss(self, net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
-        """Compute `clipped_loss` and its parts by name; the network is applied to the whole sequence again."""
-        return self.clipped_loss(*self.apply_net(net, batch), batch)
+        """Compute `clipped_loss` plus the auxiliary loss, and their parts by name; apply the network again."""
+        params, value, further, told = self.apply_net(net, batch)
+        own, parts = self.clipped_loss(params, value, batch)
+        return own + further, parts | told
 
-    def apply_net(self, net: Any, batch: TrainBatch) -> tuple[Float[Array, "t r p"], Float[Array, "t r"]]:
-        """Apply the network to a batch from its first memory on; return distribution parameters and values."""
-        return self.agent.unroll(net, batch.memory, batch.steps.obs, batch.steps.is_first)[1:]
+    def apply_net(
+        self, net: Any, batch: TrainBatch
+    ) -> tuple[Float[Array, "t r p"], Float[Array, "t r"], Float[Array, ""], dict[str, Array]]:
+        """Apply the network to a batch from its first memory on.
+
+        Returns:
+            Distribution parameters, values, the auxiliary loss times `auxiliary_cost`, and its parts by name; 0 and
+            none without an auxiliary loss.
+        """
+        steps = batch.steps
+        if self.config.auxiliary == "none":
+            _, params, value = self.agent.unroll(net, batch.memory, steps.obs, steps.is_first)
+            return params, value, jnp.zeros((), jnp.float32), {}
+        params, value, found = self.agent.unroll_with_predictions(net, batch.memory, steps.obs, steps.is_first)
+        loss, parts = source_loss(found, steps.obs[SOURCE_TARGET])
+        return params, value, self.config.auxiliary_cost * loss, {"source": loss} | parts
 
     def clipped_loss(self, params: Array, value: Array, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
         """Return clipped policy loss plus weighted value loss minus weighted entropy, and unweighted parts by name.
@@ -273,7 +291,8 @@ TIME_MAJOR_FIELDS = ("steps", "advantage", "target")  # fields of `TrainBatch` w
 def make_agent(core: HouseholdEnv, config: PPOConfig) -> RecurrentAgent:
     """Build the network for observations and actions of one agent of an environment; all agents share it."""
     specs = {name: spec.for_one_agent(core.num_agents) for name, spec in core.observation_spec.items()}
-    return RecurrentAgent.from_specs(specs, core.action_spec.for_one_agent(core.num_agents), config.network)
+    num = NUM_PREDICTIONS[config.auxiliary]
+    return RecurrentAgent.from_specs(specs, core.action_spec.for_one_agent(core.num_agents), config.network, num)
 
 
 def make_optimizer(config: PPOConfig) -> optax.GradientTransformation:

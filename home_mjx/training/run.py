@@ -1,7 +1,8 @@
 """Training runs from options to files: checkpoints, records, and evaluation in held-out houses."""
 
+import dataclasses
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -236,7 +237,7 @@ class _Run:
 def evaluate_checkpoint(
     path: Path, split: str | None = "val", num_houses: int = 16, num_episodes: int | None = None, seed: int = 0,
     greedy: bool = False, progress: bool | None = None, *, episode_file: str | Path | None = None,
-    dataset: str | Path | None = None,
+    dataset: str | Path | None = None, options: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:  # fmt: skip
     """Evaluate a checkpoint's agent, and a random agent on the same episodes.
 
@@ -251,6 +252,7 @@ def evaluate_checkpoint(
         progress: Show what happens; None: by the rule of `home_mjx.core.progress`.
         episode_file: Episodes, in the houses that they name; `split` and `num_houses` have no effect then.
         dataset: Root of a dataset other than that of training.
+        options: Options of the environment that differ from those of training, such as held-out sounds.
 
     Returns:
         `trained` and `random`, each a `summarize`, and the settings of the evaluation.
@@ -261,6 +263,7 @@ def evaluate_checkpoint(
     """
     check_episodes(DEFAULT_EPISODES if num_episodes is None else num_episodes)
     spec = evaluation_spec(read_config(path).env, split, num_houses, episode_file=episode_file, dataset=dataset)
+    spec = dataclasses.replace(spec, options={**spec.options, **(options or {})})
     env = make_env(spec, progress)
     if num_episodes is None:
         num_episodes = DEFAULT_EPISODES if episode_file is None else len(env.params.tasks)

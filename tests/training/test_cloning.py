@@ -99,7 +99,7 @@ def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pyt
     assert "expert" in state.actor.env.obs
     _, metrics = advised.update(env.params, state)
     assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
-    monkeypatch.setattr(advised, "apply_net", lambda net, batch: (None, None))
+    monkeypatch.setattr(advised, "apply_net", lambda net, batch: (None, None, jnp.float32(0.0), {}))
     monkeypatch.setattr(advised, "clipped_loss", lambda *read: (jnp.float32(2.0), {}))
     monkeypatch.setattr(home_mjx.training.imitation, "advice_loss", lambda *read: (jnp.float32(3.0), {}))
     steps = SimpleNamespace(obs={"expert": None})

@@ -120,7 +120,7 @@ def static(length: int, sample_rate: int) -> Samples:
     return np.fft.irfft(np.fft.rfft(_noise(length, 5)) * gain, length)
 
 
-# Append new clips at the end: task files store names, but task arrays store indices.
+# Other clips follow these in `CLIPS`: task files store names, but task arrays store indices.
 HOUSEHOLD_CLIPS: dict[str, Callable[[int, int], Samples]] = {
     maker.__name__: maker for maker in (ring, chirp, knock, bell, alarm, bursts, whistle, hum, ticking, water, static)
 }

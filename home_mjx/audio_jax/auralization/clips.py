@@ -10,6 +10,8 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.audio_jax.auralization.clip_synthesis import HOUSEHOLD_CLIPS
+from home_mjx.audio_jax.auralization.held_out_sounds import HELD_OUT_CLIPS
+from home_mjx.audio_jax.auralization.training_sounds import TRAINING_CLIPS
 from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.core.checks import check_known
 
@@ -28,7 +30,8 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
 
     Args:
         name: One of `CLIPS`: "radio" (a melody of harmonic notes), "noise" (pink), "speech" (vowels in the rhythm of
-            syllables), "tone" (1 kHz), or one of `clip_synthesis.HOUSEHOLD_CLIPS`, such as "ring", "alarm" or "water".
+            syllables), "tone" (1 kHz), or one of `clip_synthesis.HOUSEHOLD_CLIPS`, such as "ring", "alarm" or "water",
+            of `training_sounds.TRAINING_CLIPS`, such as "engine_0", or of `held_out_sounds.HELD_OUT_CLIPS`.
         config: Options; provides the sample rate.
 
     Returns:
@@ -43,6 +46,19 @@ def clip_samples(name: str, config: AudioConfig) -> Float[np.ndarray, " n"]:
     """
     check_known("clip", [name], CLIPS)
     return _clip(name, config.sample_rate)
+
+
+@functools.cache
+def clip_table(names: tuple[str, ...], config: AudioConfig) -> Float[np.ndarray, "c n"]:
+    """Return the samples of several clips, stacked, read-only, cached, so that all traces share one constant.
+
+    Example:
+        >>> clip_table(("radio", "tone"), AudioConfig()).shape
+        (2, 128000)
+    """
+    table = np.stack([clip_samples(name, config) for name in names])
+    table.flags.writeable = False
+    return table
 
 
 @functools.cache
@@ -108,5 +124,7 @@ _MAKERS: dict[str, Callable[[int, int], Float[np.ndarray, " n"]]] = {
     "speech": _speech,
     "tone": _tone,
     **HOUSEHOLD_CLIPS,
+    **TRAINING_CLIPS,  # after the others, and new ones at the end: task arrays store indices
+    **HELD_OUT_CLIPS,
 }
 CLIPS = tuple(_MAKERS)

@@ -9,6 +9,7 @@ from home_mjx.audio_jax.base.config import AudioConfig
 from home_mjx.audio_jax.base.endpoints import SoundSources
 
 RAMP_SECONDS = 0.005  # [s], fade in and out that avoids clicks
+RATE_STEPS = 256  # playback rates are multiples of 1 / 256, so that positions in clips are exact
 MAX_SCHEDULE_SAMPLES = 2**30  # [samples], infinite times are clipped to it: 18 hours at 16 kHz
 
 
@@ -52,6 +53,7 @@ def emitted_signal(
     phase: Int[Array, ""],
     time: Int[Array, ""],
     config: AudioConfig,
+    playback_rate: Float[Array, ""] | None = None,
 ) -> Float[Array, "e w"]:
     """Return the pressure at 1 m that each source emits: in the memory before the frame, the frame, and the look-ahead.
 
@@ -62,6 +64,9 @@ def emitted_signal(
         phase: Sample index in the clips, which repeat, that is emitted at the frame's first sample.
         time: Number of the frame's first sample, counted from the start of the schedules.
         config: Options; provides the lengths.
+        playback_rate: Factor of pitch and tempo, rounded to 1 / `RATE_STEPS`; `phase` may then be up to `RATE_STEPS`
+            times the clips' length. Samples are interpolated linearly, and a higher pitch aliases above half the sample
+            rate. None: 1.
 
     Returns:
         Pressure at 1 m, w = `config.memory_length + config.frame - 1 + config.num_lookahead` samples: the input of
@@ -71,11 +76,26 @@ def emitted_signal(
 
     def one(row: Array, gain: Array, every: Array, lasts: Array) -> Array:
         """Return the signal of one source; 0 if `row` is negative."""
-        played = clips[jnp.maximum(row, 0), _remainder(phase + span, jnp.int32(clips.shape[1]))]
+        played = _read_loop(clips, jnp.maximum(row, 0), phase + span, playback_rate)
         on = schedule_gain(time + span, every, lasts, config.sample_rate)
         return jnp.where(row < 0, 0.0, gain * on * played)
 
     return jax.vmap(one)(clip_index, sounds.gain, sounds.period, sounds.duration)
+
+
+def _read_loop(
+    clips: Float[Array, "c n"], row: Int[Array, ""], number: Int[Array, " w"], playback_rate: Float[Array, ""] | None
+) -> Float[Array, " w"]:
+    """Return samples `number` of an endlessly repeated clip, played at a rate; see `emitted_signal`."""
+    length = jnp.int32(clips.shape[1])
+    if playback_rate is None:
+        return clips[row, _remainder(number, length)]
+    steps = jnp.round(playback_rate * RATE_STEPS).astype(jnp.int32)
+    whole, rest = number // RATE_STEPS, number % RATE_STEPS * steps  # number * steps would overflow
+    at = whole * steps + rest // RATE_STEPS
+    share = (rest % RATE_STEPS).astype(jnp.float32) / RATE_STEPS
+    before, after = (clips[row, _remainder(at + i, length)] for i in (0, 1))
+    return before + share * (after - before)
 
 
 def convolve_frame(

@@ -5,7 +5,7 @@ import math
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Complex, Float
 
 from home_mjx.errors import ConfigError
 
@@ -34,6 +34,21 @@ def spectrum_shape(samples: int, sample_rate: int) -> tuple[int, int]:
     return 1 + (samples - window) // hop, size // 2 + 1
 
 
+def stft(sound: Float[Array, "*c m"], sample_rate: int) -> Complex[Array, "*c windows bins"]:
+    """Compute the short-time Fourier transform of which `stft_magnitude` is the magnitude.
+
+    Phases are relative to each window's first sample.
+
+    Raises:
+        ConfigError: The sound is shorter than one window.
+    """
+    window, hop, size = _window_sizes(sample_rate)
+    count, _ = spectrum_shape(sound.shape[-1], sample_rate)
+    hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(window) / window)
+    parts = sound[..., hop * np.arange(count)[:, None] + np.arange(window)]
+    return jnp.fft.rfft(parts * jnp.asarray(hann / hann.sum(), jnp.float32), size)
+
+
 def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array, "*c windows bins"]:
     """Compute short-time Fourier magnitudes of pressure; a sine of amplitude 1 has 0.5 at its frequency.
 
@@ -48,11 +63,7 @@ def stft_magnitude(sound: Float[Array, "*c m"], sample_rate: int) -> Float[Array
         >>> stft_magnitude(jnp.zeros((2, 1600)), 16000).shape
         (2, 8, 257)
     """
-    window, hop, size = _window_sizes(sample_rate)
-    count, _ = spectrum_shape(sound.shape[-1], sample_rate)
-    hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(window) / window)
-    parts = sound[..., hop * np.arange(count)[:, None] + np.arange(window)]
-    return jnp.abs(jnp.fft.rfft(parts * jnp.asarray(hann / hann.sum(), jnp.float32), size))
+    return jnp.abs(stft(sound, sample_rate))
 
 
 def log_mel(magnitude: Float[Array, "*c windows bins"], sample_rate: int) -> Float[Array, "*c windows mels"]:

@@ -17,6 +17,7 @@ from home_mjx.cli.learning.arguments import (
 )
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_dataset, parse_path, parse_seed, positive_int_type
+from home_mjx.core.jsonable import parse_assignments
 
 LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 
@@ -28,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     `val` (default) or `test`. `--seed` is from 0 to 2**32 - 1 (0). `--greedy` and `--json` are flags.
 
     `--out` is the path of a folder or None. `--episode-file` and `--import` are as in `learning.arguments`. `--dataset`
-    is a path or a text `scheme:...`, see `parse_dataset`; None: that of the run.
+    is a path or a text `scheme:...`, see `parse_dataset`; None: that of the run. The repeatable `--env` is a list of
+    texts `NAME=VALUE`, which apply to the figures and not to films.
     """
     parser.add_argument("checkpoint", type=parse_checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
     parser.add_argument(
@@ -53,6 +55,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="ROOT",
         help="folder of a dataset, or its name such as procedural:16 (default: that of the run)",
     )
+    parser.add_argument(
+        "--env", action="append", default=[], metavar="NAME=VALUE",
+        help="an option of home_mjx.make that differs from training, such as clip_split=held_out",
+    )  # fmt: skip
     add_import_option(parser)
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
@@ -68,9 +74,12 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.training import evaluate_checkpoint
 
     where = {"episode_file": args.episode_file, "dataset": args.dataset}
+    changed = parse_assignments(args.env)
     beside = Path() if args.checkpoint == parse_checkpoint_path(PACKAGED_AGENT) else path.parent
     out = make_folder((args.out or beside) / "films") if args.films else None
-    report = evaluate_checkpoint(path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where)
+    report = evaluate_checkpoint(
+        path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where, options=changed
+    )
     if out is not None:
         from home_mjx.viewer.episodes import film_checkpoint
 

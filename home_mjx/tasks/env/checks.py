@@ -217,6 +217,7 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
         "move_noise": None if config.discrete else 'It applies to discrete moves: give actions="discrete".',
         **dict.fromkeys(("contact_sound_volume", "footstep_distance"), _contact_sounds_hint(config)),
         "friction": f'Nothing slides with impl="{impl}": give impl="fused".' if impl in ("kinematic", "c") else None,
+        "playback_rate": _PLAYBACK_HINT if "ear_levels" in (config.sensors or ()) else None,
         "mass": 'With impl="c" each house has its own model: give impl="fused".' if impl == "c" else None,
     }
     for name, reason in useless.items():
@@ -224,6 +225,9 @@ def check_variation(config: EnvConfig, variation: Variation | None) -> None:
             raise ConfigError(f"`{name}` cannot vary here", element=f"Variation.{name}", hint=reason)
     _check_fovy(config, variation)
     _check_clips(config, variation)
+
+
+_PLAYBACK_HINT = "The sensor `ear_levels` has levels of whole octaves: use `log_mel` or `interaural`."
 
 
 def _shaders_hint(config: EnvConfig) -> str:

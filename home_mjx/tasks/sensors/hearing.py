@@ -6,11 +6,10 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from home_mjx.audio_jax.auralization.clips import CLIPS, clip_samples
-from home_mjx.audio_jax.auralization.convolution import convolve_frame, emitted_signal
+from home_mjx.audio_jax.auralization.clips import CLIPS, clip_table
+from home_mjx.audio_jax.auralization.convolution import RATE_STEPS, convolve_frame, emitted_signal
 from home_mjx.audio_jax.auralization.features import (
     MAX_MEL_LEVEL,
     MIN_MEL_LEVEL,
@@ -21,6 +20,7 @@ from home_mjx.audio_jax.auralization.features import (
 )
 from home_mjx.audio_jax.auralization.response import impulse_response
 from home_mjx.audio_jax.base.config import AudioConfig
+from home_mjx.audio_jax.base.directivity import Directivity
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource, SoundSources
 from home_mjx.audio_jax.base.options import Ambisonics, Baked, MicrophoneArray
 from home_mjx.audio_jax.contact_sounds.sound_slots import ContactSounds, emitted_signals, has_sound, sound_positions
@@ -108,14 +108,15 @@ class Hearing(Sensor):
 
         A reset clears times and words, and its frame has the new responses from the start.
         """
-        clips = jnp.asarray(np.stack([clip_samples(name, config.audio) for name in clip_names(config)]))
+        clips, rate = jnp.asarray(clip_table(clip_names(config), config.audio)), playback_rate(snapshot)
         first, frame = snapshot.step == 0, config.audio.frame
-        phase = jnp.where(first, 0, (state.phase + frame) % clips.shape[1])
+        loop = clips.shape[1] * (1 if rate is None else RATE_STEPS)  # then any rate ends where it began
+        phase = jnp.where(first, 0, (state.phase + frame) % loop)
         time = jnp.where(first, 0, state.time + frame)
         response = trace_responses(config, snapshot)
         before = jax.tree.map(lambda new, old: jnp.where(first, new, old), response, state.response)
         sounds, said = scale_sounds(snapshot), update_history(snapshot, state.tokens)
-        left = emitted_signal(clips, sounds, clip_indices(config, snapshot), phase, time, config.audio)
+        left = emitted_signal(clips, sounds, clip_indices(config, snapshot), phase, time, config.audio, rate)
         if config.speech:
             left = left + sounds.gain[:, None] * synthesize_voices(source_tokens(snapshot, said), config.audio)
         if snapshot.contact_sounds is not None:
@@ -220,6 +221,28 @@ def scale_sounds(snapshot: Snapshot) -> SoundSources:
     return sounds if drawn is None or drawn.volume is None else sounds.replace(gain=sounds.gain * drawn.volume)
 
 
+def playback_rate(snapshot: Snapshot) -> Float[Array, ""] | None:
+    """Return the playback rate of all clips that was sampled for the episode; None if it does not vary."""
+    return None if snapshot.variation is None else snapshot.variation.playback_rate
+
+
+def equalize_sounds(snapshot: Snapshot) -> SoundSources:
+    """Return the snapshot's sounds with the equalizer sampled for the episode, as a directivity; unchanged without one.
+
+    An octave's gain is the same in all directions, so that it costs no filter: paths and late energies have octaves.
+    """
+    sounds, drawn = snapshot.sounds, snapshot.variation
+    if drawn is None or drawn.equalizer is None:
+        return sounds
+    gain = 10 ** (drawn.equalizer[None, None] / 20)
+    if sounds.directivity is not None:
+        return sounds.replace(directivity=Directivity.build_unchecked(gain=sounds.directivity.gain * gain))
+    number = sounds.pos.shape[0]
+    upright = jnp.broadcast_to(jnp.array([1.0, 0.0, 0.0, 0.0], jnp.float32), (number, 4))
+    uniform = Directivity.build_unchecked(gain=jnp.broadcast_to(gain, (number, 2, gain.shape[-1])))
+    return sounds.replace(quat=upright, directivity=uniform)
+
+
 def scale_contact_sounds(snapshot: Snapshot) -> ContactSounds:
     """Return the snapshot's contact sounds, which must exist, with gains times the volume sampled for the episode."""
     noises, drawn = snapshot.contact_sounds, snapshot.variation
@@ -290,7 +313,7 @@ def trace_responses(config: EnvConfig, snapshot: Snapshot, response: Callable[..
 
 def all_sources(snapshot: Snapshot) -> SoundSource:
     """Return all sources along a leading axis: first those of clips, then contact sounds, which are omnidirectional."""
-    sounds = snapshot.sounds
+    sounds = equalize_sounds(snapshot)
     playing = SoundSource.build_unchecked(
         pos=sounds.pos, body=sounds.body, quat=sounds.quat, directivity=sounds.directivity
     )

@@ -10,6 +10,7 @@ from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.sensors.cameras import Cameras
 from home_mjx.tasks.sensors.ear_levels import EarLevels
 from home_mjx.tasks.sensors.hearing import Hearing, LogMel, Stft
+from home_mjx.tasks.sensors.interaural_cues import Interaural, SourceTarget
 from home_mjx.tasks.sensors.localization import GpsCompass, Lidar, LocalMap
 from home_mjx.tasks.sensors.proprioception import HeldObject, OwnState, PrevAction, PrevReward
 
@@ -24,6 +25,8 @@ register_sensor(HeldObject())
 register_sensor(PrevAction())
 register_sensor(PrevReward())
 register_sensor(EarLevels())
+register_sensor(Interaural())
+register_sensor(SourceTarget())
 
 
 # Sensor names of other simulators and their counterparts here.
@@ -38,7 +41,7 @@ FOREIGN_SENSOR_HINTS = {
     "spectrogram": "`log_mel` or `stft`",
     "audiogoal": "`audio`",
 }
-HEARING_SENSORS = ("audio", "stft", "log_mel", "ear_levels")
+HEARING_SENSORS = ("audio", "stft", "log_mel", "ear_levels", "interaural")
 NAME_ROLE, OBSERVATION_ROLE = "the name", "an observation"
 
 

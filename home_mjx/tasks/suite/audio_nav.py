@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Array
 
+from home_mjx.audio_jax.auralization.held_out_sounds import HELD_OUT_CLIPS
+from home_mjx.audio_jax.auralization.training_sounds import TRAINING_CLIPS
 from home_mjx.core.checks import check_flag, check_known, check_number
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import Specs
@@ -27,6 +29,8 @@ SPLITS = {
     "unheard": ("speech", "tone", "alarm", "whistle"),
 }
 SPLITS["all"] = (*SPLITS["heard"], *SPLITS["unheard"])
+SPLITS["training"] = (*SPLITS["heard"], *TRAINING_CLIPS)
+SPLITS["held_out"] = (*SPLITS["unheard"], *HELD_OUT_CLIPS)  # other kinds than those of `training`
 DISTRACTOR_CLIPS = ("hum", "ticking", "noise")  # never targets
 SCHEDULES = ("always", "intermittent", "once")
 EMITTERS = ("place", "object")
@@ -46,7 +50,8 @@ class AudioNav(NavigationTask):
             start).
         period: Period [s].
         duration: Duration [s].
-        clip_split: Sounds that are targets: "heard", "unheard" or "all" of `SPLITS`, or the name of one of them.
+        clip_split: Sounds that are targets: a split of `SPLITS`, such as "heard" and "unheard", or "training" and
+            "held_out"; or the name of one of them.
         num_distractors: Number of other places that play one of `DISTRACTOR_CLIPS`, at most 2, or 1 with
             `moving_source`.
         moving_source: The source moves along the shortest path to another place and stays there. Success then requires
@@ -69,7 +74,7 @@ class AudioNav(NavigationTask):
         check_number("success_distance", self.success_distance, 0)
         check_known("kind of emitter", [self.emitter], EMITTERS)
         check_known("schedule", [self.schedule], SCHEDULES)
-        check_known("split of sounds", [self.clip_split], [*SPLITS, *SPLITS["all"]])
+        check_known("split of sounds", [self.clip_split], [*SPLITS, *SPLITS["training"], *SPLITS["held_out"]])
         check_flag("moving_source", self.moving_source)
         check_number("num_distractors", self.num_distractors, 0, 1 if self.moving_source else 2, integer=True)
         for name in ("period", "duration", "source_speed"):

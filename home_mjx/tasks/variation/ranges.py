@@ -34,6 +34,8 @@ RANGE_LIMITS = {
     "color_noise": (0.0, 100.0),
     "contact_sound_volume": (0.0, 1000.0),
     "footstep_distance": STEP_LENGTH_RANGE,  # [m]
+    "equalizer": (-60.0, 60.0),  # [dB]
+    "playback_rate": (0.25, 4.0),
 }
 
 
@@ -67,6 +69,8 @@ class Variation(Pytree):
         contact_sound_volume: Factor of the pressure of all contact sounds, see `ContactSoundConfig`.
         footstep_distance: Distance between footsteps [m], instead of that of `ContactSoundConfig`: another cadence of
             walking.
+        equalizer: Gain of each octave of the clips' pressure [dB], sampled for every octave on its own.
+        playback_rate: Factor of pitch and tempo of all clips.
 
     Example:
         >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))
@@ -94,6 +98,8 @@ class Variation(Pytree):
     color_noise: Float[Array, "2"] | None = None
     contact_sound_volume: Float[Array, "2"] | None = None
     footstep_distance: Float[Array, "2"] | None = None
+    equalizer: Float[Array, "2"] | None = None
+    playback_rate: Float[Array, "2"] | None = None
 
     @classmethod
     def of(cls, **ranges: Any) -> "Variation":

@@ -7,6 +7,7 @@ from jaxtyping import Array, Float, Int, UInt32
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics import BodyScale
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
+from home_mjx.schema.compiled import BANDS
 from home_mjx.tasks.variation.ranges import RANGE_NAMES, Variation
 
 
@@ -32,6 +33,8 @@ class VariationSample(Pytree):
     color_noise: Float[Array, ""] | None = None
     contact_sound_volume: Float[Array, ""] | None = None
     footstep_distance: Float[Array, ""] | None = None  # [m]
+    equalizer: Float[Array, " bands"] | None = None  # [dB], gain of each octave of the clips
+    playback_rate: Float[Array, ""] | None = None
 
     def noise_key(self, step: Int[Array, ""], kind: int) -> Array:
         """Return a typed key that differs per episode, step and kind of noise, such as `MOVE_NOISE`."""
@@ -62,10 +65,10 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
         return None
     keys = {name: jax.random.fold_in(key, number) for number, name in enumerate(RANGE_NAMES, 1)}
 
-    def number(name: str, unit: float = 1.0) -> Float[Array, ""] | None:
-        """Sample a value of the named range, times `unit`; None if it does not vary."""
+    def number(name: str, unit: float = 1.0, shape: tuple[int, ...] = ()) -> Array | None:
+        """Sample values of the named range, times `unit`; None if it does not vary."""
         ends = getattr(variation, name)
-        return None if ends is None else jax.random.uniform(keys[name], (), minval=ends[0], maxval=ends[1]) * unit
+        return None if ends is None else jax.random.uniform(keys[name], shape, minval=ends[0], maxval=ends[1]) * unit
 
     degree = float(jnp.pi / 180)
     mount = CameraOffsets(number("camera_height"), number("camera_pitch", degree), number("camera_fovy", degree))
@@ -89,6 +92,8 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
         color_noise=number("color_noise"),
         contact_sound_volume=number("contact_sound_volume"),
         footstep_distance=number("footstep_distance"),
+        equalizer=number("equalizer", shape=(len(BANDS),)),
+        playback_rate=number("playback_rate"),
     )
 
 

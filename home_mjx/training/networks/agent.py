@@ -17,6 +17,7 @@ from home_mjx.training.networks.distributions import Distribution, make_distribu
 from home_mjx.training.networks.encoders import Encoder, encoder_kind
 
 DTYPES = ("float32", "bfloat16")
+PREDICTIONS, FOUND = "predictions", "found"  # names of the auxiliary head and of its outputs
 INITIAL_LOG_SCALE = -0.5  # log std of continuous actions in [-1, 1]: a std of 0.6
 
 
@@ -77,6 +78,7 @@ class RecurrentAgent(nn.Module):
         specs: Name and spec of every observation of one agent.
         distribution: Distribution of actions.
         config: Sizes of the network.
+        num_predictions: Number of outputs of the auxiliary head, which reads the memory; 0: it has none.
 
     Example:
         >>> agent = RecurrentAgent.from_specs(core.observation_spec, core.action_spec)  # doctest: +SKIP
@@ -87,10 +89,15 @@ class RecurrentAgent(nn.Module):
     specs: tuple[tuple[str, ArraySpec], ...]
     distribution: Any  # a `Distribution`
     config: NetworkConfig = field(default_factory=NetworkConfig)
+    num_predictions: int = 0
 
     @classmethod
     def from_specs(
-        cls, observations: Mapping[str, ArraySpec], action: ArraySpec, config: NetworkConfig | None = None
+        cls,
+        observations: Mapping[str, ArraySpec],
+        action: ArraySpec,
+        config: NetworkConfig | None = None,
+        num_predictions: int = 0,
     ) -> "RecurrentAgent":
         """Build the agent for observations and actions, both of one agent.
 
@@ -102,7 +109,7 @@ class RecurrentAgent(nn.Module):
         specs = tuple((name, spec) for name, spec in sorted(observations.items()) if encoder_kind(name, spec) != "none")
         if not specs:
             raise ConfigError("the agent would observe nothing", hint="Pass sensors=, such as state, goal or depth.")
-        return cls(specs, make_distribution(action), config or NetworkConfig())
+        return cls(specs, make_distribution(action), config or NetworkConfig(), num_predictions)
 
     @nn.compact
     def __call__(
@@ -123,6 +130,8 @@ class RecurrentAgent(nn.Module):
         seen = Encoder(self.specs, *sizes, dtype, self.config.goal_mask)(obs)
         seen = nn.LayerNorm()(seen) if self.config.layer_norm else seen
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
+        if self.num_predictions:
+            self.sow("intermediates", FOUND, nn.Dense(self.num_predictions, name=PREDICTIONS)(x))
         x = jnp.concatenate([x, seen], axis=-1) if self.config.layer_norm else x
         value = nn.Dense(1, kernel_init=nn.initializers.orthogonal(1.0), name="value")
         return memory, self._policy(x), value(x)[..., 0]
@@ -136,6 +145,14 @@ class RecurrentAgent(nn.Module):
         """
         applied: Any = self.apply(net, memory, obs, begins)
         return applied
+
+    def unroll_with_predictions(
+        self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, "t n"]
+    ) -> tuple[Float[Array, "t n p"], Float[Array, "t n"], Float[Array, "t n q"]]:
+        """Return distribution parameters, values, and the outputs of the auxiliary head, as `unroll`."""
+        applied: Any = self.apply(net, memory, obs, begins, mutable="intermediates")
+        (_, params, value), found = applied
+        return params, value, found["intermediates"][FOUND][0]
 
     def unroll_step(
         self, net: Any, memory: Float[Array, "n m"], obs: dict[str, Array], begins: Bool[Array, " n"]

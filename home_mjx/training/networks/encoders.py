@@ -11,11 +11,13 @@ from jaxtyping import Array, Float
 
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.tasks.experts.expert_observation import EXPERT
+from home_mjx.tasks.sensors.interaural_cues import SOURCE_TARGET
 from home_mjx.training.networks.goal_mask import id_column, mark_named_pixels, observed_tokens
 from home_mjx.training.networks.images import ImageEncoder
 from home_mjx.training.networks.query_attention import QueryAttention
 from home_mjx.training.networks.sensor_encoders import (
     NUM_EMBEDDINGS,
+    CueEncoder,
     ScanEncoder,
     SoundEncoder,
     SpectraEncoder,
@@ -34,10 +36,11 @@ def encoder_kind(name: str, spec: ArraySpec) -> str:
     - `ids`: rank 2 of int16 or int32, `ids/*`.
     - `sound`: `audio` (2, samples).
     - `spectra`: `log_mel` (2, windows, bands).
+    - `cues`: `interaural` (4, bands).
     - `scan`: `lidar` (rays,).
     - `words`: rank 1 of int16 or int32, such as tokens of an instruction.
     - `vector`: all other numbers.
-    - `none`: `camera/*`, the camera poses, and `expert`, the advice; neither is encoded.
+    - `none`: `camera/*`, the camera poses, and `expert` and `source_target`, targets of losses; none is encoded.
 
     Example:
         >>> encoder_kind("pixels/head_depth", ArraySpec((64, 64, 1)))
@@ -46,12 +49,14 @@ def encoder_kind(name: str, spec: ArraySpec) -> str:
         'vector'
     """
     rank, is_int = len(spec.shape), spec.dtype in ("int32", "int16")
-    if name.startswith("camera/") or name == EXPERT:
+    if name.startswith("camera/") or name in (EXPERT, SOURCE_TARGET):
         return "none"
     if rank == 2 and name == "audio":
         return "sound"
     if rank == 3 and name == "log_mel":
         return "spectra"
+    if rank == 2 and name == "interaural":
+        return "cues"
     if rank == 1 and name == "lidar":
         return "scan"
     if is_int and rank in (1, 2):
@@ -127,6 +132,8 @@ class Encoder(nn.Module):
                 parts.append(SoundEncoder()(x))
             elif kind == "spectra":
                 parts.append(SpectraEncoder(self.features)(x))
+            elif kind == "cues":
+                parts.append(CueEncoder(self.features)(x))
             elif kind == "scan":
                 parts.append(ScanEncoder(self.features)(x))
             elif kind == "words":

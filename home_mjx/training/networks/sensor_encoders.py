@@ -53,6 +53,18 @@ class SpectraEncoder(nn.Module):
         return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
 
 
+class CueEncoder(nn.Module):
+    """Features of interaural cues, which have scales near 1."""
+
+    features: int = 256
+
+    @nn.compact
+    def __call__(self, x: Float[Array, "*b rows bands"]) -> Float[Array, "*b f"]:
+        """Encode cues by row and band with two dense layers."""
+        flat = x.reshape(*x.shape[:-2], -1)
+        return nn.relu(nn.Dense(self.features)(nn.relu(nn.Dense(self.features)(flat))))
+
+
 class ScanEncoder(nn.Module):
     """Features of a 360-degree scan: two circular convolutions and a layer."""
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.audio_jax import AudioConfig, SoundSources, convolve_clip_frame, convolve_frame, emitted_signal
-from home_mjx.audio_jax.auralization.convolution import _remainder, schedule_gain
+from home_mjx.audio_jax.auralization.convolution import RATE_STEPS, _remainder, schedule_gain
 
 RATE = 16000
 CONFIG = AudioConfig(response_seconds=0.1)
@@ -86,3 +86,18 @@ def test_a_sound_that_plays_once_is_followed_by_its_own_tail_alone(rng: np.rando
     assert np.abs(heard[:800]).max() < 1e-5
     np.testing.assert_allclose(heard[800 + ramp : 800 + CONFIG.frame - ramp], 1, atol=1e-4)
     assert np.abs(heard[800 + CONFIG.frame :]).max() < 1e-5
+
+
+@pytest.mark.parametrize("rate", [0.5, 1.0, 1.25, 393 / 256])
+def test_clips_played_faster_are_interpolated_without_a_seam(rng, rate: float):
+    """Against NumPy's interpolation of the endless loop, also long after the start, where floats are too coarse."""
+    clips, sounds, row = sources(rng)
+    loop = clips.shape[1] * RATE_STEPS
+    wave = np.asarray(clips[0], float)
+    for phase in (0, 699, 100_003, loop - 50):
+        got = emitted_signal(clips, sounds, row, jnp.int32(phase), jnp.int32(0), CONFIG, jnp.float32(rate))[0]
+        span = np.arange(1 - CONFIG.memory_length, CONFIG.frame + CONFIG.num_lookahead)
+        at = (phase + span) * rate
+        whole = np.floor(at).astype(int)
+        wanted = wave[whole % 700] + (at - whole) * (wave[(whole + 1) % 700] - wave[whole % 700])
+        np.testing.assert_allclose(got, wanted, atol=1e-5)
