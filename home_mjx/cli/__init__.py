@@ -1,5 +1,7 @@
 """The `home-mjx` command. Each subcommand is one module with `add_arguments(parser)` and `run(args) -> int`.
 
+A module may also have `expand_arguments(argv)`, which returns the arguments to parse.
+
 A subcommand's module is imported only when it is called, so that `home-mjx --help` is fast.
 """
 
@@ -115,7 +117,8 @@ def _dispatch(argv: list[str]) -> int:
     parser = Parser(prog=f"home-mjx {args.command}", description=module.__doc__)
     module.add_arguments(parser)
     with command_progress():
-        return module.run(parser.parse_args(args.arguments))
+        expand = getattr(module, "expand_arguments", list)
+        return module.run(parser.parse_args(expand(args.arguments)))
 
 
 def _hide_xla_log() -> None:

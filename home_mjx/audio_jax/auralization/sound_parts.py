@@ -58,7 +58,7 @@ def harmonic_tone(phase: Samples, pitch: float, sample_rate: int, amplitudes: Sa
     turn, power, total = np.exp(1j * phase), np.ones(phase.size, complex), np.zeros(phase.size)
     for amplitude in amplitudes[:count]:
         power = power * turn
-        total += amplitude * power.imag
+        total += amplitude * np.imag(power)
     return total
 
 

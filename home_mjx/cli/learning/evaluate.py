@@ -15,15 +15,17 @@ from home_mjx.cli.learning.arguments import (
     import_modules,
     parse_checkpoint_path,
 )
+from home_mjx.cli.learning.recipes import find_run, format_results, plain_value, selected_recipes
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_dataset, parse_path, parse_seed, positive_int_type
 from home_mjx.core.jsonable import parse_assignments
+from home_mjx.errors import ConfigError
 
 LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add `CHECKPOINT`, a path or `demo`, and the options of `home-mjx evaluate`.
+    """Add `CHECKPOINT`, a path, `demo` or None, `--recipe`, a text or None, and the options of `home-mjx evaluate`.
 
     `--episodes` is from 1 or None, `--houses` from 1 (16), and `--films` from 1; 0 by default. `--split` is `train`,
     `val` (default) or `test`. `--seed` is from 0 to 2**32 - 1 (0). `--greedy` and `--json` are flags.
@@ -32,7 +34,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     is a path or a text `scheme:...`, see `parse_dataset`; None: that of the run. The repeatable `--env` is a list of
     texts `NAME=VALUE`, which apply to the figures and not to films.
     """
-    parser.add_argument("checkpoint", type=parse_checkpoint_path, metavar="CHECKPOINT", help=CHECKPOINT_HELP)
+    parser.add_argument("checkpoint", type=parse_checkpoint_path, nargs="?", metavar="CHECKPOINT", help=CHECKPOINT_HELP)
+    parser.add_argument(
+        "--recipe", metavar="NAME", help="all evaluations of a recipe, or `all`, with the expected results"
+    )
     parser.add_argument(
         "--episodes", type=positive_int_type, help="number of episodes (default: 1000, or all of the file)"
     )
@@ -70,6 +75,10 @@ def run(args: argparse.Namespace) -> int:
     beside the checkpoint, or in the current folder for `demo`.
     """
     import_modules(args.modules)
+    if args.recipe is not None:
+        return _run_recipes(args)
+    if args.checkpoint is None:
+        raise ConfigError("there is no CHECKPOINT to evaluate", hint="Give one, or --recipe NAME.")
     path = find_checkpoint(args.checkpoint)
     from home_mjx.training import evaluate_checkpoint
 
@@ -85,6 +94,30 @@ def run(args: argparse.Namespace) -> int:
 
         film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
     sys.stdout.write(json.dumps(report) + "\n" if args.json else format_evaluation(report))
+    return 0
+
+
+def _run_recipes(args: argparse.Namespace) -> int:
+    """Run all evaluations of `--recipe`, print a table of each, and return 0.
+
+    The agent is CHECKPOINT, by default the run of the recipe. Houses are those of the recipe. Given options of the
+    evaluation count.
+    """
+    from home_mjx.training import evaluate_checkpoint
+
+    if args.recipe == "all" and args.checkpoint is not None:
+        raise ConfigError("--recipe all evaluates the run of each recipe, not a CHECKPOINT", hint="Leave one out.")
+    for recipe in selected_recipes(args.recipe):
+        path = find_checkpoint(args.checkpoint or find_run(recipe))
+        episodes = args.episodes or recipe.arguments.get("episodes")
+        houses = recipe.arguments.get("held-out", args.houses)
+        results = {}
+        for name, options in recipe.evaluate.items():
+            changed = {key: plain_value(value) for key, value in options.items()} | parse_assignments(args.env)
+            results[name] = evaluate_checkpoint(
+                path, args.split, houses, episodes, args.seed, args.greedy, dataset=args.dataset, options=changed
+            )
+        sys.stdout.write(json.dumps(results) + "\n" if args.json else format_results(recipe, results))
     return 0
 
 

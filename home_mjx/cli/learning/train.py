@@ -19,6 +19,7 @@ from home_mjx.cli.learning.arguments import (
     task_spec,
 )
 from home_mjx.cli.learning.evaluate import format_evaluation
+from home_mjx.cli.learning.recipes import changed_options, expand_recipe, find_run, read_recipe
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
 from home_mjx.core.jsonable import parse_assignments
@@ -34,6 +35,8 @@ TRAINED_SENSORS = ("state", "goal")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `TASK`, a text for `task_spec`, and the options of `home-mjx train`.
 
+    `--recipe` is a name, a path or None; `expand_arguments` has put the recipe's own arguments in front.
+
     `--algorithm` is `ppo` (default), `advised` or `clone`. `--start CHECKPOINT` is a path or `demo`, or None. `--out`
     is the path of a folder or None. `--resume` is a flag.
 
@@ -45,6 +48,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     `add_dataset_option`. `--import`, `--observe` and `--sensors` are as in `learning.arguments`.
     """
     parser.add_argument("task", metavar="TASK", help=TASK_HELP)
+    parser.add_argument(
+        "--recipe", metavar="NAME", help="take the task and all options that are not given from a recipe"
+    )
     add_sensors_option(parser, "observed sensors (default: state,goal)")
     parser.add_argument(
         "--num-envs", type=positive_int_type, help="environments in the batch (default: 2048; 64 on CPUs)"
@@ -88,6 +94,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
 
 
+def expand_arguments(argv: list[str]) -> list[str]:
+    """Return the arguments with those of `--recipe` in front; raises as `expand_recipe`."""
+    return expand_recipe(argv)
+
+
 def run(args: argparse.Namespace) -> int:
     """Train, evaluate in held-out houses, write `evaluation.json`, print the results, and return 0.
 
@@ -102,7 +113,13 @@ def run(args: argparse.Namespace) -> int:
 
     check_episodes(args.episodes)
     check_held_out(config.env, args.held_out)
-    out = make_folder(args.out or Path("runs") / config.env.id)
+    recipe = None if args.recipe is None else read_recipe(args.recipe)
+    if recipe is not None:
+        lines = [
+            f"changed against the recipe {recipe.name}: {x}\n" for x in changed_options(args, recipe, add_arguments)
+        ]
+        sys.stdout.write("".join(lines))
+    out = make_folder(args.out or (Path("runs") / config.env.id if recipe is None else find_run(recipe)))
     train(config, out, args.resume, observers=args.observers)
     report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:

@@ -32,7 +32,7 @@ SPLITS["all"] = (*SPLITS["heard"], *SPLITS["unheard"])
 SPLITS["training"] = (*SPLITS["heard"], *TRAINING_CLIPS)
 SPLITS["held_out"] = (*SPLITS["unheard"], *HELD_OUT_CLIPS)  # other kinds than those of `training`
 DISTRACTOR_CLIPS = ("hum", "ticking", "noise")  # never targets
-SCHEDULES = ("always", "intermittent", "once")
+SCHEDULES = ("always", "intermittent", "once", "mixed")
 EMITTERS = ("place", "object")
 NUM_PLACES = 16  # number of candidate places per house; each has a field of distances
 TARGET_INDEX, GOAL_INDEX = 1, 2  # indices of descriptors; the first descriptor is hidden
@@ -46,8 +46,8 @@ class AudioNav(NavigationTask):
         success_distance: Maximum distance to the source on success [m].
         emitter: "place": a point of free floor, `EnvConfig.source_height` above it; "object": any object. With
             `moving_source` it is always a place.
-        schedule: "always", "intermittent" (for `duration` of every `period` seconds) or "once" (for `duration` at the
-            start).
+        schedule: "always", "intermittent" (for `duration` of every `period` seconds), "once" (for `duration` at the
+            start) or "mixed" (each row draws one of these).
         period: Period [s].
         duration: Duration [s].
         clip_split: Sounds that are targets: a split of `SPLITS`, such as "heard" and "unheard", or "training" and
@@ -150,5 +150,6 @@ class AudioNav(NavigationTask):
             "intermittent": {"period": self.period, "duration": self.duration},
             "once": {"duration": self.duration},
         }
+        kind = str(random.choice(list(when))) if self.schedule == "mixed" else self.schedule
         walk = {"destination": GOAL_INDEX, "speed": self.source_speed} if self.moving_source else {}
-        return SoundEvent(TARGET_INDEX, str(random.choice(self.target_clips)), **when[self.schedule], **walk)
+        return SoundEvent(TARGET_INDEX, str(random.choice(self.target_clips)), **when[kind], **walk)
