@@ -36,6 +36,7 @@ from home_mjx.tasks.env.reset import is_sequential
 from home_mjx.tasks.sensors.interaural_cues import SOURCE_TARGET
 from home_mjx.training.auxiliary import NUM_PREDICTIONS, TARGET_SENSORS, add_sensors, source_loss
 from home_mjx.training.config import PPOConfig
+from home_mjx.training.early_warnings import dead_units
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Policy, RolloutState, Transitions, compute_advantages, rollout, to_rows
 
@@ -172,6 +173,7 @@ class PPO:
         key, order = jax.random.split(state.key)
         net, opt, metrics = self.optimize(self.current_loss(state), state.net, state.opt, batch, order)
         new = TrainState.build_unchecked(net=net, opt=opt, actor=actor, key=key, updates=state.updates + 1)
+        metrics["dead_units"] = mean_over_devices(dead_units(actor.memory))
         return new, metrics | {f"episode/{name}": sum_over_devices(x) for name, x in episodes.items()}
 
     def behavior_policy(self, state: TrainState) -> Policy:

@@ -37,6 +37,7 @@ from home_mjx.training.checkpoint import (
     save_net,
 )
 from home_mjx.training.config import RunConfig
+from home_mjx.training.early_warnings import EarlyWarnings
 from home_mjx.training.evaluation import check_episodes, evaluate, evaluation_spec, random_policy, summarize
 from home_mjx.training.imitation import AdvisedPPO, BehaviorCloning
 from home_mjx.training.metrics_log import CurvesPlot, MetricsLog, TensorBoardLog
@@ -82,7 +83,7 @@ def train(
     path, size = out / CHECKPOINT_FILE, config.ppo.batch_size
     done = _updates_done(path, config, resume)
     log, more = MetricsLog(out, done * size), resolve_observers(observers)
-    own = log, TensorBoardLog(out / "tensorboard", done * size), CurvesPlot(log), ProgressBar(progress)
+    own = log, TensorBoardLog(out / "tensorboard", done * size), CurvesPlot(log), ProgressBar(progress), EarlyWarnings()
     clock = RunClock(log.lines[-1] if log.lines else {})
     env = make_env(config.env, progress)
     with show_compile("the training update", progress):
