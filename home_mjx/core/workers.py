@@ -15,6 +15,7 @@ from typing import TypeVar
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 _MAIN_LOCK = threading.Lock()  # held while the module `__main__` is replaced
+thread_limit = sys.maxsize  # of `map_threads`; a process that shares the cores with others lowers it
 
 
 def usable_cores() -> int:
@@ -37,7 +38,7 @@ def map_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> li
         >>> map_threads(abs, [-1, 2])
         [1, 2]
     """
-    with ThreadPoolExecutor(usable_cores()) as pool:
+    with ThreadPoolExecutor(min(usable_cores(), thread_limit)) as pool:
         return list(pool.map(function, items))
 
 

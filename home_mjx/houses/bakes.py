@@ -7,7 +7,8 @@ compiled house. So the store never returns a stale record. A distribution adds b
 
 import hashlib
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
@@ -15,10 +16,11 @@ import jax
 import numpy as np
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.core import workers
 from home_mjx.core.array_store import READ_ERRORS, flatten, read_entry, rebuild, write_entry
 from home_mjx.core.paths import cache_folder, installed
 from home_mjx.core.progress import ProgressCount, plural
-from home_mjx.core.workers import usable_cores, worker_threads
+from home_mjx.core.workers import max_workers, usable_cores, worker_pool, worker_threads
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.schema.compiled import CompiledHouse
 
@@ -36,7 +38,8 @@ class Bake(Protocol):
     A bake may have `substitutes`, a tuple of bakes with other options. The first of these with a stored record replaces
     the bake's own. A bake may have a `platform`, the JAX backend on which every record is made; without it that is the
     default backend. A bake may have a method `extra_key(house)`, which returns bytes that stand for what the record
-    depends on besides arrays of the house, such as textures.
+    depends on besides arrays of the house, such as textures. With `in_processes` True several houses are baked in
+    worker processes, each in a bank of its own: for code whose threads would wait for the interpreter's lock.
 
     Example:
         >>> class FloorArea:  # doctest: +SKIP
@@ -194,14 +197,44 @@ def _find_records(bake: Bake, bank: HouseBank, houses: Sequence[CompiledHouse], 
         if records[-1] is not None:
             count.update()
     missing = [index for index, record in enumerate(records) if record is None]
-    if missing:
-        count.describe(f"baking {bake.name} of {plural(len(houses), 'house')} (once, then cached)")
+    if not missing:
+        return records
+    count.describe(f"baking {bake.name} of {plural(len(houses), 'house')} (once, then cached)")
+    importable = type(bake).__module__ != "__main__"
+    apart = getattr(bake, "in_processes", False) and importable and max_workers(len(missing)) > 1
+    made = _bake_in_processes(bake, houses, missing) if apart else _bake_in_threads(bake, bank, houses, missing)
+    for index, record in made:
+        records[index] = record
+        count.update()
+    return records
+
+
+def _bake_in_threads(
+    bake: Bake, bank: HouseBank, houses: Sequence[CompiledHouse], missing: Sequence[int]
+) -> Iterator[tuple[int, Any]]:
+    """Yield indices and records of the houses `missing`, in order."""
     with worker_threads(max(1, usable_cores() // CORES_PER_BAKE)) as pool:
         made = pool.map(lambda index: make_record(bake, bank, index, houses[index]), missing)
-        for index, record in zip(missing, made, strict=True):
-            records[index] = record
-            count.update()
-    return records
+        yield from zip(missing, made, strict=True)
+
+
+def _bake_in_processes(
+    bake: Bake, houses: Sequence[CompiledHouse], missing: Sequence[int]
+) -> Iterator[tuple[int, Any]]:
+    """Yield indices and records of the houses `missing`, as they are ready; processes share the cores equally."""
+    processes = max_workers(len(missing))
+    threads = -(-usable_cores() // processes)
+    with worker_pool(processes, imports_main=False) as pool:
+        made = {pool.submit(_bake_alone, bake, houses[index], threads): index for index in missing}
+        for future in as_completed(made):
+            yield made[future], future.result()
+
+
+def _bake_alone(bake: Bake, house: CompiledHouse, threads: int) -> Any:
+    """Return the record of a house, made and stored by this worker process in a bank of its own."""
+    jax.config.update("jax_platforms", getattr(bake, "platform", None))
+    workers.thread_limit = threads
+    return make_record(bake, HouseBank.from_compiled([house]), 0, house)
 
 
 def find_bakes(bakes: "Bake | str | Sequence[Bake | str]") -> tuple[Bake, ...]:

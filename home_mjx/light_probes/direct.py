@@ -63,7 +63,7 @@ def light_surfaces(
         received[:, k] = np.bincount(inside + 1, share, rooms + 1)[1:] * lamps.intensity[k].mean()
         spill[:, lamps.room[k] + 1] += np.bincount(own, share, rooms) * lamps.intensity[k].mean()
     for s, aim in enumerate(sun_directions()):
-        cosine = np.maximum(points.normal @ aim, 0) * points.seen
+        cosine = np.maximum(np.einsum("ij,j->i", points.normal, aim), 0) * points.seen
         clear = scene.is_clear(start, aim[None], np.where(cosine > 0, np.inf, -1))
         light[:, SUNS + s] = (cosine * clear)[:, None]
     light[:, ZENITH : ZENITH + 2] = np.where((points.room < 0)[:, None, None], open_sky(points.normal[:, 2]), 0)
@@ -86,7 +86,9 @@ def sky_through(
     way = windows.pos[w] + random[:, :1] * windows.axis_u[w] + random[:, 1:] * windows.axis_v[w] - start
     distance = np.maximum(np.linalg.norm(way, axis=1), MIN_SURFACE_DISTANCE)
     way = way / distance[:, None]
-    cosine = np.maximum(np.einsum("ij,ij->i", way, normal), 0) * np.maximum(-way @ windows.inward[w], 0)
+    cosine = np.maximum(np.einsum("ij,ij->i", way, normal), 0) * np.maximum(
+        -np.einsum("ij,j->i", way, windows.inward[w]), 0
+    )
     share = windows.area[w] * cosine / distance**2
     clear = scene.is_clear(start, way, np.where(share > 0, np.inf, -1))
     return np.minimum(share * clear, np.pi)[:, None, None] * sky_groups(way)

@@ -17,6 +17,7 @@ from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 MIN_SURFACE_DISTANCE, MIN_PROBE_DISTANCE = 0.1, 0.2  # [m], assumed at least between a lamp and a surface
 BULB_RADIUS = 0.05  # [m], of a lamp that has no extent
 MEAN_COLOR_EDGE = 16  # [px], to which a texture is reduced before the mean of its colours is taken
+COLOR_UNIT = 2.0**-12  # to which mean colours are rounded
 ZENITH_COLOR, GROUND_COLOR = np.array([0.45, 0.68, 1.0]), np.array([0.2, 0.21, 0.16])  # as of the shader `lit`
 
 
@@ -108,7 +109,7 @@ def sample_lamp(
     way = (target - points).astype(np.float32)
     square = np.einsum("ij,ij->i", way, way)
     distance = np.sqrt(np.maximum(square, 1e-8))
-    cosine = -(way @ lamps.direction[k].astype(np.float32)) / distance
+    cosine = -np.einsum("ij,j->i", way, lamps.direction[k].astype(np.float32)) / distance
     profile = np.where(cosine >= lamps.cutoff[k], np.maximum(cosine, 1e-6) ** np.float32(lamps.exponent[k]), 0)
     return way, profile / np.maximum(square, np.float32(least**2)), np.maximum(1 - 1.1 * BULB_RADIUS / distance, 0)
 
@@ -166,13 +167,19 @@ def _through(x: Float[np.ndarray, "n 1"], middle: float, end: float) -> Float[np
 def mean_colors(house: CompiledHouse) -> Float[np.ndarray, "r 3"]:
     """Return the mean diffuse reflectance of each material row: its colour times the mean of its texture."""
     table = house.materials
-    texture = np.array([_mean_color(*_stamp(path)) if path else (1.0, 1.0, 1.0) for path in table.texture])
+    white = np.full(3, 1 / COLOR_UNIT)
+    texture = np.array([_summarize(*_stamp(path))[:3] if path else white for path in table.texture]) * COLOR_UNIT
     return (decode_srgb(table.albedo[:, :3]) * texture.reshape(-1, 3)).astype(np.float32)
 
 
 def texture_digest(house: CompiledHouse) -> bytes:
-    """Return a digest of the content of all textures of a house, by material row."""
-    return b"".join(_digest(*_stamp(path)) if path else bytes(1) for path in house.materials.texture)
+    """Return a digest of the mean colours and coarse cut-outs of all textures of a house, by material row.
+
+    Machines may draw and encode a texture with other bytes. So that they find each other's records, these depend on
+    rounded means alone.
+    """
+    parts = [_summarize(*_stamp(path)).tobytes() if path else b"" for path in house.materials.texture]
+    return hashlib.sha256(b"".join(parts)).digest()
 
 
 def _stamp(path: str) -> tuple[str, int, int]:
@@ -182,14 +189,12 @@ def _stamp(path: str) -> tuple[str, int, int]:
 
 
 @lru_cache(maxsize=4096)
-def _digest(path: str, _size: int, _time: int) -> bytes:
-    """Return the SHA-256 digest of a file."""
-    return hashlib.sha256(Path(path).read_bytes()).digest()
+def _summarize(path: str, _size: int, _time: int) -> Int[np.ndarray, " n"]:
+    """Return the mean linear colour of an image, weighted by opacity, in units of `COLOR_UNIT`, then its coverage.
 
-
-@lru_cache(maxsize=4096)
-def _mean_color(path: str, _size: int, _time: int) -> tuple[float, ...]:
-    """Return the mean linear colour of an image, weighted by opacity."""
+    That is the mean opacity of each cell of a coarse grid in eighths.
+    """
     pixels = read_texture(Path(path), MEAN_COLOR_EDGE).reshape(-1, 4) / 255
     weight = np.maximum(pixels[:, 3:], 1e-6)
-    return tuple((decode_srgb(pixels[:, :3]) * weight).sum(axis=0) / weight.sum())
+    mean = (decode_srgb(pixels[:, :3]) * weight).sum(axis=0) / weight.sum()
+    return np.concatenate([np.round(mean / COLOR_UNIT), np.round(8 * pixels[:, 3])]).astype(np.int32)

@@ -28,7 +28,7 @@ from home_mjx.light_probes.options import ProbeOptions
 from home_mjx.light_probes.ray_scene import RayScene
 from home_mjx.light_probes.surfaces import PROBE_OFFSET, SurfacePoints, SurfaceTables
 
-BLOCK = 256  # texels per task
+GATHER_BLOCK, DIRECT_BLOCK = 256, 2048  # texels per task
 TEST_RAYS = 16  # of each texel, by which those inside solids and behind things are found
 MAX_BACK_SHARE = 0.25  # share of rays that hit backs of surfaces, beyond which a texel is inside a solid
 COVER_DISTANCE, MAX_COVER_SHARE = 0.03, 0.8  # [m], within which this share of rays ends at a covered texel
@@ -100,7 +100,7 @@ def gather_texels(
     It is smoothed within charts.
     """
     light = np.zeros((len(valid), NUM_GROUPS, 3), np.float32)
-    blocks = _blocks(valid)
+    blocks = _blocks(valid, GATHER_BLOCK)
     parts = map_threads(lambda rows: _gather(scene, charts, rows, rays), blocks)
     for rows, found in zip(blocks, parts, strict=True):
         light[rows] = found
@@ -113,7 +113,7 @@ def add_direct(
     """Add the direct light of texels; invalid ones get the light of valid neighbours."""
     total = np.zeros((len(valid), NUM_TEXEL_GROUPS, 3), np.float32)
     total[:, :NUM_GROUPS] = light
-    blocks = _blocks(valid)
+    blocks = _blocks(valid, DIRECT_BLOCK)
     for rows, found in zip(blocks, map_threads(lambda rows: _direct(scene, charts, rows), blocks), strict=True):
         total[rows] += found
     fill_invalid(charts, total, valid)
@@ -132,10 +132,10 @@ def known_rows(known: HitCache | None, points: SurfacePoints, instance: Int[np.n
     return np.full(len(instance), -1, np.int64) if known is None else known.rows(points, instance)
 
 
-def _blocks(valid: Bool[np.ndarray, " x"]) -> list[np.ndarray]:
-    """Return the valid texels in blocks."""
+def _blocks(valid: Bool[np.ndarray, " x"], size: int) -> list[np.ndarray]:
+    """Return the valid texels in blocks of `size`."""
     used = np.flatnonzero(valid)
-    return [used[i : i + BLOCK] for i in range(0, len(used), BLOCK)]
+    return [used[i : i + size] for i in range(0, len(used), size)]
 
 
 def _direct(scene: TexelScene, charts: Charts, rows: Int[np.ndarray, " b"]) -> Float[np.ndarray, "b texel_groups 3"]:
@@ -223,7 +223,7 @@ def _sun(rays: RayScene, start: np.ndarray, normal: np.ndarray, stream: tuple[in
     aim = np.array([math.cos(turn) * math.cos(rise), math.sin(turn) * math.cos(rise), math.sin(rise)])
     level = np.array([-math.sin(turn), math.cos(turn), 0.0])
     spread = np.random.default_rng((*stream, 1)).uniform(-SUN_RADIUS, SUN_RADIUS, (SAMPLES, len(start), 2))
-    cosine, total = np.maximum(normal @ aim, 0), np.zeros(len(start), np.float32)
+    cosine, total = np.maximum(np.einsum("ij,j->i", normal, aim), 0), np.zeros(len(start), np.float32)
     for sample in spread:
         way = aim + sample[:, :1] * level + sample[:, 1:] * np.cross(aim, level)
         total += cosine * rays.is_clear(start, way, np.where(cosine > 0, np.inf, -1)) / SAMPLES
