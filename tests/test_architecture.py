@@ -45,7 +45,7 @@ WITHOUT_JAX = ("schema", "geometry", "datasets", "scene_compile")
 CLOSURES = {
     "home_mjx": 1_500,
     "home_mjx.bank": 5_600,
-    "home_mjx.raycast_render": 10_500,
+    "home_mjx.raycast_render": 11_000,
     "home_mjx.physics": 16_000,
     "home_mjx.audio_jax": 20_800,
     "home_mjx.tasks": 45_000,

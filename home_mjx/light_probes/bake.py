@@ -11,7 +11,7 @@ from home_mjx.light_probes.field import ProbeField, padded_lengths, stack_fields
 from home_mjx.light_probes.options import ProbeOptions
 from home_mjx.schema.compiled import CompiledHouse
 
-CACHE_VERSION = 7  # raise it whenever the same house and options would give another field
+CACHE_VERSION = 8  # raise it whenever the same house and options would give another field
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class LightProbeBake:
     )
 
     def extra_key(self, house: CompiledHouse) -> bytes:
-        """Return a digest of what the record depends on of textures: not of files, which encoders write differently."""
+        """Return a digest of the textures' colours and cut-outs; files of one texture differ between encoders."""
         return texture_digest(house)
 
     def bake_house(self, bank: HouseBank, index: int, house: CompiledHouse) -> ProbeField:

@@ -87,7 +87,7 @@ class ProbeField:
             lattice.step.astype(np.float32),
             lattice.count.astype(np.int32),
             keys,
-            _other_shares(spill),
+            other_shares(spill),
             pack_colors(surfaces.light),
             charts.room.astype(np.int16),
             charts.start.astype(np.int32),
@@ -127,7 +127,7 @@ def pack_colors(color: Float[np.ndarray, "*n 3"]) -> UInt32[np.ndarray, "*n"]:
     return channel[..., 0] | channel[..., 1] << 9 | channel[..., 2] << 18 | (power + 15).astype(np.uint32) << 27
 
 
-def _other_shares(spill: Float[np.ndarray, "r s"]) -> Float[np.ndarray, "r r"]:
+def other_shares(spill: Float[np.ndarray, "r s"]) -> Float[np.ndarray, "r r"]:
     """Return for each room the shares of other rooms in the light that it gets from other rooms' lamps."""
     shares = spill[:, 1:] * (1 - np.eye(len(spill)))
     return (shares / np.maximum(shares.sum(axis=1, keepdims=True), 1e-20)).astype(np.float32)

@@ -56,22 +56,21 @@ def compile_kernels() -> Kernels:
     options["fastmath"] = True
     return Kernels(
         made,
-        njit(types.void(*surfaces, real[:, ::1], real[:, ::1], flag[::1], real[:, :, ::1]), **options)(reflect),
-        njit(types.void(*surfaces, real[:, ::1], flag[::1], number[::1], real[:, ::1], real[:, ::1]), **options)(
+        njit(types.void(*surfaces, real[:, ::1], real[:, ::1], real[::1], real[:, :, ::1]), **options)(reflect),
+        njit(types.void(*surfaces, real[:, ::1], real[::1], number[::1], real[:, ::1], real[:, ::1]), **options)(
             gather
         ),
     )
 
 
 @no_type_check
-def reflect(light, cell, fraction, stride, normal, place, known, albedo, way, foreign, out):
+def reflect(light, cell, fraction, stride, normal, place, known, albedo, way, shared, out):
     """Write to `out` (probes, 6, lanes) the irradiance by surfaces around probes, given that of all probes.
 
     `light` (all probes, 6, lanes) has the irradiance on faces +x, -x, +y, -y, +z and -z. Other arrays have a row per
     ray, probe by probe: the first of the eight probes around its hit (-1 none), fractions to the next ones, their
     strides along x and y, normal, row of `known` (rows, lanes), which has the hit's irradiance (-1: that of the probes
-    counts), reflectance, and the ray's direction. Where `foreign`, the lamps of the hit's room, which are in the first
-    group, are other rooms' lamps for the probe.
+    counts), reflectance, the ray's direction, and the argument of `change_room`.
     """
     lanes, rays = light.shape[2], len(cell) // len(out)
     sent, total = np.empty(lanes, np.float32), np.empty(6, np.float32)
@@ -83,10 +82,7 @@ def reflect(light, cell, fraction, stride, normal, place, known, albedo, way, fo
                 receive(light, cell[i], fraction[i], stride[i], normal[i], place[i], known, sent)
                 for j in range(lanes):
                     sent[j] *= albedo[i, j % LANES] * INVERSE_PI
-                if foreign[i]:
-                    for j in range(LANES):
-                        sent[LANES + j] += sent[j]
-                        sent[j] = ZERO
+                change_room(sent, shared[i])
             for axis in range(3):
                 face = 2 * axis + (way[i, axis] < ZERO)
                 cosine = abs(way[i, axis])
@@ -100,7 +96,7 @@ def reflect(light, cell, fraction, stride, normal, place, known, albedo, way, fo
 
 
 @no_type_check
-def gather(light, cell, fraction, stride, normal, place, known, albedo, foreign, row, direct, out):
+def gather(light, cell, fraction, stride, normal, place, known, albedo, shared, row, direct, out):
     """Write to `out` (points, lanes) the irradiance at points by surfaces that their rays hit.
 
     Rays follow each other point by point and are distributed by the cosine. Arguments as of `reflect`, and `direct`
@@ -117,14 +113,25 @@ def gather(light, cell, fraction, stride, normal, place, known, albedo, foreign,
                 sent[:] = ZERO
             for j in range(lanes):
                 sent[j] = (sent[j] + direct[row[i], j]) * albedo[i, j % LANES]
-            if foreign[i]:
-                for j in range(LANES):
-                    sent[LANES + j] += sent[j]
-                    sent[j] = ZERO
+            change_room(sent, shared[i])
             for j in range(lanes):
                 out[p, j] += sent[j]
         for j in range(lanes):
             out[p, j] /= np.float32(rays)
+
+
+@compile_inner()
+@no_type_check
+def change_room(sent, shared):
+    """Exchange light of the room's own lamps and of other rooms' lamps, the first groups of `sent`, on the way out.
+
+    `shared` is the part of the latter that comes from lamps of the room where it arrives; negative within one room.
+    """
+    if shared >= ZERO:
+        for j in range(LANES):
+            own, others = sent[j], sent[LANES + j]
+            sent[j] = shared * others
+            sent[LANES + j] = own + (ONE - shared) * others
 
 
 @compile_inner()

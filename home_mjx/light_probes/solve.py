@@ -26,7 +26,7 @@ from home_mjx.light_probes.emitters import (
     sample_lamp,
     sky_groups,
 )
-from home_mjx.light_probes.field import ProbeField, SurfaceLight
+from home_mjx.light_probes.field import ProbeField, SurfaceLight, other_shares
 from home_mjx.light_probes.hit_cache import HitCache, LitPoints
 from home_mjx.light_probes.kernels import compile_kernels
 from home_mjx.light_probes.lattice import ProbeLattice, find_donors, find_inner, place_probes
@@ -40,6 +40,7 @@ from home_mjx.light_probes.texels import (
     keep_visible,
     known_light,
     known_rows,
+    shared_parts,
     surface_arguments,
 )
 from home_mjx.schema.compiled import CompiledHouse
@@ -62,6 +63,7 @@ class Gathered:
     received: Float[np.ndarray, "r k"]
     spill: Float[np.ndarray, "r s"]
     rays: tuple[np.ndarray, ...]
+    own: Int[np.ndarray, " n"]  # rooms of rays' probes
     hits: SurfacePoints
     instance: Int[np.ndarray, " n"]  # of hits
     points: LitPoints  # of the probes' own rooms and outdoors
@@ -92,22 +94,23 @@ def solve_house(bank: HouseBank, index: int, house: CompiledHouse, options: Prob
         sky[rows] = part.sky
     valid &= ~(_is_hidden(scene, lattice) & sky.any(axis=(1, 2)))  # dark corners behind furniture stay dark
     probes = Probes(blocks, parts, find_donors(lattice, valid))
+    rooms = len(house.rooms.type)
+    spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
+    shares = other_shares(spill)
     base = np.zeros_like(sky)
     for rows, part in zip(blocks, parts, strict=True):
         base[rows] = part.base
-    reflected = _passes(base, probes, options.change)
-    rooms = len(house.rooms.type)
+    reflected = _passes(base, probes, shares, options.change)
     keys = _key_lamps(sum((part.received for part in parts), np.zeros((rooms, len(lamps.number)))))
     direct = HitCache.from_points(LitPoints.join([part.points for part in parts]))
     charts, seen = keep_visible(scene, place_charts(house, lattice, options.texels))
-    first = TexelScene(scene, tables, lattice, reflected, direct, None, lamps, windows, keys, options)
+    first = TexelScene(scene, tables, lattice, reflected, direct, None, lamps, windows, keys, shares, options)
     known = known_light(charts, gather_texels(first, charts, seen, FIRST_RAYS), seen)
-    reflected = _reflect(base, probes, reflected, known)
+    reflected = _reflect(base, probes, shares, reflected, known)
     last = replace(first, light=reflected, known=known)
     texels = add_direct(last, charts, seen, gather_texels(last, charts, seen, options.rays))
     light = reflected + _fill(_direct_at_probes(scene, lattice, lamps, keys, valid), probes.donors)
     light += _fill(sky, probes.donors)
-    spill = sum((part.spill for part in parts), np.zeros((rooms, rooms + 1)))
     rows = np.append(lamps.number, -1)[keys].astype(np.int32)
     return ProbeField.pack(lattice, light, valid, rows, spill, SurfaceLight(charts, texels))
 
@@ -155,7 +158,8 @@ def _gather(
         (points.seen & ~hits.front).reshape(len(rows), -1).mean(axis=1),
         found.received,
         found.spill,
-        (*surface_arguments(lattice, points, None, hits.instance), way.astype(np.float32), points.room != own),
+        (*surface_arguments(lattice, points, None, hits.instance), way.astype(np.float32)),
+        own,
         points,
         hits.instance,
         _own_points(points, hits.instance, own, found.light),
@@ -168,12 +172,14 @@ def _own_points(points: SurfacePoints, instance: np.ndarray, own: np.ndarray, li
     return LitPoints(points.pos[rows], points.normal[rows], instance[rows], light[rows])
 
 
-def _passes(base: Float[np.ndarray, "p 6 lanes"], probes: Probes, change: float) -> Float[np.ndarray, "p 6 lanes"]:
+def _passes(
+    base: Float[np.ndarray, "p 6 lanes"], probes: Probes, shares: Float[np.ndarray, "r r"], change: float
+) -> Float[np.ndarray, "p 6 lanes"]:
     """Repeat reflections until the last pass changes each group by less than `change`; return the light of probes."""
     light = _fill(base.copy(), probes.donors)
     step, ratio = light.sum(axis=(0, 1)), np.ones(light.shape[2])
     for _ in range(MAX_PASSES if probes.blocks else 0):
-        before, light = light, _reflect(base, probes, light, None)
+        before, light = light, _reflect(base, probes, shares, light, None)
         last, step, total = step, (light - before).sum(axis=(0, 1)), light.sum(axis=(0, 1))
         ratio = np.clip(step / np.maximum(last, 1e-20), 0, MAX_RATIO)
         if (step <= change * total).all():
@@ -182,7 +188,11 @@ def _passes(base: Float[np.ndarray, "p 6 lanes"], probes: Probes, change: float)
 
 
 def _reflect(
-    base: Float[np.ndarray, "p 6 lanes"], probes: Probes, light: Float[np.ndarray, "p 6 lanes"], known: HitCache | None
+    base: Float[np.ndarray, "p 6 lanes"],
+    probes: Probes,
+    shares: Float[np.ndarray, "r r"],
+    light: Float[np.ndarray, "p 6 lanes"],
+    known: HitCache | None,
 ) -> Float[np.ndarray, "p 6 lanes"]:
     """Return `base` and the light that surfaces reflect to probes: of `light` around them, or what is `known` of it."""
     reflect = compile_kernels().reflect
@@ -194,7 +204,7 @@ def _reflect(
         rays = part.rays
         if known is not None:
             rays = *rays[:4], known_rows(known, part.hits, part.instance), known.light, *rays[6:]
-        reflect(light, *rays, out)
+        reflect(light, *rays, shared_parts(shares, part.hits.room, part.own), out)
         return out
 
     new = base.copy()

@@ -52,6 +52,7 @@ class TexelScene:
         lamps: Its lamps.
         windows: Its windows.
         keys: Indices of each room's key lamps in `lamps`; -1 none.
+        shares: Parts of each room's light of other rooms' lamps by room.
         options: Options of the bake.
     """
 
@@ -64,6 +65,7 @@ class TexelScene:
     lamps: Lamps
     windows: Windows
     keys: Int[np.ndarray, "r k"]
+    shares: Float[np.ndarray, "r r"]
     options: ProbeOptions
 
 
@@ -168,7 +170,7 @@ def _gather(
     compile_kernels().gather(
         scene.light,
         *surface_arguments(lattice, points, scene.known, hits.instance),
-        (points.room != own) & (points.room >= 0),
+        shared_parts(scene.shares, points.room, own),
         row,
         scene.direct.light,
         out,
@@ -191,6 +193,13 @@ def surface_arguments(
     normal, albedo = (np.ascontiguousarray(x, np.float32) for x in (points.normal, points.albedo))
     light = NOTHING if known is None else known.light
     return cell, fraction, stride, normal, known_rows(known, points, instance), light, albedo
+
+
+def shared_parts(
+    shares: Float[np.ndarray, "r r"], room: Int[np.ndarray, " n"], own: Int[np.ndarray, " n"]
+) -> Float[np.ndarray, " n"]:
+    """Return the argument of `kernels.change_room` for light from rooms `room` to rooms `own`."""
+    return np.where((room != own) & (room >= 0), shares[room, own], np.float32(-1))
 
 
 def _add_lamps(

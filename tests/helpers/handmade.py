@@ -98,8 +98,9 @@ def two_rooms(
     scattering: float | np.ndarray = 0.3,
     transmission: float | np.ndarray = 0.01,
     furniture: Sequence[Furniture] = (),
+    opening: float = 0.0,
 ) -> CompiledHouse:
-    """Two rooms of one size with a closed wall between, |x| <= 0.05: room 0 at x < 0, room 1 at x > 0.
+    """Two rooms of one size with a wall between, |x| <= 0.05: room 0 at x < 0, room 1 at x > 0.
 
     Args:
         size: Inner edge lengths of each room [m].
@@ -107,14 +108,17 @@ def two_rooms(
         scattering: Energy fraction.
         transmission: Energy fraction that the wall between lets through; its partition is 0.
         furniture: What stands in the rooms; the navigation grid covers one of them.
+        opening: Width of a gap in the middle of the wall [m], from floor to ceiling.
     """
     x, y, z = size
     inner = THICKNESS / 2
     corners = [((-x - inner, -y / 2), (-inner, y / 2)), ((inner, -y / 2), (x + inner, y / 2))]
-    between = Slab((-inner, -y / 2 - THICKNESS, -THICKNESS), (inner, y / 2 + THICKNESS, z + THICKNESS), "wall", 0, -1)
+    end = y / 2 + THICKNESS, -opening / 2 if opening else y / 2 + THICKNESS
+    between = Slab((-inner, -end[0], -THICKNESS), (inner, end[1], z + THICKNESS), "wall", 0, -1)
+    beyond = replace(between, low=(-inner, opening / 2, -THICKNESS), high=(inner, end[0], z + THICKNESS))
     shells = [_shell(low, high, z, room=r) for r, (low, high) in enumerate(corners)]
     around = [s for shell, side in zip(shells, (1, 0), strict=True) for i, s in enumerate(shell) if i != side]
-    slabs = [replace(s, partition=i) for i, s in enumerate([between, *around])]
+    slabs = [replace(s, partition=i) for i, s in enumerate([between, *around, *([beyond] if opening else [])])]
     rows = [[1, 0, 2, 3, 4, 5], [0, 6, 7, 8, 9, 10]]
     planes = [_room_planes(low, high, z, row) for (low, high), row in zip(corners, rows, strict=True)]
     table = _architecture_rows(slabs, absorption, scattering, transmission)

@@ -1,6 +1,6 @@
 """Inputs and results of ray casts."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -51,6 +51,7 @@ class Scene(Pytree):
     backend: str | None = static(default=None)  # backend of rays, see `cast`; None: fastest of the platform
     appearance: AppearanceOverrides | None = None  # appearance overrides of the episode; None: none
     sound_materials: SoundMaterials | None = None  # acoustic materials of this environment; None: the bank's
+    prepared: dict[str, Any] | None = None  # what shaders have computed for the episode; see `prepare_shaders`
 
     @property
     def geometry(self) -> Geometry:
@@ -68,7 +69,8 @@ class Scene(Pytree):
             >>> moved = jax.vmap(place, out_axes=Scene.axes())(houses)  # doctest: +SKIP
             >>> hits = jax.vmap(cast, in_axes=(Scene.axes(), 0, 0))(moved, origins, directions)  # doctest: +SKIP
         """
-        return cls.build_unchecked(bank=None, house=0, moving=0, backend=backend, appearance=0, sound_materials=0)
+        mapped = dict.fromkeys(("house", "moving", "appearance", "sound_materials", "prepared"), 0)
+        return cls.build_unchecked(bank=None, backend=backend, **mapped)
 
 
 class Rays(Pytree):

@@ -5,15 +5,17 @@ from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
+from jaxtyping import Array, Int
 
 from home_mjx.bank.records.lights import LIGHT_PROBES, SUN_ELEVATION, TEXEL_SUN_AZIMUTH, LightProbes
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select
 from home_mjx.raycast_render.shaders import lights
 from home_mjx.raycast_render.shaders.base import register_shader
-from home_mjx.raycast_render.shaders.lit import LitShader, daylight, probe_light
-from home_mjx.raycast_render.shaders.probes import probe_room
-from home_mjx.raycast_render.shaders.texels import find_chart, mix_texels, texel_irradiance
+from home_mjx.raycast_render.shaders.lit import LitShader, probe_light
+from home_mjx.raycast_render.shaders.probes import Daylight, probe_room
+from home_mjx.raycast_render.shaders.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
 
 
 @register_shader
@@ -36,18 +38,22 @@ class BakedShader(LitShader):
         """Return irradiance and specular radiance as of `LitShader`; `ambient` scales all light of texels."""
         probes: LightProbes = scene.bank.bakes[LIGHT_PROBES]
         point = point.replace(room=probe_room(scene, point))
-        chart, day, sunny = find_chart(scene, probes, hit), daylight(scene, self), self._has_texel_sun(scene)
-        mixed = mix_texels(probes, scene.house, scene.appearance, day, self.num_lights > 0, sunny)
-        fixed = texel_irradiance(probes, mixed, scene.house, point.pos, chart)
-        light = select(chart < 0, probe_light(scene, probes, point, day), fixed) * self.ambient
+        chart, sunny = find_chart(scene, probes, hit), self._has_texel_sun(scene.appearance)
+        fixed = texel_irradiance(probes, self._texels(scene, probes), scene.house, point.pos, chart)
+        light = select(chart < 0, probe_light(scene, probes, point, self), fixed) * self.ambient
         others = point.replace(instance=jnp.where(chart < 0, point.instance, -1))
         got = self._key_light(scene, probes, others, sample)
         if self.sun > 0:
             got = jax.tree.map(jnp.add, got, self._sun_light(scene, others if sunny else point, sample))
         return got.diffuse + light, got.specular
 
-    def _has_texel_sun(self, scene: Scene) -> bool:
+    def _mix_texels(
+        self, probes: LightProbes, house: Int[Array, ""], look: AppearanceOverrides | None, day: Daylight
+    ) -> MixedTexels:
+        """Mix the light of texels with that of key lamps, and of the sun where it stands for texels."""
+        return mix_texels(probes, house, look, day, self.num_lights > 0, self._has_texel_sun(look))
+
+    def _has_texel_sun(self, look: AppearanceOverrides | None) -> bool:
         """Return whether the sun stands where it stands for the texels, in every episode."""
-        look = scene.appearance
         fixed = look is None or (look.sun_azimuth is None and look.sun_elevation is None)
         return fixed and (self.sun_azimuth, self.sun_elevation) == (TEXEL_SUN_AZIMUTH, SUN_ELEVATION)

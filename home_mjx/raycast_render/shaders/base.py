@@ -4,7 +4,7 @@ A distribution adds shaders with entry points of the group `home_mjx.shaders`, w
 object is its class.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
@@ -16,7 +16,7 @@ from home_mjx.core.checks import check_frozen_dataclass, shorten
 from home_mjx.core.paths import installed
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
-from home_mjx.raycast_render.scene.appearance import scale_exposure
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_exposure
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec
 
@@ -51,6 +51,9 @@ class Shader(Protocol):
     """Shading of colour images. A shader is a frozen dataclass: its fields are its options, with defaults.
 
     Both methods are for one environment and run inside `jit`. Derive from this class for its defaults.
+
+    A shader may have a method `prepare(bank, house, look)`, see `prepare_shaders`. Environments call it at the start of
+    episodes; `radiance` finds the result by `find_prepared`, and must do without it elsewhere.
 
     Attributes:
         name: Name for `shader=`.
@@ -94,6 +97,7 @@ class Shader(Protocol):
 
 
 ShaderSpec = str | Shader
+Prepared = dict[str, Any]
 S = TypeVar("S", bound=type)
 
 _REGISTRY: dict[str, Callable[[], Shader]] = {}
@@ -153,6 +157,26 @@ def resolve_shader(spec: ShaderSpec) -> Shader:
     except TypeError as error:
         raise ConfigError(f"options of the shader `{spec.name}` must be numbers, text or tuples: {error}") from error
     return spec
+
+
+def prepare_shaders(
+    shaders: Sequence[Shader], bank: HouseBank, house: Int[Array, ""], look: AppearanceOverrides | None
+) -> Prepared | None:
+    """Return what shaders compute once per episode for `Scene.prepared`, see `Shader`; None if none computes anything.
+
+    Args:
+        shaders: The shaders; those without a method `prepare` compute nothing.
+        bank: The bank.
+        house: The environment's house.
+        look: Appearance overrides of the episode.
+    """
+    made = {repr(x): x.prepare(bank, house, look) for x in shaders if hasattr(x, "prepare")}  # pyright: ignore
+    return {name: value for name, value in made.items() if value is not None} or None
+
+
+def find_prepared(scene: Scene, shader: Shader) -> Any:
+    """Return what a shader has prepared for the episode; None if nothing."""
+    return None if scene.prepared is None else scene.prepared.get(repr(shader))
 
 
 def check_shader_bakes(shader: Shader, bank: HouseBank) -> None:

@@ -12,6 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import LIGHT_PROBES, NUM_KEY_LAMPS, LightProbes
 from home_mjx.core.checks import check_number
 from home_mjx.core.pytree import Pytree
@@ -19,6 +20,7 @@ from home_mjx.raycast_render.cameras.camera import pixel_footprint
 from home_mjx.raycast_render.cameras.sampling import sample_points
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.appearance import (
+    AppearanceOverrides,
     scale_daylight,
     scale_exposure,
     scale_lamps,
@@ -36,17 +38,21 @@ from home_mjx.raycast_render.scene.surface import (
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import lights, texture
-from home_mjx.raycast_render.shaders.base import CameraRays, Shader, register_shader
+from home_mjx.raycast_render.shaders.base import CameraRays, Shader, find_prepared, register_shader
 from home_mjx.raycast_render.shaders.probes import (
     Daylight,
+    MixedProbes,
+    PreparedLight,
     mix_groups,
     open_irradiance,
+    pack_colors,
     probe_irradiance,
     probe_room,
+    varies,
 )
 from home_mjx.raycast_render.shaders.specular import PathState, start_path, trace_specular
 from home_mjx.raycast_render.shaders.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
-from home_mjx.raycast_render.shaders.texels import find_chart, mix_texels, texel_irradiance
+from home_mjx.raycast_render.shaders.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
@@ -167,11 +173,42 @@ class LitShader(Shader):
             got = lights.lamp_light(scene, lights.place_lights(scene, self.sky), point, sample, self.num_lights)
         else:
             point = point.replace(room=probe_room(scene, point))
-            indirect = baked_irradiance(scene, probes, hit, point, self) * _near_blocking(scene, point, sample, self)
+            indirect = self._baked_light(scene, probes, hit, point) * _near_blocking(scene, point, sample, self)
             got = self._key_light(scene, probes, point, sample)
         if self.sun > 0:
             got = jax.tree.map(jnp.add, got, self._sun_light(scene, point, sample))
         return got.diffuse + indirect, got.specular
+
+    def _baked_light(self, scene: Scene, probes: LightProbes, hit: Hit, point: lights.ShadingPoint) -> Vec:
+        """Return the irradiance [W/m^2] by reflections, sky and far lamps: of texels, or probes for other faces."""
+        around = probe_light(scene, probes, point, self)
+        if probes.texel.shape[1]:
+            chart = find_chart(scene, probes, hit)
+            fixed = texel_irradiance(probes, self._texels(scene, probes), scene.house, point.pos, chart)
+            around = select(chart < 0, around, fixed)
+        return around * self.ambient
+
+    def prepare(self, bank: HouseBank, house: Int[Array, ""], look: AppearanceOverrides | None) -> PreparedLight | None:
+        """Mix the light groups of probes and texels for an episode whose lamps or daylight differ from the house's."""
+        probes = bank.bakes.get(LIGHT_PROBES)
+        if probes is None or not varies(look):
+            return None
+        day = daylight(look, self)
+        mixed = mix_groups(probes, house, look, day).light, self._mix_texels(probes, house, look, day).light
+        return PreparedLight(*map(pack_colors, mixed))
+
+    def _mix_texels(
+        self, probes: LightProbes, house: Int[Array, ""], look: AppearanceOverrides | None, day: Daylight
+    ) -> MixedTexels:
+        """Mix the light of texels that this shader looks up."""
+        return mix_texels(probes, house, look, day)
+
+    def _texels(self, scene: Scene, probes: LightProbes) -> MixedTexels:
+        """Return the light of texels in an environment: prepared, or mixed here."""
+        prepared = find_prepared(scene, self)
+        if prepared is not None:
+            return MixedTexels(prepared.texels, 0)
+        return self._mix_texels(probes, scene.house, scene.appearance, daylight(scene.appearance, self))
 
     def _key_light(
         self, scene: Scene, probes: LightProbes, point: lights.ShadingPoint, sample: lights.LightSample
@@ -291,30 +328,21 @@ def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSampl
     return (lamps + daylight) * options.ambient * _near_blocking(scene, point, spread, options)
 
 
-def baked_irradiance(
-    scene: Scene, probes: LightProbes, hit: Hit, point: lights.ShadingPoint, options: LitShader
-) -> Vec:
-    """Return the irradiance [W/m^2] by reflections, the sky and far lamps: of texels, or of probes for other faces."""
-    day = daylight(scene, options)
-    around = probe_light(scene, probes, point, day)
-    if probes.texel.shape[1]:
-        chart = find_chart(scene, probes, hit)
-        mixed = mix_texels(probes, scene.house, scene.appearance, day)
-        around = select(chart < 0, around, texel_irradiance(probes, mixed, scene.house, point.pos, chart))
-    return around * options.ambient
-
-
-def probe_light(scene: Scene, probes: LightProbes, point: lights.ShadingPoint, day: Daylight) -> Vec:
+def probe_light(scene: Scene, probes: LightProbes, point: lights.ShadingPoint, options: LitShader) -> Vec:
     """Return the irradiance [W/m^2] of probes; outdoors of the open sky."""
-    mixed = mix_groups(probes, scene.house, scene.appearance, day)
+    day, prepared = daylight(scene.appearance, options), find_prepared(scene, options)
+    if prepared is None:
+        mixed = mix_groups(probes, scene.house, scene.appearance, day)
+    else:
+        mixed = MixedProbes(prepared.probes, 0)
     inside = probe_irradiance(probes, mixed, scene.house, point.pos, point.shading, point.room)
     outside = open_irradiance(day, Vec(*ZENITH_COLOR), Vec(*GROUND_COLOR), point.shading)
     return select(point.room < 0, outside, inside)
 
 
-def daylight(scene: Scene, options: LitShader) -> Daylight:
-    """Return the daylight of the environment."""
-    look, redness = scene.appearance, sun_redness(options.sun_elevation)
+def daylight(look: AppearanceOverrides | None, options: LitShader) -> Daylight:
+    """Return the daylight of an environment."""
+    redness = sun_redness(options.sun_elevation)
     turned = None if look is None else look.sun_azimuth
     factor = 1.0 if look is None or look.daylight is None else look.daylight
     return Daylight(

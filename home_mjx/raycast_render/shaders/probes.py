@@ -27,6 +27,7 @@ from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR
 PROBE_OFFSET = 0.05  # [m], distance above a surface at which probes are interpolated
 VIEW_OFFSET = 0.25  # [m], distance towards the viewer at which surfaces without a room look for one, as in doorways
 FACADE_GAP = 0.15  # [m], distance from the probes of a room beyond which a wall that faces away is outdoors
+MAX_COLOR = 65408.0  # the largest number of packed colours
 ZENITH_UP, ZENITH_LEVEL = 0.8 * math.pi, 0.9585  # irradiance of the sky's zenith part on floors, and on walls
 
 
@@ -39,10 +40,17 @@ class Daylight(Pytree):
     azimuth: Float[Array, ""] | float  # [degrees]
 
 
+class PreparedLight(Pytree):
+    """Irradiance of one environment at probes and texels, all light groups together, with colours as in the bake."""
+
+    probes: UInt32[Array, "n 6"]  # by face
+    texels: UInt32[Array, " x"]
+
+
 class MixedProbes(Pytree):
     """Irradiance at the probes of one environment, all light groups together."""
 
-    light: Float[Array, "n 6 3"]  # [W/m^2], by face
+    light: Float[Array, "n 6 3"] | UInt32[Array, "n 6"]  # [W/m^2], by face; integers are packed
     start: Int[Array, ""] | int  # row of the house's first probe
 
 
@@ -78,6 +86,36 @@ def unpack_colors(packed: UInt32[Array, "*n"]) -> Float[Array, "*n 3"]:
     scale = jnp.exp2((packed >> 27).astype(jnp.float32) - 24.0)
     channels = [((packed >> shift) & 511).astype(jnp.float32) * scale for shift in (0, 9, 18)]
     return jnp.stack(channels, axis=-1)
+
+
+def pack_colors(color: Float[Array, "*n 3"]) -> UInt32[Array, "*n"]:
+    """Pack colours as `light_probes.field.pack_colors` does; errors are at most 1/1024 of the largest channel."""
+    color = jnp.clip(color, 0.0, MAX_COLOR)
+    top = jnp.max(color, axis=-1)
+    power = (_bits(jnp.maximum(top, 2.0**-16)) >> 23) - 126  # top < 2 ** power
+    power = power + (jnp.round(top * _power_of_two(9 - power)) >= 512)
+    channels = jnp.round(color * _power_of_two(9 - power)[..., None]).astype(jnp.uint32)
+    packed = channels[..., 0] | channels[..., 1] << 9 | channels[..., 2] << 18
+    return packed | (power + 15).astype(jnp.uint32) << 27
+
+
+def take_colors(table: Float[Array, "n 3"] | UInt32[Array, " n"], row: Int[Array, "*rays"]) -> Vec:
+    """Return rows of a table of colours, which may be packed."""
+    if table.ndim > 1:
+        return take_vec(table, row)
+    packed = take(table, row)
+    scale = _power_of_two((packed >> 27).astype(jnp.int32) - 24)
+    return Vec(*(((packed >> shift) & 511).astype(jnp.float32) * scale for shift in (0, 9, 18)))
+
+
+def _bits(number: Float[Array, "*n"]) -> Int[Array, "*n"]:
+    """Return the bits of numbers."""
+    return jax.lax.bitcast_convert_type(number, jnp.int32)
+
+
+def _power_of_two(power: Int[Array, "*n"]) -> Float[Array, "*n"]:
+    """Return 2 to integers from -126 to 127."""
+    return jax.lax.bitcast_convert_type((power + 127) << 23, jnp.float32)
 
 
 def group_weights(day: Daylight) -> list[Float[Array, "3"]]:
@@ -166,9 +204,9 @@ def probe_irradiance(
     return found * jnp.where((room >= 0) & (first >= 0), 1.0, 0.0)
 
 
-def _interpolate(light: Float[Array, "n 6 3"], cell: Int[Array, "*rays"], count: Vec, share: Vec, normal: Vec) -> Vec:
+def _interpolate(light: Array, cell: Int[Array, "*rays"], count: Vec, share: Vec, normal: Vec) -> Vec:
     """Return the irradiance between the eight probes from `cell` on: that of three faces by squares of the normal."""
-    rows = light.reshape(-1, 3)
+    rows = light.reshape(-1) if light.ndim == 2 else light.reshape(-1, 3)
     faces = [(axis, n * n, jnp.where(n < 0, 2 * axis + 1, 2 * axis)) for axis, n in enumerate(_parts(normal))]
     found = Vec(0.0, 0.0, 0.0)
     for corner in range(8):
@@ -178,7 +216,7 @@ def _interpolate(light: Float[Array, "n 6 3"], cell: Int[Array, "*rays"], count:
             weight = weight * (part if one else 1.0 - part)
         row = 6 * (cell + x * count.y * count.z + y * count.z + z)
         for _, square, face in faces:
-            found = found + take_vec(rows, row + face) * (weight * square)
+            found = found + take_colors(rows, row + face) * (weight * square)
     return found
 
 

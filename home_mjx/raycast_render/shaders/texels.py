@@ -2,20 +2,27 @@
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.bank.records.lights import KEY_LAMPS, KEY_SUN, OTHER_LAMPS, OWN_LAMPS, LightProbes
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, take, take_vec
-from home_mjx.raycast_render.shaders.probes import Daylight, group_weights, lamp_factors, unpack_colors, varies
+from home_mjx.raycast_render.shaders.probes import (
+    Daylight,
+    group_weights,
+    lamp_factors,
+    take_colors,
+    unpack_colors,
+    varies,
+)
 
 
 class MixedTexels(Pytree):
     """Irradiance at the texels of one environment, all light groups together."""
 
-    light: Float[Array, "n 3"]  # [W/m^2]
+    light: Float[Array, "n 3"] | UInt32[Array, " n"]  # [W/m^2]; integers are packed
     start: Int[Array, ""] | int  # row of the house's first texel
 
 
@@ -87,5 +94,5 @@ def texel_irradiance(
     for corner in range(4):
         x, y = corner & 1, corner >> 1
         weight = (shares[0] if x else 1.0 - shares[0]) * (shares[1] if y else 1.0 - shares[1])
-        found = found + take_vec(mixed.light, cell + x * counts[1] + y) * weight
+        found = found + take_colors(mixed.light, cell + x * counts[1] + y) * weight
     return found

@@ -113,6 +113,7 @@ class World(Pytree):
     num_faults: Int[Array, ""]  # number of episodes of this environment that ended because a pose was not finite
     variation: VariationSample | None = None  # sample of `EnvParams.variation`
     contact_sounds: ContactSounds | None = None  # contact sounds, with `EnvConfig.contact_sounds`
+    prepared: dict[str, Any] | None = None  # what shaders have computed for the episode, see `prepare_shaders`
 
     @property
     def source(self) -> Float[Array, "*n 3"]:

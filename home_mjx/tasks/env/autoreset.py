@@ -1,5 +1,6 @@
 """Automatic reset of a batch of environments."""
 
+from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -12,11 +13,11 @@ from home_mjx.core.checks import check_known
 from home_mjx.core.progress import silence
 from home_mjx.errors import ConfigError
 from home_mjx.physics import Template
-from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, fold_key
+from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, World, fold_key
 from home_mjx.tasks.env.checks import check_state
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.env.reset import is_sequential
+from home_mjx.tasks.env.reset import is_sequential, prepare_light
 
 FINAL_OBS_CHOICES = ("cheap", "all", "none")
 MAX_SEPARATE_RENDERS = 32  # maximum number of ended environments whose last images are rendered separately
@@ -101,6 +102,7 @@ class AutoReset:
         done = stepped.done
         # One branch for the whole batch: steps in which no episode ends skip the reset.
         begun = jax.lax.cond(jnp.any(done), lambda s: self._reset_done(params, s, done), lambda s: s, stepped)
+        begun = self._prepare_done(params, begun, done)
         seen = self._update_and_observe(params, begun)
         new = seen.replace(status=jnp.where(done, begun.status, seen.status))
         return self._store_final(new, self._final_obs(params, stepped, last, new.obs, done))
@@ -132,12 +134,25 @@ class AutoReset:
             episode = state.world.episode + num if is_sequential(params.tasks) else None
             with silence():  # part of the step, which is announced
                 new = self.core.reset(params, fold_key(state.world.key, RENEW_TAG), None, episode, observe=False)
-            world = new.world.replace(num_faults=state.world.num_faults)
+            world = new.world.replace(num_faults=state.world.num_faults, prepared=state.world.prepared)
             status = state.status | new.status
             new = state.replace(physics=new.physics, world=world, task=new.task, status=status)
             return jax.tree.map(lambda a, b: jnp.where(done, a, b), new, state)
 
         return jax.vmap(one)(state, done)
+
+    def _prepare_done(self, params: EnvParams, state: State, done: Bool[Array, " n"]) -> State:
+        """Return states with what shaders compute per episode made anew where `done`: for few of these, or all."""
+        if state.world.prepared is None:
+            return state
+
+        def prepare(world: World) -> Any:
+            """Return what shaders compute for environments that have begun an episode."""
+            one = lambda house, drawn: prepare_light(self.config, params.bank, house, drawn)  # noqa: E731
+            return jax.vmap(one)(world.house, world.variation)
+
+        prepared = renew_rows(prepare, state.world, state.world.prepared, done)
+        return state.replace(world=state.world.replace(prepared=prepared))
 
     def _select_final(self, obs: dict[str, Array]) -> dict[str, Array]:
         """Return a copy of the observations by name, with only those that `final_obs` includes; "none": empty."""
@@ -170,31 +185,14 @@ class AutoReset:
     def _render_final(
         self, params: EnvParams, stepped: State, kept: dict[str, Array], done: Bool[Array, " n"]
     ) -> dict[str, Array]:
-        """Return `kept` with all observations before the reset where `done`, those of rays included.
+        """Return `kept` with all observations before the reset where `done`, those of rays included."""
 
-        Up to `MAX_SEPARATE_RENDERS` ended environments are observed alone, more with the whole batch, none not at all.
-        """
-        few = min(MAX_SEPARATE_RENDERS, done.shape[0])
-        count = jnp.sum(done.astype(jnp.int32))
+        def observe(state: State) -> dict[str, Array]:
+            """Return these observations of environments."""
+            seen = self._update_and_observe(params, state).obs
+            return {name: seen[name] for name in kept}
 
-        def nobody(_: State) -> dict[str, Array]:
-            """Return the observations as they are: no environment has ended."""
-            return kept
-
-        def some(stepped: State) -> dict[str, Array]:
-            """Observe `few` environments, ended ones first; use those that have ended."""
-            rows = jnp.argsort(~done, stable=True)[:few]  # ended environments come first
-            seen = self._update_and_observe(params, jax.tree.map(lambda x: x[rows], stepped)).obs
-            rows = jnp.where(done[rows], rows, done.shape[0])
-            return {name: value.at[rows].set(seen[name], mode="drop") for name, value in kept.items()}
-
-        def many(stepped: State) -> dict[str, Array]:
-            """Observe all environments; use those that have ended."""
-            seen = self._update_and_observe(params, stepped).obs
-            return {name: select_envs(done, seen[name], value) for name, value in kept.items()}
-
-        case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)
-        return jax.lax.switch(case, [nobody, some, many], stepped)
+        return renew_rows(observe, stepped, kept, done)
 
     def _store_final(self, state: State, final: dict[str, Array]) -> State:
         """Return the states with `info["final_obs"]` replaced; unchanged for the choice "none"."""
@@ -213,3 +211,26 @@ def _num_keys(key: Any) -> int:
 def select_envs(mask: Bool[Array, " n"], new: Any, old: Any) -> Any:
     """Return the rows of `new` where the mask holds, else those of `old`; both are batches of the same tree."""
     return jax.tree.map(lambda a, b: jnp.where(mask.reshape(-1, *[1] * (a.ndim - 1)), a, b), new, old)
+
+
+def renew_rows(compute: Callable[[Any], Any], given: Any, old: Any, done: Bool[Array, " n"]) -> Any:
+    """Return `compute(given)`, a batch of environments as `given` is, where `done`, else `old`.
+
+    Up to `MAX_SEPARATE_RENDERS` environments are computed alone, more with the whole batch, none not at all.
+    """
+    few = min(MAX_SEPARATE_RENDERS, done.shape[0])
+    count = jnp.sum(done.astype(jnp.int32))
+
+    def some(given: Any, old: Any) -> Any:
+        """Compute `few` environments, those that are done first; use these."""
+        rows = jnp.argsort(~done, stable=True)[:few]
+        new = compute(jax.tree.map(lambda x: x[rows], given))
+        rows = jnp.where(done[rows], rows, done.shape[0])
+        return jax.tree.map(lambda a, b: a.at[rows].set(b, mode="drop"), old, new)
+
+    def many(given: Any, old: Any) -> Any:
+        """Compute all environments; use those that are done."""
+        return select_envs(done, compute(given), old)
+
+    case = (count > 0).astype(jnp.int32) + (count > few).astype(jnp.int32)
+    return jax.lax.switch(case, [lambda _, old: old, some, many], given, old)

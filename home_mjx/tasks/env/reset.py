@@ -17,6 +17,7 @@ from home_mjx.navigation.doors import door_angles
 from home_mjx.navigation.spawn import random_arrangement, random_yaw, sample_starts
 from home_mjx.physics import PhysicsState
 from home_mjx.raycast_render.scene.scene import agent_sizes, make_scene
+from home_mjx.raycast_render.shaders.base import prepare_shaders
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import AgentPose, BodyContacts, Snapshot
 from home_mjx.tasks.base.state import (
@@ -35,7 +36,7 @@ from home_mjx.tasks.env.actions import NO_TOKEN, action_names
 from home_mjx.tasks.env.checks import check_arrangements
 from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sounds.sources import house_source
-from home_mjx.tasks.variation.sample import sample_variation
+from home_mjx.tasks.variation.sample import VariationSample, sample_variation
 
 Index = Int[Array, ""] | int | None
 
@@ -86,6 +87,7 @@ def init_physics_and_world(
         sensor_states=memory,
         num_faults=jnp.zeros((), jnp.int32),
         variation=drawn,
+        prepared=prepare_light(config, bank, house, drawn),
         contact_sounds=None
         if config.contact_sounds is None
         else empty_contact_sounds(config.contact_sounds, config.audio, agents),
@@ -95,6 +97,13 @@ def init_physics_and_world(
     scale = None if drawn is None else drawn.body_scale
     data = physics.reset(physics_template(config, bank.spec), bank, house, pos, yaw, angle, arrangement, scale)
     return data, world, row, goal_key
+
+
+def prepare_light(
+    config: EnvConfig, bank: HouseBank, house: Int[Array, ""], drawn: VariationSample | None
+) -> dict[str, Any] | None:
+    """Return what the shaders of an environment's cameras compute once per episode; None if nothing."""
+    return prepare_shaders(config.shaders, bank, house, None if drawn is None else drawn.appearance)
 
 
 def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, world: World) -> Snapshot:
@@ -124,7 +133,9 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
         reward=world.reward,
         tasks=params.tasks,
         config=config,
-        scene=make_scene(params.bank, world.house, *bodies, pos, turned, config.backend, angle, sizes, look),
+        scene=make_scene(params.bank, world.house, *bodies, pos, turned, config.backend, angle, sizes, look).replace(
+            prepared=world.prepared
+        ),
         variation=drawn,
         contact_sounds=world.contact_sounds,
         head=params.head,
