@@ -45,7 +45,8 @@ class BakedShader(LitShader):
         got = self._key_light(scene, probes, others, sample)
         if self.sun > 0:
             got = jax.tree.map(jnp.add, got, self._sun_light(scene, others if sunny else point, sample))
-        return got.diffuse + light, got.specular
+        specular = got.specular + self._reflected(scene, probes, point) if self.reflections else got.specular
+        return got.diffuse + light, specular
 
     def _mix_texels(
         self, probes: LightProbes, house: Int[Array, ""], look: AppearanceOverrides | None, day: Daylight

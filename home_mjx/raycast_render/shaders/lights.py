@@ -14,6 +14,7 @@ from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_
 from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
+from home_mjx.raycast_render.shaders.gloss import ShadingPoint, ggx
 from home_mjx.raycast_render.shaders.sun_and_sky import sun_redness
 from home_mjx.schema.compiled import ARCHITECTURE
 
@@ -47,18 +48,6 @@ class PlacedLights(Pytree):
     instance: Int[Array, "*lights"]  # -1 padding
     object_id: Int[Array, "*lights"]
     room: Int[Array, "*lights"]
-
-
-class ShadingPoint(Pytree):
-    """Shading points of rays of any shape."""
-
-    pos: Vec  # [m]
-    normal: Vec  # unit, of the triangle, facing the ray
-    shading: Vec  # unit, smooth
-    view: Vec  # unit, towards the viewer
-    shininess: Float[Array, "*rays"]
-    instance: Int[Array, "*rays"]  # -1 on a miss
-    room: Int[Array, "*rays"]
 
 
 class KeyLamps(NamedTuple):
@@ -140,7 +129,7 @@ def lamp_light(
     key = jax.lax.optimization_barrier(select_lights(lights, point, count, keys))
     chosen = key & (2**INDEX_BITS - 1)
     light = jax.tree.map(lambda column: take(column, chosen), lights)
-    at = jax.tree.map(lambda x: jnp.broadcast_to(x[None], key.shape), point)
+    at = jax.tree.map(lambda x: jnp.broadcast_to(jnp.asarray(x)[None], key.shape), point)
     source = light.pos
     if spread is not None:
         source = source + light.axis_u * spread[None, ..., 0] + light.axis_v * spread[None, ..., 1]
@@ -152,7 +141,7 @@ def lamp_light(
     reach = jnp.where(
         (strength > 0) & ~own, 1 - SHADOW_RAY_END * jnp.minimum(way.inverse_norm(), 1 / SHADOW_RAY_END), -1.0
     )
-    gloss = strength * blinn_phong(at, toward)
+    gloss = strength * ggx(at, toward)
     start, way, reach, strength, gloss = jax.lax.optimization_barrier((start, way, reach, strength, gloss))
     blocked = occluded(scene, start.pack(), way.pack(), t_max=reach, exclude=light.object_id)
 
@@ -221,7 +210,7 @@ def sun_light(
     strength = jnp.where(point.instance < 0, 0.0, irradiance * _surface_cosine(point, aim))
     reach = jnp.where(strength > 0, jnp.inf, -1.0)
     start = point.pos + point.normal * SHADOW_BIAS
-    gloss = strength * blinn_phong(point, aim)
+    gloss = strength * ggx(point, aim)
     # The barrier prevents recomputation after the cast.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
     blocked = occluded(scene, start.pack(), way.pack(), t_max=reach)
@@ -246,18 +235,6 @@ def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tupl
         azimuth, elevation = azimuth if given[0] is None else given[0], elevation if given[1] is None else given[1]
         turn, rise = ((jnp.cos(angle), jnp.sin(angle)) for angle in (azimuth, elevation))
     return Vec(turn[0] * rise[0], turn[1] * rise[0], rise[1]), Vec(-turn[1], turn[0], 0.0)
-
-
-def blinn_phong(point: ShadingPoint, toward: Vec) -> Float[Array, "*rays"]:
-    """Compute the normalised Blinn-Phong BRDF [1/sr], (n + 8) / (8 pi) * cos^n of the half vector.
-
-    `toward` is the unit direction to the light; neither reflectance nor cosine of incidence is included. Cosines of the
-    half vector, to the shading normal, are at least 1e-4.
-
-    Source: T. Akenine-Möller et al., "Real-Time Rendering", on the normalised Blinn-Phong reflectance.
-    """
-    cosine = jnp.clip((toward + point.view).unit().dot(point.shading), 1e-4, 1.0)
-    return (point.shininess + 8) / (8 * math.pi) * jnp.exp(point.shininess * jnp.log(cosine))
 
 
 def _light_key(

@@ -39,6 +39,7 @@ from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
 from home_mjx.raycast_render.shaders import lights, texture
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, find_prepared, register_shader
+from home_mjx.raycast_render.shaders.gloss import edge_factor, reflect_view, uniform_gloss
 from home_mjx.raycast_render.shaders.probes import (
     Daylight,
     MixedProbes,
@@ -89,6 +90,7 @@ class LitShader(Shader):
         ambient: Factor of the interreflected light.
         ao_radius: Ambient-occlusion radius [m]; 0 disables ambient occlusion. Noisy unless the lens takes several
             samples per pixel.
+        reflections: Glossy surfaces reflect the light of probes, blurred; without probes no effect.
         exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
             image to middle grey.
 
@@ -109,10 +111,11 @@ class LitShader(Shader):
     ambient: float = 1.0
     ao_radius: float = 0.0
     exposure: float | None = 2.3
+    reflections: bool = False
 
     def __post_init__(self) -> None:
         for option in fields(self):
-            if option.name == "exposure" and self.exposure is None:
+            if isinstance(option.default, bool) or (option.name == "exposure" and self.exposure is None):
                 continue
             least = -math.inf if option.name.startswith("sun_") else 0
             check_number(option.name, getattr(self, option.name), least, integer=isinstance(option.default, int))
@@ -177,7 +180,15 @@ class LitShader(Shader):
             got = self._key_light(scene, probes, point, sample)
         if self.sun > 0:
             got = jax.tree.map(jnp.add, got, self._sun_light(scene, point, sample))
-        return got.diffuse + indirect, got.specular
+        specular = got.specular
+        if probes is not None and self.reflections:
+            specular = specular + self._reflected(scene, probes, point)
+        return got.diffuse + indirect, specular
+
+    def _reflected(self, scene: Scene, probes: LightProbes, point: lights.ShadingPoint) -> Vec:
+        """Return the light of probes from the mirrored direction, for a specular reflectance of 1 [W/m^2/sr]."""
+        facing = point.replace(shading=reflect_view(point))
+        return probe_light(scene, probes, facing, self) * (uniform_gloss(point) * (self.ambient / math.pi))
 
     def _baked_light(self, scene: Scene, probes: LightProbes, hit: Hit, point: lights.ShadingPoint) -> Vec:
         """Return the irradiance [W/m^2] by reflections, sky and far lamps: of texels, or probes for other faces."""
@@ -289,6 +300,7 @@ def _shading_point(scene: Scene, path: PathState, frame: HitFrame, row: Int[Arra
         shininess=take(scene.bank.finish.shininess, row),
         instance=path.hit.instance,
         room=semantics(scene, path.hit, Semantic.ROOM),
+        edge=edge_factor(take_vec(scene.bank.finish.specular, row)),
     )
 
 
