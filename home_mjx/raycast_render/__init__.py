@@ -8,8 +8,10 @@ from home_mjx.raycast_render.cameras.camera import (
     intrinsics,
     world_from_camera,
 )
+from home_mjx.raycast_render.cameras.projection import project
 from home_mjx.raycast_render.cameras.schedule import render_every, render_some
 from home_mjx.raycast_render.casting.cast import cast, occluded
+from home_mjx.raycast_render.images.flow import optical_flow
 from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
 from home_mjx.raycast_render.images.render import KINDS, render
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -50,6 +52,8 @@ __all__ = [
     "kinect_depth",
     "make_scene",
     "occluded",
+    "optical_flow",
+    "project",
     "register_shader",
     "render",
     "render_every",

@@ -13,8 +13,10 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import UNIT_QUAT_TOLERANCE, is_unit_quat, quat_matrix
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.cameras.distortion import check_distortion, distort, undistort
 from home_mjx.schema.categories import CAMERA_MODELS
 
+MODELS = (*CAMERA_MODELS, "fisheye")
 MAX_PIXELS = 2**26  # maximum pixels of an image: more is a mistake, and kernels count rays in 32 bits
 MAX_SAMPLES = 1 << 16  # maximum rays per pixel
 PIXEL_CENTER = (0.5, 0.5)  # centre of a pixel, right and down [px]
@@ -57,13 +59,17 @@ class Lens:
     * orthographic: parallel rays through an image that is `fovy` metres high.
     * lidar: `width` azimuths over 360 degrees as in a panorama, `height` elevations evenly spaced over `elevation`,
       both ends included, the highest first.
+    * fisheye: Kannala-Brandt. Distances from the image's centre are `distort` of the angle to the optical axis; `fovy`
+      is the vertical field of view, up to 2 pi. Angles beyond pi, in corners of very wide images, count as pi.
 
     Attributes:
         width: Columns.
         height: Rows.
-        model: One of `schema.categories.CAMERA_MODELS`.
+        model: One of `MODELS`.
         samples: Rays per pixel of colour images, distributed over the pixel; other images use its centre.
         elevation: Lowest and highest beam of a lidar [degrees].
+        distortion: Coefficients k1 to k4 of a fisheye (as of OpenCV's module fisheye), or of the radial distortion of a
+            pinhole, whose focal length remains that of `fovy`.
 
     Raises:
         ConfigError: The model is unknown, or a number is invalid.
@@ -78,9 +84,11 @@ class Lens:
     model: str = "pinhole"
     samples: int = 1
     elevation: tuple[float, float] = (-15.0, 15.0)
+    distortion: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
-        check_known("camera model", [self.model], CAMERA_MODELS)
+        check_known("camera model", [self.model], MODELS)
+        check_distortion(self.distortion, self.model)
         check_number("width of a camera", self.width, 1, integer=True)
         check_number("height of a camera", self.height, 1, integer=True)
         check_number("samples of a camera", self.samples, 1, MAX_SAMPLES, integer=True)
@@ -118,24 +126,25 @@ def check_camera(camera: Camera, lens: Lens) -> None:
         hint = "Divide it by its length; (1, 0, 0, 0) is the identity."
         raise ConfigError(f"a camera's quaternion must have unit length, got {norm:.4g}", hint=hint)
     if not _is_valid_fovy(fovy, lens):
-        what = "height [m] above 0" if lens.model == "orthographic" else "field of view [rad] between 0 and pi"
+        limit = "2 pi" if lens.model == "fisheye" else "pi"
+        what = "height [m] above 0" if lens.model == "orthographic" else f"field of view [rad] between 0 and {limit}"
         hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Use a positive number."
         raise ConfigError(f"`fovy` of a camera must be a {what}, got {fovy:g}", hint=hint)
 
 
 def _is_valid_fovy(fovy: Any, lens: Lens) -> Any:
-    """Return whether `fovy` is an angle in (0, pi) [rad] (pinhole) or a height above 0 [m] (orthographic).
+    """Return whether `fovy` is an angle in (0, pi) or, of a fisheye, (0, 2 pi) [rad], or a height above 0 [m].
 
     Other lenses ignore it: all numbers but NaN are valid.
     """
-    if lens.model == "pinhole":
-        return (fovy > 0) & (fovy < np.pi)
+    if lens.model in ("pinhole", "fisheye"):
+        return (fovy > 0) & (fovy < (np.pi if lens.model == "pinhole" else 2 * np.pi))
     return fovy > 0 if lens.model == "orthographic" else fovy == fovy
 
 
 def has_intrinsics(lens: Lens) -> bool:
-    """Return whether the lens is a pinhole or a cube, which have an intrinsic matrix."""
-    return lens.model in ("pinhole", "cube")
+    """Return whether the lens is a pinhole, a cube or a fisheye, which have an intrinsic matrix."""
+    return lens.model in ("pinhole", "cube", "fisheye")
 
 
 def camera_rays(
@@ -171,7 +180,9 @@ def pixel_footprint(camera: Camera, lens: Lens) -> tuple[Float[Array, ""], Float
     if lens.model == "orthographic":
         return camera.fovy / lens.height, none
     if lens.model in ("pinhole", "cube"):
-        return none, 2 * _half_height(camera, lens) / lens.height
+        return none, 2 * half_height(camera, lens) / lens.height
+    if lens.model == "fisheye":
+        return none, camera.fovy / lens.height
     span = 180.0 if lens.model == "panorama" else lens.elevation[1] - lens.elevation[0]
     return none, jnp.full_like(none, np.deg2rad(span) / lens.height)
 
@@ -182,7 +193,7 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
     The origin of pixel coordinates is the image's top left corner.
 
     Raises:
-        ConfigError: The camera is not a pinhole or cube.
+        ConfigError: The camera is not a pinhole, cube or fisheye.
 
     Example:
         >>> camera = Camera(jnp.zeros(3), jnp.array([1.0, 0, 0, 0]), jnp.float32(jnp.pi / 2))
@@ -191,7 +202,7 @@ def intrinsics(camera: Camera, lens: Lens) -> Float[Array, "3 3"]:
     """
     if not has_intrinsics(lens):
         raise ConfigError(f"a camera of model `{lens.model}` has no intrinsic matrix")
-    focal = lens.height / 2 / _half_height(camera, lens)
+    focal = lens.height / 2 / half_height(camera, lens)
     zero, one = jnp.zeros_like(focal), jnp.ones_like(focal)
     middle = one * (lens.width / 2), one * (lens.height / 2)
     rows = [[focal, zero, middle[0]], [zero, focal, middle[1]], [zero, zero, one]]
@@ -225,15 +236,30 @@ def _local_directions(
     """
     if lens.model in ("panorama", "lidar"):
         return _sphere_directions(column, row, lens)
-    x, y = _plane_coordinates(column, row, lens, _half_height(camera, lens))
+    x, y = _plane_coordinates(column, row, lens, half_height(camera, lens))
+    if lens.model == "fisheye" or lens.distortion:
+        return _bent_directions(x, y, lens)
     if lens.model == "pinhole":
         return jnp.stack([x, y, -jnp.ones_like(x)], axis=-1)
     weight = jnp.stack([x, y, jnp.ones_like(x)], axis=-1)
     return jnp.sum(jnp.asarray(CUBE_FACES)[:, None, None] * weight[None, ..., None], axis=-2)
 
 
-def _half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
-    """Return half the image height at unit depth: 1 for a cube, else tan(fovy / 2), which only pinholes use."""
+def _bent_directions(x: Float[Array, "h w"], y: Float[Array, "h w"], lens: Lens) -> Float[Array, "h w 3"]:
+    """Return directions of a fisheye (unit vectors) or distorted pinhole (depth 1) at coordinates over focal length."""
+    radius = jnp.maximum(jnp.hypot(x, y), 1e-12)
+    found = undistort(radius, lens.distortion)
+    if lens.model == "pinhole":
+        return jnp.stack([x * (found / radius), y * (found / radius), -jnp.ones_like(x)], axis=-1)
+    angle = jnp.clip(found, 0.0, np.pi)
+    side = jnp.sin(angle) / radius
+    return jnp.stack([x * side, y * side, -jnp.cos(angle)], axis=-1)
+
+
+def half_height(camera: Camera, lens: Lens) -> Float[Array, ""]:
+    """Return half the image height over the focal length: 1 for a cube, tan(fovy / 2) for a pinhole."""
+    if lens.model == "fisheye":
+        return distort(camera.fovy / 2, lens.distortion)
     return jnp.ones_like(camera.fovy) if lens.model == "cube" else jnp.tan(camera.fovy / 2)
 
 

@@ -24,7 +24,7 @@ SEMANTIC_KINDS = {
     "color": Semantic.COLOR,
 }
 LENS = Lens()
-KINDS = ("rgb", "depth", "distance", "normal", "albedo", "instance", "material", *SEMANTIC_KINDS, "valid")
+KINDS = ("rgb", "radiance", "depth", "distance", "normal", "albedo", "instance", "material", *SEMANTIC_KINDS, "valid")
 
 
 def render(
@@ -43,6 +43,8 @@ def render(
 
     * rgb: uint8 (H, W, 3), sRGB, by the shader: "fast" is textured albedo under a light at the camera; "lit", or a
       `LitShader` with options, uses the lights of the house; see `register_shader` for others.
+    * radiance: float32 (H, W, 3), linear light of the shader before exposure and tone curve; of "lit" and "baked" in
+      [W/m^2/sr].
     * albedo: float32 (H, W, 3), linear light; the colour of the sky on a miss.
     * depth: float32 (H, W, 1), t of the camera's rays [m]: along the optical axis for pinholes, cubes and orthographic
       cameras, along the ray for others. distance: along the ray [m]. Both are clipped to `depth_max`, which is also
@@ -100,6 +102,10 @@ class _LazyImages:
     def _rgb(self) -> Array:
         """Return the shader's colours (H, W, 3) as sRGB bytes."""
         return self._view.rgb()
+
+    def _radiance(self) -> Array:
+        """Return the shader's light (H, W, 3) before exposure and tone curve."""
+        return self._view.radiance().pack()
 
     def _albedo(self) -> Array:
         """Return diffuse reflectance (H, W, 3) in linear RGB; the sky's colour on a miss."""

@@ -1,5 +1,6 @@
 """View of one camera in one environment: its rays, and their colours by a shader."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -62,22 +63,33 @@ class View:
         Raises:
             ConfigError: The bank does not have a bake that the shader needs, or the shader does not return a `Vec`.
         """
+        return self._mean(self._display).map(encode_srgb).pack()
+
+    def radiance(self) -> Vec:
+        """Return the shader's light before exposure and tone curve: the mean over samples; errors as of `rgb`."""
+        return self._mean(self._light)
+
+    def _mean(self, shade: Callable[[CameraRays], Vec]) -> Vec:
+        """Return the mean of `shade` over each pixel's samples."""
         check_shader_bakes(self.shader, self.scene.bank)
-        first = self._display(self.center_rays)
+        first = shade(self.center_rays)
         if self.lens.samples == 1:
-            return first.map(encode_srgb).pack()
+            return first
 
         def add(total: Vec, sample: Int[Array, ""]) -> tuple[Vec, None]:
             """Add one sample of all pixels."""
-            return total + self._display(self.cast(sample)), None
+            return total + shade(self.cast(sample)), None
 
         total, _ = jax.lax.scan(add, first, jnp.arange(1, self.lens.samples, dtype=jnp.int32))
-        return (total * (1 / self.lens.samples)).map(encode_srgb).pack()
+        return total * (1 / self.lens.samples)
 
     def _display(self, rays: CameraRays) -> Vec:
         """Return the linear display light of one sample of each pixel, by the shader's `radiance` and `display`."""
-        light = self._checked("radiance", self.shader.radiance(self.scene, rays), rays)
-        return self._checked("display", self.shader.display(self.scene, light), rays)
+        return self._checked("display", self.shader.display(self.scene, self._light(rays)), rays)
+
+    def _light(self, rays: CameraRays) -> Vec:
+        """Return the light of one sample of each pixel, by the shader's `radiance`."""
+        return self._checked("radiance", self.shader.radiance(self.scene, rays), rays)
 
     def _checked(self, method: str, light: Any, rays: CameraRays) -> Vec:
         """Return `light`, the result of a shader's method, as it is.

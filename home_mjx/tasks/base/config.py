@@ -21,7 +21,7 @@ from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
 from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, DiscreteActions
 
-PIXEL_KINDS = ("rgb", "depth", "normal")
+PIXEL_KINDS = ("rgb", "radiance", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
 ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", "room_type", "size", "color")
 VECTOR_SENSORS = ("audio", "state")
@@ -79,7 +79,7 @@ class AgentCamera:
         if "intrinsics" in self.kinds and not has_intrinsics(self.lens):
             raise ConfigError(f"camera `{self.name}` of model `{self.lens.model}` has no intrinsic matrix")
         check_number(f"fovy of camera {self.name}", self.fovy)
-        limit = math.inf if self.lens.model == "orthographic" else 180
+        limit = {"orthographic": math.inf, "fisheye": 360}.get(self.lens.model, 180)
         if not (0 < self.fovy < limit):
             raise ConfigError(f"`fovy` of camera `{self.name}` must be in (0, {limit}), got {self.fovy}")
 
@@ -316,7 +316,8 @@ class EnvConfig:
     @property
     def shaders(self) -> tuple[Shader, ...]:
         """Shaders of all cameras with a colour image."""
-        return tuple(resolve_shader(camera.shader) for camera in self.all_cameras if "rgb" in camera.kinds)
+        shown = [camera for camera in self.all_cameras if "rgb" in camera.kinds or "radiance" in camera.kinds]
+        return tuple(resolve_shader(camera.shader) for camera in shown)
 
 
 def _as_tuple(name: str, values: Any) -> tuple:

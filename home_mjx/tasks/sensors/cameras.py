@@ -53,6 +53,7 @@ def _spec(config: EnvConfig, view: AgentCamera, kind: str) -> ArraySpec:
     shape = view.lens.shape
     known = {
         "rgb": ArraySpec((*shape, 3), "uint8", 0, 255, "sRGB, row 0 at the top"),
+        "radiance": ArraySpec((*shape, 3), "float32", 0.0, text="linear light before exposure"),
         "depth": ArraySpec((*shape, 1), "float32", 0.0, config.max_depth, "along the optical axis [m], clipped"),
         "normal": ArraySpec((*shape, 3), "float32", -1.0, 1.0, "unit normal facing the camera; 0 on a miss"),
         "intrinsics": ArraySpec((3, 3), "float32", text="intrinsic matrix [px]"),
