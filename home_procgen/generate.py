@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from home_mjx.core.workers import pause_gc
+from home_mjx.core.native.numba_cache import pause_gc
 from home_mjx.datasets.suncg.write.house import write_house
 from home_procgen.build import build_home
 from home_procgen.dataset_writer import write_seeds

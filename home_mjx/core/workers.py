@@ -1,6 +1,5 @@
-"""Worker processes that terminate with their parent process, threads, and pauses of the garbage collector."""
+"""Worker processes that terminate with their parent process, and threads."""
 
-import gc
 import multiprocessing
 import os
 import sys
@@ -40,21 +39,6 @@ def map_threads(function: Callable[[Item], Result], items: Iterable[Item]) -> li
     """
     with ThreadPoolExecutor(min(usable_cores(), thread_limit)) as pool:
         return list(pool.map(function, items))
-
-
-@contextmanager
-def pause_gc() -> Iterator[None]:
-    """Suspend cyclic garbage collection during a `with` block that keeps most of what it allocates.
-
-    The collector would scan all of it repeatedly. Memory of cycles is freed by the first collection afterwards.
-    """
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
 
 
 @contextmanager

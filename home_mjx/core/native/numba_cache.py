@@ -5,6 +5,7 @@ one compiles; the others wait for it and load its result.
 """
 
 import functools
+import gc
 import hashlib
 import inspect
 import json
@@ -18,7 +19,6 @@ from typing import IO, Any, TypeVar
 from numba.core.caching import FunctionCache
 
 from home_mjx.core.files import read_bytes, read_text, write_atomically
-from home_mjx.core.workers import pause_gc
 from home_mjx.errors import DatasetError
 
 T = TypeVar("T")
@@ -71,6 +71,21 @@ def verify_cache_once(function: Callable[..., T]) -> Callable[..., T]:
         return made
 
     return first_checked
+
+
+@contextmanager
+def pause_gc() -> Iterator[None]:
+    """Suspend cyclic garbage collection during a `with` block that keeps most of what it allocates.
+
+    The collector would scan all of it repeatedly. Memory of cycles is freed by the first collection afterwards.
+    """
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def is_recorded(build: Callable[..., Any]) -> bool:
