@@ -37,7 +37,7 @@ def play(env: home_mjx.Env, model: Callable[[str], str], key: jax.Array) -> floa
 
 
 def make_stub() -> Callable[[str], str]:
-    """Return a stand-in for a model that walks, and turns every fourth step or close to an object; call your own model here."""
+    """Return a stand-in for a model: it walks, and turns every fourth step or close to an object; call yours here."""
     turns = itertools.count()
 
     def reply(prompt: str) -> str:
