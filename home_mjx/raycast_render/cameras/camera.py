@@ -13,7 +13,7 @@ from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import UNIT_QUAT_TOLERANCE, is_unit_quat, quat_matrix
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render.cameras.distortion import check_distortion, distort, undistort
+from home_mjx.raycast_render.cameras.distortion import check_corners, check_distortion, distort, undistort
 from home_mjx.schema.categories import CAMERA_MODELS
 
 MODELS = (*CAMERA_MODELS, "fisheye")
@@ -130,6 +130,13 @@ def check_camera(camera: Camera, lens: Lens) -> None:
         what = "height [m] above 0" if lens.model == "orthographic" else f"field of view [rad] between 0 and {limit}"
         hint = "Write jnp.deg2rad(degrees)." if fovy > np.pi else "Use a positive number."
         raise ConfigError(f"`fovy` of a camera must be a {what}, got {fovy:g}", hint=hint)
+    check_lens(lens, fovy)
+
+
+def check_lens(lens: Lens, fovy: float) -> None:
+    """Raise `ConfigError` if distortion folds an image of vertical field of view `fovy` [rad]."""
+    if lens.distortion:
+        check_corners(lens.distortion, fovy, lens.width / lens.height, lens.model == "fisheye")
 
 
 def _is_valid_fovy(fovy: Any, lens: Lens) -> Any:

@@ -47,6 +47,26 @@ def check_distortion(coefficients: Sequence[float], model: str) -> None:
         raise ConfigError(f"`distortion` {coefficients} folds the image: radii must increase with angles")
 
 
+def check_corners(coefficients: Sequence[float], fovy: float, aspect: float, is_fisheye: bool) -> None:
+    """Raise `ConfigError` unless radii increase up to the corners of an image of width / height `aspect`.
+
+    Args:
+        coefficients: Those of the lens.
+        fovy: Vertical field of view [rad].
+        aspect: Width over height of the image.
+        is_fisheye: Whether it is a fisheye, whose angles end at pi; else a pinhole.
+    """
+    edge = fovy / 2 if is_fisheye else np.tan(fovy / 2)
+    radius = np.linspace(0.0, np.pi if is_fisheye else 4 * edge * np.hypot(1, aspect), 1000)
+    corner = np.hypot(1, aspect) * edge * (_series(edge, coefficients, 0) if is_fisheye else 1.0)
+    bent = radius * _series(radius, coefficients, 0)
+    inside = radius <= np.append(radius[bent >= corner], radius[-1])[0]
+    reached = is_fisheye or bent.max() >= corner
+    if np.min(_series(radius, coefficients, 2)[inside]) <= 0 or not reached:
+        hint = "Take a narrower field of view or smaller coefficients."
+        raise ConfigError(f"`distortion` {coefficients} folds the corners of an image of {fovy:.3g} rad", hint=hint)
+
+
 def _series(radius: Any, coefficients: Sequence[float], slope: int) -> Any:
     """Return 1 + k1 x^2 + k2 x^4 + ..., or with `slope` 2 the derivative of `distort`, 1 + 3 k1 x^2 + 5 k2 x^4 + ..."""
     square, total = radius * radius, 0.0

@@ -15,7 +15,7 @@ from home_mjx.core.checks import check_flag, check_known, check_names, check_num
 from home_mjx.errors import ConfigError
 from home_mjx.physics.base.config import PhysicsConfig, PhysicsSetup
 from home_mjx.raycast_render.backends.registry import find_backend
-from home_mjx.raycast_render.cameras.camera import Lens, has_intrinsics
+from home_mjx.raycast_render.cameras.camera import Lens, check_lens, has_intrinsics
 from home_mjx.raycast_render.shaders.base import Shader, ShaderSpec, resolve_shader
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
@@ -82,6 +82,7 @@ class AgentCamera:
         limit = {"orthographic": math.inf, "fisheye": 360}.get(self.lens.model, 180)
         if not (0 < self.fovy < limit):
             raise ConfigError(f"`fovy` of camera `{self.name}` must be in (0, {limit}), got {self.fovy}")
+        check_lens(self.lens, math.radians(self.fovy))
 
 
 @dataclass(frozen=True)

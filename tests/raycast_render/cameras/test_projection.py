@@ -11,6 +11,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import camera_quat
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render import Camera, Lens, camera_rays, intrinsics, make_scene, optical_flow, project, render
+from home_mjx.raycast_render.cameras.camera import check_lens
 
 CURVED = (0.05, -0.02, 0.003)
 AHEAD = np.pi / 2  # yaw that looks along +y
@@ -57,6 +58,11 @@ def test_distortions_that_fold_or_have_no_meaning_are_refused():
             Lens(**wrong)
     with pytest.raises(ConfigError):
         project(camera(), Lens(8, 8, "cube"), jnp.zeros(3))
+    bent = Lens(8, 8, "fisheye", distortion=(0.05, -0.02))  # turns back at 1.98 rad
+    check_lens(bent, np.deg2rad(120))
+    for lens, fovy in ((bent, np.deg2rad(220)), (Lens(8, 8, distortion=(-0.12,)), 2.4)):
+        with pytest.raises(ConfigError, match="folds the corners"):
+            check_lens(lens, fovy)
 
 
 @pytest.fixture(scope="module")
