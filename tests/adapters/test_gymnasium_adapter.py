@@ -14,7 +14,8 @@ from home_mjx.adapters.gymnasium import GymEnv, GymVectorEnv
 from home_mjx.errors import ConfigError
 from home_mjx.tasks import Status, sample_episodes, save_episodes
 
-SMALL = {"width": 16, "height": 16, "late": "traced", "num_rays": 16, "num_bounces": 3, "episode_length": 5}
+SOUND = {"late": "traced", "num_rays": 16, "num_bounces": 3, "num_edges": 0}
+SMALL = {"width": 16, "height": 16, "impl": "kinematic", "episode_length": 5, **SOUND}
 
 
 def test_check_env(generated_bank):
