@@ -27,7 +27,8 @@ from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
-    from home_mjx.viewer.browser.scene_observer import PageRecorder
+    from home_mjx.tasks.env.observers import Observer
+    from home_mjx.viewer.episodes.observers import ShotCache
 
 EXPERT, TRAINED = "expert", "trained"
 BLIND_SENSORS = ("state",)  # sensors of agents that do not use observations
@@ -37,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the optional `TASK`, a text for `task_spec`, and the options of `home-mjx play`.
 
     `--agent` is `expert`, `random`, `trained` or `human`; None by default. `--checkpoint` is a path or `demo`.
-    `--greedy`, `--no-film` and `--html` are flags, and `--out` is the path of a folder (`play`).
+    `--greedy`, `--no-film`, `--html` and `--replay` are flags, and `--out` is the path of a folder (`play`).
 
     `--episodes` (3), `--houses` (4) and `--samples` (1) are from 1. `--size W H` is in pixels (480 360). `--seed` is
     from 0 to 2**32 - 1 (0). `--split` is `train`, `val` or `test`; None by default.
@@ -57,6 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=parse_path, default=Path("play"), help="folder for the film (default: play)")
     parser.add_argument("--no-film", action="store_true", help="do not write a film")
     parser.add_argument("--html", action="store_true", help="also write the episodes as a 3D page without a server")
+    parser.add_argument("--replay", action="store_true", help="also write all states, for `home-mjx view --replay`")
     parser.add_argument(
         "--size", type=image_side_type, nargs=2, default=(480, 360), metavar=("W", "H"),
         help="size of the agent's view [pixels] (default: 480 360)",
@@ -86,6 +88,7 @@ def run(args: argparse.Namespace) -> int:
     The agent is by default `trained` with a checkpoint, else `expert`. The split is by default `val`, or all houses if
     `--dataset` is a name with a scheme.
     """
+    from home_mjx.viewer.episodes.observers import ShotCache
     from home_mjx.viewer.episodes.policies import check_agent
     from home_mjx.viewer.episodes.run import AGENT_NAMES, PlayOptions, run_play
 
@@ -107,26 +110,45 @@ def run(args: argparse.Namespace) -> int:
     check_agent(options.agent, path, AGENT_NAMES)
     if not args.no_film:
         options = dataclasses.replace(options, out=make_folder(args.out))
-    run_play(options, observers=[*args.observers, *_page_recorders(args, options.file_name)])
+    shots = ShotCache(width, height, args.samples)
+    recorders = _recorders(args, options.file_name, shots)
+    run_play(options, observers=[*args.observers, *recorders], shots=shots)
     if options.out is not None:
         base = options.out / options.file_name
         sys.stdout.write(f"Watch   {base}.mp4\nLook at {base}.png\n" + f"Open    {base}.html\n" * args.html)
+        sys.stdout.write(f"Replay  home-mjx view --replay {base}.replay.npz\n" * args.replay)
     return 0
 
 
-def _page_recorders(args: argparse.Namespace, name: str) -> "list[PageRecorder]":
-    """Return the recorder of a page for `--html`, else none.
+def _recorders(args: argparse.Namespace, name: str, shots: "ShotCache") -> "list[Observer]":
+    """Return the recorders for `--html` and `--replay`.
 
     Raises:
-        ConfigError: The extra `view` is not installed, or there is no folder because of `--no-film`.
+        ConfigError: The extra `view` is not installed for `--html`, or there is no folder because of `--no-film`.
     """
+    for flag in ("html", "replay"):
+        if getattr(args, flag) and args.no_film:
+            hint = "The file is written beside the film."
+            raise ConfigError(f"--{flag} cannot be combined with --no-film", hint=hint)
+    return [*_page_recorders(args, name, shots), *_replay_recorders(args, name)]
+
+
+def _page_recorders(args: argparse.Namespace, name: str, shots: "ShotCache") -> "list[Observer]":
+    """Return the recorder of a page for `--html`, else none."""
     if not args.html:
         return []
-    if args.no_film:
-        raise ConfigError("--html cannot be combined with --no-film", hint="The page is written beside the film.")
-    from home_mjx.viewer.browser.scene_observer import PageRecorder
+    from home_mjx.viewer.replay.page import PageRecorder
 
-    return [PageRecorder(name)]
+    return [PageRecorder(name, shots)]
+
+
+def _replay_recorders(args: argparse.Namespace, name: str) -> "list[Observer]":
+    """Return the recorder of states for `--replay`, else none."""
+    if not args.replay:
+        return []
+    from home_mjx.viewer.replay.recorder import ReplayRecorder
+
+    return [ReplayRecorder(name)]
 
 
 def play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
@@ -139,23 +161,11 @@ def play_spec(args: argparse.Namespace, checkpoint: Path | None) -> "EnvSpec":
     if args.sensors is not None or checkpoint is not None:
         return env_spec(args, checkpoint, args.sensors)
     spec = env_spec(args, None, BLIND_SENSORS)
-    if args.no_film or spec.options["sensors"] != BLIND_SENSORS or not _has_sounds(spec):
+    if args.no_film or spec.options["sensors"] != BLIND_SENSORS:
         return spec
-    return dataclasses.replace(spec, options={**spec.options, "sensors": (*BLIND_SENSORS, "audio")})
+    from home_mjx.viewer.episodes.run import default_sensors
 
-
-def _has_sounds(spec: "EnvSpec") -> bool:
-    """Return whether a task plays sounds or requires hearing, or bodies sound when they touch.
-
-    False if the entry point is a function, not a `Task`.
-    """
-    from home_mjx.env_factory import make_core
-
-    hearing = dataclasses.replace(spec, options={**spec.options, "sensors": (*BLIND_SENSORS, "audio")})
-    core = make_core(hearing)
-    return core is not None and bool(
-        core.task.clips or core.task.requires_hearing or core.config.contact_sounds is not None
-    )
+    return dataclasses.replace(spec, options={**spec.options, "sensors": default_sensors(spec)})
 
 
 def env_spec(args: argparse.Namespace, checkpoint: Path | None, sensors: tuple[str, ...] | None = None) -> "EnvSpec":

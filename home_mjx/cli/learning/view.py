@@ -16,7 +16,7 @@ from home_mjx.cli.learning.arguments import (
     parse_checkpoint_path,
 )
 from home_mjx.cli.learning.play import BLIND_SENSORS, play_spec
-from home_mjx.cli.parsing import house_count_type, image_side_type, parse_seed, whole_number_type
+from home_mjx.cli.parsing import house_count_type, image_side_type, parse_path, parse_seed, whole_number_type
 from home_mjx.core.jsonable import parse_assignments
 from home_mjx.datasets.registry import has_scheme
 from home_mjx.registry import list_envs
@@ -33,10 +33,10 @@ MAX_PORT = 65535
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the optional `TARGET`, a task or a house, and the options of `home-mjx view`.
 
-    `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`. `--host` is a text
-    (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast), `--seed` from 0 (0),
-    `--houses` from 1 (4). `--split`, `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are as in
-    `home-mjx play`.
+    `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`, `--replay` a path or None.
+    `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast), `--seed`
+    from 0 (0), `--houses` from 1 (4). `--split`, `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are
+    as in `home-mjx play`.
     """
     parser.add_argument(
         "target", nargs="?", metavar="TASK | HOUSE",
@@ -48,6 +48,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="agent that acts (default: human, or trained with --checkpoint)",
     )  # fmt: skip
     parser.add_argument("--checkpoint", type=parse_checkpoint_path, help=CHECKPOINT_HELP)
+    parser.add_argument(
+        "--replay", type=parse_path, metavar="FILE",
+        help="show recorded episodes: a file of `home-mjx play --replay`, or a folder of `home-mjx record`",
+    )  # fmt: skip
     parser.add_argument("--host", default="localhost", help="name or address to serve at (default: localhost)")
     parser.add_argument(
         "--port", type=whole_number_type(MAX_PORT), default=8080, help="port, or the next free one (default: 8080)"
@@ -68,7 +72,7 @@ def run(args: argparse.Namespace) -> int:
     """Serve the viewer until an interrupt, and print its address; return 0."""
     from home_mjx.viewer.browser.live_camera import PictureOptions
     from home_mjx.viewer.browser.run import ViewOptions, run_view
-    from home_mjx.viewer.browser.server import load_viser
+    from home_mjx.viewer.browser.serving.server import load_viser
 
     load_viser()
     import_modules(args.modules)
@@ -81,7 +85,12 @@ def run(args: argparse.Namespace) -> int:
         host=args.host,
         port=args.port,
     )
-    run_view(_make_env(args), options, _print_line)
+    if args.replay is not None:
+        from home_mjx.viewer.replay.run import run_replay
+
+        run_replay(args.replay, options, _print_line)
+    else:
+        run_view(_make_env(args), options, _print_line)
     return 0
 
 

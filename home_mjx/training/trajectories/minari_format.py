@@ -19,6 +19,7 @@ from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFile
 DATA_FOLDER, METADATA_FILE, PART_FILE = "data", "metadata.json", "part-0.arrow"
 FREE_SPACE_HINT = "Free some space, then continue with --resume; or choose another folder."
 MAX_METADATA_BYTES = 1 << 28  # maximum size of metadata [bytes]; enough for the limits of 8-megapixel images
+RESET_KEY, ROW = "reset_key", "row"  # names in episodes' metadata: from these an episode can be simulated again
 MINARI_VERSION = "0.5.4"  # version of this layout; the first with images that are not JPEG
 
 

@@ -12,7 +12,7 @@ from home_mjx.core.checks import check_number
 from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.progress import ProgressCount, show_compile
 from home_mjx.errors import ConfigError
-from home_mjx.tasks.base.state import EnvParams, State
+from home_mjx.tasks.base.state import RENEW_TAG, EnvParams, State, fold_key
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -22,6 +22,7 @@ from home_mjx.tasks.language.phrases import describe_goal
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.training.evaluation import expert_policy
 from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
+from home_mjx.training.trajectories.minari_format import RESET_KEY, ROW
 from home_mjx.training.trajectories.writer import TrajectoryWriter
 
 
@@ -42,8 +43,8 @@ def record(
     """Record at least `num_steps` steps of complete episodes, in Minari's format.
 
     Once there are enough steps, no new episode starts and running ones are played to their end. Otherwise short
-    episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics. Rewards
-    are means of agents.
+    episodes would be overrepresented. Each episode's metadata contain its task, instruction, house and metrics, and
+    key and row of its reset (-1: sampled). Rewards are means of agents.
 
     Args:
         env: The environment; its `sensors=` are recorded, including images, sound and tokens.
@@ -131,7 +132,7 @@ class _RecordingBatch:
         )
         self.running, self.last = np.ones(num, bool), False
         self.open = [_RunningEpisode() for _ in range(num)]
-        self._begin_episodes(range(num), self._host(state))
+        self._begin_episodes(range(num), self._host(state) | {RESET_KEY: np.asarray(jax.random.key_data(keys))})
         self._step: Callable[..., Any] = jax.jit(self._step_all, compiler_options=compiler_options())
         with show_compile("step", env.core.progress):
             self._step: Callable[..., Any] = jax.jit(self._step_all).lower(env.params, self.carry).compile()
@@ -167,7 +168,8 @@ class _RecordingBatch:
         """Begin an episode record of each environment in `which` with its first observation."""
         ids = self.env.bank.house_ids
         for i in which:
-            self.open[i] = _RunningEpisode(self._describe_task(host, i) | {"house": ids[int(host["house"][i])]})
+            own = {"house": ids[int(host["house"][i])], RESET_KEY: host[RESET_KEY][i].tolist(), ROW: int(host[ROW][i])}
+            self.open[i] = _RunningEpisode(self._describe_task(host, i) | own)
             self.open[i].see(host["obs"], i)
 
     def _describe_task(self, host: dict[str, Any], i: int) -> dict[str, str]:
@@ -178,8 +180,8 @@ class _RecordingBatch:
         return {"task": task, "instruction": describe_goal(task, host["tokens"][i], host["descriptor"][i])}
 
     def _host(self, state: State) -> dict[str, Any]:
-        """Return observations, houses and, of row tasks, their columns for `_describe_task`, as NumPy arrays."""
-        own = {"obs": state.obs, "house": state.world.house}
+        """Return observations, houses, rows and, of row tasks, columns for `_describe_task`, as NumPy arrays."""
+        own = {"obs": state.obs, "house": state.world.house, ROW: state.world.episode}
         if isinstance(state.task, RowState):
             row = {"task": state.task.task, "tokens": state.task.tokens}
             own |= row | {"descriptor": state.task.program.descriptor}
@@ -200,6 +202,7 @@ class _RecordingBatch:
             "truncated": new.truncated,
             "metrics": new.metrics,
             "final_obs": new.info["final_obs"],
+            RESET_KEY: jax.vmap(lambda key: jax.random.key_data(fold_key(key, RENEW_TAG)))(state.world.key),
         }
         return (new.replace(info={}), memory, keys, jnp.repeat(new.done, self.agents)), taken
 

@@ -6,14 +6,15 @@ from typing import Any
 
 import numpy as np
 
+from home_mjx.core.progress import say
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.sensors.selection import state_owners
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, encode_jpeg
-from home_mjx.viewer.browser.scene_observer import SceneObserver
-from home_mjx.viewer.browser.scene_tree import SceneTree
-from home_mjx.viewer.browser.server import ViewServer
+from home_mjx.viewer.browser.scene.scene_observer import SceneObserver
+from home_mjx.viewer.browser.scene.scene_tree import SceneTree
+from home_mjx.viewer.browser.serving.server import ViewServer
 from home_mjx.viewer.episodes.episode import format_status
 from home_mjx.viewer.episodes.observers import SOUND_STATE
 
@@ -88,6 +89,12 @@ class Broadcast(Observer):
         self.state.update(changed)
         if changed:
             self.server.live.publish(json.dumps(changed))
+
+    def warn(self, text: str) -> None:
+        """Show an error on all pages, and on stderr."""
+        say(text)
+        for client in self.server.scene.get_clients().values():
+            client.add_notification("error", text, color="red", auto_close_seconds=15.0)
 
     def sound_format(self) -> str:
         """Return the format of the sound that pages receive first, as JSON."""

@@ -9,7 +9,7 @@ from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.viewer.browser.house_scene import MOVING, InstanceGroup
+from home_mjx.viewer.browser.scene.house_scene import MOVING, InstanceGroup
 
 COLOUR_COLUMNS = ("css", "css_2", "css_3")
 UNNAMED = ("empty", "unknown")  # fine categories that are called "object"

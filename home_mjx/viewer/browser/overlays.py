@@ -73,6 +73,11 @@ class Overlays(Observer):
             self._grid_house = house
             self._draw_grid(grid_points(self._env.bank, house))
 
+    def draw_path(self, feet: Float[np.ndarray, "n 3"]) -> None:
+        """Replace the agent's path, such as that of a replayed step."""
+        self._path = [point + LIFT for point in feet[-MAX_PATH:]]
+        self._draw_line(PATH, np.array(self._path), PATH_COLOUR)
+
     def show(self, name: str, is_shown: bool) -> None:
         """Show or hide an overlay, now and in later episodes."""
         self.is_shown[name] = is_shown

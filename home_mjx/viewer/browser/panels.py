@@ -1,6 +1,5 @@
 """Panels of the viewer: controls of session, picture and scene, and figures of the episode."""
 
-import dataclasses
 import math
 import time
 from collections.abc import Callable
@@ -12,8 +11,7 @@ from home_mjx.registry import list_envs
 from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
-from home_mjx.viewer.browser.house_scene import CEILING, OUTDOORS
-from home_mjx.viewer.browser.live_camera import PICTURES, SHADERS
+from home_mjx.viewer.browser.controls import ViewControls
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.session import Session
 
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
     import viser
 
 ANY_HOUSE = "any house"
-SIZES = ("128", "256", "384", "512", "768")
 SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
 MIN_SECONDS = 0.2  # [s], time between updates of figures and plot
 MAX_POINTS = 2000  # steps that are plotted
@@ -45,7 +42,6 @@ class Panels(Observer):
         load_task: Callable[[str], None],
     ) -> None:
         self._server, self._broadcast, self._agents, self._load_task = server, broadcast, agents, load_task
-        self._levels: list[Any] = []
         self._results: list[EpisodeResult] = []
         self._rewards: list[float] = []
         self._shown_at = 0.0
@@ -59,21 +55,12 @@ class Panels(Observer):
             nothing = np.zeros(1)
             series: Any = ({}, {"label": "reward", "stroke": "#e0a458"}, {"label": "return", "stroke": "#4caf72"})
             self._plot = gui.add_uplot((nothing, nothing, nothing), series, scales={"x": {"time": False}}, aspect=2.2)
-        self._card_folder = gui.add_folder("Object", visible=False)
-        with self._card_folder:
-            self._card = gui.add_markdown("")
+        self._controls = ViewControls(self._server, self._broadcast, overlays, session.post)
         with gui.add_folder("Run"):
             self._add_run_controls()
         with gui.add_folder("Environment"):
             self._add_environment_controls()
-        with gui.add_folder("Picture"):
-            self._add_picture_controls()
-        self._scene_folder = gui.add_folder("Scene")
-        with self._scene_folder:
-            for name, is_shown in overlays.is_shown.items():
-                self._add_overlay(overlays, name, is_shown)
-            for text, layer in (("ceilings", CEILING), ("outdoors and roofs", OUTDOORS)):
-                self._add_layer(text, layer)
+        self._controls.add_folders()
         self._show_environment()
 
     def on_run_start(self, start: RunStart) -> None:
@@ -86,7 +73,7 @@ class Panels(Observer):
         """Show the episode's house, and clear its plot."""
         self._start, self._rewards = start, []
         if hasattr(self, "session"):
-            self.session.post(self._show_levels)
+            self.session.post(self._controls.show_levels)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Show figures and plot of the episode."""
@@ -133,34 +120,7 @@ class Panels(Observer):
 
     def show_card(self, text: str) -> None:
         """Show the card of a clicked object (Markdown), below the episode."""
-        self._card.content, self._card_folder.visible = text, True
-
-    def _add_overlay(self, overlays: Overlays, name: str, is_shown: bool) -> None:
-        """Add the checkbox of an overlay."""
-        control = self._server.gui.add_checkbox(name, initial_value=is_shown)
-        control.on_update(lambda event: self.session.post(lambda: overlays.show(name, control.value)))
-
-    def _add_layer(self, text: str, layer: str) -> None:
-        """Add the checkbox of a layer that is hidden at first."""
-        control = self._server.gui.add_checkbox(text, initial_value=False)
-        control.on_update(lambda event: self._broadcast.tree.show_layer(layer, control.value))
-
-    def _add_picture_controls(self) -> None:
-        """Add kind, shader and size of the picture."""
-        gui, options = self._server.gui, self._broadcast.options
-        controls = {
-            "kind": gui.add_dropdown("picture", tuple(PICTURES), initial_value=options.kind),
-            "shader": gui.add_dropdown("shader", unique(*SHADERS, options.shader), initial_value=options.shader),
-            "size": gui.add_dropdown("size [px]", unique(*SIZES, str(options.size)), initial_value=str(options.size)),
-        }
-        for name, control in controls.items():
-            control.on_update(lambda event, name=name, control=control: self._set_picture(name, control.value))
-
-    def _set_picture(self, name: str, value: str) -> None:
-        """Change one option of the picture, and draw it."""
-        changes: dict[str, Any] = {name: int(value) if name == "size" else value}
-        self._broadcast.options = dataclasses.replace(self._broadcast.options, **changes)
-        self.session.post(self._broadcast.draw)
+        self._controls.show_card(text)
 
     def _choose_agent(self) -> None:
         """Load the chosen agent; go back to the current one if it cannot play."""
@@ -194,22 +154,8 @@ class Panels(Observer):
         self._house.options = (ANY_HOUSE, *ids)
         self._house.value = ANY_HOUSE if self.session.house is None else ids[self.session.house]
         self._agent.value = self.session.agent
-        self._show_levels()
+        self._controls.show_levels()
         self._show_figures(self.session.episode.step)
-
-    def _show_levels(self) -> None:
-        """Show a checkbox for each level of the house."""
-        house = self._broadcast.tree.house
-        for control in self._levels:
-            control.remove()
-        self._levels = []
-        for level in house.levels if house is not None else ():
-            with self._scene_folder:
-                control = self._server.gui.add_checkbox(f"storey {level}", initial_value=True)
-            control.on_update(
-                lambda event, level=level, control=control: self._broadcast.tree.show_level(level, control.value)
-            )
-            self._levels.append(control)
 
     def _show_figures(self, step: EpisodeStep) -> None:
         """Show the figures and the plot of a step."""
@@ -236,13 +182,3 @@ class Panels(Observer):
             rows["episodes"] = f"{len(results)}, success {np.mean([r.success > 0 for r in results]):.0%}"
             rows["mean SPL"] = f"{np.mean(spl):.2f}" if spl else "unknown"
         return ["| | |", "|---|---|", *(f"| {name} | {str(text).replace('|', '/')} |" for name, text in rows.items())]
-
-
-def unique(*names: str) -> tuple[str, ...]:
-    """Return names without repetitions, in order.
-
-    Example:
-        >>> unique("fast", "lit", "fast")
-        ('fast', 'lit')
-    """
-    return tuple(dict.fromkeys(names))

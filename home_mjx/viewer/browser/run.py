@@ -6,24 +6,25 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from home_mjx.core.progress import say
+from home_mjx.bank.records.acoustics import LATE_REVERB
 from home_mjx.env_factory import make
+from home_mjx.registry import find_spec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
-from home_mjx.viewer.browser.house_scene import InstanceGroup
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.panels import Panels
-from home_mjx.viewer.browser.scene_tree import SceneTree
-from home_mjx.viewer.browser.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
+from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
+from home_mjx.viewer.browser.scene.scene_tree import SceneTree
+from home_mjx.viewer.browser.serving.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
 from home_mjx.viewer.browser.session import Session
 from home_mjx.viewer.episodes.held_keys import HeldKeys
 from home_mjx.viewer.episodes.keyboard import key_help
 from home_mjx.viewer.episodes.policies import check_agent
-from home_mjx.viewer.episodes.run import AGENT_NAMES, HUMAN
+from home_mjx.viewer.episodes.run import AGENT_NAMES, HUMAN, default_sensors
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,13 @@ class Viewer:
             overlays = Overlays(self.server.scene)
             observers = ObserverGroup((self.broadcast, overlays, _Drivers(self.broadcast), self.panels))
             self.session = Session(
-                env, self.options.agent, observers, self.keys, self.options.checkpoint, self.options.seed, self._warn
+                env,
+                self.options.agent,
+                observers,
+                self.keys,
+                self.options.checkpoint,
+                self.options.seed,
+                self.broadcast.warn,
             )
             self.panels.attach(self.session, overlays)
         except BaseException:
@@ -111,7 +118,9 @@ class Viewer:
     def _load_task(self, name: str) -> None:
         """Load another task in the same houses; a trained agent stays behind."""
         self.broadcast.tell(status=f"loading {name}")
-        env = make(name, self.session.env.bank, sensors=("state",))
+        bank, sensors = self.session.env.bank, default_sensors(find_spec(name))
+        is_traced = "audio" in sensors and LATE_REVERB not in bank.bakes  # the houses were loaded for a silent task
+        env = make(name, bank, sensors=sensors, **({"late": "traced"} if is_traced else {}))
         self.session.load(env, HUMAN if self.session.agent == "trained" else self.session.agent)
 
     def _show_object(self, group: InstanceGroup, index: int) -> None:
@@ -126,12 +135,6 @@ class Viewer:
         door = find_door(session.env.bank, house, group, index)
         if door is not None and not state.done:
             session.replace_state(toggle_door(session.env, state, door))
-
-    def _warn(self, text: str) -> None:
-        """Show an error on all pages, and on stderr."""
-        say(text)
-        for client in self.server.scene.get_clients().values():
-            client.add_notification("error", text, color="red", auto_close_seconds=15.0)
 
 
 class _Drivers(Observer):
@@ -161,9 +164,14 @@ def run_view(env: Env[HouseholdEnv], options: ViewOptions, print_line: Callable[
     """
     check_agent(options.agent, options.checkpoint, AGENT_NAMES)
     with Viewer(env, options) as viewer:
-        if options.port not in (0, viewer.server.port):
-            print_line(f"port {options.port} is taken, using {viewer.server.port}")
-        if options.host not in LOCAL_NAMES:
-            print_line(f"warning: other machines can connect to {options.host}; the address has a secret token")
-        print_line(f"View at {viewer.server.address}")
+        print_address(options, viewer.server, print_line)
         viewer.run()
+
+
+def print_address(options: ViewOptions, server: ViewServer, print_line: Callable[[str], Any]) -> None:
+    """Print the address of a page; before it a warning if other machines can connect, and another port."""
+    if options.port not in (0, server.port):
+        print_line(f"port {options.port} is taken, using {server.port}")
+    if options.host not in LOCAL_NAMES:
+        print_line(f"warning: other machines can connect to {options.host}; the address has a secret token")
+    print_line(f"View at {server.address}")

@@ -1,11 +1,9 @@
 """Session of one environment in the viewer: a loop of steps in real time, and commands from other threads."""
 
-import queue
 import time
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import jax
 import numpy as np
@@ -16,19 +14,19 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStep, Observer, RunStart
 from home_mjx.tasks.experts.expert_observation import add_expert
+from home_mjx.viewer.episodes.command_loop import CommandLoop
 from home_mjx.viewer.episodes.episode import EpisodeRunner, RunningEpisode
 from home_mjx.viewer.episodes.held_keys import HeldKeys, HeldKeysPlayer
 from home_mjx.viewer.episodes.policies import Player, PolicyPlayer, make_policy
 from home_mjx.viewer.episodes.run import HUMAN
 
 PAUSE_AFTER_EPISODE = 1.5  # [s]
-MAX_WAIT = 0.05  # [s], longest wait for commands
 MAX_LAG = 0.25  # [s], delay of steps that is caught up; longer delays are forgotten
 PACE_STEPS = 20  # steps over which the real-time factor is measured
 
 
-class Session:
-    """One environment, its agent and the current episode; all methods but `post` are for the session's own thread.
+class Session(CommandLoop):
+    """One environment, its agent and the current episode.
 
     Args:
         env: The environment.
@@ -43,8 +41,6 @@ class Session:
         agent: Name of the agent.
         episode: The current episode.
         house: Index of the house of the next episodes; None: any.
-        is_paused: No step is taken but by `advance`.
-        speed: Simulated seconds per second.
 
     Raises:
         ConfigError: The agent cannot play this environment.
@@ -62,12 +58,10 @@ class Session:
         seed: int = 0,
         on_error: Callable[[str], None] = lambda text: None,
     ) -> None:
+        super().__init__(on_error)
         self.observer, self.keys, self.checkpoint, self.seed = observer, keys, checkpoint, seed
         self.house: int | None = None
-        self.is_paused, self.speed, self._is_stopped = False, 1.0, False
-        self._on_error = on_error
-        self._commands: queue.Queue[Callable[[], Any]] = queue.Queue()
-        self._number, self._due, self._times = 0, 0.0, deque(maxlen=PACE_STEPS)
+        self._number, self._times = 0, deque(maxlen=PACE_STEPS)
         self.load(env, agent)
 
     @property
@@ -80,14 +74,6 @@ class Session:
         """Simulated seconds per second over the last steps; 0 before the second step."""
         seconds = self._times[-1] - self._times[0] if len(self._times) > 1 else np.inf
         return (len(self._times) - 1) * self.env.dt / seconds if len(self._times) > 1 else 0.0
-
-    def post(self, command: Callable[[], Any]) -> None:
-        """Run a command between two steps, soon; from any thread."""
-        self._commands.put(command)
-
-    def stop(self) -> None:
-        """End `run` after the current command."""
-        self._is_stopped = True
 
     def load(self, env: Env[HouseholdEnv], agent: str) -> None:
         """Replace environment and agent, and start an episode; on an error nothing is replaced."""
@@ -120,7 +106,7 @@ class Session:
         self.observer.on_episode_step(episode.advance(action))
         if episode.step.state.done:
             self.observer.on_episode_end(episode.result())
-            self._due = time.perf_counter() + PAUSE_AFTER_EPISODE
+            self.due = time.perf_counter() + PAUSE_AFTER_EPISODE
 
     def replace_state(self, state: State) -> None:
         """Go on from another state of this episode, such as one with a door opened."""
@@ -128,32 +114,13 @@ class Session:
         self.episode.step = EpisodeStep(step.index, state, step.action, step.episode_return)
         self.observer.on_episode_step(self.episode.step)
 
-    def run(self) -> None:
-        """Take steps in real time, and run commands, until `stop`."""
-        while not self._is_stopped:
-            wait = MAX_WAIT if self.is_paused else np.clip(self._due - time.perf_counter(), 0, MAX_WAIT)
-            self._run_command(float(wait))
-            if not self.is_paused and time.perf_counter() >= self._due:
-                self._turn()
-
-    def _turn(self) -> None:
+    def turn(self) -> None:
         """Take the step that is due, or start the next episode."""
         if self.episode.step.state.done:
             self.reset()
             return
-        self._due = max(self._due, time.perf_counter() - MAX_LAG) + self.env.dt / self.speed
+        self.due = max(self.due, time.perf_counter() - MAX_LAG) + self.env.dt / self.speed
         self.advance()
-
-    def _run_command(self, wait: float) -> None:
-        """Run the next command if one arrives within `wait` seconds; report its error of this package."""
-        try:
-            command = self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
-        except queue.Empty:
-            return
-        try:
-            command()
-        except HomeMjxError as error:
-            self._on_error(str(error))
 
     def _make_player(self, env: Env[HouseholdEnv], agent: str) -> Player:
         """Return the player of an agent."""
@@ -182,4 +149,4 @@ class Session:
         self._player.reset()
         self.observer.on_episode_start(episode.start)
         self.observer.on_episode_step(episode.step)
-        self._due = time.perf_counter() + self.env.dt / self.speed
+        self.due = time.perf_counter() + self.env.dt / self.speed

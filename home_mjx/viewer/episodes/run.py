@@ -1,5 +1,6 @@
 """Playing from options to episodes, lines of text and a film."""
 
+import dataclasses
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +10,7 @@ import numpy as np
 from tqdm import tqdm
 
 from home_mjx.core.files import write_all_or_none
-from home_mjx.env_factory import make
+from home_mjx.env_factory import make, make_core
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -30,6 +31,7 @@ from home_mjx.viewer.episodes.observers import (
 from home_mjx.viewer.episodes.policies import POLICIES, Player, PolicyPlayer, check_agent, make_policy
 
 HUMAN = "human"
+BLIND_SENSORS = ("state",)  # sensors of agents that do not use observations
 AGENT_NAMES = (*POLICIES, HUMAN)
 
 
@@ -74,6 +76,7 @@ def run_play(
     print_line: Callable[[str], Any] = tqdm.write,
     key_source: Any = None,
     observers: Iterable[Observer | str] = (),
+    shots: ShotCache | None = None,
 ) -> list[EpisodeResult]:
     """Play episodes of one environment; print a line for each, and film them if `options.out` is given.
 
@@ -82,6 +85,7 @@ def run_play(
         print_line: Callback for the line of each episode.
         key_source: Input stream of a keyboard player; None: standard input.
         observers: Further observers of the episodes, or their names. With `out`, each writes its files there.
+        shots: Views of the first agent, which observers may share; None: new ones of the options' size.
 
     Returns:
         Result of each episode. With `out`, its folder, created if missing, gets a film, an image with the last frame of
@@ -98,7 +102,7 @@ def run_play(
     env = with_episodes(make(options.env), options.episodes, options.seed)
     env = add_expert(env) if options.agent == "expert" else env
     player = _make_player(env, options, key_source)
-    with ObserverGroup((*_own_observers(options, print_line), *more)) as group:
+    with ObserverGroup((*_own_observers(options, print_line, shots), *more)) as group:
         group.on_run_start(RunStart(options.agent, env, "episodes", options.episodes))
         results = run_episodes(env, player, _task_rows(env, options), options.seed, group)
         if options.out is not None:
@@ -107,12 +111,28 @@ def run_play(
     return results
 
 
-def _own_observers(options: PlayOptions, print_line: Callable[[str], Any]) -> Iterator[Observer]:
+def default_sensors(spec: EnvSpec) -> tuple[str, ...]:
+    """Return the sensors of a task whose agent uses none: `state`, and `audio` in tasks with sounds.
+
+    These play sounds or require hearing, or bodies sound when they touch. Entry points that are functions, not a
+    `Task`, count as silent.
+    """
+    hearing = dataclasses.replace(spec, options={**spec.options, "sensors": (*BLIND_SENSORS, "audio")})
+    core = make_core(hearing)
+    has_sounds = core is not None and bool(
+        core.task.clips or core.task.requires_hearing or core.config.contact_sounds is not None
+    )
+    return (*BLIND_SENSORS, "audio") if has_sounds else BLIND_SENSORS
+
+
+def _own_observers(
+    options: PlayOptions, print_line: Callable[[str], Any], shots: ShotCache | None
+) -> Iterator[Observer]:
     """Yield the observers that the options imply.
 
     These are the film (with `out`), the terminal of a human, results and progress. Film and terminal share images.
     """
-    shots = ShotCache(options.width, options.height, options.samples)
+    shots = shots or ShotCache(options.width, options.height, options.samples)
     if options.out is not None:
         yield FilmObserver(shots, options.file_name)
     if options.agent == HUMAN:

@@ -15,9 +15,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.scene.scene import make_open_scene, make_scene
 from home_mjx.schema.categories import FINE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.viewer.browser.house_scene import CEILING, MOVING, STATIC, HouseScene, InstanceGroup
-from home_mjx.viewer.browser.models import ModelLibrary, texture_pixels
-from home_mjx.viewer.browser.poses import is_plain_scale, split_poses
+from home_mjx.viewer.browser.scene.house_scene import CEILING, MOVING, STATIC, HouseScene, InstanceGroup
+from home_mjx.viewer.browser.scene.models import ModelLibrary, texture_pixels
+from home_mjx.viewer.browser.scene.poses import is_plain_scale, split_poses
 
 
 def drawn(group: InstanceGroup) -> np.ndarray:

@@ -12,9 +12,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import cell_position
 from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.viewer.browser.house_scene import MOVING, HouseScene
 from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
 from home_mjx.viewer.browser.overlays import LIFT, grid_points
+from home_mjx.viewer.browser.scene.house_scene import MOVING, HouseScene
 from home_mjx.viewer.episodes.held_keys import HeldKeys, HeldKeysPlayer
 
 

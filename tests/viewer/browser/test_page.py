@@ -24,8 +24,10 @@ from home_mjx.tasks.env.observers import RunStart
 from home_mjx.viewer.browser.broadcast import SOUND_DELAY, encode_sound
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.run import Viewer, ViewOptions
-from home_mjx.viewer.browser.scene_observer import PageRecorder
 from home_mjx.viewer.episodes.episode import EpisodeRunner
+from home_mjx.viewer.replay.page import PageRecorder
+from home_mjx.viewer.replay.recorder import ReplayRecorder
+from home_mjx.viewer.replay.run import ReplayViewer
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
@@ -73,8 +75,12 @@ def wait_until(condition, seconds: float = 60.0) -> None:
         time.sleep(0.05)
 
 
-def contrast(shot: bytes) -> float:
-    return float(np.asarray(Image.open(io.BytesIO(shot)).convert("L"), float).std())
+def shot(page, selector: str) -> bytes:
+    return page.screenshot(clip=page.locator(selector).first.bounding_box())
+
+
+def contrast(image: bytes) -> float:
+    return float(np.asarray(Image.open(io.BytesIO(image)).convert("L"), float).std())
 
 
 def test_picture_and_scene_are_not_blank(page):
@@ -155,17 +161,70 @@ def test_a_recorded_episode_opens_from_disk_without_network(viewer: Viewer, page
     recorder.on_episode_end(episode.result())
     recorder.write(tmp_path)
     recorder.close()
-    asked, tab = [], page.context.browser.new_page()
-    tab.on("request", lambda request: asked.append(request.url))
-    tab.goto((tmp_path / "walk.html").as_uri())
-    canvas = tab.locator("canvas").first
-    canvas.wait_for()
-    wait_until(lambda: contrast(canvas.screenshot()) > 8)
+    asked = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.goto((tmp_path / "walk.html").as_uri())
+    page.locator("canvas").first.wait_for()
+    wait_until(lambda: page.evaluate("document.getElementById('film').readyState") >= 2)
+    wait_until(lambda: page.evaluate("window.episode.scene") == 0)
+    page.evaluate("document.getElementById('film').currentTime = 2.5 * window.episode.dt")
+    wait_until(lambda: page.evaluate("window.episode.frame") == 2)
+    assert page.evaluate("window.episode.scene") == 2
+    wait_until(lambda: page.locator("#root input.mantine-NumberInput-input").input_value() in ("0.2", "0.3"))
+    wait_until(lambda: contrast(shot(page, "#root canvas")) > 8)
+    film = """() => { const canvas = document.createElement("canvas"), g = canvas.getContext("2d");
+        g.drawImage(document.getElementById("film"), 0, 0, 300, 150);
+        return Array.from(g.getImageData(0, 0, 300, 150).data); }"""
+    colour = np.reshape(page.evaluate(film), (150, 300, 4))[..., :3].mean(axis=(0, 1))
+    seen = np.mean([frame.mean(axis=(0, 1)) for frame in recorder._video.frames[2:3]], axis=0)
+    assert colour == pytest.approx(seen, abs=12)
+    assert contrast(shot(page, "#plots")) > 5
+    assert page.inner_text("#title") == "1: go to the point"
     assert not [url for url in asked if url.startswith(("http", "ws"))]
-    tab.close()
+    page.screenshot(path=tmp_path / "page.png")
+
+
+def test_a_replay_scrubs(viewer: Viewer, page, tmp_path):
+    runner, recorder = EpisodeRunner(viewer.session.env), ReplayRecorder()
+    recorder.on_run_start(RunStart("human", runner.env, "episodes", 1))
+    episode = runner.begin(1, jax.random.key(0), None, 0)
+    recorder.on_episode_start(episode.start)
+    recorder.on_episode_step(episode.step)
+    for _ in range(20):
+        recorder.on_episode_step(episode.advance(np.array([1, 0, 0, 0], np.float32)))
+    recorder.on_episode_end(episode.result())
+    options = ViewOptions(port=0, picture=PictureOptions(size=64))
+    with ReplayViewer(runner.env, recorder.replay, options) as replayed:
+        replayed.session.is_paused = True
+        thread = threading.Thread(target=replayed.run, daemon=True)
+        thread.start()
+        page.goto(replayed.server.address)
+        slider = page.frame_locator("#scene").get_by_role("slider").first
+        slider.wait_for()
+        wait_until(lambda: page.evaluate("window.viewer?.frames ?? 0") > 0)
+        before = page.evaluate("document.getElementById('picture').toDataURL()")
+        slider.press("End")
+        wait_until(lambda: replayed.session.index == 20)
+        wait_until(lambda: page.evaluate("document.getElementById('picture').toDataURL()") != before)
+        state = replayed.broadcast.step.state
+        assert np.array_equal(state.physics.qpos, np.asarray(episode.step.state.physics.qpos))
+        wait_until(lambda: page.frame_locator("#scene").get_by_text("20 of 20").count() == 1)
+        page.screenshot(path=tmp_path / "replay.png")
+        replayed.stop()
+        thread.join(30)
+
+
+def test_another_task_chosen_in_the_viewer_has_sound(viewer: Viewer, monkeypatch):
+    loaded = []
+    monkeypatch.setattr(viewer.session, "load", lambda env, agent: loaded.append(env))
+    viewer._load_task("AudioNav-v0")
+    viewer._load_task("PointNav-v0")
+    assert ["audio" in env.config.sensors for env in loaded] == [True, False]
 
 
 def test_a_lost_connection_comes_back(viewer: Viewer, page):
+    page.goto(viewer.server.address)
+    wait_until(lambda: page.evaluate("window.viewer?.frames ?? 0") > 0)
     page.reload()
     wait_until(lambda: page.evaluate("window.viewer?.frames ?? 0") > 0)
     steps = viewer.broadcast.step.index

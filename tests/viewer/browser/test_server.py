@@ -15,9 +15,9 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from home_mjx.errors import ConfigError
-from home_mjx.viewer.browser.channel import Channel
-from home_mjx.viewer.browser.front import open_port
-from home_mjx.viewer.browser.server import ViewServer
+from home_mjx.viewer.browser.serving.channel import Channel
+from home_mjx.viewer.browser.serving.front import open_port
+from home_mjx.viewer.browser.serving.server import ViewServer
 
 
 def get(server: ViewServer, path: str = "/", **headers: str) -> tuple[int, bytes]:

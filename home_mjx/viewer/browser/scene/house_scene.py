@@ -12,8 +12,8 @@ from home_mjx.raycast_render.scene.types import DynamicInstances
 from home_mjx.schema.categories import fine_index
 from home_mjx.schema.compiled import ARCHITECTURE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.viewer.browser.models import ModelLibrary
-from home_mjx.viewer.browser.poses import is_plain_scale, split_poses
+from home_mjx.viewer.browser.scene.models import ModelLibrary
+from home_mjx.viewer.browser.scene.poses import is_plain_scale, split_poses
 
 STATIC, MOVING, CEILING, OUTDOORS = "static", "moving", "ceiling", "outdoors"  # layers of a level
 NO_LEVEL = -1  # level of agents, and of objects outside of all levels

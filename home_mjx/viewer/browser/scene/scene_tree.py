@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from home_mjx.raycast_render.scene.types import DynamicInstances
-from home_mjx.viewer.browser.house_scene import CEILING, MOVING, OUTDOORS, HouseScene, InstanceGroup
-from home_mjx.viewer.browser.poses import split_poses
+from home_mjx.viewer.browser.scene.house_scene import CEILING, MOVING, OUTDOORS, HouseScene, InstanceGroup
+from home_mjx.viewer.browser.scene.poses import split_poses
 
 if TYPE_CHECKING:
     import viser

@@ -12,8 +12,8 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 from home_mjx.errors import ConfigError, install_hint
-from home_mjx.viewer.browser.channel import Channel, Message
-from home_mjx.viewer.browser.front import LOCAL_NAMES, MAX_HEAD_BYTES, Front, PageFile, Upstream, open_port
+from home_mjx.viewer.browser.serving.channel import Channel, Message
+from home_mjx.viewer.browser.serving.front import LOCAL_NAMES, MAX_HEAD_BYTES, Front, PageFile, Upstream, open_port
 
 if TYPE_CHECKING:
     import viser

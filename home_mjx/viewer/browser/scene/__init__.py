@@ -1,0 +1,1 @@
+"""House of a bank in viser's scene: meshes, instances and poses."""

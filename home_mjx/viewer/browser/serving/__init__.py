@@ -1,0 +1,1 @@
+"""Serving the viewer: the page, its channels and viser behind one port."""

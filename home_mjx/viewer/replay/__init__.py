@@ -1,0 +1,1 @@
+"""Replay: episodes recorded state by state, shown again in the browser, and pages of episodes without a server."""
