@@ -215,6 +215,7 @@ class _Run:
             state, metrics = stage.update(stage.params, state)
             sums.add(metrics)
             self.observers.on_update(size)
+            self.observers.on_states(state.actor.env)
             over = self.is_over()
             ends = i == stage.last or over
             if (i - stage.first) % per_line == 0 or ends:

@@ -271,10 +271,14 @@ class Recorder(Observer):
     """Appends the name of each event, and whether the line of it is on disk."""
 
     def __init__(self, out: Path, events: list[str]) -> None:
-        self.out, self.events = out, events
+        self.out, self.events, self.num_batches = out, events, 0
 
     def on_run_start(self, start) -> None:
         self.events.append(f"run {start.name} {start.done}/{start.total} {start.unit}")
+
+    def on_states(self, states) -> None:
+        assert states.done.shape == (SMALL.num_envs,)
+        self.num_batches += 1
 
     def on_log(self, line) -> None:
         assert read_lines(self.out / "metrics.jsonl")[-1]["steps"] == line["steps"]
@@ -291,7 +295,9 @@ class Recorder(Observer):
 def test_an_observer_follows_a_run(tmp_path: Path):
     """Lines are on disk before the checkpoint after them, because a resumed run drops those that are later."""
     events: list[str] = []
-    train(tmp_path, observers=[Recorder(tmp_path, events)])
+    recorder = Recorder(tmp_path, events)
+    train(tmp_path, observers=[recorder])
+    assert recorder.num_batches == UPDATES
     size = SMALL.batch_size
     told = [f"{name} {n * size}" for n in range(1, UPDATES + 1) for name in ("log", "checkpoint")]
     assert events == [f"run ppo 0/{UPDATES * size} steps", *told, "close"]

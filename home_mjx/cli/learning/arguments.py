@@ -7,16 +7,18 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.parsing import parse_names, parse_path
+from home_mjx.cli.parsing import parse_names, parse_path, whole_number_type
 from home_mjx.errors import ConfigError, HomeMjxError
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
+    from home_mjx.tasks.env.observers import Observer
 
 TASK_HELP = (
     "id of an environment, such as PointNav, its newest version; or module:PointNav, which imports the module first"
 )
 CHECKPOINT_HELP = "a checkpoint, the folder of a run, or `demo`: the agent that comes with the package"
+MAX_PORT = 65535
 PACKAGED_AGENT = "demo"  # name of the packaged agent; use `./demo` for a folder of this name
 
 
@@ -47,6 +49,34 @@ def add_observe_option(parser: argparse.ArgumentParser, example: str) -> None:
         "--observe", dest="observers", action="append", default=[], metavar="NAME",
         help=f"add an observer that is registered under this name, such as {example}; see --import",
     )  # fmt: skip
+
+
+def add_viewer_option(parser: argparse.ArgumentParser) -> None:
+    """Add the flag `--viewer`, and its `--port` from 1 (8080)."""
+    parser.add_argument("--viewer", action="store_true", help="show the running job in a web browser, at --port")
+    parser.add_argument(
+        "--port", type=whole_number_type(MAX_PORT), default=8080, help="port, or the next free one (default: 8080)"
+    )
+
+
+def job_viewers(args: argparse.Namespace) -> "list[Observer]":
+    """Return the viewer of a job for `--viewer`, which prints its address; else none.
+
+    Raises:
+        ConfigError: The extra `view` is not installed, or no port is free.
+    """
+    if not args.viewer:
+        return []
+    from home_mjx.viewer.attached.job_viewer import JobViewer
+    from home_mjx.viewer.browser.run import ViewOptions
+
+    return [JobViewer(ViewOptions(port=args.port), print_now)]
+
+
+def print_now(line: str) -> None:
+    """Print a line at once, also into a pipe."""
+    sys.stdout.write(f"{line}\n")
+    sys.stdout.flush()
 
 
 def import_modules(modules: list[str]) -> None:

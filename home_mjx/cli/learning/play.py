@@ -14,8 +14,10 @@ from home_mjx.cli.learning.arguments import (
     add_import_option,
     add_observe_option,
     add_sensors_option,
+    add_viewer_option,
     find_checkpoint,
     import_modules,
+    job_viewers,
     parse_checkpoint_path,
     task_spec,
 )
@@ -39,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     `--agent` is `expert`, `random`, `trained` or `human`; None by default. `--checkpoint` is a path or `demo`.
     `--greedy`, `--no-film`, `--html` and `--replay` are flags, and `--out` is the path of a folder (`play`).
+    `--viewer` and `--port` are as in `add_viewer_option`.
 
     `--episodes` (3), `--houses` (4) and `--samples` (1) are from 1. `--size W H` is in pixels (480 360). `--seed` is
     from 0 to 2**32 - 1 (0). `--split` is `train`, `val` or `test`; None by default.
@@ -74,6 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
+    add_viewer_option(parser)
     add_observe_option(parser, "`terminal`")
     add_sensors_option(
         parser,
@@ -112,7 +116,7 @@ def run(args: argparse.Namespace) -> int:
         options = dataclasses.replace(options, out=make_folder(args.out))
     shots = ShotCache(width, height, args.samples)
     recorders = _recorders(args, options.file_name, shots)
-    run_play(options, observers=[*args.observers, *recorders], shots=shots)
+    run_play(options, observers=[*args.observers, *recorders, *job_viewers(args)], shots=shots)
     if options.out is not None:
         base = options.out / options.file_name
         sys.stdout.write(f"Watch   {base}.mp4\nLook at {base}.png\n" + f"Open    {base}.html\n" * args.html)

@@ -13,8 +13,10 @@ from home_mjx.cli.learning.arguments import (
     add_import_option,
     add_observe_option,
     add_sensors_option,
+    add_viewer_option,
     find_checkpoint,
     import_modules,
+    job_viewers,
     parse_checkpoint_path,
     task_spec,
 )
@@ -89,6 +91,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_dataset_option(parser)
     add_import_option(parser)
+    add_viewer_option(parser)
     add_observe_option(parser, "one of your own")
     for name, what in (("--env", "of home_mjx.make"), ("--ppo", "of PPOConfig")):
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
@@ -120,7 +123,7 @@ def run(args: argparse.Namespace) -> int:
         ]
         sys.stdout.write("".join(lines))
     out = make_folder(args.out or (Path("runs") / config.env.id if recipe is None else find_run(recipe)))
-    train(config, out, args.resume, observers=args.observers)
+    train(config, out, args.resume, observers=[*args.observers, *job_viewers(args)])
     report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:
         file.write(json.dumps(report, indent=1).encode() + b"\n")

@@ -1,12 +1,12 @@
 """Open a task or a house in a web browser: 3D scene, the agent's view, sound and controls; you can drive the agent."""
 
 import argparse
-import sys
 from typing import TYPE_CHECKING
 
 from home_mjx.cli.houses import add_dataset_option, is_dataset_root, selected_houses
 from home_mjx.cli.learning.arguments import (
     CHECKPOINT_HELP,
+    MAX_PORT,
     add_episode_option,
     add_import_option,
     add_sensors_option,
@@ -14,6 +14,7 @@ from home_mjx.cli.learning.arguments import (
     import_modules,
     newest_version,
     parse_checkpoint_path,
+    print_now,
 )
 from home_mjx.cli.learning.play import BLIND_SENSORS, play_spec
 from home_mjx.cli.parsing import house_count_type, image_side_type, parse_path, parse_seed, whole_number_type
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 HOUSE_TASK = "PointNav"  # task of a house without one: it adds nothing to see but a goal
 HOUSE_OPTIONS = {"ctrl_dt": 0.05, "episode_length": 100_000}  # options of this task: smooth, and almost without an end
-MAX_PORT = 65535
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -88,16 +88,10 @@ def run(args: argparse.Namespace) -> int:
     if args.replay is not None:
         from home_mjx.viewer.replay.run import run_replay
 
-        run_replay(args.replay, options, _print_line)
+        run_replay(args.replay, options, print_now)
     else:
-        run_view(_make_env(args), options, _print_line)
+        run_view(_make_env(args), options, print_now)
     return 0
-
-
-def _print_line(line: str) -> None:
-    """Print a line at once, also into a pipe."""
-    sys.stdout.write(f"{line}\n")
-    sys.stdout.flush()
 
 
 def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":

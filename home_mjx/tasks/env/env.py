@@ -1,5 +1,6 @@
 """An environment together with its parameters."""
 
+import importlib
 import warnings
 from typing import Any, Generic, Protocol, TypeVar, runtime_checkable
 
@@ -139,6 +140,21 @@ class Env(Generic[C]):
             >>> env = env.with_variation({"exposure": (0.5, 1.5)})  # doctest: +SKIP
         """
         return Env(self.core, self.params.replace(variation=to_variation(variation)), self.spec)
+
+    def view(self, **options: Any) -> Any:
+        """Open the environment in a web browser, in the background; of a batch, its single environment.
+
+        Args:
+            options: Fields of `home_mjx.viewer.browser.run.ViewOptions`, such as `agent="expert"` or `port=8081`.
+
+        Returns:
+            A `BackgroundViewer` with `address` and `close()`; a notebook shows the page.
+
+        Raises:
+            ConfigError: The extra `view` is not installed, no port is free, or the agent cannot play the environment.
+        """
+        viewers = importlib.import_module("home_mjx.viewer.attached.background")  # a higher level, loaded on use
+        return viewers.view(self, **options)
 
     def _warn_constant_bank(self, argument: Any) -> None:
         """Warn once if `argument` is traced and the bank is large: it becomes a constant of the compiled program."""

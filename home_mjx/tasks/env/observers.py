@@ -141,6 +141,9 @@ class Observer(Protocol):
     def on_update(self, count: int) -> None:
         """Handle progress: `count` more units of `RunStart.unit` are done."""
 
+    def on_states(self, states: State) -> None:
+        """Handle the states of all environments, on the device, after an update of training."""
+
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Handle the start of an episode; its first `on_episode_step` follows."""
 
@@ -202,6 +205,11 @@ class ObserverGroup(Observer):
         """Call `on_update` of all observers, in order; an exception of one ends the calls."""
         for observer in self.observers:
             observer.on_update(count)
+
+    def on_states(self, states: State) -> None:
+        """Call `on_states` of all observers, in order; an exception of one ends the calls."""
+        for observer in self.observers:
+            observer.on_states(states)
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Call `on_episode_start` of all observers, in order; an exception of one ends the calls."""

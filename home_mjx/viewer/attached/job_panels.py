@@ -1,0 +1,79 @@
+"""Panels of a running job: the watched environment, its figures, and curves of training."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from home_mjx.tasks.base.status import Status
+from home_mjx.tasks.env.observers import EpisodeStep
+from home_mjx.viewer.browser.broadcast import Broadcast
+from home_mjx.viewer.browser.controls import ViewControls
+from home_mjx.viewer.browser.overlays import Overlays
+
+if TYPE_CHECKING:
+    import viser
+
+CURVES = ("success", "return", "loss/value")  # training metrics that are plotted
+MAX_LINES = 2000  # lines of training that are kept
+MAX_ENVIRONMENT = 1_000_000
+
+
+class JobPanels:
+    """Controls and figures of a job in viser's panel.
+
+    Args:
+        server: viser's server.
+        broadcast: Scene and picture.
+        overlays: Overlays of the scene.
+        watch: Function that watches another environment, by its number.
+    """
+
+    def __init__(
+        self, server: "viser.ViserServer", broadcast: Broadcast, overlays: Overlays, watch: Callable[[int], None]
+    ) -> None:
+        self._server, self._lines = server, []
+        server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
+        with server.gui.add_folder("Watch"):
+            number = server.gui.add_number("environment", 0, min=0, max=MAX_ENVIRONMENT, step=1)
+            self._figures = server.gui.add_markdown("")
+        number.on_update(lambda event: watch(int(number.value)))
+        self._curves, self._plots = server.gui.add_folder("Training", visible=False), {}
+        self._controls = ViewControls(server, broadcast, overlays, lambda command: command())
+        self._controls.add_folders()
+        self._house = -1
+
+    def show(self, step: EpisodeStep) -> None:
+        """Show the figures of a step."""
+        state = step.state
+        rows = {
+            "step": step.index,
+            "reward": f"{float(np.mean(state.reward)):+.3f}",
+            **{name: f"{float(value):.3f}" for name, value in state.metrics.items()},
+            "status": ", ".join(Status.names(state.status)) or "no flag",
+        }
+        self._figures.content = "\n".join(["| | |", "|---|---|", *(f"| {name} | {x} |" for name, x in rows.items())])
+        if int(state.world.house) != self._house:
+            self._house = int(state.world.house)
+            self._controls.show_levels()
+
+    def add_line(self, line: Mapping[str, float]) -> None:
+        """Add a line of training metrics to the curves."""
+        self._lines = [*self._lines, dict(line)][-MAX_LINES:]
+        self._curves.visible = True
+        for name in CURVES:
+            known = [(row["steps"], row[name]) for row in self._lines if np.isfinite(row.get(name, np.nan))]
+            if known:
+                self._plot(name, np.array(known, float))
+
+    def _plot(self, name: str, points: np.ndarray) -> None:
+        """Plot a metric over steps."""
+        data: Any = (points[:, 0].copy(), points[:, 1].copy())
+        if name in self._plots:
+            self._plots[name].data = data
+            return
+        series: Any = ({}, {"label": name, "stroke": "#4caf72"})
+        with self._curves:
+            self._plots[name] = self._server.gui.add_uplot(
+                data, series, title=name, scales={"x": {"time": False}}, aspect=3.0
+            )
