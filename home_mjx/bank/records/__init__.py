@@ -16,8 +16,10 @@ from home_mjx.bank.records.lights import Lights
 from home_mjx.bank.records.materials import Finish, Materials
 from home_mjx.bank.records.navigation import NavigationArrays
 from home_mjx.bank.records.physics import Physics
+from home_mjx.bank.records.switches import SWITCH_KINDS, Switches
 
 __all__ = [
+    "SWITCH_KINDS",
     "Acoustics",
     "BankArrays",
     "BankSpec",
@@ -29,6 +31,7 @@ __all__ = [
     "Materials",
     "NavigationArrays",
     "Physics",
+    "Switches",
     "declarations",
     "get_array",
     "group_by_record",

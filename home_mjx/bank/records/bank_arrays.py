@@ -16,6 +16,7 @@ from home_mjx.bank.records.materials import Finish, Materials
 from home_mjx.bank.records.navigation import NavigationArrays
 from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.bank.records.physics import Physics
+from home_mjx.bank.records.switches import Switches
 from home_mjx.core.pytree import Pytree, array, declared_arrays, static
 from home_mjx.errors import ConfigError
 
@@ -59,6 +60,7 @@ class BankArrays(Pytree):
     navigation: NavigationArrays
     finish: Finish
     lights: Lights
+    switches: Switches
     reset_houses: Int[Array, " h"]  # house indices that resets draw from, each active house equally often
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
@@ -77,6 +79,7 @@ RECORDS: dict[str, type] = {
     "navigation": NavigationArrays,
     "finish": Finish,
     "lights": Lights,
+    "switches": Switches,
 }
 
 

@@ -27,6 +27,8 @@ class AppearanceOverrides(Pytree):
     sun_elevation: Float[Array, ""] | None = None  # [rad]
     exposure: Float[Array, ""] | None = None  # factor of the light that cameras receive
     tint: Float[Array, ""] | None = None  # maximum relative change of each material's red, green and blue
+    lights: Float[Array, " lights"] | None = None  # factor of each lamp's direct light, instead of `lamps`
+    glow: Float[Array, " instances"] | None = None  # emission of surfaces that are switched on, 0 to 1
     swap: Float[Array, ""] | None = None  # probability that a textured material gets a random texture of the bank
 
 
@@ -44,6 +46,23 @@ def scale_lamps(
     if look is not None and look.daylight is not None:
         light = light * jnp.where(daylight, look.daylight, 1.0)
     return light
+
+
+def scale_lights(
+    look: AppearanceOverrides | None, light: Vec, daylight: Bool[Array, " l"], room: Int[Array, " l"]
+) -> Vec:
+    """Scale all lights of a house by their own factors `look.lights`, else by `scale_lamps`; daylight as there."""
+    if look is None or look.lights is None:
+        return scale_lamps(look, light, daylight, room)
+    return scale_lamps(look.replace(lamps=None), light * jnp.where(daylight, 1.0, look.lights), daylight, room)
+
+
+def instance_glow(look: AppearanceOverrides | None, instance: Int[Array, "*rays"]) -> Float[Array, "*rays"] | None:
+    """Return the emission of instances, 0 for agents and on a miss (-1); None without `look.glow`."""
+    if look is None or look.glow is None:
+        return None
+    count = look.glow.shape[0]
+    return jnp.where((instance >= 0) & (instance < count), take(look.glow, jnp.clip(instance, 0, count - 1)), 0.0)
 
 
 def scale_daylight(look: AppearanceOverrides | None, light: Vec) -> Vec:

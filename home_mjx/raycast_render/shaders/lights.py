@@ -10,7 +10,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_daylight, scale_lamps
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_daylight, scale_lights
 from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
@@ -73,7 +73,7 @@ class IncidentLight(Pytree):
 def place_lights(scene: Scene, sky: float) -> PlacedLights:
     """Return the lights of the environment's house in world coordinates; lights of lamps follow their lamps.
 
-    `sky` is the radiance of the sky, which windows emit [W/m^2/sr]. Intensities include the factors of `scale_lamps`.
+    `sky` is the radiance of the sky, which windows emit [W/m^2/sr]. Intensities include the factors of `scale_lights`.
     Padding has `instance` -1 and intensity 0.
     """
     lights, house, geometry = scene.bank.lights, scene.house, scene.geometry
@@ -90,7 +90,7 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
     daylight = lights.daylight[house]
     intensity = Vec.unpack(lights.intensity[house])
     intensity = select(daylight, intensity * Vec(*SKY_COLOR) * sky, intensity)
-    intensity = scale_lamps(scene.appearance, intensity, daylight, lights.room[house])
+    intensity = scale_lights(scene.appearance, intensity, daylight, lights.room[house])
     placed = PlacedLights(
         pos=turned(lights.pos[house]) + columns[3],
         axis_u=turned(lights.axis_u[house]),

@@ -21,6 +21,7 @@ from home_mjx.raycast_render.cameras.sampling import sample_points
 from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.scene.appearance import (
     AppearanceOverrides,
+    instance_glow,
     scale_daylight,
     scale_exposure,
     scale_lamps,
@@ -61,6 +62,7 @@ WHITE_LUMINANCE = 5.0  # luminance after exposure that is mapped to white
 MEAN_LUMINANCE_TARGET = 0.5  # target of the mean luminance after exposure; `tone_map` maps it to 0.34
 MIN_METERED_LUMINANCE = 1e-4  # [W/m^2/sr], minimum luminance in auto exposure
 ZENITH_COLOR, HORIZON_COLOR, GROUND_COLOR = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # times sky radiance
+GLOW_COLOR, GLOW_RADIANCE = (0.8, 0.9, 1.0), 0.8  # colour; [W/m^2/sr], of surfaces with glow 1
 DUSK_COLOR = (1.35, 0.72, 0.42)  # factor at the horizon at sunset
 
 
@@ -158,6 +160,7 @@ class LitShader(Shader):
         sample = self._light_sample(rays)
         diffuse, specular = self.incident(scene, path.hit, point, sample)
         light = color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * specular
+        light = _add_glow(scene, path.hit, light)
         above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
         return path.throughput * select(path.hit.instance < 0, above, light)
 
@@ -240,6 +243,12 @@ class LitShader(Shader):
         if rays.lens.samples == 1 and not self.ao_radius:
             return None
         return 2 * sample_points(rays.sample, rays.hit.t.shape, seed=1) - 1
+
+
+def _add_glow(scene: Scene, hit: Hit, light: Vec) -> Vec:
+    """Add the radiance of surfaces that are switched on [W/m^2/sr]; unchanged if the episode has none."""
+    glow = instance_glow(scene.appearance, hit.instance)
+    return light if glow is None else light + Vec(*GLOW_COLOR) * (GLOW_RADIANCE * glow)
 
 
 def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:

@@ -19,7 +19,7 @@ from home_mjx.raycast_render.cameras.camera import Lens, check_lens, has_intrins
 from home_mjx.raycast_render.shaders.base import Shader, ShaderSpec, resolve_shader
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.timing import Timing
-from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, DiscreteActions
+from home_mjx.tasks.base.specs import ACTION_NAMES, HAND_MOVE_NAMES, HAND_NAMES, TOGGLE, DiscreteActions
 
 PIXEL_KINDS = ("rgb", "radiance", "depth", "normal")
 CAMERA_KINDS = ("intrinsics", "pose", "valid")
@@ -27,6 +27,7 @@ ID_KINDS = ("instance", "fine", "coarse", "nyu40", "room", "level", "material", 
 VECTOR_SENSORS = ("audio", "state")
 VIEW_KINDS = PIXEL_KINDS + ID_KINDS + CAMERA_KINDS
 DOOR_STATES = ("open", "closed", "initial", "random")
+SWITCH_STATES = ("initial", "on", "off", "random")
 ARRANGEMENTS = ("initial", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
@@ -112,6 +113,9 @@ class EnvConfig:
             and a word of the tasks' language, such as "say:yes". See `Snapshot.spoken_token`.
         doors: Door angles at reset: "open" (wide), "closed", "initial" (as in the file) or "random" (each open or
             closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
+        switches: States of lamps and appliances at reset: "initial" (lamps on, appliances off), "on", "off" or "random"
+            (each by key). Hands toggle them. None: they have no states, lamps are lit and appliances silent.
+        num_switch_sounds: Maximum number of appliances that are heard at once; each is traced for every agent.
         arrangement: Poses of movable bodies at reset: "initial" (as in the file) or "random". Random
             selects one of the bank's settled arrangements with room for the agents, by key; see
             `home_mjx.arrangements`.
@@ -148,6 +152,8 @@ class EnvConfig:
     max_aim_angle: float = 0.0
     speech: tuple[str, ...] = ()
     doors: str = "open"
+    switches: str | None = None
+    num_switch_sounds: int = 4
     arrangement: str = "initial"
     source_height: float = 1.0
     clip: str = "radio"
@@ -171,6 +177,8 @@ class EnvConfig:
         self._set_fields(clips=_check_name_tuple("clips", self.clips))
         check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
+        if self.switches is not None:
+            check_known("state of switches", [self.switches], SWITCH_STATES)
         check_known("arrangement", [self.arrangement], ARRANGEMENTS)
         check_flag("hands", self.hands)
         find_backend(self.backend)
@@ -194,6 +202,7 @@ class EnvConfig:
         for name in ("width", "height", "samples", "episode_length"):
             check_number(name, getattr(self, name), 1, 2**31 - 1, integer=True)  # counters on the device have 32 bits
         check_number("num_sources", self.num_sources, 1, MAX_SOURCES, integer=True)
+        check_number("num_switch_sounds", self.num_switch_sounds, 0, MAX_SOURCES, integer=True)
         limits = {
             "fovy": (4, 179.9),  # [degrees]; smaller values are probably radians
             "source_height": (0, 10),
@@ -270,8 +279,22 @@ class EnvConfig:
 
     @property
     def num_traced_sources(self) -> int:
-        """Number of traced sources: `num_sources` that play clips, then those of contact sounds, if any."""
-        return self.num_sources + (0 if self.contact_sounds is None else self.contact_sounds.num_sounds)
+        """Number of traced sources: of clips, then of appliances, then of contact sounds, if any."""
+        return (
+            self.num_sources
+            + self.num_switch_sources
+            + (0 if self.contact_sounds is None else self.contact_sounds.num_sounds)
+        )
+
+    @property
+    def num_switch_sources(self) -> int:
+        """Number of sources of appliances: `num_switch_sounds`, or 0 without `switches`."""
+        return 0 if self.switches is None else self.num_switch_sounds
+
+    @property
+    def can_toggle(self) -> bool:
+        """True if hands have the action `toggle`: with `hands` and `switches`."""
+        return self.hands and self.switches is not None
 
     def select_agents(self, num_agents: int) -> "EnvConfig":
         """Return the options restricted to the first `num_agents` agents, at most as many as there are.
@@ -299,7 +322,8 @@ class EnvConfig:
         """Names of the elements of a continuous action, or of the discrete actions."""
         moves = self.discrete
         own, hands = (ACTION_NAMES, HAND_NAMES) if moves is None else (moves.move_names, HAND_MOVE_NAMES)
-        return (*own, *(hands if self.hands else ()), *self.speech)
+        toggle = (TOGGLE,) if self.can_toggle else ()
+        return (*own, *(hands if self.hands else ()), *toggle, *self.speech)
 
     def replace(self, **changes: Any) -> "EnvConfig":
         """Return a copy with some fields changed; `audio.timing` follows `timing`, unless `changes` has `audio`."""

@@ -67,6 +67,7 @@ class Snapshot(Pytree):
     tasks: Any  # `EnvParams.tasks`
     config: EnvConfig = static()
     variation: VariationSample | None = None  # sample of the domain randomisation; None: nothing varies
+    switch_on: Bool[Array, " s"] | None = None  # rows of the bank's `switches` that are on, with `EnvConfig.switches`
     contact_sounds: ContactSounds | None = None  # contact sounds, with `EnvConfig.contact_sounds`
     head: MeasuredHead | None = None  # `EnvParams.head`
 

@@ -11,6 +11,7 @@ from home_mjx.schema.agent import AgentBody
 
 ACTION_NAMES = ("forward", "left", "turn_left", "look_up")
 HAND_NAMES = ("pick", "throw", "turn_door")  # see `hand_actions.decode_hand_commands`
+TOGGLE = "toggle"  # of `EnvConfig.switches`; see `toggle_actions`
 MOVE_NAMES = ("stop", "move_forward", "turn_left", "turn_right", "look_up", "look_down")  # Habitat's, in its order
 LOOK_NAMES = ("look_up", "look_down")
 WALK_NAMES = ("forward", "left", "move_forward")  # elements and moves that change the position, not only the heading

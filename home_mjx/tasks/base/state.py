@@ -16,7 +16,14 @@ from home_mjx.tasks.variation.ranges import Variation
 from home_mjx.tasks.variation.sample import VariationSample
 
 MAX_FLOOR_OFFSET = 0.3  # [m], maximum height difference between an episode's start and the floor
-SOUND_TAG, RENEW_TAG, DOORS_TAG, ARRANGEMENT_TAG, VARIATION_TAG = 1, 2, 3, 4, 5  # tags of `fold_key`, one per use
+SOUND_TAG, RENEW_TAG, DOORS_TAG, ARRANGEMENT_TAG, VARIATION_TAG, SWITCH_TAG = (
+    1,
+    2,
+    3,
+    4,
+    5,
+    6,
+)  # tags of `fold_key`, one per use
 
 
 class Episodes(Pytree):
@@ -112,6 +119,7 @@ class World(Pytree):
     sensor_states: dict[str, Any]  # sensor states by sensor name
     num_faults: Int[Array, ""]  # number of episodes of this environment that ended because a pose was not finite
     variation: VariationSample | None = None  # sample of `EnvParams.variation`
+    switch_on: Bool[Array, " s"] | None = None  # rows of the bank's `switches` that are on, with `EnvConfig.switches`
     contact_sounds: ContactSounds | None = None  # contact sounds, with `EnvConfig.contact_sounds`
     prepared: dict[str, Any] | None = None  # what shaders have computed for the episode, see `prepare_shaders`
 

@@ -30,7 +30,8 @@ class Status(IntFlag):
 
     WEIGHTS = 128  # no task had a finite weight above 0: the reset sampled all with the same probability
 
-    NOISES = 256  # more contact sounds than slots: one was dropped or cut off, see `ContactSoundConfig`
+    # More contact sounds than slots, or more appliances on than `num_switch_sounds`: one was dropped or cut off.
+    NOISES = 256
 
     UNHEARD = 512  # a clip reaches no agent: its source is outside, sealed off, in a wall, or too far away
 

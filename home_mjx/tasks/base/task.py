@@ -44,6 +44,11 @@ class Task:
         return False
 
     @property
+    def requires_switches(self) -> bool:
+        """True if lamps and appliances must have states, `EnvConfig.switches`."""
+        return False
+
+    @property
     def requires_hands(self) -> bool:
         """True if agents need hands."""
         return False
@@ -113,6 +118,13 @@ class Task:
             columns: Columns of an episode that was sampled in advance; None: sample them.
         """
         return ()
+
+    def start_switches(self, snapshot: Snapshot, columns: dict[str, Array] | None) -> Bool[Array, " s"] | None:
+        """Return which rows of the bank's `switches` are on at the start of an episode, before `init`.
+
+        By default those that the environment sampled, None without `EnvConfig.switches`. `columns` are as for `init`.
+        """
+        return snapshot.switch_on
 
     def control_agents(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
         """Return actions of the agents that the task controls in the next step; they override the caller's.

@@ -14,6 +14,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.specs import (
     ACTION_NAMES,
     HAND_NAMES,
+    TOGGLE,
     ArraySpec,
     DiscreteActions,
 )
@@ -35,6 +36,7 @@ CONTINUOUS_ELEMENTS = {
     "throw": ("throw", 1),
     "open": ("turn_door", 1),
     "close": ("turn_door", -1),
+    TOGGLE: (TOGGLE, 1),
 }
 SPEECH_PREFIXES = ("say", "answer")  # prefixes of actions that speak, before the colon
 NO_TOKEN = -1  # token of an agent that says nothing
@@ -46,7 +48,7 @@ class DecodedActions(Pytree):
 
     drive: Float[Array, "a 3"]  # forward, left, turn left: fractions of the maximum rates
     look: Float[Array, " a"]  # [rad], up
-    hands: Float[Array, "a n"]  # see `hand_actions.decode_hand_commands`; n is 0 without hands
+    hands: Float[Array, "a n"]  # elements of `hand_actions.decode_hand_commands`, then `toggle`, as far as there are
     stopped: Bool[Array, " a"]
     spoken_token: Int[Array, " a"]  # token; -1 none
     is_invalid: Bool[Array, ""]  # an action element was clipped or NaN, or is not a discrete action
@@ -172,7 +174,8 @@ def spoken_tokens(config: EnvConfig) -> Int[np.ndarray, " moves"]:
 
 def _move_table(config: EnvConfig, moves: DiscreteActions) -> Float[np.ndarray, "a moves n"]:
     """Return discrete actions as continuous ones: fractions of maximum rates, looks [rad]; the last row is idle."""
-    names, columns = action_names(config), (*ACTION_NAMES, *(HAND_NAMES if config.hands else ()))
+    names, hands = action_names(config), HAND_NAMES if config.hands else ()
+    columns = (*ACTION_NAMES, *hands, *((TOGGLE,) if config.can_toggle else ()))
     table = np.zeros((config.num_agents, len(names) + 1, len(columns)), np.float32)
     for agent, body in enumerate(config.agents):
         sizes = {

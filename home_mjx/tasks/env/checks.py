@@ -123,6 +123,8 @@ def check_task_options(config: EnvConfig, task: Task) -> None:
     name, discrete = type(task).__name__, config.discrete is not None
     if task.requires_hands and not config.hands:
         raise ConfigError(f"{name} needs hands, which agents do not have", hint="Give hands=True.")
+    if task.requires_switches and config.switches is None:
+        raise ConfigError(f"{name} needs states of lamps and appliances", hint='Give switches="random".')
     if task.requires_stop and not discrete:
         message = f"{name} needs `stop`, which continuous actions do not have"
         raise ConfigError(message, hint='Give actions="discrete".')

@@ -17,7 +17,7 @@ from home_mjx.physics import PhysicsState
 from home_mjx.physics.hand_control import apply_hand_commands, update_hands
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
-from home_mjx.tasks.base.specs import Specs
+from home_mjx.tasks.base.specs import HAND_NAMES, Specs
 from home_mjx.tasks.base.state import EnvParams, State, World
 from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.base.task import Task
@@ -36,8 +36,10 @@ from home_mjx.tasks.env.checks import check_metrics, check_observations, check_s
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.hand_actions import decode_hand_commands
 from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, physics_template, weights_flag
+from home_mjx.tasks.env.toggle_actions import toggle_switches
 from home_mjx.tasks.sensors.selection import resolve_sensor_names, select_sensors, state_owners
 from home_mjx.tasks.suite.point_nav import PointNav
+from home_mjx.tasks.switches.effects import SWITCH_CLIPS, play_switched
 
 
 class HouseholdEnv:
@@ -81,7 +83,7 @@ class HouseholdEnv:
         self.config = config.replace(
             sensors=resolve_sensor_names(config, self.task),
             num_sources=max(config.num_sources, self.task.num_sources),
-            clips=tuple(dict.fromkeys((*config.clips, *self.task.clips))),
+            clips=tuple(dict.fromkeys((*config.clips, *self.task.clips, *(SWITCH_CLIPS if config.switches else ())))),
             speech=tuple(dict.fromkeys((*config.speech, *self.task.speech))),
         )
         self.acting_config = self.config.select_agents(self.num_agents)
@@ -234,9 +236,12 @@ class HouseholdEnv:
         """Return the first state of an episode with zero observations and sensors not yet updated, and its snapshot."""
         memory = {sensor.name: sensor.init(self.acting_config) for sensor in state_owners(self.sensors)}
         data, world, row, goal_key = init_physics_and_world(self.config, memory, params, key, house, episode)
-        snapshot = build_snapshot(self.config, params, data, world)
-        task = self.task.init(snapshot, goal_key, None if row is None else row.columns)
-        sounds, no = self.task.sounds(snapshot, task), jnp.zeros((), bool)
+        columns, snapshot = None if row is None else row.columns, build_snapshot(self.config, params, data, world)
+        if world.switch_on is not None:
+            world = world.replace(switch_on=self.task.start_switches(snapshot, columns))
+            snapshot = build_snapshot(self.config, params, data, world)
+        task, no = self.task.init(snapshot, goal_key, columns), jnp.zeros((), bool)
+        sounds, unheard = play_switched(snapshot, self.task.sounds(snapshot, task))
         state = State(
             physics=data,
             world=world.replace(sounds=sounds),
@@ -246,7 +251,7 @@ class HouseholdEnv:
             terminated=no,
             truncated=no,
             metrics=check_metrics(self.task, self.task.metrics(snapshot, task)),
-            status=weights_flag(params.tasks, episode),
+            status=weights_flag(params.tasks, episode) | status_flags(NOISES=unheard),
             info={},
         )
         return state, snapshot.replace(sounds=sounds)
@@ -259,7 +264,7 @@ class HouseholdEnv:
         """
         bank, template = params.bank, self.template(params.bank)
         check_state(template.layout, params, state)
-        moves, start = self._apply_action(params, state, action)
+        moves, start, switch_on = self._apply_action(params, state, action)
         is_over = state.done & (state.world.step > 0)  # after an automatic reset `done` is of the episode before
         is_foreign = bank.fingerprint(state.world.house) != state.world.house_fingerprint
         data, lost = physics.step_checked(template, bank, state.world.house, start, moves.drive)
@@ -267,9 +272,10 @@ class HouseholdEnv:
             data = update_hands(template, bank, state.world.house, data)
         broken = physics.is_unstable(data)
         data = physics.undo_where(broken, data, state.physics)
-        world = self._next_world(state.world, moves, broken)
+        world = self._next_world(state.world, moves, switch_on, broken)
         snapshot = build_snapshot(self.config, params, data, world)
-        snapshot = snapshot.replace(sounds=self.task.sounds(snapshot, state.task))
+        sounds, unplayed = play_switched(snapshot, self.task.sounds(snapshot, state.task))
+        snapshot = snapshot.replace(sounds=sounds)
         noises, unheard = self._contact_sounds(template, state.physics, data, snapshot)
         task = self.task.update(snapshot, state.task)
         reward, terminated = self.task.reward(snapshot, state.task, task), self.task.terminated(snapshot, task)
@@ -290,7 +296,7 @@ class HouseholdEnv:
                 CONTACT_PAIRS=lost.contact_pairs,
                 CONTACT_POINTS=lost.contact_points,
                 ACTION=moves.is_invalid,
-                NOISES=unheard,
+                NOISES=unheard | unplayed,
                 OUTSIDE=physics.is_out_of_bounds(template, bank, state.world.house, data),
                 OVER=is_over,
                 OTHER_HOUSE=is_foreign,
@@ -347,8 +353,10 @@ class HouseholdEnv:
         own |= {name: offered[name] for name in self.config.sensors or () if name in offered}
         return {name: spec.for_agents(self.num_agents) for name, spec in own.items()}
 
-    def _apply_action(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[DecodedActions, PhysicsState]:
-        """Return the decoded actions, and the physics state with their hand commands, before the step.
+    def _apply_action(
+        self, params: EnvParams, state: State, action: ArrayLike
+    ) -> tuple[DecodedActions, PhysicsState, Any]:
+        """Return the decoded actions, the physics state with their hand commands, before the step, and switch states.
 
         Actions of agents that the task controls replace the caller's, then move noise is added. Discrete moves also set
         the agents' speeds at once.
@@ -360,18 +368,21 @@ class HouseholdEnv:
             led = self.task.control_agents(before, state.task)
             moves = moves if led is None else override_moves(self.config, moves, self._idle_agents(state), *led)
         moves = apply_move_noise(self.config, moves, state.world)
-        start, template = state.physics, self.template(params.bank)
+        start, template, switch_on = state.physics, self.template(params.bank), state.world.switch_on
         if self.config.discrete is not None:  # each move then covers exactly its distance
             start = physics.with_agent_speed(template, start, moves.drive)
         if before is not None and self.config.hands:
-            commands = decode_hand_commands(self.config, before, moves.hands)
+            commands = decode_hand_commands(self.config, before, moves.hands[:, : len(HAND_NAMES)])
             start = apply_hand_commands(template, params.bank, state.world.house, start, commands)
-        return moves, start
+            if switch_on is not None:
+                switch_on = toggle_switches(self.config, before, moves.hands[:, len(HAND_NAMES)], switch_on)
+        return moves, start, switch_on
 
-    def _next_world(self, world: World, moves: DecodedActions, broken: Bool[Array, ""]) -> World:
-        """Return the world after a step with decoded `moves`; `sounds` and `reward` are still those before it.
+    def _next_world(self, world: World, moves: DecodedActions, switch_on: Any, broken: Bool[Array, ""]) -> World:
+        """Return the world after a step with decoded `moves` and new states `switch_on`.
 
-        A `broken` step counts as a fault, and its pitch, stops and words are kept.
+        `sounds` and `reward` are still those before it. A `broken` step counts as a fault, and its pitch, stops,
+        words and states of switches are kept.
         """
         return world.replace(
             pitch=update_pitch(self.config, world.pitch, moves.look),
@@ -380,6 +391,7 @@ class HouseholdEnv:
             step=world.step + 1,
             action=moves.action,
             num_faults=world.num_faults + broken.astype(jnp.int32),
+            switch_on=None if world.switch_on is None else jnp.where(broken, world.switch_on, switch_on),
         )
 
     def _idle_agents(self, state: State) -> Any:

@@ -23,6 +23,7 @@ from home_mjx.tasks.base.snapshot import AgentPose, BodyContacts, Snapshot
 from home_mjx.tasks.base.state import (
     ARRANGEMENT_TAG,
     DOORS_TAG,
+    SWITCH_TAG,
     VARIATION_TAG,
     EnvParams,
     Episodes,
@@ -36,6 +37,8 @@ from home_mjx.tasks.env.actions import NO_TOKEN, action_names
 from home_mjx.tasks.env.checks import check_arrangements
 from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sounds.sources import house_source
+from home_mjx.tasks.switches.effects import switch_lights
+from home_mjx.tasks.switches.states import sample_switches
 from home_mjx.tasks.variation.sample import VariationSample, sample_variation
 
 Index = Int[Array, ""] | int | None
@@ -88,6 +91,7 @@ def init_physics_and_world(
         num_faults=jnp.zeros((), jnp.int32),
         variation=drawn,
         prepared=prepare_light(config, bank, house, drawn),
+        switch_on=sample_switches(config, bank, house, fold_key(to_raw_key(key), SWITCH_TAG)),
         contact_sounds=None
         if config.contact_sounds is None
         else empty_contact_sounds(config.contact_sounds, config.audio, agents),
@@ -113,6 +117,8 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
     bodies, turned = physics.body_pose(template, data), jax.vmap(yaw_quat)(yaw)
     sizes, angle = agent_sizes(config.agents), physics.door_angle(template, data)
     look = None if drawn is None else drawn.appearance
+    if world.switch_on is not None:
+        look = switch_lights(params.bank, params.bank.clip_house_index(world.house), world.switch_on, look)
     return Snapshot(
         step=world.step,
         key=world.key,
@@ -137,6 +143,7 @@ def build_snapshot(config: EnvConfig, params: EnvParams, data: PhysicsState, wor
             prepared=world.prepared
         ),
         variation=drawn,
+        switch_on=world.switch_on,
         contact_sounds=world.contact_sounds,
         head=params.head,
     )

@@ -10,6 +10,7 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import TOGGLE
 from home_mjx.tasks.env.actions import PITCH_TOLERANCE, action_names
 from home_mjx.tasks.env.hand_actions import cast_past_hand, held_object_ids, is_in_reach
 from home_mjx.tasks.rules.enums import Feature
@@ -31,6 +32,7 @@ class GraspPlan(Pytree):
     pick: Bool[Array, " a"]  # pick up the object that the guide selects
     place: Bool[Array, " a"]  # put the held object on the one that the guide selects
     drop: Bool[Array, " a"]  # drop an object that the guide does not select
+    toggle: Float[Array, " a"]  # 1: switch the object that the guide selects on, -1: off, 0: neither
     can_aim: Bool[Array, " a"]  # the target can be aimed at from here
     turn: Float[Array, " a"]  # [rad], to the left, until the target is at the view centre
     tilt: Float[Array, " a"]  # [rad], up
@@ -45,6 +47,7 @@ def plan_grasp(
     """
     guide = jnp.maximum(state.program.guide[jnp.maximum(state.stage, 0)], 0)
     take, put = _pending_commands(state, values, guide)
+    toggle = _pending_toggle(snapshot, state, values, guide)
     holds = snapshot.held >= 0
     helped = MAX_AIM_ERROR + 0.5 * math.radians(snapshot.config.max_aim_angle)
     tried = (snapshot.step - state.stage_start) // STEPS_PER_AIM
@@ -52,7 +55,8 @@ def plan_grasp(
     for_put = _best_aim(snapshot, *_place_candidates(snapshot, state, guide, box), tried, helped)
     puts = put & holds
     turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
-    return GraspPlan(pick=take & ~holds, place=puts, drop=take & holds, can_aim=ready, turn=turn, tilt=tilt)
+    drop = take & holds
+    return GraspPlan(pick=take & ~holds, place=puts, drop=drop, toggle=toggle, can_aim=ready, turn=turn, tilt=tilt)
 
 
 def plan_retreat(
@@ -79,15 +83,18 @@ def plan_retreat(
 
 
 def add_hand_commands(config: EnvConfig, actions: Array, grip: GraspPlan, aims: Bool[Array, " a"]) -> Array:
-    """Return actions with hand commands: these replace discrete moves, or set the element `pick` (0 without command).
+    """Return actions with hand commands: these replace discrete moves, or set the elements `pick` and `toggle`.
 
-    `actions` have moves and looks. Picks and places apply only where `aims`, in place with the target at the view
-    centre; drops always.
+    `actions` have moves and looks. All but drops apply only where `aims`, in place with the target at the view
+    centre.
     """
-    names, picks = action_names(config), (grip.pick | grip.place) & aims
+    names, picks, toggles = action_names(config), (grip.pick | grip.place) & aims, (grip.toggle != 0) & aims
     if config.discrete is not None:
         actions = jnp.where(picks, names.index("pick"), actions)
+        actions = jnp.where(toggles, names.index(TOGGLE), actions) if config.can_toggle else actions
         return jnp.where(grip.drop, names.index("drop"), actions).astype(jnp.int32)
+    if config.can_toggle:
+        actions = actions.at[:, names.index(TOGGLE)].set(jnp.where(toggles, grip.toggle, 0.0))
     pick = jnp.where(grip.drop, -1.0, jnp.where(picks, 1.0, 0.0))
     return actions.at[:, names.index("pick")].set(pick)
 
@@ -130,6 +137,22 @@ def _pending_commands(
     take = ~now & with_pick & ~held
     put = ~now & ~if_done & if_down
     return jnp.broadcast_to(take, agents), jnp.broadcast_to(put & ~take, agents)
+
+
+def _pending_toggle(
+    snapshot: Snapshot, state: RowState, values: Float[Array, "feature a d d"], guide: Int[Array, ""]
+) -> Float[Array, " a"]:
+    """Return 1 if the stage needs a target of descriptor `guide` switched on, -1 off, 0 neither; found by trying.
+
+    Neither, if a transition that is not to FAILURE is possible now or with `stop`.
+    """
+    if snapshot.switch_on is None:
+        return jnp.zeros(values.shape[1], jnp.float32)
+    now = values[Feature.SWITCHED_ON, :, guide, 0]
+    changed = values.at[Feature.SWITCHED_ON, :, guide].set(1 - now[:, None])
+    done = values.at[Feature.STOPPED].set(1.0)
+    at_once, if_done, if_changed = (leads_on(state.program, state.stage, x)[0] for x in (values, done, changed))
+    return jnp.where(~at_once & ~if_done & if_changed, 1 - 2 * now, 0.0)
 
 
 def _pick_candidates(

@@ -75,7 +75,8 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     spare = jnp.where(snapshot.in_contact, CONTACT_DISTANCE_MARGIN, DISTANCE_MARGIN)[:, None, None]
     stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
     grip = plan_grasp(snapshot, state, values, box[:, guide])
-    works = (grip.pick | grip.place) & ~stop
+    toggles = grip.toggle != 0
+    works = (grip.pick | grip.place | toggles) & ~stop
     meant = state.targets.instance[guide]
     dropped = displacements(snapshot, meant, box[:, guide].mean(axis=1)) > MIN_DROPPED_DISPLACEMENT
     goes, before, where = plan_retreat(snapshot, state, dropped)
@@ -84,7 +85,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.in_contact | (before > 0))  # by its carried object
     way = jnp.where(stuck, where, way)
     # Rows lead to positions from which objects can be carried away: pick up there, even if reachable before.
-    settles = grip.place | dropped | snapshot.in_contact | (before >= MAX_RETREATS)
+    settles = grip.place | toggles | dropped | snapshot.in_contact | (before >= MAX_RETREATS)
     stands = works & (there | (grip.can_aim & settles)) & ~goes
     error, tilt, near = plan_view(snapshot, state, looked.replace(values=farther), way, there & ~works)
     heading = jnp.where(goes & (there | snapshot.in_contact), where, way)

@@ -38,21 +38,25 @@ def attribute_text(word: Attribute, value: int) -> str:
     return to_word(vocabularies()[SEMANTIC_COLUMN[word]][value])
 
 
-def noun_phrase(meant: dict[Attribute, int], article: str = "the") -> str:
+def noun_phrase(meant: dict[Attribute, int], article: str = "the", is_on: bool | None = None) -> str:
     """Return a noun phrase for objects with these attribute values; "thing" without a category.
 
     The fine category is the noun if there is one, else the coarse one. Attributes other than size, colour, material and
-    type of room are left out.
+    type of room are left out. With a state, `is_on`, it ends in "that is on" or "that is off".
 
     Example:
         >>> noun_phrase({Attribute.COARSE: 11, Attribute.SIZE: 3, Attribute.ROOM_TYPE: 1})
         'the large chair in the kitchen'
+        >>> noun_phrase({}, is_on=True)
+        'the thing that is on'
     """
     noun = next((word for word in (Attribute.FINE, Attribute.COARSE) if word in meant), None)
     parts = [article, *(attribute_text(word, meant[word]) for word in ADJECTIVE_ORDER if word in meant)]
     parts += [attribute_text(noun, meant[noun])] if noun is not None else ["thing"]
     if Attribute.ROOM_TYPE in meant:
         parts += ["in", "the", attribute_text(Attribute.ROOM_TYPE, meant[Attribute.ROOM_TYPE])]
+    if is_on is not None:
+        parts += ["that", "is", "on" if is_on else "off"]
     return " ".join(parts)
 
 

@@ -369,8 +369,10 @@ def _approach_purpose(
     if put:
         things = np.flatnonzero(instance[put].any(axis=0)).tolist()
         return Purpose.PUT, max((view.plan_radius(thing) for thing in things), default=0.0)
-    taken = any(feature == Feature.HELD and i == d for feature, i, _ in conditions)
-    return (Purpose.TAKE if taken else Purpose.LOOK), 0.0
+    about = {feature for feature, i, _ in conditions if i == d}
+    if Feature.HELD in about:
+        return Purpose.TAKE, 0.0
+    return (Purpose.TOGGLE if Feature.SWITCHED_ON in about else Purpose.LOOK), 0.0
 
 
 def _draw_start(

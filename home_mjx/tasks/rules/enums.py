@@ -60,6 +60,7 @@ class Feature(NamedIntEnum):
     TOUCHED = 11  # 1: the agent touched anything but the floor in the last step
     CLEAR = 12  # 1: the line of sight to the nearest i is free, whatever the agent's heading
     SAID = 13  # token of the word that the agent said in the last step; -1 if none
+    SWITCHED_ON = 14  # 1: an i is on; 0 with nothing to switch
 
 
 class Purpose(NamedIntEnum):
@@ -68,3 +69,4 @@ class Purpose(NamedIntEnum):
     LOOK = 0
     TAKE = 1  # a condition requires that it is held
     PUT = 2  # a condition requires that an object rests on it
+    TOGGLE = 3  # a condition is about its state, on or off

@@ -70,8 +70,10 @@ def compute_features(
         Feature.CLEAR: jnp.any(free, axis=-1)[:, :, None],
         Feature.SAID: snapshot.spoken_token[:, None, None],
     }
+    if snapshot.switch_on is not None:  # the last feature: without states the table ends before it
+        rows[Feature.SWITCHED_ON] = is_switched_on(snapshot, targets)[None, :, None]
     shape = agents, descriptors, descriptors
-    values = jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in Feature])
+    values = jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in rows])
     return FeatureValues(values=values, nearest_box=nearest, sight_points=points, is_sight_free=free)
 
 
@@ -235,6 +237,18 @@ def _is_supported(one: Float[Array, "k 2 3"], other: Float[Array, "i 2 3"]) -> B
     under = one[:, None, 0, 2]
     carried = (under <= high[..., 2] + MAX_SUPPORT_GAP) & (under >= other.mean(axis=1)[None, :, 2])
     return jnp.all(over, axis=-1) & carried
+
+
+def switch_targets(snapshot: Snapshot, targets: ResolvedTargets) -> Bool[Array, "d s"]:
+    """Return which rows of the bank's `switches` are targets of each descriptor."""
+    instance = snapshot.bank.switches.instance[snapshot.house]
+    return targets.instance[:, jnp.maximum(instance, 0)] & (instance >= 0)[None]
+
+
+def is_switched_on(snapshot: Snapshot, targets: ResolvedTargets) -> Bool[Array, " d"]:
+    """Return whether any target of each descriptor is on; False without `EnvConfig.switches`."""
+    meant = switch_targets(snapshot, targets)
+    return jnp.zeros(len(meant), bool) if snapshot.switch_on is None else jnp.any(meant & snapshot.switch_on, axis=1)
 
 
 def door_openings(snapshot: Snapshot, targets: ResolvedTargets) -> Float[Array, " d"]:

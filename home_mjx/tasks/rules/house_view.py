@@ -141,8 +141,8 @@ class HouseView:
         """Return the end cells of paths to a descriptor's targets, and the distance from each to its target [m].
 
         A descriptor of the given `kind` has target instances, rooms or a `place` [m]. To PUT an object of a plan
-        `radius` [m] on an instance, or to TAKE one, other cells are needed than to LOOK at it. A cell is repeated if it
-        serves several instances. Both are empty without targets, or without such cells.
+        `radius` [m] on an instance, to TAKE or TOGGLE one, other cells are needed than to LOOK at it. A cell is
+        repeated if it serves several instances. Both are empty without targets, or without such cells.
         """
         if kind == TargetKind.PLACE:
             return self.graph.nearest_cell(place)
@@ -151,6 +151,7 @@ class HouseView:
         part = {
             Purpose.LOOK: self.view_cells,
             Purpose.TAKE: self.take_cells,
+            Purpose.TOGGLE: self.touch_cells,
             Purpose.PUT: lambda i: self.put_cells(i, radius),
         }[use]
         which = np.flatnonzero(instances).tolist()
@@ -190,16 +191,8 @@ class HouseView:
         others may exist. In these cells an agent that holds the instance has room for a half turn. The largest
         connected set of cells where it fits is within `MAX_TURN_DISTANCE`.
         """
-
-        def there(eyes: Array) -> Array:
-            """Return at which of the eyes [m] a hand can pick the instance."""
-            box = jnp.asarray(self._boxes[instance], jnp.float32)
-            return can_pick_from(
-                self._device, self._number, eyes, jnp.int32(instance), box, jnp.float32(MAX_HAND_REACH)
-            )
-
         if instance not in self._taken:
-            cells, away = self._cells_at_hand((instance, -1.0), there)
+            cells, away = self.touch_cells(instance)
             obstacles = self._carry_obstacles(instance)
             wide = self._carry_gaps(instance, obstacles, self.graph.place) > self.plan_radius(instance)
             out = self.graph.has_turning_room(cells, wide)
@@ -207,6 +200,18 @@ class HouseView:
             turns = self._has_turning_room(instance, obstacles, cells)
             self._taken[instance] = cells[turns], away[turns]
         return self._taken[instance]
+
+    def touch_cells(self, instance: int) -> EndCells:
+        """Return cells from which a hand reaches an instance; a sample as in `take_cells`, so others may exist."""
+
+        def there(eyes: Array) -> Array:
+            """Return at which of the eyes [m] a hand reaches the instance."""
+            box = jnp.asarray(self._boxes[instance], jnp.float32)
+            return can_pick_from(
+                self._device, self._number, eyes, jnp.int32(instance), box, jnp.float32(MAX_HAND_REACH)
+            )
+
+        return self._cells_at_hand((instance, -1.0), there)
 
     def _has_turning_room(
         self, instance: int, obstacles: Footprints, cells: Int[np.ndarray, " n"]

@@ -18,6 +18,7 @@ NO_PLACE = (np.inf, np.inf, np.inf)
 SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)
 FIRST_DESCRIPTOR_FEATURES = (
     *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
+    Feature.SWITCHED_ON,
     *SECOND_DESCRIPTOR_FEATURES,
 )
 

@@ -20,7 +20,7 @@ from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.rules.build_bank import TaskGenerator, TaskRow, build_task_bank
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.enums import ANY, FAILURE, NO_WORD, NUM_TOKENS, SUCCESS, Attribute, Feature
-from home_mjx.tasks.rules.features import FeatureValues, compute_features, sound_positions
+from home_mjx.tasks.rules.features import FeatureValues, compute_features, sound_positions, switch_targets
 from home_mjx.tasks.rules.house_view import HouseView
 from home_mjx.tasks.rules.program import TaskProgram, evaluate_conditions, take_transition
 from home_mjx.tasks.rules.resolve import ResolvedTargets, resolve_targets
@@ -199,6 +199,16 @@ class RowTask(Task):
             num_mistakes=zero,
             features=looked if self.store_features else None,
         )
+
+    def start_switches(self, snapshot: Snapshot, columns: dict[str, Array] | None) -> Bool[Array, " s"] | None:
+        """Return the sampled states, but for targets of conditions SWITCHED_ON: these start in the opposite state."""
+        if snapshot.switch_on is None or columns is None:
+            return snapshot.switch_on
+        program = extract(TaskProgram, columns)
+        meant = switch_targets(snapshot, resolve_targets(snapshot.bank, snapshot.house, program.descriptor))
+        asked = (program.feature == Feature.SWITCHED_ON)[:, None] & meant[jnp.maximum(program.first, 0)]
+        off, on = (jnp.any(asked & which[:, None], axis=0) for which in (program.minimum > 0, program.minimum <= 0))
+        return (snapshot.switch_on & ~off) | on
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
         """Take the first transition whose conditions hold; update features, path lengths, collisions and speech.

@@ -349,9 +349,10 @@ def received_energy(response: Float[Array, "c l"] | ReceiverState, config: Audio
 
 
 def is_inaudible(snapshot: Snapshot, energy: Float[Array, "a e"]) -> Bool[Array, " s"]:
-    """Return which of the s sources of clips play one that no agent receives; words and contact sounds do not count.
+    """Return which of the s sources of clips play one that no agent receives.
 
-    `energy` is that of each response (`received_energy`), with sources of clips first; NaN counts as not received.
+    Words, appliances and contact sounds do not count. `energy` is that of each response (`received_energy`), with
+    sources of clips first; NaN counts as not received.
     """
-    clip = snapshot.sounds.clip
+    clip = snapshot.sounds.clip[: snapshot.config.num_sources]
     return (clip >= 0) & ~jnp.any(energy[:, : clip.size] > MIN_AUDIBLE_ENERGY, axis=0)

@@ -13,6 +13,7 @@ from home_mjx.tasks.sensors.hearing import Hearing, LogMel, Stft
 from home_mjx.tasks.sensors.interaural_cues import Interaural, SourceTarget
 from home_mjx.tasks.sensors.localization import GpsCompass, Lidar, LocalMap
 from home_mjx.tasks.sensors.proprioception import HeldObject, OwnState, PrevAction, PrevReward
+from home_mjx.tasks.switches.sensor import NearbySwitches
 
 register_sensor(Hearing())
 register_sensor(OwnState())
@@ -27,6 +28,7 @@ register_sensor(PrevReward())
 register_sensor(EarLevels())
 register_sensor(Interaural())
 register_sensor(SourceTarget())
+register_sensor(NearbySwitches())
 
 
 # Sensor names of other simulators and their counterparts here.

@@ -21,11 +21,11 @@ NUM_SUBSTEPS = 4  # number of parts of a move; each one ends at the next cell at
 def house_source(
     config: EnvConfig, bank: HouseBank, house: Int[Array, ""], key: Array, clip: Int[Array, ""] | None = None
 ) -> SoundSources:
-    """Return sources of a house: the first at a random start point, with an endless clip; further ones are silent.
+    """Return sources of a house: the first at a random start point, with an endless clip; the others are silent.
 
     It is `config.source_height` above the floor; `clip` is an index into `CLIPS`, None: `config.clip`.
     """
-    number = config.num_sources
+    number = config.num_sources + config.num_switch_sources
     pos = random_source(bank, house, config.source_height, key)
     return SoundSources(
         pos=jnp.broadcast_to(pos, (number, 3)),
@@ -58,7 +58,7 @@ def row_sources(
         column: Column of each descriptor's field; -1 if none.
     """
     before = snapshot.sounds
-    count = min(before.clip.shape[0], NUM_SOUNDS)
+    count = min(snapshot.config.num_sources, NUM_SOUNDS)
     rows = jax.tree.map(lambda x: x[:count], emission)
     of = jnp.maximum(rows.emitter, 0).astype(jnp.int32)
     pos, own = point[of], body[of]

@@ -156,6 +156,11 @@ class HouseTasks(RowTask):
         return any(getattr(task, "requires_hands", False) for task in self.tasks)
 
     @property
+    def requires_switches(self) -> bool:
+        """True if one of the tasks needs states of lamps and appliances."""
+        return any(getattr(task, "requires_switches", False) for task in self.tasks)
+
+    @property
     def requires_hearing(self) -> bool:
         """True if one of the tasks needs hearing."""
         return any(getattr(task, "requires_hearing", False) for task in self.tasks)

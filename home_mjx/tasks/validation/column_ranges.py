@@ -174,6 +174,7 @@ def feature_ranges(config: EnvConfig | None = None) -> Float[np.ndarray, "featur
     found[Feature.SAID] = -1, len(all_words()) - 1
     if config is not None:
         found[Feature.HELD, 1] = config.hands
+        found[Feature.SWITCHED_ON, 1] = config.switches is not None
         found[Feature.STOPPED, 1] = config.discrete is not None
         found[Feature.SAID, 1] = found[Feature.SAID, 1] if config.speech else -1
     return found

@@ -121,6 +121,7 @@ def _check_rows(config: EnvConfig, bank: HouseBank, rows: Episodes, special: dic
     hints = {name: hint for name, values in column_values().items() if (hint := _hint(config, values))}
     hints |= {"goal": OTHER_HOUSES_HINT}
     hints |= {"held": "Give hands=True.", "stopped": 'Give actions="discrete".', "said": "Give speech=(...)."}
+    hints |= {"switched_on": 'Give switches="random".'}
     ranges = column_ranges(special) | {"goal": goals}
     fault = find_violation(rows, bank, ranges, feature_ranges(config), hints, config.episode_length)
     if fault is not None:
