@@ -67,6 +67,16 @@ def status_flags(**conditions: Bool[Array, "..."]) -> Int[Array, ""]:
     return jnp.sum(jnp.stack(bits), dtype=jnp.int32)
 
 
+def add_flags(status: Int[Array, ""], more: Int[Array, ""] | None) -> Int[Array, ""]:
+    """Return a status with further flags; unchanged, without any operation, for None.
+
+    Example:
+        >>> int(add_flags(jnp.int32(1), jnp.int32(4)))
+        5
+    """
+    return status if more is None else status | more
+
+
 def check_status(state: Any, ignore: int = 0) -> None:
     """Raise `StatusError` if a state or batch has a flag of `Status` outside of the mask `ignore`; on the host.
 

@@ -19,7 +19,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import HAND_NAMES, Specs
 from home_mjx.tasks.base.state import EnvParams, State, World
-from home_mjx.tasks.base.status import status_flags
+from home_mjx.tasks.base.status import add_flags, status_flags
 from home_mjx.tasks.base.task import Task
 from home_mjx.tasks.contact_sounds.update import update_contact_sounds
 from home_mjx.tasks.env.actions import (
@@ -251,7 +251,7 @@ class HouseholdEnv:
             terminated=no,
             truncated=no,
             metrics=check_metrics(self.task, self.task.metrics(snapshot, task)),
-            status=weights_flag(params.tasks, episode) | status_flags(NOISES=unheard),
+            status=add_flags(weights_flag(params.tasks, episode), unheard),
             info={},
         )
         return state, snapshot.replace(sounds=sounds)
@@ -290,16 +290,19 @@ class HouseholdEnv:
             terminated=terminated,
             truncated=(world.step >= self.config.episode_length) & ~terminated,
             metrics={**state.metrics, **metrics},  # keep entries of wrappers
-            status=status_flags(
-                NOT_A_NUMBER=broken,
-                STATIC_BOXES=lost.static_boxes,
-                CONTACT_PAIRS=lost.contact_pairs,
-                CONTACT_POINTS=lost.contact_points,
-                ACTION=moves.is_invalid,
-                NOISES=unheard | unplayed,
-                OUTSIDE=physics.is_out_of_bounds(template, bank, state.world.house, data),
-                OVER=is_over,
-                OTHER_HOUSE=is_foreign,
+            status=add_flags(
+                status_flags(
+                    NOT_A_NUMBER=broken,
+                    STATIC_BOXES=lost.static_boxes,
+                    CONTACT_PAIRS=lost.contact_pairs,
+                    CONTACT_POINTS=lost.contact_points,
+                    ACTION=moves.is_invalid,
+                    NOISES=unheard,
+                    OUTSIDE=physics.is_out_of_bounds(template, bank, state.world.house, data),
+                    OVER=is_over,
+                    OTHER_HOUSE=is_foreign,
+                ),
+                unplayed,
             ),
         )
         return state, snapshot.replace(reward=reward, contact_sounds=noises)

@@ -10,6 +10,7 @@ from home_mjx.bank.records import SWITCH_KINDS
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.status import status_flags
 from home_mjx.tasks.sounds.sources import SILENT
 
 # Clip that each kind plays while it is on, and the emission of its surfaces, from 0 to 1.
@@ -58,15 +59,16 @@ def _room_shares(bank: HouseBank, house: Int[Array, ""], lit: Float[Array, " l"]
     return jnp.where(total > 0, by_room(flux * lit) / jnp.where(total > 0, total, 1.0), 1.0)
 
 
-def play_switched(snapshot: Snapshot, sounds: SoundSources) -> tuple[SoundSources, Bool[Array, ""]]:
-    """Return sounds whose last `num_switch_sources` are the appliances that are on, and whether one found no slot.
+def play_switched(snapshot: Snapshot, sounds: SoundSources) -> tuple[SoundSources, Int[Array, ""] | None]:
+    """Return sounds whose last `num_switch_sources` are the appliances that are on, and flags of `Status`.
 
-    The first ones in the order of the bank's rows have slots. They sound from the middle of their bounds; what moves
-    carries its sound. Without `EnvConfig.switches` sounds are unchanged.
+    The first ones in the order of the bank's rows have slots; the flag is `NOISES` if one has none. They sound from the
+    middle of their bounds; what moves carries its sound. Without `EnvConfig.switches` sounds are unchanged, and flags
+    are None.
     """
     on, config = snapshot.switch_on, snapshot.config
     if on is None:
-        return sounds, jnp.zeros((), bool)
+        return sounds, None
     count, switches, house = config.num_switch_sources, snapshot.bank.switches, snapshot.house
     clips = jnp.array([CLIPS.index(KIND_CLIPS[k]) if k in KIND_CLIPS else SILENT for k in SWITCH_KINDS], jnp.int32)
     clip = jnp.where(on, clips[jnp.maximum(switches.kind[house], 0)], SILENT)
@@ -82,7 +84,7 @@ def play_switched(snapshot: Snapshot, sounds: SoundSources) -> tuple[SoundSource
         gain=sounds.gain.at[config.num_sources :].set(1.0),
         period=sounds.period.at[config.num_sources :].set(jnp.inf),
         duration=sounds.duration.at[config.num_sources :].set(jnp.inf),
-    ), jnp.sum(clip >= 0) > count
+    ), status_flags(NOISES=jnp.sum(clip >= 0) > count)
 
 
 def instance_middles(scene: Scene, instance: Int[Array, " s"]) -> Float[Array, "s 3"]:
