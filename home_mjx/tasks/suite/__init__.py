@@ -11,6 +11,7 @@ from home_mjx.tasks.suite.instruction_following import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, NavigationTask, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav
 from home_mjx.tasks.suite.rearrangement import Fetch, Rearrange
+from home_mjx.tasks.suite.toggle import Toggle
 
 __all__ = [
     "VQA",
@@ -29,4 +30,5 @@ __all__ = [
     "PointNav",
     "Rearrange",
     "RoomNav",
+    "Toggle",
 ]
