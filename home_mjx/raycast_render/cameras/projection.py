@@ -23,7 +23,7 @@ def project(camera: Camera, lens: Lens, points: Float[Array, "*n 3"]) -> tuple[F
     Example:
         >>> level = jnp.array([0.5**0.5, 0.5**0.5, 0.0, 0.0])  # looks along +y
         >>> camera = Camera(jnp.zeros(3), level, jnp.float32(jnp.pi / 2))
-        >>> project(camera, Lens(64, 64), jnp.array([1.0, 2.0, 0.0]))[0].round(3).tolist()
+        >>> project(camera, Lens(64, 64), jnp.array([1.0, 2.0, 0.0]))[0].round().tolist()
         [48.0, 32.0]
     """
     offset = points - camera.pos

@@ -106,7 +106,12 @@ def init_physics_and_world(
 def prepare_light(
     config: EnvConfig, bank: HouseBank, house: Int[Array, ""], drawn: VariationSample | None
 ) -> dict[str, Any] | None:
-    """Return what the shaders of an environment's cameras compute once per episode; None if nothing."""
+    """Return what the shaders of an environment's cameras compute once per episode; None if nothing.
+
+    Light that hands can switch is mixed in every image instead.
+    """
+    if config.switches is not None:
+        return None
     return prepare_shaders(config.shaders, bank, house, None if drawn is None else drawn.appearance)
 
 

@@ -13,7 +13,7 @@ from home_mjx.tasks.sensors.hearing import Hearing, LogMel, Stft
 from home_mjx.tasks.sensors.interaural_cues import Interaural, SourceTarget
 from home_mjx.tasks.sensors.localization import GpsCompass, Lidar, LocalMap
 from home_mjx.tasks.sensors.proprioception import HeldObject, OwnState, PrevAction, PrevReward
-from home_mjx.tasks.switches.sensor import NearbySwitches
+from home_mjx.tasks.switches.states import NearbySwitches
 
 register_sensor(Hearing())
 register_sensor(OwnState())

@@ -2,7 +2,9 @@
 
 import json
 import threading
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 import jax
@@ -11,7 +13,6 @@ import numpy as np
 from home_mjx.core.progress import say
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
-from home_mjx.viewer.attached.budget import DrawBudget
 from home_mjx.viewer.attached.job_panels import JobPanels
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.overlays import Overlays
@@ -19,6 +20,8 @@ from home_mjx.viewer.browser.run import ViewOptions, print_address
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
 from home_mjx.viewer.episodes.goal_markers import get_instruction
+
+MAX_SHARE = 0.08  # largest part of the job's time that drawing takes, below the 10 % that are promised
 
 
 class JobViewer(Observer):
@@ -123,3 +126,40 @@ class JobViewer(Observer):
     def _greet_sound(self) -> str:
         """Return the format of the sound."""
         return self.broadcast.sound_format()
+
+
+class DrawBudget:
+    """Share of a job's time: after each drawing, none is due until its time is at most a share of all time since.
+
+    The first drawing, which compiles, is not counted.
+
+    Args:
+        share: The share.
+        clock: Function that returns the time [s].
+
+    Example:
+        >>> times = iter([0.0, 5.0, 10.0, 11.0, 15.0, 21.0])
+        >>> budget = DrawBudget(0.1, lambda: next(times))
+        >>> with budget.spend():  # from 0 to 5 s: the first
+        ...     pass
+        >>> with budget.spend():  # from 10 to 11 s
+        ...     pass
+        >>> budget.is_due(), budget.is_due()  # at 15 s, at 21 s
+        (False, True)
+    """
+
+    def __init__(self, share: float = MAX_SHARE, clock: Callable[[], float] = time.perf_counter) -> None:
+        self.share, self._clock, self._due, self._is_first = share, clock, 0.0, True
+
+    def is_due(self) -> bool:
+        """Return whether a drawing is due."""
+        return self._is_first or self._clock() >= self._due
+
+    @contextmanager
+    def spend(self) -> Iterator[None]:
+        """Measure the block's time, and set when the next drawing is due."""
+        began = self._clock()
+        yield
+        end = self._clock()
+        self._due = end if self._is_first else began + (end - began) / self.share
+        self._is_first = False

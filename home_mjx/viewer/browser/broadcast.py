@@ -12,8 +12,7 @@ from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.sensors.selection import state_owners
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, encode_jpeg
-from home_mjx.viewer.browser.scene.scene_observer import SceneObserver
-from home_mjx.viewer.browser.scene.scene_tree import SceneTree
+from home_mjx.viewer.browser.scene.scene_tree import SceneObserver, SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
 from home_mjx.viewer.episodes.episode import format_status
 from home_mjx.viewer.episodes.observers import SOUND_STATE

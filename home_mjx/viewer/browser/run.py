@@ -120,7 +120,8 @@ class Viewer:
         self.broadcast.tell(status=f"loading {name}")
         bank, sensors = self.session.env.bank, default_sensors(find_spec(name))
         is_traced = "audio" in sensors and LATE_REVERB not in bank.bakes  # the houses were loaded for a silent task
-        env = make(name, bank, sensors=sensors, **({"late": "traced"} if is_traced else {}))
+        late: dict[str, Any] = {"late": "traced"} if is_traced else {}
+        env = make(name, bank, sensors=sensors, **late)
         self.session.load(env, HUMAN if self.session.agent == "trained" else self.session.agent)
 
     def _show_object(self, group: InstanceGroup, index: int) -> None:

@@ -14,8 +14,7 @@ import numpy as np
 from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.sensors.selection import state_owners
 from home_mjx.viewer.browser.overlays import Overlays
-from home_mjx.viewer.browser.scene.scene_observer import SceneObserver
-from home_mjx.viewer.browser.scene.scene_tree import SceneTree
+from home_mjx.viewer.browser.scene.scene_tree import SceneObserver, SceneTree
 from home_mjx.viewer.browser.serving.server import load_viser
 from home_mjx.viewer.episodes.observers import SOUND_STATE, ShotCache
 from home_mjx.viewer.episodes.video import VideoWriter

@@ -90,7 +90,7 @@ def test_colours_of_other_palettes_are_told(column, name, words):
         ("procedural:2?preset=flats", "Did you mean `flat`"),
         ("procedural:2?detail=lo", "Did you mean `low`"),
         ("procedural:two", "does not name generated houses.*N and S are whole"),
-        ("habitat:hm3d", "no dataset has the scheme `habitat:`"),
+        ("hssd:hm3d", "no dataset has the scheme `hssd:`"),
     ],
 )
 def test_names_of_generated_houses_are_not_taken_for_paths(name, words, capsys):
