@@ -39,7 +39,7 @@ from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, phy
 from home_mjx.tasks.env.toggle_actions import toggle_switches
 from home_mjx.tasks.sensors.selection import resolve_sensor_names, select_sensors, state_owners
 from home_mjx.tasks.suite.point_nav import PointNav
-from home_mjx.tasks.switches.effects import SWITCH_CLIPS, play_switched
+from home_mjx.tasks.switches.sounds import SWITCH_CLIPS, play_switched
 
 
 class HouseholdEnv:

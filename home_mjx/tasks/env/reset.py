@@ -37,7 +37,7 @@ from home_mjx.tasks.env.actions import NO_TOKEN, action_names
 from home_mjx.tasks.env.checks import check_arrangements
 from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.tasks.sounds.sources import house_source
-from home_mjx.tasks.switches.effects import switch_lights
+from home_mjx.tasks.switches.lights import switch_lights
 from home_mjx.tasks.switches.states import sample_switches
 from home_mjx.tasks.variation.sample import VariationSample, sample_variation
 

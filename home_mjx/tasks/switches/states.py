@@ -11,7 +11,7 @@ from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.switches.effects import instance_middles
+from home_mjx.tasks.switches.sounds import instance_middles
 
 LAMP = SWITCH_KINDS.index("lamp")
 NOT_SWITCHABLE, OFF, ON = -1, 0, 1  # states of objects
