@@ -124,7 +124,9 @@ def test_shapes_and_types(look):
     images = look()
     assert images.pop("valid").item() is True
     for kind, image in images.items():
-        channels = {"rgb": (3,), "albedo": (3,), "normal": (3,), "depth": (1,), "distance": (1,)}.get(kind, ())
+        channels = {"rgb": (3,), "albedo": (3,), "normal": (3,), "radiance": (3,), "depth": (1,), "distance": (1,)}.get(
+            kind, ()
+        )
         dtype = np.uint8 if kind == "rgb" else np.float32 if channels else np.int32
         assert image.shape == (SIZE, SIZE, *channels), kind
         assert image.dtype == dtype, kind
