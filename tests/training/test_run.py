@@ -20,6 +20,7 @@ import home_mjx
 from home_mjx.errors import ConfigError, DatasetError, HomeMjxError, MissingFileError, UnknownNameError
 from home_mjx.registry import find_spec
 from home_mjx.sharding import REPLICATED, EnvSharding, make_mesh
+from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.training import run
 from home_mjx.training.checkpoint import load_net, read_updates, save_checkpoint, save_net
@@ -27,10 +28,12 @@ from home_mjx.training.config import PPOConfig, RunConfig
 from home_mjx.training.metrics_log import TensorBoardLog, read_lines
 from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO, TrainState
+from home_mjx.training.rollout import RolloutState
 
 SMALL = PPOConfig(num_envs=8, unroll_length=8, num_timesteps=640, network=NetworkConfig(8, 8, (4,)))
 CONFIG = RunConfig(find_spec("PointNav-v0"), SMALL)
 UPDATES = 10
+STATE_FIELDS = ("physics", "world", "task", "obs", "reward", "metrics", "status", "info")
 LIMIT = 60  # [s], far more than any of this takes
 
 
@@ -48,8 +51,12 @@ class Counter(PPO):
         return jax.jit(lambda: 0).lower(), self.update.lower(params, state)
 
     def init(self, params: object, key: object, reset: object = None) -> TrainState:
-        net = {"count": jnp.zeros(3)}
-        return TrainState.build_unchecked(net=net, opt=(), actor=(), key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0))
+        net, ended = {"count": jnp.zeros(3)}, jnp.zeros(SMALL.num_envs, bool)
+        env = State.build_unchecked(**dict.fromkeys(STATE_FIELDS, ()) | {"terminated": ended, "truncated": ended})
+        actor = RolloutState.build_unchecked(env=env, memory=(), is_first=(), keys=(), totals=())
+        return TrainState.build_unchecked(
+            net=net, opt=(), actor=actor, key=jnp.zeros(2, jnp.uint32), updates=jnp.int32(0)
+        )
 
     def to_devices(self, state: TrainState) -> TrainState:
         return self.sharding.put(state, REPLICATED)
