@@ -4,15 +4,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
-from urllib.parse import parse_qsl
 
 from home_mjx.core.files import is_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
 from home_mjx.datasets.front.build import MODEL_FILE, FrontBuilder
 from home_mjx.datasets.front.parse import read_front
-from home_mjx.datasets.furniture import furniture_provider, textures_of, with_texture_root
-from home_mjx.datasets.gltf.scene_dataset import SceneDataset, scene_id
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.datasets.furniture import furniture_provider
+from home_mjx.datasets.gltf.scene_dataset import FurnishedSceneDataset, parse_options, scene_id
+from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import House
 
 FOLDER = Path(__file__).parent
@@ -44,7 +43,7 @@ def holds_front(path: Path) -> bool:
     return b'"north_vector"' in head or (b'"furniture"' in head and b'"jid"' in head)
 
 
-class FrontDataset(SceneDataset):
+class FrontDataset(FurnishedSceneDataset):
     """Houses of 3D-FRONT.
 
     `root` is the folder in the cache that receives textures of our furniture.
@@ -72,10 +71,7 @@ class FrontDataset(SceneDataset):
 
     def read_options(self, query: str) -> FrontOptions:
         """Return the options of a name's query."""
-        try:
-            return FrontOptions(**dict(parse_qsl(query, keep_blank_values=True)))
-        except TypeError:
-            raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
+        return parse_options(FrontOptions, query, OPTIONS_HINT)
 
     def find_scenes(self) -> Mapping[str, Path]:
         """Return the files of the houses by id: their stems, sorted."""
@@ -113,14 +109,7 @@ class FrontDataset(SceneDataset):
         path = self.scenes[house_id]
         builder = FrontBuilder(read_front(path), path, self.models, furniture_provider(), options)
         house = builder.build(house_id, self.wanted)
-        furniture_provider().write_textures(self.root, textures_of(house))
-        self.warn_fallbacks(house_id, house.fallbacks)
-        return with_texture_root(house, self.root)
-
-    @property
-    def fallbacks(self) -> str:
-        """Version of the furniture that replaces missing models, part of cache keys."""
-        return furniture_provider().version
+        return self.store_textures(house)
 
     def scene_files(self, house_id: str) -> list[Path]:
         """Return the files of a house: itself, and the models that it names with their materials."""

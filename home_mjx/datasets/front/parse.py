@@ -9,8 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.core.files import read_text
+from home_mjx.datasets.gltf.decode.scene import read_rotation
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue, Location
-from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.schema.house import Material
 
 MAX_JSON_BYTES = 1 << 28  # [bytes], maximum size of a house; the largest have about 40 MB
@@ -185,10 +185,7 @@ def _instances(children: JsonValue) -> Iterator[FrontInstance]:
         place, turn, scale = (value.member(key) for key in ("pos", "rot", "scale"))
         matrix = np.eye(4)
         if turn.has_value:
-            x, y, z, w = turn.vector(4).tolist()
-            if x * x + y * y + z * z + w * w < 1e-12:
-                raise turn.error("quaternion has no length")
-            matrix[:3, :3] = quat_matrix(np.array([[w, x, y, z]]))[0]
+            matrix[:3, :3] = read_rotation(turn)
         if place.has_value:
             matrix[:3, 3] = place.vector(3)
         factors = scale.vector(3) if scale.has_value else np.ones(3)

@@ -5,21 +5,59 @@ import os
 import re
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
+from urllib.parse import parse_qsl
 
 from home_mjx.core.paths import cache_folder
 from home_mjx.datasets.base import Dataset, FileDigests, ReadOptions, code_digest
+from home_mjx.datasets.furniture import furniture_provider, textures_of, with_texture_root
 from home_mjx.datasets.gltf.categories import category_metadata
 from home_mjx.datasets.gltf.house import SceneObject
-from home_mjx.errors import MissingFileError
-from home_mjx.schema.house import Metadata
+from home_mjx.errors import ConfigError, MissingFileError
+from home_mjx.schema.house import House, Metadata
 
 ROOM_MODES = ("auto", "one")
 MAX_NOTES = 100  # maximum number of problems listed per house
 MAX_ID_LENGTH = 128  # [characters]
 T = TypeVar("T", bound=SceneObject)
+Options = TypeVar("Options")
+
+
+def parse_options(record: type[Options], query: str, hint: str) -> Options:
+    """Return a record of texts from a query such as `root=houses&rooms=one`.
+
+    Raises:
+        ConfigError: The record has no such field, or refuses a value.
+    """
+    try:
+        return record(**dict(parse_qsl(query, keep_blank_values=True)))
+    except TypeError:
+        raise ConfigError(f"cannot read the options `{query[:60]}`", hint=hint) from None
+
+
+@dataclass(frozen=True)
+class RootedOptions:
+    """Options of reading scenes that name files.
+
+    Attributes:
+        root: Folder whose files scenes may name; "": see `package_root`.
+        rooms: `auto`: narrow passages separate rooms; `one`: each storey's connected parts are rooms.
+        hint: Advice in errors.
+
+    Raises:
+        ConfigError: `rooms` has another value.
+    """
+
+    hint: ClassVar[str]
+    root: str = ""
+    rooms: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.rooms not in ROOM_MODES:
+            raise ConfigError(f"unknown option: rooms={self.rooms!r}", hint=self.hint)
 
 
 class SceneDataset(Dataset):
@@ -99,6 +137,21 @@ class SceneDataset(Dataset):
     def inputs(self) -> "SceneDigests":
         """Return the object that computes digests of the scenes' files."""
         return SceneDigests(self)
+
+
+class FurnishedSceneDataset(SceneDataset):
+    """Houses from scenes whose missing models our furniture replaces."""
+
+    @property
+    def fallbacks(self) -> str:
+        """Version of the furniture that replaces missing models, part of cache keys."""
+        return furniture_provider().version
+
+    def store_textures(self, house: House) -> House:
+        """Write textures of furniture to `root`, warn of what was replaced, and return the house with that root."""
+        furniture_provider().write_textures(self.root, textures_of(house))
+        self.warn_fallbacks(house.id, house.fallbacks)
+        return with_texture_root(house, self.root)
 
 
 class SceneDigests(FileDigests):

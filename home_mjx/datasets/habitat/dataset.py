@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar
-from urllib.parse import parse_qsl
 
 from home_mjx.core.files import is_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
-from home_mjx.datasets.furniture import furniture_provider, textures_of, with_texture_root
 from home_mjx.datasets.gltf.layout.room_file import UP_AXES
-from home_mjx.datasets.gltf.scene_dataset import ROOM_MODES, SceneDataset
+from home_mjx.datasets.gltf.scene_dataset import ROOM_MODES, FurnishedSceneDataset, parse_options
 from home_mjx.datasets.habitat.build import SceneBuilder
 from home_mjx.datasets.habitat.source import CONFIG_ENDING, HabitatSource
 from home_mjx.errors import ConfigError, MissingFileError
@@ -58,7 +56,7 @@ def holds_habitat(path: Path) -> bool:
     return find_config(path) is not None
 
 
-class HabitatDataset(SceneDataset):
+class HabitatDataset(FurnishedSceneDataset):
     """Houses from Habitat's scene datasets.
 
     `root` is the folder in the cache that receives images of assets and textures of our furniture.
@@ -89,10 +87,7 @@ class HabitatDataset(SceneDataset):
 
     def read_options(self, query: str) -> HabitatOptions:
         """Return the options of a name's query."""
-        try:
-            return HabitatOptions(**dict(parse_qsl(query, keep_blank_values=True)))
-        except TypeError:
-            raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
+        return parse_options(HabitatOptions, query, OPTIONS_HINT)
 
     @cached_property
     def source(self) -> HabitatSource:
@@ -127,14 +122,7 @@ class HabitatDataset(SceneDataset):
         self.check_known(house_id)
         builder = SceneBuilder(self.source, self.root, house_id, self.options.rooms, self.options.up, options)
         house = builder.build(self.wanted)
-        furniture_provider().write_textures(self.root, textures_of(house))
-        self.warn_fallbacks(house_id, house.fallbacks)
-        return with_texture_root(house, self.root)
-
-    @property
-    def fallbacks(self) -> str:
-        """Version of the furniture that replaces missing assets, part of cache keys."""
-        return furniture_provider().version
+        return self.store_textures(house)
 
     def scene_files(self, house_id: str) -> list[Path]:
         """Return the files of a scene: configurations, assets and what these name."""

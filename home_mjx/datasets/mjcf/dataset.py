@@ -6,14 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
-from urllib.parse import parse_qsl
 
 from home_mjx.core.files import NUM_HEAD_BYTES, is_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
 from home_mjx.datasets.gltf.categories import category_metadata
 from home_mjx.datasets.gltf.house import HouseParts
 from home_mjx.datasets.gltf.layout.room_file import RoomFile, read_room_file, room_file_path
-from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, ROOM_MODES, SceneDataset, scene_id
+from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, RootedOptions, SceneDataset, parse_options, scene_id
 from home_mjx.datasets.gltf.scene_lights import add_lights, floor_area
 from home_mjx.datasets.gltf.scene_rooms import scene_rooms
 from home_mjx.datasets.mjcf.categories import metadata_path, read_body_words
@@ -22,7 +21,7 @@ from home_mjx.datasets.mjcf.lights import read_lights
 from home_mjx.datasets.mjcf.materials import MjcfMaterials
 from home_mjx.datasets.mjcf.model import MjcfScene, compile_scene
 from home_mjx.datasets.mjcf.objects import MjcfObject, ObjectReader
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import House, Problem
 
 FOLDER = Path(__file__).parent
@@ -32,23 +31,10 @@ MAX_MATERIALS = 60_000  # maximum number of looks of a scene
 
 
 @dataclass(frozen=True)
-class MjcfOptions:
-    """Options of reading MJCF scenes.
+class MjcfOptions(RootedOptions):
+    """Options of reading MJCF scenes, see `RootedOptions`."""
 
-    Attributes:
-        root: Folder whose files scenes may name; "": see `package_root`.
-        rooms: `auto`: narrow passages separate rooms; `one`: each storey's connected parts are rooms.
-
-    Raises:
-        ConfigError: `rooms` has another value.
-    """
-
-    root: str = ""
-    rooms: str = "auto"
-
-    def __post_init__(self) -> None:
-        if self.rooms not in ROOM_MODES:
-            raise ConfigError(f"unknown option: rooms={self.rooms!r}", hint=OPTIONS_HINT)
+    hint = OPTIONS_HINT
 
 
 def holds_mjcf(path: Path) -> bool:
@@ -97,10 +83,7 @@ class MjcfDataset(SceneDataset):
 
     def read_options(self, query: str) -> MjcfOptions:
         """Return the options of a name's query."""
-        try:
-            return MjcfOptions(**dict(parse_qsl(query, keep_blank_values=True)))
-        except TypeError:
-            raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
+        return parse_options(MjcfOptions, query, OPTIONS_HINT)
 
     def find_scenes(self) -> dict[str, Path]:
         """Return the files of the scenes by house id: their stems, sorted, then names of exported houses' folders.

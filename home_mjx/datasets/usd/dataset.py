@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
-from urllib.parse import parse_qsl
 
 from home_mjx.core.files import is_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
@@ -12,11 +11,11 @@ from home_mjx.datasets.gltf.house import HouseParts
 from home_mjx.datasets.gltf.layout.room_file import read_room_file, room_file_path
 from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
 from home_mjx.datasets.gltf.objects import split_objects
-from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, ROOM_MODES, SceneDataset, scene_id
+from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, RootedOptions, SceneDataset, parse_options, scene_id
 from home_mjx.datasets.gltf.scene_rooms import scene_rooms
 from home_mjx.datasets.usd.layers import UsdScene, open_scene
 from home_mjx.datasets.usd.prims import PrimReader
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError
+from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import House, Problem
 
 FOLDER = Path(__file__).parent
@@ -25,23 +24,10 @@ OPTIONS_HINT = "Options are `root=FOLDER` and `rooms=auto|one`, such as `usd:fla
 
 
 @dataclass(frozen=True)
-class UsdOptions:
-    """Options of reading USD scenes.
+class UsdOptions(RootedOptions):
+    """Options of reading USD scenes, see `RootedOptions`."""
 
-    Attributes:
-        root: Folder whose files scenes may name; "": see `package_root`.
-        rooms: `auto`: narrow passages separate rooms; `one`: each storey's connected parts are rooms.
-
-    Raises:
-        ConfigError: `rooms` has another value.
-    """
-
-    root: str = ""
-    rooms: str = "auto"
-
-    def __post_init__(self) -> None:
-        if self.rooms not in ROOM_MODES:
-            raise ConfigError(f"unknown option: rooms={self.rooms!r}", hint=OPTIONS_HINT)
+    hint = OPTIONS_HINT
 
 
 def holds_usd(path: Path) -> bool:
@@ -72,10 +58,7 @@ class UsdDataset(SceneDataset):
 
     def read_options(self, query: str) -> UsdOptions:
         """Return the options of a name's query."""
-        try:
-            return UsdOptions(**dict(parse_qsl(query, keep_blank_values=True)))
-        except TypeError:
-            raise ConfigError(f"cannot read the options `{query[:60]}`", hint=OPTIONS_HINT) from None
+        return parse_options(UsdOptions, query, OPTIONS_HINT)
 
     def find_scenes(self) -> Mapping[str, Path]:
         """Return the files of the scenes by house id: their stems, sorted."""

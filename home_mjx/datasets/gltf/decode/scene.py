@@ -112,6 +112,14 @@ def _roots(document: GltfDocument) -> list[JsonValue]:
     return [JsonValue(document.path, node.element, i) for i, node in enumerate(nodes) if i not in below]
 
 
+def read_rotation(turn: JsonValue) -> Float[np.ndarray, "3 3"]:
+    """Return the matrix of a quaternion x y z w; raise the value's error if it has no length."""
+    x, y, z, w = turn.vector(4).tolist()
+    if x * x + y * y + z * z + w * w < 1e-12:
+        raise turn.error("quaternion has no length")
+    return quat_matrix(np.array([[w, x, y, z]]))[0]
+
+
 def _matrix(value: JsonValue) -> Matrix:
     """Return parent from node: the matrix (column-major), else translation, rotation (x y z w) and scale."""
     whole = value.member("matrix")
@@ -123,10 +131,7 @@ def _matrix(value: JsonValue) -> Matrix:
     place, turn, scale = (value.member(key) for key in ("translation", "rotation", "scale"))
     matrix = np.eye(4)
     if turn.has_value:
-        x, y, z, w = turn.vector(4).tolist()
-        if x * x + y * y + z * z + w * w < 1e-12:
-            raise turn.error("quaternion has no length")
-        matrix[:3, :3] = quat_matrix(np.array([[w, x, y, z]]))[0]
+        matrix[:3, :3] = read_rotation(turn)
     if scale.has_value:
         matrix[:3, :3] *= scale.vector(3)
     if place.has_value:
