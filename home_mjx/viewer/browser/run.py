@@ -4,7 +4,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from home_mjx.bank.records.acoustics import LATE_REVERB
 from home_mjx.env_factory import make
@@ -21,10 +21,13 @@ from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
 from home_mjx.viewer.browser.serving.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
 from home_mjx.viewer.browser.session import Session
+from home_mjx.viewer.episodes.command_loop import CommandLoop
 from home_mjx.viewer.episodes.held_keys import HeldKeys
 from home_mjx.viewer.episodes.keyboard import key_help
 from home_mjx.viewer.episodes.policies import check_agent
 from home_mjx.viewer.episodes.run import AGENT_NAMES, HUMAN, default_sensors
+
+T = TypeVar("T", bound="PageViewer")
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,45 @@ class ViewOptions:
     port: int = DEFAULT_PORT
 
 
-class Viewer:
+class PageViewer:
+    """A loop that is shown in browser pages; use it as a context. A subclass makes the attributes, the server first.
+
+    Attributes:
+        server: The server; `server.address` is the page's.
+        broadcast: Scene, picture and sound of the pages.
+        session: The loop.
+    """
+
+    server: ViewServer
+    broadcast: Broadcast
+    session: CommandLoop
+
+    def __enter__(self: T) -> T:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.server.close()
+
+    def run(self) -> None:
+        """Run the loop in real time until `stop` or an interrupt."""
+        self.session.run()
+
+    def stop(self) -> None:
+        """End `run`; from any thread."""
+        self.session.post(self.session.stop)
+
+    def _greet(self) -> str:
+        """Return the state for a new page, and have its picture drawn."""
+        if hasattr(self, "session"):
+            self.session.post(self.broadcast.draw)
+        return json.dumps(self.broadcast.state if hasattr(self, "broadcast") else {})
+
+    def _greet_sound(self) -> str:
+        """Return the format of the sound."""
+        return self.broadcast.sound_format()
+
+
+class Viewer(PageViewer):
     """An environment in browser pages; `run` is its loop. Use it as a context.
 
     Args:
@@ -68,12 +109,12 @@ class Viewer:
         ...     viewer.run()
     """
 
+    session: Session
+
     def __init__(self, env: Env[HouseholdEnv], options: ViewOptions | None = None) -> None:
         self.options = options or ViewOptions()
         self.keys = HeldKeys()
-        self.server = ViewServer(
-            self.options.host, self.options.port, self.keys.handle, self._greet, lambda: self.broadcast.sound_format()
-        )
+        self.server = ViewServer(self.options.host, self.options.port, self.keys.handle, self._greet, self._greet_sound)
         try:
             tree = SceneTree(self.server.scene, self._show_object)
             self.broadcast = Broadcast(self.server, tree, self.options.picture)
@@ -94,26 +135,6 @@ class Viewer:
         except BaseException:
             self.server.close()
             raise
-
-    def __enter__(self) -> "Viewer":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.server.close()
-
-    def run(self) -> None:
-        """Step the environment in real time until `stop` or an interrupt."""
-        self.session.run()
-
-    def stop(self) -> None:
-        """End `run`; from any thread."""
-        self.session.post(self.session.stop)
-
-    def _greet(self) -> str:
-        """Return the state for a new page, and have its picture drawn."""
-        if hasattr(self, "session"):
-            self.session.post(self.broadcast.draw)
-        return json.dumps(self.broadcast.state if hasattr(self, "broadcast") else {})
 
     def _load_task(self, name: str) -> None:
         """Load another task in the same houses; a trained agent stays behind."""

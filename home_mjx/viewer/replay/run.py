@@ -1,6 +1,5 @@
 """Replaying recorded episodes in the browser: from a replay file, or a data set of trajectories."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from home_mjx.tasks.env.observers import ObserverGroup
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.object_card import format_card
 from home_mjx.viewer.browser.overlays import Overlays
-from home_mjx.viewer.browser.run import ViewOptions, print_address
+from home_mjx.viewer.browser.run import PageViewer, ViewOptions, print_address
 from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
@@ -24,7 +23,7 @@ from home_mjx.viewer.replay.track import HINT, Replay, read_replay
 from home_mjx.viewer.replay.trajectories import is_trajectories, replay_trajectories
 
 
-class ReplayViewer:
+class ReplayViewer(PageViewer):
     """Recorded episodes in browser pages; `run` is its loop. Use it as a context.
 
     Args:
@@ -36,6 +35,8 @@ class ReplayViewer:
         ConfigError: The extra `view` is not installed, no port is free, the replay is empty, or has other houses.
         DatasetError: The replay is of another environment.
     """
+
+    session: ReplaySession
 
     def __init__(self, env: Env[HouseholdEnv], replay: Replay, options: ViewOptions | None = None) -> None:
         if not replay.tracks:
@@ -55,30 +56,6 @@ class ReplayViewer:
         except BaseException:
             self.server.close()
             raise
-
-    def __enter__(self) -> "ReplayViewer":
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self.server.close()
-
-    def run(self) -> None:
-        """Play the episodes until `stop` or an interrupt."""
-        self.session.run()
-
-    def stop(self) -> None:
-        """End `run`; from any thread."""
-        self.session.post(self.session.stop)
-
-    def _greet(self) -> str:
-        """Return the state for a new page, and have its picture drawn."""
-        if hasattr(self, "session"):
-            self.session.post(self.broadcast.draw)
-        return json.dumps(self.broadcast.state if hasattr(self, "broadcast") else {})
-
-    def _greet_sound(self) -> str:
-        """Return the format of the sound."""
-        return self.broadcast.sound_format()
 
     def _show_object(self, group: InstanceGroup, index: int) -> None:
         """Show the card of a clicked object; on a viser thread."""
