@@ -123,16 +123,14 @@ def reachable(joined, start, through) -> set:
     return seen
 
 
-def samples(triangles: np.ndarray, spacing: float = 0.03) -> np.ndarray:
-    """Points on triangles, no farther apart than `spacing`."""
-    found = []
+def samples(triangles: np.ndarray, spacing: float = CELL) -> Iterator[np.ndarray]:
+    """Points on triangles, along their edges no farther apart than `spacing`."""
     edges = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
-    for count in np.unique(np.ceil(edges / spacing).astype(int)).tolist():
-        chosen = triangles[np.ceil(edges / spacing).astype(int) == count]
+    counts = np.ceil(edges / spacing).astype(int)
+    for count in np.unique(counts).tolist():
         u, v = np.meshgrid(np.arange(count + 1), np.arange(count + 1), indexing="ij")
         weight = np.stack([u, v, count - u - v], axis=-1)[u + v <= count] / max(count, 1)
-        found.append(np.einsum("wk,tkc->twc", weight, chosen).reshape(-1, 3))
-    return np.concatenate(found) if found else np.zeros((0, 3))
+        yield (weight @ triangles[counts == count]).reshape(-1, 3)
 
 
 class Walker:
@@ -148,17 +146,22 @@ class Walker:
                 mesh = home.house.models[item.model_key]
                 placed = corners(mesh) @ item.transform[:3, :3].T + item.transform[:3, 3]
                 (stairs if home.fine(item.model_id) == "stairs" else things).append(placed)
-        solid = np.concatenate([*walls, *things])
-        self.low = solid.reshape(-1, 3).min(axis=0) - 0.5
-        self.shape = np.ceil((solid.reshape(-1, 3).max(axis=0) + 0.5 - self.low) / CELL).astype(int)
-        self.solid, self.stairs = self.voxels(solid), self.voxels(np.concatenate([*stairs, *slabs]))
+        floors = np.concatenate([floor for rooms in home.floors for floor in rooms]).reshape(-1, 3)
+        self.low = floors.min(axis=0) - 0.5
+        above = np.array([0.5, TALL + 0.5, 0.5])
+        self.shape = np.ceil((floors.max(axis=0) + above - self.low) / CELL).astype(int)
+        self.solid = self.voxels(np.concatenate([*walls, *things]))
+        self.stairs = self.voxels(np.concatenate([*stairs, *slabs]))
         self.surfaces = list(self.find_surfaces(stairs))
 
     def voxels(self, triangles: np.ndarray) -> np.ndarray:
+        """Where some triangles are, as far as they are near floors: a garden has more of them than a home."""
         grid = np.zeros(self.shape, bool)
-        place = np.floor((samples(triangles) - self.low) / CELL).astype(int)
-        place = np.clip(place, 0, self.shape - 1)
-        grid[tuple(place.T)] = True
+        low, high = triangles.min(axis=1), triangles.max(axis=1)
+        near = ((high > self.low) & (low < self.low + CELL * self.shape)).all(axis=1)
+        for points in samples(triangles[near]):
+            place = np.floor((points - self.low) / CELL).astype(int)
+            grid[tuple(place[((place >= 0) & (place < self.shape)).all(axis=1)].T)] = True
         return grid
 
     def find_surfaces(self, stairs: list[np.ndarray]) -> Iterator[tuple[float, np.ndarray]]:
