@@ -1,5 +1,8 @@
 """Generated flats, for tests that need a small house and not a particular one."""
 
+import atexit
+import shutil
+import tempfile
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -23,5 +26,22 @@ def flat(seed: int) -> House:
 
 
 def generate_flats(root: str | Path, seeds: Sequence[int]) -> tuple[str, ...]:
-    """Write flats below a dataset root, and return their ids."""
+    """Write flats below a dataset root, and return their ids; an empty root gets a copy of those written before."""
+    if Path(root).exists() and any(Path(root).iterdir()):
+        return write_flats(root, seeds)
+    shutil.copytree(_written(tuple(seeds)), root, dirs_exist_ok=True)
+    return tuple(map(flat_id, seeds))
+
+
+def write_flats(root: str | Path, seeds: Sequence[int]) -> tuple[str, ...]:
+    """Write flats below a dataset root by the generator, and return their ids."""
     return generate_dataset(root, seeds, preset="flat")
+
+
+@cache
+def _written(seeds: tuple[int, ...]) -> Path:
+    """A folder that nobody changes, with flats."""
+    folder = Path(tempfile.mkdtemp(prefix="home_mjx_flats_"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    write_flats(folder, seeds)
+    return folder

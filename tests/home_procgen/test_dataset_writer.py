@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from generated import FLAT, flat, flat_id, generate_flats
+from generated import FLAT, flat, flat_id, write_flats
 from PIL import Image
 from processes import processes_of, wait_for
 
@@ -30,7 +30,7 @@ SEEDS = (3, 1, 4)
 @pytest.fixture(scope="module")
 def root(tmp_path_factory):
     root = tmp_path_factory.mktemp("generated") / "houses"
-    assert generate_flats(root, SEEDS) == tuple(flat_id(seed) for seed in SEEDS)
+    assert write_flats(root, SEEDS) == tuple(flat_id(seed) for seed in SEEDS)
     return root
 
 
@@ -189,9 +189,9 @@ def test_textures_are_images(root):
 
 
 def test_the_first_houses_stay_the_first_when_others_are_added(tmp_path):
-    generate_flats(tmp_path, range(2))
+    write_flats(tmp_path, range(2))
     before = open_dataset(tmp_path).house_ids
-    generate_flats(tmp_path, [7, 2])
+    write_flats(tmp_path, [7, 2])
     assert before == (flat_id(0), flat_id(1))
     assert open_dataset(tmp_path).house_ids == (*before, flat_id(2), flat_id(7))
 
@@ -244,9 +244,9 @@ def surface(mesh):
 
 
 def test_same_seed_same_bytes_in_any_order_and_subset(root, tmp_path):
-    generate_flats(tmp_path / "again", [4])
-    generate_flats(tmp_path / "again", [7, 1])
-    generate_flats(tmp_path / "again", [4, 3])
+    write_flats(tmp_path / "again", [4])
+    write_flats(tmp_path / "again", [7, 1])
+    write_flats(tmp_path / "again", [4, 3])
     one, other = digests(root), digests(tmp_path / "again")
     assert len(one) > 300
     assert {path: other[path] for path in one} == one
@@ -254,7 +254,7 @@ def test_same_seed_same_bytes_in_any_order_and_subset(root, tmp_path):
 
 def test_worker_processes_write_the_same_bytes(root, tmp_path, monkeypatch):
     monkeypatch.setattr(dataset_writer, "MIN_POOL_HOUSES", 2)
-    ids = generate_flats(tmp_path / "pool", SEEDS)
+    ids = write_flats(tmp_path / "pool", SEEDS)
     assert ids == tuple(flat_id(seed) for seed in SEEDS)
     assert digests(tmp_path / "pool") == digests(root)
     assert multiprocessing.active_children() == []
@@ -262,7 +262,7 @@ def test_worker_processes_write_the_same_bytes(root, tmp_path, monkeypatch):
 
 def test_what_is_there_is_kept(root):
     before = {path: path.stat().st_mtime_ns for path in root.rglob("*")}
-    assert generate_flats(root, [1, 1]) == (flat_id(1), flat_id(1))
+    assert write_flats(root, [1, 1]) == (flat_id(1), flat_id(1))
     assert {path: path.stat().st_mtime_ns for path in root.rglob("*")} == before
 
 
@@ -283,11 +283,11 @@ def test_a_crash_can_be_resumed(root, tmp_path, monkeypatch):
 
         monkeypatch.setattr(writer, "_write_file", crash)
         with pytest.raises(KeyboardInterrupt):
-            generate_flats(target, SEEDS)
+            write_flats(target, SEEDS)
         done = digests(target)
         assert {path: expected.get(path) for path in done} == done
         monkeypatch.setattr(writer, "_write_file", write)
-        generate_flats(target, SEEDS)
+        write_flats(target, SEEDS)
         assert digests(target) == expected
 
 
@@ -305,21 +305,21 @@ def test_numpy_seeds_are_seeds():
 def test_root_with_something_else_in_it(tmp_path):
     (tmp_path / "house").mkdir()
     with pytest.raises(DatasetError, match="not generated here"):
-        generate_flats(tmp_path, [0])
+        write_flats(tmp_path, [0])
     assert [path.name for path in tmp_path.iterdir()] == ["house"]
 
 
 def test_root_of_another_version(tmp_path):
     (tmp_path / GENERATED_MARKER).write_text('{"generator": "home_mjx", "version": 0}')
     with pytest.raises(DatasetError, match="generator version 0"):
-        generate_flats(tmp_path, [0])
+        write_flats(tmp_path, [0])
 
 
 @pytest.mark.parametrize("broken", ["", "[", "null"])
 def test_broken_marker(tmp_path, broken):
     (tmp_path / GENERATED_MARKER).write_text(broken)
     with pytest.raises(DatasetError):
-        generate_flats(tmp_path, [0])
+        write_flats(tmp_path, [0])
 
 
 def test_two_processes_may_mark_the_same_new_folder(tmp_path):
@@ -350,14 +350,14 @@ def test_a_file_that_was_cut_is_written_anew(root, copied, name, monkeypatch):
     path = min(copied.glob(name.format(flat_id(3))))
     path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
     assert digests(copied) != digests(root)
-    generate_flats(copied, SEEDS)
+    write_flats(copied, SEEDS)
     assert digests(copied) == digests(root)
 
 
 def test_a_house_of_a_former_version_is_kept(root, copied):
     (copied / "house" / flat_id(1) / "sha256.json").unlink()
     before = (copied / "house" / flat_id(1) / "house.json").stat().st_mtime_ns
-    generate_flats(copied, SEEDS)
+    write_flats(copied, SEEDS)
     assert (copied / "house" / flat_id(1) / "house.json").stat().st_mtime_ns == before
 
 
@@ -369,7 +369,7 @@ def test_what_killed_writers_left_is_swept(copied):
     young.mkdir()
     for path in leftovers:
         os.utime(path, times=(0, 0))
-    generate_flats(copied, [3])
+    write_flats(copied, [3])
     assert [path.exists() for path in (*leftovers, young)] == [False, False, True]
 
 
@@ -419,4 +419,4 @@ def test_root_that_is_a_file(tmp_path):
     (tmp_path / "file").write_text("x")
     for root in (tmp_path / "file", tmp_path / "file" / "below"):
         with pytest.raises(DatasetError, match="cannot be used"):
-            generate_flats(root, [0])
+            write_flats(root, [0])
