@@ -15,7 +15,9 @@ import pytest
 import quick_checks
 
 ROOT = Path(__file__).resolve().parent.parent
-MAX_MEMORY = 2_500_000_000  # [bytes], of a worker between two modules
+# [bytes], of a worker between two modules. What is dropped has to be traced and loaded again, every minute at 2.5 GB.
+MEMORY = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") if hasattr(os, "sysconf") else 0
+MAX_MEMORY = min(max(0.4 * MEMORY / int(os.environ.get("PYTEST_XDIST_WORKER_COUNT", "1")), 2.5e9), 6e9)
 
 # In the environment, which JAX reads when it is first imported, so that processes started by tests have the same.
 os.environ.setdefault("JAX_PLATFORMS", "cpu")
@@ -25,7 +27,8 @@ os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
 if os.environ["JAX_PLATFORMS"] == "cpu":
     quick = ["--xla_backend_optimization_level=0"]
     if tuple(map(int, version("jaxlib").split(".")[:2])) < (0, 11):  # later ones end the process at this flag
-        quick.append("--xla_cpu_use_fusion_emitters=false")
+        # One program is as much work for each of two cores as for one: dividing it is a tenth of the work.
+        quick += ["--xla_cpu_use_fusion_emitters=false", "--xla_cpu_parallel_codegen_split_count=1"]
     os.environ.setdefault("XLA_FLAGS", " ".join(quick))
 # Taken out of the environment, where it would change what `make` does without `houses`.
 SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
