@@ -76,7 +76,7 @@ def test_the_target_is_where_the_source_is(env):
     np.testing.assert_array_equal(sounds, 1)
 
 
-@pytest.mark.parametrize("kind", [PPO, BehaviorCloning])
+@pytest.mark.parametrize("kind", [PPO, pytest.param(BehaviorCloning, marks=pytest.mark.slow)])
 def test_updates_lower_the_loss_and_policies_do_not_need_the_target(env, kind):
     ppo = kind(env.core, SMALL, ONE)
     assert "source_target" in ppo.core.observation_spec
@@ -89,6 +89,17 @@ def test_updates_lower_the_loss_and_policies_do_not_need_the_target(env, kind):
     act = ppo.policy(state.net).act
     obs = {name: jnp.zeros((2, *spec.shape)) for name, spec in env.core.observation_spec.items()}
     act(jnp.zeros((2, 16)), obs, jnp.ones(2, bool), jax.random.split(jax.random.key(0), 2))
+
+
+def test_cloning_has_the_loss_too(env):
+    """As far as its trace tells; the slow suite lowers it."""
+    cloning = BehaviorCloning(env.core, SMALL, ONE)
+    assert "source_target" in cloning.core.observation_spec
+    assert "source_target" not in dict(cloning.agent.specs)
+    state = jax.eval_shape(cloning.init, env.params, jax.random.key(0))
+    after, metrics = jax.eval_shape(cloning.update, env.params, state)
+    assert {"loss/source", "loss/clone"} <= set(metrics)
+    assert jax.tree.structure(after) == jax.tree.structure(state)
 
 
 def test_unknown_losses_are_refused():
