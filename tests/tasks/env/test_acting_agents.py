@@ -7,6 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parted import parted
 
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
@@ -58,7 +59,7 @@ def core_of(acting, sensors=CHEAP, **options):
 def played(core, bank, actions):
     """The state after a reset and after each step."""
     params = EnvParams(bank)
-    reset, step = jax.jit(core.reset), jax.jit(core.step)
+    reset, step = parted(core)
     states = [reset(params, jax.random.key(3))]
     for action in actions:
         states.append(step(params, states[-1], action))

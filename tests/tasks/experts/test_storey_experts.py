@@ -4,6 +4,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parted import parted
 from storey_homes import HOMES, homes_bank
 
 import home_mjx
@@ -27,10 +28,8 @@ def play(impl: str, per_kind: int, names: tuple[str, ...] = tuple(HOMES)) -> dic
         episode_length=MOST_STEPS,
     )  # fmt: skip
     core, params = (env := add_expert(env.with_tasks(drawn.pick(jnp.asarray(rows))))).core, env.params
-    states = jax.jit(jax.vmap(core.reset, (None, 0, None, 0)))(
-        params, jax.random.split(jax.random.key(0), len(rows)), None, jnp.arange(len(rows))
-    )
-    step = jax.jit(jax.vmap(core.step, (None, 0, 0)))
+    reset, step = parted(core, batched=True)
+    states = reset(params, jax.random.split(jax.random.key(0), len(rows)), None, jnp.arange(len(rows)))
     over, good = np.zeros(len(rows), bool), np.zeros(len(rows))
     for _ in range(MOST_STEPS):
         states = step(params, states, states.obs["expert"])

@@ -18,6 +18,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from parted import parted
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import KDTree
@@ -97,8 +98,7 @@ def walks(request):
     options = {"actions": "discrete", "stop": True, "success_distance": SUCCESS_DISTANCE, "sensors": ("state",)}
     env = home_mjx.make("PointNav-v0", bank, impl=request.param, episode_length=STEPS, **options)
     env = add_expert(env).with_tasks(rows)
-    reset = jax.jit(jax.vmap(env.core.reset, (None, 0, None, 0)))
-    step = jax.jit(jax.vmap(env.core.step, (None, 0, 0)))
+    reset, step = parted(env.core, batched=True)
     state = reset(env.params, jax.random.split(jax.random.key(0), NUM), None, jnp.arange(NUM))
     random = np.random.default_rng(0)
     states, actions = [jax.device_get(state)], []

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from generated import generate_flats
 from handmade import Slab, _architecture_rows, _room_planes, _rooms, _shell, build_house, shoebox
+from parted import parted
 
 from home_mjx import HouseBank, HouseholdEnv
 from home_mjx.audio_jax import AudioConfig, BakeOptions, LateReverbBake, Listener, SoundSource
@@ -51,8 +52,9 @@ def test_a_step_hears_baked_sound(bank):
 
     def heard(audio, sensors=OPTIONS["sensors"]):
         env = HouseholdEnv(make_config(audio=replace(BAKED, **audio), **OPTIONS | {"sensors": sensors})).bind(bank)
-        state = jax.jit(env.reset)(jax.random.key(3))
-        return np.asarray(jax.jit(env.step)(state, 0).obs["ear_levels"]), np.asarray(state.obs.get("audio"))
+        reset, step = parted(env.core)
+        state = reset(env.params, jax.random.key(3))
+        return np.asarray(step(env.params, state, 0).obs["ear_levels"]), np.asarray(state.obs.get("audio"))
 
     levels, audio = heard({})
     assert np.isfinite(audio).all()
