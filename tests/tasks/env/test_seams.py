@@ -157,7 +157,7 @@ def test_every_environment_keeps_one_tree(generated_bank, every_way):
     """Shapes, dtypes and structure are the same out of every function, for every id that there is.
 
     What is seen and heard takes the same way in all of them, and so do resets and steps that observe, which are those
-    that do not, and `observe`. In the fast suite one id has all of it, the others have fast physics.
+    that do not, and `observe`. In the fast suite one id has all sensors, the others have fast physics.
     """
     small = {"sensors": None, "width": 8, "height": 8, "late": "traced", "num_rays": 8, "num_bounces": 2}
     for env_id in home_mjx.list_envs():
@@ -172,9 +172,11 @@ def test_every_environment_keeps_one_tree(generated_bank, every_way):
         key, spec = jax.ShapeDtypeStruct((2,), jnp.uint32), env.action_spec
         action = jax.ShapeDtypeStruct(spec.shape, spec.dtype)
         begun = jax.eval_shape(functools.partial(env.core.reset, observe=False), env.params, key)
-        stepped = jax.eval_shape(functools.partial(env.core.step, observe=False), env.params, begun, action)
-        trees = [begun, stepped, jax.eval_shape(functools.partial(env.core.observe, update=True), env.params, begun)]
+        step = functools.partial(env.core.step, observe=not whole)
+        trees = [begun, jax.eval_shape(step, env.params, begun, action)]
         if whole:
+            trees.append(jax.eval_shape(functools.partial(env.core.observe, update=True), env.params, begun))
+        if every_way:
             trees += [jax.eval_shape(env.reset, key), jax.eval_shape(env.step, begun, action)]
             trees += [jax.eval_shape(env.observe, begun)]
         for tree in trees[1:]:

@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import Furniture, shoebox
+from parted import parted
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
@@ -40,20 +41,19 @@ def test_words_are_balanced(env):
 
 def test_a_thing_begins_in_the_opposite_state_and_stop_succeeds_in_the_right_one_only(env):
     rows = jnp.arange(8)
-    reset = jax.jit(jax.vmap(lambda key, row: env.reset(key, episode=row), (0, 0)))
-    states = reset(jax.random.split(jax.random.key(3), 8), rows)
+    reset, step = parted(env.core, batched=True)
+    states = reset(env.params, jax.random.split(jax.random.key(3), 8), None, rows)
     wanted = np.array([text.split()[1] == "on" for text in texts(env)])
     fine = np.array([text.split()[3] for text in texts(env)])
     row = np.where(fine == "television", 0, 1)  # instances are in the order of the furniture
     assert np.array_equal(np.asarray(states.world.switch_on)[rows, row], ~wanted)
     assert not np.asarray(states.task.is_fulfilled_at_start).any()
-    step = jax.jit(jax.vmap(env.step, (0, None)))
-    stop, turn = (env.core.action_names.index(name) for name in ("stop", "turn_left"))
-    assert np.asarray(step(states, stop).metrics["success"]).tolist() == [0.0] * 8
+    stop, turn = (jnp.full(8, env.core.action_names.index(name)) for name in ("stop", "turn_left"))
+    assert np.asarray(step(env.params, states, stop).metrics["success"]).tolist() == [0.0] * 8
     right = states.world.switch_on.at[rows, row].set(jnp.asarray(wanted))
-    ready = step(states.replace(world=states.world.replace(switch_on=right)), turn)
+    ready = step(env.params, states.replace(world=states.world.replace(switch_on=right)), turn)
     assert np.asarray(ready.task.stage).tolist() == [1] * 8
-    assert np.asarray(step(ready, stop).metrics["success"]).tolist() == [1.0] * 8
+    assert np.asarray(step(env.params, ready, stop).metrics["success"]).tolist() == [1.0] * 8
 
 
 def test_wrong_kinds_are_refused_and_states_are_required():
