@@ -21,8 +21,9 @@ def snapshots():
     """Views from random poses of a hall with one object."""
     bank = HouseBank.from_compiled([shoebox(furniture=[Furniture(tuple(PLACE), (0.5, 0.5, 1.4))])])
     env = HouseholdEnv(make_config(sensors=("state",), impl="kinematic"), PointNav()).bind(bank)
-    states = jax.vmap(env.core.reset, (None, 0))(env.params, jax.random.split(jax.random.key(0), 24))
-    return [env.core.snapshot(env.params, jax.tree.map(lambda x, i=i: x[i], states)) for i in range(24)]
+    reset, look = jax.jit(jax.vmap(env.core.reset, (None, 0))), jax.jit(env.core.snapshot)
+    states = reset(env.params, jax.random.split(jax.random.key(0), 24))
+    return [look(env.params, jax.tree.map(lambda x, i=i: x[i], states)) for i in range(24)]
 
 
 def test_what_is_in_view_is_named_where_it_is(snapshots):

@@ -80,8 +80,12 @@ def test_what_is_near_in_the_same_room_is_covered(env, bank, walk):
 
 
 def agent_places(env, states) -> np.ndarray:
-    pose = jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)
-    return np.asarray(pose(states))[:, 0]
+    return np.asarray(positions(env.core, env.params, states))[:, 0]
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def positions(core, params, states):
+    return jax.vmap(lambda s: core.snapshot(params, s).pose.pos)(states)
 
 
 def near_tiles(bank, house: int, room: np.ndarray, pos: np.ndarray) -> np.ndarray:

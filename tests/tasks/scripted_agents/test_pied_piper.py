@@ -44,7 +44,12 @@ def stands(env, begun):
 
 
 def places(env, states) -> np.ndarray:
-    return np.asarray(jax.vmap(lambda s: env.core.snapshot(env.params, s).pose.pos)(states))
+    return np.asarray(positions(env.core, env.params, states))
+
+
+@functools.partial(jax.jit, static_argnums=0)
+def positions(core, params, states):
+    return jax.vmap(lambda s: core.snapshot(params, s).pose.pos)(states)
 
 
 def test_the_others_walk_and_the_first_does_what_it_is_told(env, stands):
