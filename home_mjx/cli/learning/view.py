@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from home_mjx.tasks.env.household import HouseholdEnv
 
 HOUSE_TASK = "PointNav"  # task of a house without one: it adds nothing to see but a goal
+CAMERAS = ("first", "third", "top", "free")  # in the order of `VIEWPOINTS`
 HOUSE_OPTIONS = {"ctrl_dt": 0.05, "episode_length": 100_000}  # options of this task: smooth, and almost without an end
 
 
@@ -34,9 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the optional `TARGET`, a task or a house, and the options of `home-mjx view`.
 
     `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`, `--replay` a path or None.
-    `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast), `--seed`
-    from 0 (0), `--houses` from 1 (4). `--split`, `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are
-    as in `home-mjx play`.
+    `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast),
+    `--camera` one of `CAMERAS` (first), `--seed` from 0 (0), `--houses` from 1 (4). `--split`, `--env`, `--dataset`,
+    `--episode-file`, `--import` and `--sensors` are as in `home-mjx play`.
     """
     parser.add_argument(
         "target", nargs="?", metavar="TASK | HOUSE",
@@ -58,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--size", type=image_side_type, default=512, help="size of the picture [pixels] (default: 512)")
     parser.add_argument("--shader", default="fast", help="shader of the picture: fast, lit or your own (default: fast)")
+    parser.add_argument("--camera", choices=CAMERAS, default="first", help="camera of the picture (default: first)")
     parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
     parser.add_argument("--houses", type=house_count_type, default=4, help="number of houses of a task (default: 4)")
     parser.add_argument("--split", choices=("train", "val", "test"), help="split of the dataset (default: as of play)")
@@ -73,6 +75,7 @@ def run(args: argparse.Namespace) -> int:
     from home_mjx.viewer.browser.live_camera import PictureOptions
     from home_mjx.viewer.browser.run import ViewOptions, run_view
     from home_mjx.viewer.browser.serving.server import load_viser
+    from home_mjx.viewer.episodes.viewpoints import VIEWPOINTS
 
     load_viser()
     import_modules(args.modules)
@@ -81,7 +84,7 @@ def run(args: argparse.Namespace) -> int:
         agent=args.agent or ("human" if args.checkpoint is None else "trained"),
         checkpoint=args.checkpoint,
         seed=args.seed,
-        picture=PictureOptions(shader=args.shader, size=args.size),
+        picture=PictureOptions(shader=args.shader, size=args.size, viewpoint=VIEWPOINTS[CAMERAS.index(args.camera)]),
         host=args.host,
         port=args.port,
     )

@@ -36,6 +36,7 @@ def render(
     shader: ShaderSpec = "fast",
     exclude: Int[Array, ""] | int = -1,
     depth_max: float | None = 10.0,
+    cut_height: Float[Array, ""] | float | None = None,
 ) -> dict[str, Array]:
     """Render images of one camera; only the requested kinds are computed, all from one cast.
 
@@ -65,6 +66,7 @@ def render(
         shader: Shader of rgb: a name, or a shader with options.
         exclude: Object id hidden from the camera, such as its own agent; -1 none.
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
+        cut_height: Height above which nothing is seen, such as ceilings [m]; None: all is seen.
 
     Raises:
         ConfigError: A kind, the shader or the scene's backend is unknown, `depth_max` is negative, or the bank does
@@ -81,7 +83,7 @@ def render(
         check_number("depth_max", depth_max, 0)
     check_camera(camera, lens)
     scene = scene.replace(house=scene.bank.clip_house_index(scene.house))
-    view = View(scene, camera, lens, resolve_shader(shader), exclude)
+    view = View(scene, camera, lens, resolve_shader(shader), exclude, cut_height)
     images = _LazyImages(view, depth_max)
     return {kind: images.of(kind) for kind in kinds}
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Int, UInt8
+from jaxtyping import Array, Bool, Float, Int, UInt8
 
 from home_mjx.core.checks import shorten
 from home_mjx.errors import ConfigError
@@ -30,6 +30,7 @@ class View:
     lens: Lens
     shader: Shader
     exclude: Int[Array, ""] | int
+    cut_height: Float[Array, ""] | float | None = None  # [m]; None: nothing is cut
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
@@ -44,12 +45,13 @@ class View:
     def cast(self, sample: Int[Array, ""] | int) -> CameraRays:
         """Cast one ray per pixel, through its point of sample `sample` (0: centre); all miss unless `valid`."""
         origin, direction = camera_rays(self.camera, self.lens, sampling.sample_point(sample))
-        reach = jnp.where(self.valid, jnp.inf, -1.0)
+        start, end = (0.0, jnp.inf) if self.cut_height is None else interval_below(self.cut_height, origin, direction)
         found = cast(
             self.scene,
             origin if self.lens.model == "orthographic" else self.camera.pos,
             direction,
-            t_max=reach,
+            t_min=start,
+            t_max=jnp.where(self.valid, end, -1.0),
             exclude=self.exclude,
             mask=RayKind.CAMERA,
         )
@@ -102,3 +104,21 @@ class View:
             message = f"`{method}` of the shader `{self.shader.name}` must return {wanted}, got {shorten(light)}"
             raise ConfigError(message, hint="`Vec.unpack` splits an array (H, W, 3).")
         return light
+
+
+def interval_below(
+    height: Float[Array, ""] | float, origin: Float[Array, "*image 3"], direction: Float[Array, "*image 3"]
+) -> tuple[Float[Array, "*image"], Float[Array, "*image"]]:
+    """Return the interval of t in which rays are below a height [m]; rays that are never below it get (0, -1).
+
+    Example:
+        >>> start, end = interval_below(2.0, jnp.array([0.0, 0.0, 3.0]), jnp.array([0.0, 0.0, -0.5]))
+        >>> float(start), float(end)
+        (2.0, inf)
+    """
+    rise, slope = height - origin[..., 2], direction[..., 2]
+    crossing = rise / jnp.where(slope == 0, 1.0, slope)
+    is_below = (rise > 0) | (slope < 0)
+    start = jnp.where(slope < 0, jnp.maximum(crossing, 0.0), 0.0)
+    end = jnp.where(is_below, jnp.where(slope > 0, crossing, jnp.inf), -1.0)
+    return start, end

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from home_mjx.core.progress import say
+from home_mjx.raycast_render.cameras.camera import Camera
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
@@ -16,6 +17,7 @@ from home_mjx.viewer.browser.scene.scene_tree import SceneObserver, SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
 from home_mjx.viewer.episodes.episode import format_status
 from home_mjx.viewer.episodes.observers import SOUND_STATE
+from home_mjx.viewer.episodes.viewpoints import FREE
 
 SOUND_DELAY = 0.35  # [s], of sound that pages store before they play it
 
@@ -45,12 +47,14 @@ class Broadcast(Observer):
         self.picture_seconds = 0.0
         self.state: dict[str, Any] = {}
         self._picture: bytes | None = None
+        self._free: Camera | None = None
 
     def on_run_start(self, start: RunStart) -> None:
         """Store the environment, and make the programs for its poses and pictures."""
         assert start.env is not None
         env, self.name = start.env, start.name
         self.env, self.step, self._camera = env, None, LiveCamera(env)
+        self._camera.free = self._free
         self._scene.on_run_start(start)
         has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
         self.has_sound = has_sound
@@ -80,7 +84,13 @@ class Broadcast(Observer):
         self.picture_seconds = time.perf_counter() - began
         self.server.live.publish(self._picture)
         shader = f", {options.shader}" if options.kind == "colours" else ""
-        self.tell(caption=f"first person: {options.kind}{shader}, {options.size} px")
+        self.tell(caption=f"{options.viewpoint}: {options.kind}{shader}, {options.size} px")
+
+    def set_free_camera(self, camera: Camera) -> None:
+        """Replace the free camera, and draw if the picture is its."""
+        self._free = self._camera.free = camera
+        if self.options.viewpoint == FREE:
+            self.draw()
 
     def tell(self, **state: Any) -> None:
         """Change entries of the page's state, and send those that differ."""

@@ -5,9 +5,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from home_mjx.viewer.browser.broadcast import Broadcast
+from home_mjx.viewer.browser.free_camera import FreeCamera
 from home_mjx.viewer.browser.live_camera import PICTURES, SHADERS
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.scene.house_scene import CEILING, OUTDOORS
+from home_mjx.viewer.episodes.viewpoints import VIEWPOINTS
 
 if TYPE_CHECKING:
     import viser
@@ -34,6 +36,8 @@ class ViewControls:
     ) -> None:
         self._server, self._broadcast, self._overlays, self._post = server, broadcast, overlays, post
         self._levels: list[Any] = []
+        self._free = FreeCamera(broadcast, post)
+        server.on_client_connect(self._free.follow)
         self._card_folder = server.gui.add_folder("Object", visible=False)
         with self._card_folder:
             self._card = server.gui.add_markdown("")
@@ -69,6 +73,7 @@ class ViewControls:
         """Add kind, shader and size of the picture."""
         gui, options = self._server.gui, self._broadcast.options
         controls = {
+            "viewpoint": gui.add_dropdown("camera", VIEWPOINTS, initial_value=options.viewpoint),
             "kind": gui.add_dropdown("picture", tuple(PICTURES), initial_value=options.kind),
             "shader": gui.add_dropdown("shader", unique(*SHADERS, options.shader), initial_value=options.shader),
             "size": gui.add_dropdown("size [px]", unique(*SIZES, str(options.size)), initial_value=str(options.size)),

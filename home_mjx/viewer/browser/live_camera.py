@@ -1,5 +1,6 @@
 """Picture of the watched agent by the package's own renderer: colours by any shader, depth, normals or ids."""
 
+import dataclasses
 import io
 from dataclasses import dataclass
 from typing import Any
@@ -10,16 +11,13 @@ from jaxtyping import UInt8
 from PIL import Image
 
 from home_mjx.core.checks import check_known, check_number
-from home_mjx.raycast_render.cameras.camera import Lens
-from home_mjx.raycast_render.images.render import render
-from home_mjx.tasks.base.config import AgentCamera
+from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
+from home_mjx.viewer.episodes.viewpoints import FIRST, FREE, TOP, VIEWPOINTS, EpisodeCamera
 from home_mjx.viewer.pictures.pictures import colour_depth, colour_ids
 
-FOVY = 75.0  # [degrees] vertical field of view
 SHADERS = ("fast", "lit")
 PICTURES = {"colours": "rgb", "depth": "depth", "normals": "normal", "object ids": "instance", "categories": "fine"}
 MIN_SIZE, MAX_SIZE = 16, 1024  # [px]
@@ -34,55 +32,60 @@ class PictureOptions:
         kind: One of `PICTURES`.
         shader: Shader of colours, such as `fast` or `lit`.
         size: Width and height [px].
+        viewpoint: One of `VIEWPOINTS`.
 
     Raises:
-        UnknownNameError: The kind is unknown.
+        UnknownNameError: The kind or the viewpoint is unknown.
         ConfigError: The size is out of range.
     """
 
     kind: str = "colours"
     shader: str = "fast"
     size: int = 512
+    viewpoint: str = FIRST
 
     def __post_init__(self) -> None:
         check_known("picture", [self.kind], PICTURES)
+        check_known("camera", [self.viewpoint], VIEWPOINTS)
         check_number("size", self.size, MIN_SIZE, MAX_SIZE, integer=True)
 
 
 class LiveCamera:
-    """Camera at an agent's eyes, independent of its observations.
+    """Pictures of an agent's environment from any viewpoint.
 
     Args:
         env: The environment.
         agent: Number of the agent.
+
+    Attributes:
+        free: Camera of the viewpoint `free`; None: pictures of it are `top-down`.
     """
 
     def __init__(self, env: Env[HouseholdEnv], agent: int = 0) -> None:
-        self.env, self.agent = env, agent
-        self._see = jax.jit(self._seen, static_argnums=2)
+        self.env, self._camera = env, EpisodeCamera(env, agent)
+        self._see = jax.jit(self._seen, static_argnums=3)
+        self.free: Camera | None = None
 
     def capture(self, state: State, options: PictureOptions) -> UInt8[np.ndarray, "h w 3"]:
         """Render the picture of a state of one environment; each new choice of options compiles once."""
-        image = np.asarray(self._see(self.env.params, state, options))
+        if options.viewpoint == FREE and self.free is None:
+            options = dataclasses.replace(options, viewpoint=TOP)
+        image = np.asarray(self._see(self.env.params, state, self._spot(state, options), options))
         if options.kind == "depth":
             return colour_depth(image[..., 0], self.env.config.max_depth)
         if options.kind == "normals":
             return np.round(127.5 * (image + 1)).astype(np.uint8)
         return image if options.kind == "colours" else colour_ids(image)
 
-    def _seen(self, params: EnvParams, state: State, options: PictureOptions) -> Any:
-        """Return the image of the first kind in `options`, not coloured; to be jitted."""
-        core, kind = self.env.core, PICTURES[options.kind]
-        snapshot, lens = core.snapshot(params, state), Lens(options.size, options.size)
-        view = AgentCamera("viewer", ("rgb",), lens, fovy=FOVY, shader=options.shader)
-        cameras = place_cameras(core.config, view, snapshot.pose, snapshot.camera_offsets)
-        camera = jax.tree.map(lambda x: x[self.agent], cameras)
-        own = agent_ids(snapshot.bank, core.config.num_agents)[self.agent]
-        limit = core.config.max_depth
-        images: dict[str, Any] = render(
-            snapshot.scene, camera, lens, kinds=(kind,), shader=options.shader, exclude=own, depth_max=limit
-        )
-        return images[kind]
+    def _spot(self, state: State, options: PictureOptions) -> Camera | None:
+        """Return the camera that the viewpoint needs."""
+        overview = self._camera.place_overview(int(state.world.house)) if options.viewpoint == TOP else None
+        return self.free if options.viewpoint == FREE else overview
+
+    def _seen(self, params: EnvParams, state: State, spot: Camera | None, options: PictureOptions) -> Any:
+        """Return the image of a state, not coloured; to be jitted."""
+        snapshot, lens = self.env.core.snapshot(params, state), Lens(options.size, options.size)
+        return self._camera.see(snapshot, lens, PICTURES[options.kind], options.shader, options.viewpoint, spot)
 
 
 def encode_jpeg(image: UInt8[np.ndarray, "h w 3"]) -> bytes:

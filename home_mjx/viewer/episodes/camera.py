@@ -1,6 +1,6 @@
 """Camera of a film: the first agent's view, and the poses of agents and objects."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -10,17 +10,14 @@ from jaxtyping import Array, Float, UInt8
 from home_mjx import physics
 from home_mjx.core.progress import show_compile
 from home_mjx.raycast_render.cameras.camera import Lens
-from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.rules.features import current_boxes
-from home_mjx.tasks.sensors.cameras import agent_ids, place_cameras
+from home_mjx.viewer.episodes.viewpoints import EpisodeCamera
 
-FOVY = 75.0  # [degrees] vertical field of view
 VIEW_CONE_HALF_ANGLE = 35.0  # [degrees] half angle of an agent's view cone on a plan
 
 
@@ -44,8 +41,8 @@ class FilmCamera:
     """
 
     def __init__(self, env: Env[HouseholdEnv], width: int = 480, height: int = 360, samples: int = 1) -> None:
-        self.env = env
-        self._camera = AgentCamera("film", ("rgb",), Lens(width, height, samples=samples), fovy=FOVY, shader="lit")
+        self.env, self._camera = env, EpisodeCamera(env)
+        self._lens = Lens(width, height, samples=samples)
         self._see, self._is_compiled = jax.jit(self._seen), False
 
     def capture(self, state: State) -> CameraShot:
@@ -61,15 +58,9 @@ class FilmCamera:
 
     def _seen(self, params: EnvParams, state: State) -> tuple[Array, Array, Array, Array]:
         """Return, in JAX arrays, the fields of `CameraShot`."""
-        core = self.env.core
-        snapshot = core.snapshot(params, state)
-        camera = jax.tree.map(
-            lambda x: x[0], place_cameras(core.config, self._camera, snapshot.pose, snapshot.camera_offsets)
-        )
-        own = agent_ids(snapshot.bank, core.num_agents)[0]
-        lens, shader = self._camera.lens, self._camera.shader
-        images: dict[str, Any] = render(snapshot.scene, camera, lens, kinds=("rgb",), shader=shader, exclude=own)
-        return images["rgb"], snapshot.pose.pos, snapshot.pose.yaw, current_boxes(snapshot)
+        snapshot = self.env.core.snapshot(params, state)
+        view = self._camera.see(snapshot, self._lens, "rgb", "lit")
+        return view, snapshot.pose.pos, snapshot.pose.yaw, current_boxes(snapshot)
 
 
 def scene_without_agents(env: Env[HouseholdEnv], state: State) -> Scene:

@@ -44,7 +44,7 @@ class TopView:
 
     def __init__(self, bank: HouseBank, scene: Scene, pixels: int = 512, level: int = 0) -> None:
         house = int(scene.house)
-        self.low, self.size, side = _extent(bank, house)
+        self.low, self.size, side = frame_house(bank, house)
         self.scale = pixels / side
         ticks = (np.arange(pixels) + 0.5) / self.scale
         x, y = np.meshgrid(self.low[0] + ticks, self.low[1] + ticks[::-1])
@@ -98,7 +98,7 @@ def find_level(bank: HouseBank, house: int, pos: Float[np.ndarray, " 3"]) -> int
     return max(int((pos[2] > np.asarray(bank.navigation.floor[house])).sum()) - 1, 0)
 
 
-def _extent(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]:
+def frame_house(bank: HouseBank, house: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Return lower corner (x, y) of a square around the lowest storey's rooms, their extent (x, y), and its side [m].
 
     The extent includes `VIEW_MARGIN` on each side.
@@ -125,13 +125,16 @@ def _render_from_above(scene: Scene, origin: Float[Array, "h w 3"]) -> UInt8[Arr
     )
 
 
-def is_in_wall(scene: Scene, origin: Float[Array, "h w 3"]) -> Bool[Array, "h w"]:
+def is_in_wall(
+    scene: Scene, origin: Float[Array, "h w 3"], reach: Float[Array, "h w"] | float = float("inf")
+) -> Bool[Array, "h w"]:
     """Return the mask of points `origin` (world) [m] inside walls, where a downward view would start behind a face.
 
-    Walls are closed solids: from inside one, a ray hits the back of a face, in x or in y.
+    Walls are closed solids: from inside one, a ray hits the back of a face, in x or in y. Rays are at most `reach` [m]
+    long; a point of a negative reach is in no wall.
     """
     inside = jnp.zeros(origin.shape[:-1], bool)
     for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)):
-        hit = cast(scene, origin, jnp.broadcast_to(jnp.array(axis, jnp.float32), origin.shape))
+        hit = cast(scene, origin, jnp.broadcast_to(jnp.array(axis, jnp.float32), origin.shape), t_max=reach)
         inside = inside | ((hit.instance == ARCHITECTURE) & ~hit.front)
     return inside
