@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from home_mjx.tasks.env.household import HouseholdEnv
 
 HOUSE_TASK = "PointNav"  # task of a house without one: it adds nothing to see but a goal
+MAX_ENVS = 64
 CAMERAS = ("first", "third", "top", "free")  # in the order of `VIEWPOINTS`
 HOUSE_OPTIONS = {"ctrl_dt": 0.05, "episode_length": 100_000}  # options of this task: smooth, and almost without an end
 
@@ -36,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`, `--replay` a path or None.
     `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast),
-    `--camera` one of `CAMERAS` (first), `--seed` from 0 (0), `--houses` from 1 (4). `--split`, `--env`, `--dataset`,
-    `--episode-file`, `--import` and `--sensors` are as in `home-mjx play`.
+    `--camera` one of `CAMERAS` (first), `--seed` from 0 (0), `--num-envs` from 1 (1), `--houses` from 1 (4). `--split`,
+    `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are as in `home-mjx play`.
     """
     parser.add_argument(
         "target", nargs="?", metavar="TASK | HOUSE",
@@ -61,6 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--shader", default="fast", help="shader of the picture: fast, lit or your own (default: fast)")
     parser.add_argument("--camera", choices=CAMERAS, default="first", help="camera of the picture (default: first)")
     parser.add_argument("--seed", type=parse_seed, default=0, help="seed of episodes and actions (default: 0)")
+    parser.add_argument(
+        "--num-envs", type=whole_number_type(MAX_ENVS), default=1,
+        help="number of environments, of which a grid shows up to nine; click on one to watch it (default: 1)",
+    )  # fmt: skip
     parser.add_argument("--houses", type=house_count_type, default=4, help="number of houses of a task (default: 4)")
     parser.add_argument("--split", choices=("train", "val", "test"), help="split of the dataset (default: as of play)")
     add_episode_option(parser)
@@ -87,6 +92,7 @@ def run(args: argparse.Namespace) -> int:
         picture=PictureOptions(shader=args.shader, size=args.size, viewpoint=VIEWPOINTS[CAMERAS.index(args.camera)]),
         host=args.host,
         port=args.port,
+        num_envs=args.num_envs,
     )
     if args.replay is not None:
         from home_mjx.viewer.replay.run import run_replay

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import viser
 
 CURVES = ("success", "return", "loss/value")  # training metrics that are plotted
+TILES = ("none", "4", "9")  # numbers of environments in the grid
 MAX_LINES = 2000  # lines of training that are kept
 MAX_ENVIRONMENT = 1_000_000
 
@@ -27,6 +28,9 @@ class JobPanels:
         broadcast: Scene and picture.
         overlays: Overlays of the scene.
         watch: Function that watches another environment, by its number.
+
+    Attributes:
+        num_tiles: Number of environments in the grid.
     """
 
     def __init__(
@@ -36,7 +40,10 @@ class JobPanels:
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
         with server.gui.add_folder("Watch"):
             number = server.gui.add_number("environment", 0, min=0, max=MAX_ENVIRONMENT, step=1)
+            tiles = server.gui.add_dropdown("grid", TILES, initial_value=TILES[0])
             self._figures = server.gui.add_markdown("")
+        self.num_tiles = 0
+        tiles.on_update(lambda event: setattr(self, "num_tiles", 0 if tiles.value == TILES[0] else int(tiles.value)))
         number.on_update(lambda event: watch(int(number.value)))
         self._curves, self._plots = server.gui.add_folder("Training", visible=False), {}
         self._controls = ViewControls(server, broadcast, overlays, lambda command: command())

@@ -19,6 +19,7 @@ from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.run import ViewOptions, print_address
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
+from home_mjx.viewer.browser.tiles import choose_tiles
 from home_mjx.viewer.episodes.goal_markers import get_instruction
 
 MAX_SHARE = 0.08  # largest part of the job's time that drawing takes, below the 10 % that are promised
@@ -47,7 +48,7 @@ class JobViewer(Observer):
 
     def __init__(self, options: ViewOptions | None = None, print_line: Callable[[str], Any] = say) -> None:
         options = options or ViewOptions()
-        self.server = ViewServer(options.host, options.port, greeting=self._greet, sound_greeting=self._greet_sound)
+        self.server = ViewServer(options.host, options.port, self._handle, self._greet, self._greet_sound)
         print_address(options, self.server, print_line)
         tree = SceneTree(self.server.scene, lambda group, index: None)
         self.broadcast, self.overlays = Broadcast(self.server, tree, options.picture), Overlays(self.server.scene)
@@ -112,12 +113,20 @@ class JobViewer(Observer):
         instruction = get_instruction(self._start.env, state)
         self.broadcast.tell(instruction=f"environment {self.watched} of {count}: {instruction.text}")
         self._draw(EpisodeStep(int(state.world.step), state, None, 0.0))
+        if self.panels.num_tiles:
+            numbers, states = choose_tiles(self.watched, count, self.panels.num_tiles), self._states
+            self.broadcast.draw_tiles(numbers.tolist(), self.watched, lambda: self._pick(states, numbers))
 
     def _draw(self, step: EpisodeStep) -> None:
         """Send scene, picture, overlays and figures of a step."""
         self.overlays.on_episode_step(step)
         self.broadcast.on_episode_step(step)
         self.panels.show(step)
+
+    def _handle(self, message: dict[str, Any]) -> None:
+        """Watch the environment of a tile that was clicked."""
+        if message.get("type") == "watch" and isinstance(message.get("number"), int):
+            self.watch(message["number"])
 
     def _greet(self) -> str:
         """Return the state for a new page, with the last picture."""

@@ -2,12 +2,14 @@
 
 import json
 import time
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from home_mjx.core.progress import say
 from home_mjx.raycast_render.cameras.camera import Camera
+from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
@@ -15,10 +17,12 @@ from home_mjx.tasks.sensors.selection import state_owners
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, encode_jpeg
 from home_mjx.viewer.browser.scene.scene_tree import SceneObserver, SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
+from home_mjx.viewer.browser.tiles import TileCamera, count_columns, encode_tiles
 from home_mjx.viewer.episodes.episode import format_status
 from home_mjx.viewer.episodes.observers import SOUND_STATE
 from home_mjx.viewer.episodes.viewpoints import FREE
 
+TILE_SECONDS = 0.25  # [s], between grids of several environments
 SOUND_DELAY = 0.35  # [s], of sound that pages store before they play it
 
 
@@ -48,13 +52,15 @@ class Broadcast(Observer):
         self.state: dict[str, Any] = {}
         self._picture: bytes | None = None
         self._free: Camera | None = None
+        self._tile_camera: TileCamera | None = None
+        self._tiled_at = 0.0
 
     def on_run_start(self, start: RunStart) -> None:
         """Store the environment, and make the programs for its poses and pictures."""
         assert start.env is not None
         env, self.name = start.env, start.name
         self.env, self.step, self._camera = env, None, LiveCamera(env)
-        self._camera.free = self._free
+        self._camera.free, self._tile_camera = self._free, TileCamera(env)
         self._scene.on_run_start(start)
         has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
         self.has_sound = has_sound
@@ -85,6 +91,22 @@ class Broadcast(Observer):
         self.server.live.publish(self._picture)
         shader = f", {options.shader}" if options.kind == "colours" else ""
         self.tell(caption=f"{options.viewpoint}: {options.kind}{shader}, {options.size} px")
+
+    def draw_tiles(self, numbers: Sequence[int], watched: int, get_states: Callable[[], State]) -> None:
+        """Render and send the grid of several environments, if a page is open and the last grid is old enough.
+
+        Args:
+            numbers: Numbers of the environments in the grid.
+            watched: Number of the watched one.
+            get_states: Function that returns their states as a batch; called only if the grid is drawn.
+        """
+        known = {"numbers": [int(n) for n in numbers], "columns": count_columns(len(numbers)), "watched": int(watched)}
+        is_due = time.perf_counter() - self._tiled_at > TILE_SECONDS or known != self.state.get("tiles")
+        if self._tile_camera is None or not self.server.live.num_pages or not is_due:
+            return
+        self.tell(tiles=known)
+        self.server.live.publish(encode_tiles(self._tile_camera.capture(get_states(), self.options.viewpoint)))
+        self._tiled_at = time.perf_counter()
 
     def set_free_camera(self, camera: Camera) -> None:
         """Replace the free camera, and draw if the picture is its."""

@@ -38,6 +38,7 @@ class Overlays(Observer):
         self._server = server
         self.is_shown = {PATH: True, SHORTEST: True, GOAL: True, GRID: False}
         self._path: list[np.ndarray] = []
+        self._is_new = True  # whether the episode's shortest path is not drawn yet
         self._handles: dict[str, Any] = {}
         self._grid_house, self._places, self._markers = -1, np.zeros((0, 3)), []
 
@@ -56,7 +57,7 @@ class Overlays(Observer):
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Clear the path."""
-        self._path = []
+        self._path, self._is_new = [], True
 
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Draw path and goal of a step, and the grid of another house."""
@@ -66,7 +67,8 @@ class Overlays(Observer):
             self._path = [*self._path, feet + LIFT][-MAX_PATH:]
             self._draw_line(PATH, np.array(self._path), PATH_COLOUR)
         self._draw_goal(goals.places)
-        if step.index == 0:
+        if self._is_new:
+            self._is_new = False
             shortest = shortest_path(self._env.bank, house, feet, goals)
             self._draw_line(SHORTEST, np.reshape(shortest, (-1, 3)) + LIFT, GOAL_COLOUR)
         if house != self._grid_house:

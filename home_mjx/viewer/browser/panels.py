@@ -71,14 +71,15 @@ class Panels(Observer):
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Show the episode's house, and clear its plot."""
-        self._start, self._rewards = start, []
+        self._start, self._rewards, self._index = start, [], 0
         if hasattr(self, "session"):
             self.session.post(self._controls.show_levels)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Show figures and plot of the episode."""
-        if step.index > len(self._rewards):  # not again after a door was opened
+        if step.index > self._index:  # not again after a door was opened
             self._rewards.append(float(np.reshape(step.state.reward, -1)[0]))
+        self._index = step.index
         is_due = time.monotonic() - self._shown_at > MIN_SECONDS or step.state.done or not step.index
         if hasattr(self, "session") and (is_due or self.session.is_paused):
             self._shown_at = time.monotonic()
@@ -109,8 +110,11 @@ class Panels(Observer):
         following.on_click(lambda event: session.post(session.reset))
 
     def _add_environment_controls(self) -> None:
-        """Add task and house."""
+        """Add number of the watched environment, task and house."""
         gui, session = self._server.gui, self.session
+        if session.num_envs > 1:
+            number = gui.add_number("environment", 0, min=0, max=session.num_envs - 1, step=1)
+            number.on_update(lambda event: session.post(lambda: session.watch(int(number.value))))
         spec = session.env.spec
         names = list_envs() if spec is None or spec.id in list_envs() else [spec.id, *list_envs()]
         self._task = gui.add_dropdown("task", names, initial_value=spec.id if spec else names[0])
@@ -161,7 +165,7 @@ class Panels(Observer):
         """Show the figures and the plot of a step."""
         self._figures.content = "\n".join(self._lines(step))
         rewards = np.array([0.0, *self._rewards])[-MAX_POINTS:]
-        first = len(self._rewards) + 1 - len(rewards)
+        first = step.index + 1 - len(rewards)
         self._plot.data = (np.arange(first, first + len(rewards), dtype=float), rewards, np.cumsum(rewards))
 
     def _lines(self, step: EpisodeStep) -> list[str]:

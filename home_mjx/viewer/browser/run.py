@@ -11,7 +11,7 @@ from home_mjx.env_factory import make
 from home_mjx.registry import find_spec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
+from home_mjx.tasks.env.observers import EpisodeStep, Observer, ObserverGroup, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
@@ -21,6 +21,7 @@ from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
 from home_mjx.viewer.browser.serving.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
 from home_mjx.viewer.browser.session import Session
+from home_mjx.viewer.browser.tiles import choose_tiles, stack_states
 from home_mjx.viewer.episodes.command_loop import CommandLoop
 from home_mjx.viewer.episodes.held_keys import HeldKeys
 from home_mjx.viewer.episodes.keyboard import key_help
@@ -41,6 +42,7 @@ class ViewOptions:
         picture: Options of the picture.
         host: Name or address to bind.
         port: Port; the next free one is used if it is taken.
+        num_envs: Number of environments; with several, a grid shows up to `MAX_TILES` of them.
     """
 
     agent: str = HUMAN
@@ -49,6 +51,7 @@ class ViewOptions:
     picture: PictureOptions = field(default_factory=PictureOptions)
     host: str = "localhost"
     port: int = DEFAULT_PORT
+    num_envs: int = 1
 
 
 class PageViewer:
@@ -114,27 +117,36 @@ class Viewer(PageViewer):
     def __init__(self, env: Env[HouseholdEnv], options: ViewOptions | None = None) -> None:
         self.options = options or ViewOptions()
         self.keys = HeldKeys()
-        self.server = ViewServer(self.options.host, self.options.port, self.keys.handle, self._greet, self._greet_sound)
+        self.server = ViewServer(self.options.host, self.options.port, self._handle, self._greet, self._greet_sound)
         try:
             tree = SceneTree(self.server.scene, self._show_object)
             self.broadcast = Broadcast(self.server, tree, self.options.picture)
             agents = tuple(name for name in AGENT_NAMES if name != "trained" or self.options.checkpoint is not None)
             self.panels = Panels(self.server.scene, self.broadcast, agents, self._load_task)
             overlays = Overlays(self.server.scene)
-            observers = ObserverGroup((self.broadcast, overlays, _Drivers(self.broadcast), self.panels))
+            own = (self.broadcast, _Tiles(self), overlays, _Drivers(self.broadcast), self.panels)
             self.session = Session(
                 env,
                 self.options.agent,
-                observers,
+                ObserverGroup(own),
                 self.keys,
                 self.options.checkpoint,
                 self.options.seed,
                 self.broadcast.warn,
+                self.options.num_envs,
             )
             self.panels.attach(self.session, overlays)
         except BaseException:
             self.server.close()
             raise
+
+    def _handle(self, message: dict[str, Any]) -> None:
+        """Handle a message of a page: a click on a tile, or a key; on the server's thread."""
+        number = message.get("number")
+        if message.get("type") == "watch" and isinstance(number, int):
+            self.session.post(lambda: self.session.watch(number))
+        else:
+            self.keys.handle(message)
 
     def _load_task(self, name: str) -> None:
         """Load another task in the same houses; a trained agent stays behind."""
@@ -157,6 +169,21 @@ class Viewer(PageViewer):
         door = find_door(session.env.bank, house, group, index)
         if door is not None and not state.done:
             session.replace_state(toggle_door(session.env, state, door))
+
+
+class _Tiles(Observer):
+    """Observer that draws the grid of a session of several environments."""
+
+    def __init__(self, viewer: Viewer) -> None:
+        self._viewer = viewer
+
+    def on_episode_step(self, step: EpisodeStep) -> None:
+        """Draw the grid, if one is due."""
+        if self._viewer.options.num_envs > 1 and hasattr(self._viewer, "session"):
+            session = self._viewer.session
+            numbers = choose_tiles(session.watched, session.num_envs)
+            states = [session.episodes[n].step.state for n in numbers]
+            self._viewer.broadcast.draw_tiles(numbers.tolist(), session.watched, lambda: stack_states(states))
 
 
 class _Drivers(Observer):

@@ -1,4 +1,4 @@
-"""Session of one environment in the viewer: a loop of steps in real time, and commands from other threads."""
+"""Session of environments in the viewer, one of them watched: a loop of steps in real time, and commands."""
 
 import time
 from collections import deque
@@ -22,11 +22,14 @@ from home_mjx.viewer.episodes.run import HUMAN
 
 PAUSE_AFTER_EPISODE = 1.5  # [s]
 MAX_LAG = 0.25  # [s], delay of steps that is caught up; longer delays are forgotten
+SEED_STRIDE = 10_000  # between the seeds of two environments
 PACE_STEPS = 20  # steps over which the real-time factor is measured
 
 
 class Session(CommandLoop):
-    """One environment, its agent and the current episode.
+    """Environments of one kind with their agents and episodes, of which one is watched.
+
+    A human drives the watched environment; agents of the others are then `random`.
 
     Args:
         env: The environment.
@@ -36,17 +39,17 @@ class Session(CommandLoop):
         checkpoint: Checkpoint of `trained`.
         seed: Seed of the first episode and of actions; each further episode adds 1.
         on_error: Callback with the message of a command that failed.
+        num_envs: Number of environments.
 
     Attributes:
         agent: Name of the agent.
-        episode: The current episode.
+        episodes: The current episode of each environment.
+        watched: Number of the watched environment.
         house: Index of the house of the next episodes; None: any.
 
     Raises:
         ConfigError: The agent cannot play this environment.
     """
-
-    episode: RunningEpisode
 
     def __init__(
         self,
@@ -57,12 +60,20 @@ class Session(CommandLoop):
         checkpoint: Path | None = None,
         seed: int = 0,
         on_error: Callable[[str], None] = lambda text: None,
+        num_envs: int = 1,
     ) -> None:
         super().__init__(on_error)
         self.observer, self.keys, self.checkpoint, self.seed = observer, keys, checkpoint, seed
         self.house: int | None = None
+        self.num_envs, self.watched, self.episodes = num_envs, 0, list[RunningEpisode]()
+        self._seeds = [seed + SEED_STRIDE * n for n in range(num_envs)]
         self._number, self._times = 0, deque(maxlen=PACE_STEPS)
         self.load(env, agent)
+
+    @property
+    def episode(self) -> RunningEpisode:
+        """Episode of the watched environment."""
+        return self.episodes[self.watched]
 
     @property
     def env(self) -> Env[HouseholdEnv]:
@@ -78,12 +89,14 @@ class Session(CommandLoop):
     def load(self, env: Env[HouseholdEnv], agent: str) -> None:
         """Replace environment and agent, and start an episode; on an error nothing is replaced."""
         runner = EpisodeRunner(add_expert(env) if agent == "expert" else env)
-        player = self._make_player(runner.env, agent)
+        players = self._make_players(runner.env, agent)
         house = None if self.house is None or self.house >= env.bank.num_houses else self.house
-        episode = self._begin(runner, house)
-        self._plain, self.agent, self._runner, self._player, self.house = env, agent, runner, player, house
+        self._seeds[self.watched] = self.seed
+        episodes = [self._begin(runner, house, seed) for seed in self._seeds]
+        self._plain, self.agent, self._runner, self._players, self.house = env, agent, runner, players, house
+        self.episodes = episodes
         self.observer.on_run_start(RunStart(agent, runner.env, "episodes", 1))
-        self._show(episode)
+        self._show()
 
     def set_agent(self, agent: str) -> None:
         """Replace the agent, and start an episode."""
@@ -92,16 +105,26 @@ class Session(CommandLoop):
     def reset(self, seed: int | None = None) -> None:
         """Start an episode with a seed; None: the next one."""
         self.seed = self.seed + 1 if seed is None else seed
-        self._show(self._begin(self._runner, self.house))
+        self._seeds[self.watched] = self.seed
+        self.episodes[self.watched] = self._begin(self._runner, self.house, self.seed)
+        self._players[self.watched].reset()
+        self._show()
+
+    def watch(self, number: int) -> None:
+        """Watch another environment from its current step on; numbers beyond the last one are clipped."""
+        self.watched = int(np.clip(number, 0, self.num_envs - 1))
+        self.seed = self._seeds[self.watched]
+        self._show()
 
     def advance(self) -> None:
-        """Take one step, unless the episode is over or a person has not chosen an action."""
+        """Take one step of all environments, unless the episode is over or a person has not chosen an action."""
         episode = self.episode
         if episode.step.state.done:
             return
-        action = self._player.act(episode.step.state)
+        action = (self._human or self._players[self.watched]).act(episode.step.state)
         if action is None:
             return
+        self._advance_others()
         self._times.append(time.perf_counter())
         self.observer.on_episode_step(episode.advance(action))
         if episode.step.state.done:
@@ -122,18 +145,33 @@ class Session(CommandLoop):
         self.due = max(self.due, time.perf_counter() - MAX_LAG) + self.env.dt / self.speed
         self.advance()
 
-    def _make_player(self, env: Env[HouseholdEnv], agent: str) -> Player:
-        """Return the player of an agent."""
-        if agent == HUMAN:
-            return HeldKeysPlayer(env.core.acting_config, self.keys)
-        checkpoint = self.checkpoint if agent == "trained" else None
-        return PolicyPlayer(env.core, make_policy(env, agent, checkpoint), self.seed)
+    def _advance_others(self) -> None:
+        """Take one step of the environments that are not watched; those at an end begin the next episode."""
+        for number, (episode, player) in enumerate(zip(self.episodes, self._players, strict=True)):
+            if number == self.watched:
+                continue
+            if episode.step.state.done:
+                self._seeds[number] += 1
+                self.episodes[number] = self._begin(self._runner, self.house, self._seeds[number])
+                player.reset()
+            else:
+                episode.advance(player.act(episode.step.state))
 
-    def _begin(self, runner: EpisodeRunner, house: int | None) -> RunningEpisode:
+    def _make_players(self, env: Env[HouseholdEnv], agent: str) -> list[Player]:
+        """Return a player for each environment; a human's keys are those of the watched one."""
+        is_human = agent == HUMAN
+        human = HeldKeysPlayer(env.core.acting_config, self.keys) if is_human else None
+        policy = make_policy(env, "random" if is_human else agent, self.checkpoint if agent == "trained" else None)
+        first = PolicyPlayer(env.core, policy, self.seed)
+        players: list[Player] = [first, *(first.copy(seed) for seed in self._seeds[1:])]
+        self._human = human
+        return players
+
+    def _begin(self, runner: EpisodeRunner, house: int | None, seed: int) -> RunningEpisode:
         """Begin an episode in a house; environments with rows take one of the house's rows."""
-        rng, tasks, env = np.random.default_rng(self.seed), runner.env.params.tasks, runner.env
+        rng, tasks, env = np.random.default_rng(seed), runner.env.params.tasks, runner.env
         self._number += 1
-        key = jax.random.key(self.seed)
+        key = jax.random.key(seed)
         if tasks is None:
             chosen = rng.integers(env.bank.num_houses) if house is None else house
             return runner.begin(self._number, key, None, int(chosen))
@@ -142,11 +180,12 @@ class Session(CommandLoop):
             raise HomeMjxError(f"there is no task in house {env.bank.house_ids[house or 0]}")
         return runner.begin(self._number, key, int(rng.choice(rows)))
 
-    def _show(self, episode: RunningEpisode) -> None:
-        """Make an episode the current one."""
-        self.episode = episode
+    def _show(self) -> None:
+        """Show the watched environment's episode."""
+        episode = self.episode
         self._times.clear()
-        self._player.reset()
+        if self._human is not None:
+            self._human.reset()
         self.observer.on_episode_start(episode.start)
         self.observer.on_episode_step(episode.step)
         self.due = time.perf_counter() + self.env.dt / self.speed

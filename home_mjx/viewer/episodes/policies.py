@@ -1,5 +1,6 @@
 """Players of episodes: policies as players, and the player protocol."""
 
+import copy
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -79,6 +80,13 @@ class PolicyPlayer:
         self.keys = jax.random.key_data(jax.random.split(jax.random.key(seed), self.agents))
         self.memory, self.is_first = policy.initial_memory(self.agents), True
         self._act: Callable[..., Any] = jax.jit(self._acted)
+
+    def copy(self, seed: int) -> "PolicyPlayer":
+        """Return a player of the same policy with its own memory and random keys; its program is compiled once."""
+        other = copy.copy(self)
+        other.keys = jax.random.key_data(jax.random.split(jax.random.key(seed), self.agents))
+        other.reset()
+        return other
 
     def reset(self) -> None:
         """Reset the policy's memory at the start of an episode; its random keys go on."""

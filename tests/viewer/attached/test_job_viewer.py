@@ -22,6 +22,7 @@ from home_mjx.tasks.env.observers import EpisodeStep, RunStart
 from home_mjx.viewer.attached.job_viewer import JobViewer
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
 from home_mjx.viewer.browser.run import ViewOptions
+from home_mjx.viewer.browser.tiles import TILE_MARK
 
 OPTIONS = PictureOptions(size=32)
 NUM_ENVS = 64
@@ -76,6 +77,16 @@ def test_the_watched_environment_is_shown_and_changed_at_once(env, states):
         assert time.perf_counter() - began < 0.2
         assert np.abs(shown - expected(40)).mean() < 6 < np.abs(shown - expected(0)).mean()
         assert texts["instruction"].startswith("environment 40 of 64: ") or page.recv(timeout=5)
+        viewer.panels.num_tiles = 4
+        viewer.watch(41)
+        while not (isinstance(data := page.recv(timeout=60), bytes) and data[:1] == TILE_MARK):
+            texts.update(json.loads(data) if isinstance(data, str) else {})
+        assert texts["tiles"] == {"numbers": [40, 41, 42, 43], "columns": 2, "watched": 41}
+        page.send(json.dumps({"type": "watch", "number": texts["tiles"]["numbers"][2]}))
+        while texts["tiles"]["watched"] != 42:
+            data = page.recv(timeout=30)
+            texts.update(json.loads(data) if isinstance(data, str) else {})
+        assert viewer.watched == 42
     viewer.on_log({"steps": 10.0, "success": 0.5, "return": 1.0})
     viewer.close()
     assert lines == [f"View at http://localhost:{viewer.server.port}/"]

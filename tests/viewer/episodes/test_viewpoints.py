@@ -12,6 +12,7 @@ from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.viewer.browser.free_camera import convert_camera
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
+from home_mjx.viewer.browser.tiles import TileCamera, stack_states
 from home_mjx.viewer.episodes.viewpoints import FIRST, FREE, THIRD, TOP, EpisodeCamera
 from home_mjx.viewer.pictures.top_view import CUT_HEIGHT
 
@@ -99,3 +100,18 @@ def test_the_free_camera_is_that_of_the_page(env, state):
     seen = camera.capture(state, options)
     assert (seen == seen[16, 16]).all()  # nothing but the box
     assert (before == seen[16, 16]).all(axis=-1).any()
+
+
+def test_a_tile_of_the_grid_is_its_environment(env, state):
+    states = [place(state, x) for x in (-2.0, -1.0, 0.0)]
+    tiles = TileCamera(env, size=64)
+    single = LiveCamera(env)
+    for viewpoint in (FIRST, TOP):
+        grid = tiles.capture(stack_states(states), viewpoint)
+        assert grid.shape == (128, 128, 3)
+        cells = [grid[:64, :64], grid[:64, 64:], grid[64:, :64]]
+        for cell, one in zip(cells, states, strict=True):
+            expected = single.capture(one, PictureOptions(size=64, viewpoint=viewpoint))
+            assert np.abs(cell.astype(float) - expected).mean() < 0.5  # rounding under vmap
+        assert not np.array_equal(*cells[:2])
+        assert (grid[64:, 64:] == 0).all()

@@ -4,16 +4,22 @@ import { Sound } from "./sound.js";
 const $ = (id) => document.getElementById(id);
 const socketUrl = (path) => new URL(path, location.href).href.replace(/^http/, "ws");
 const picture = $("picture").getContext("2d");
+const grid = $("tiles").getContext("2d");
 const frames = [];
+let tiles = { numbers: [], columns: 1, watched: 0 };
 let live = null;
 let drives = false;
-window.viewer = { frames: 0, sound: null };  // figures for tests and bug reports
+window.viewer = { frames: 0, grids: 0, sound: null };  // figures for tests and bug reports
 
 function connect() {
   live = new WebSocket(socketUrl("live"));
   live.binaryType = "arraybuffer";
   live.onopen = () => { if (!$("scene").src) $("scene").src = "scene/"; };
-  live.onmessage = ({ data }) => typeof data === "string" ? showState(JSON.parse(data)) : showFrame(data);
+  live.onmessage = ({ data }) => {
+    if (typeof data === "string") showState(JSON.parse(data));
+    else if (new Uint8Array(data, 0, 1)[0] === 1) showTiles(data.slice(1));  // the server's TILE_MARK
+    else showFrame(data);
+  };
   live.onclose = () => { $("status").textContent = "connection lost; trying again"; setTimeout(connect, 1000); };
 }
 
@@ -31,7 +37,37 @@ async function showFrame(data) {
     ? `${(1000 * (frames.length - 1) / (now - frames[0])).toFixed(0)} frames/s` : "";
 }
 
+async function showTiles(data) {
+  $("grid").hidden = false;
+  const image = await createImageBitmap(new Blob([data], { type: "image/jpeg" }));
+  const { canvas } = grid;
+  canvas.width = image.width;
+  canvas.height = image.height;
+  grid.drawImage(image, 0, 0);
+  image.close();
+  const side = canvas.width / tiles.columns, at = tiles.numbers.indexOf(tiles.watched);
+  grid.font = "14px system-ui";
+  grid.lineWidth = 4;
+  grid.strokeStyle = "#e0a458";
+  tiles.numbers.forEach((number, n) => {
+    const x = (n % tiles.columns) * side, y = Math.floor(n / tiles.columns) * side;
+    grid.fillStyle = "#000a";
+    grid.fillRect(x + 3, y + 3, 12 + 8 * String(number).length, 20);
+    grid.fillStyle = "#fff";
+    grid.fillText(number, x + 9, y + 18);
+    if (n === at) grid.strokeRect(x + 2, y + 2, side - 4, side - 4);
+  });
+  window.viewer.grids += 1;
+}
+
+function watchTile(event) {
+  const { canvas } = grid, side = canvas.clientWidth / tiles.columns;
+  const n = Math.floor(event.offsetY / side) * tiles.columns + Math.floor(event.offsetX / side);
+  if (n in tiles.numbers) send({ type: "watch", number: tiles.numbers[n] });
+}
+
 function showState(state) {
+  if ("tiles" in state) tiles = state.tiles;
   for (const id of ["instruction", "status", "caption", "keys"]) if (id in state) $(id).textContent = state[id];
   if ("drives" in state) drives = state.drives;
   if ("sound" in state) sound.setAvailable(state.sound);
@@ -56,6 +92,7 @@ function listen(target) {
 const sound = new Sound({ url: socketUrl("sound"), button: $("sound"), gain: $("gain"), meter: $("meter"),
   state: $("sound-state") });
 window.viewer.sound = sound;
+$("tiles").addEventListener("click", watchTile);
 listen(window);
 $("scene").addEventListener("load", () => listen($("scene").contentWindow));
 connect();
