@@ -159,6 +159,13 @@ class Task:
         """
         return jnp.zeros_like(snapshot.pose.yaw)
 
+    def reward_terms(self, snapshot: Snapshot, before: Any, state: Any) -> dict[str, Float[Array, " a"]]:
+        """Return the terms whose sum is `reward`, for all agents, by fixed names; by default none are known.
+
+        Arguments are those of `reward`. The viewer plots them.
+        """
+        return {}
+
     def terminated(self, snapshot: Snapshot, state: Any) -> Bool[Array, ""]:
         """Return whether the task ends the episode: by default when all acting agents have stopped."""
         return self.all_stopped(snapshot)

@@ -256,6 +256,17 @@ class HouseholdEnv:
         )
         return state, snapshot.replace(sounds=sounds)
 
+    def reward_terms(self, params: EnvParams, before: State, after: State) -> dict[str, Array]:
+        """Return the task's terms of the reward of a step, with the shape of `State.reward`; {} if it has none (JAX).
+
+        Args:
+            params: Arrays of the environment.
+            before: State before the step.
+            after: State after it, before an automatic reset.
+        """
+        terms = self.task.reward_terms(self.snapshot(params, after), before.task, after.task)
+        return {name: self._select_acting(term) for name, term in terms.items()}
+
     def _advance(self, params: EnvParams, state: State, action: ArrayLike) -> tuple[State, Snapshot]:
         """Return the next state, with observations and sensor states of the last one, and its snapshot.
 

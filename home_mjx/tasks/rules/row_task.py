@@ -276,13 +276,24 @@ class RowTask(Task):
 
         The guide is that of the stage before the step; a step's progress is at most `MAX_STEP_PROGRESS` [m] either way.
         """
+        terms = self.reward_terms(snapshot, before, state)
+        costs = terms["steps"] + terms["contacts"] + terms["questions"] + terms["mistakes"]
+        return terms["progress"] + terms["transitions"] + costs
+
+    def reward_terms(self, snapshot: Snapshot, before: RowState, state: RowState) -> dict[str, Float[Array, " a"]]:
+        """Return the terms of `reward`; costs are negative."""
         guide = state.program.guide[jnp.maximum(before.stage, 0)]
         progress = (before.distance - state.distance)[:, jnp.maximum(guide, 0)]
         progress = jnp.where(guide < 0, 0.0, jnp.clip(progress, -MAX_STEP_PROGRESS, MAX_STEP_PROGRESS))
-        costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32)
-        costs = costs + jnp.float32(self.question_cost) * (state.reply >= 0)
-        costs = costs + jnp.float32(self.failure_cost) * (state.num_mistakes - before.num_mistakes)
-        return jnp.float32(self.progress_reward) * progress + state.transition_reward - costs
+        terms = {
+            "progress": jnp.float32(self.progress_reward) * progress,
+            "transitions": state.transition_reward,
+            "steps": -jnp.float32(self.step_cost),
+            "contacts": -jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32),
+            "questions": -jnp.float32(self.question_cost) * (state.reply >= 0),
+            "mistakes": -jnp.float32(self.failure_cost) * (state.num_mistakes - before.num_mistakes),
+        }
+        return {name: jnp.broadcast_to(term, progress.shape) for name, term in terms.items()}
 
     def terminated(self, snapshot: Snapshot, state: RowState) -> Bool[Array, ""]:
         """Return whether a final stage is reached, or all acting agents stopped and mistakes end episodes."""

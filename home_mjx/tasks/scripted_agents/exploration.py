@@ -101,8 +101,18 @@ class Exploration(Task):
 
     def reward(self, snapshot: Snapshot, before: ExplorationState, state: ExplorationState) -> Float[Array, " a"]:
         """Return `area_reward` times each agent's newly covered area, minus costs of step and contact."""
-        costs = jnp.float32(self.step_cost) + jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32)
-        return jnp.float32(self.area_reward) * state.gained - costs
+        terms = self.reward_terms(snapshot, before, state)
+        return terms["area"] + (terms["steps"] + terms["contacts"])
+
+    def reward_terms(
+        self, snapshot: Snapshot, before: ExplorationState, state: ExplorationState
+    ) -> dict[str, Float[Array, " a"]]:
+        """Return the terms of `reward`; costs are negative."""
+        return {
+            "area": jnp.float32(self.area_reward) * state.gained,
+            "steps": jnp.full_like(state.gained, -jnp.float32(self.step_cost)),
+            "contacts": -jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32),
+        }
 
     def metrics(self, snapshot: Snapshot, state: ExplorationState) -> dict[str, Float[Array, ""]]:
         """Return the covered fraction of the free floor, success (from `success_coverage` on), and mean collisions.

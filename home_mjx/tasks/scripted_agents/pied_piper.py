@@ -182,10 +182,13 @@ class PiedPiper(NavigationTask):
         """Return an empty dictionary."""
         return {}
 
-    def reward(self, snapshot: Snapshot, before: PiedPiperState, state: PiedPiperState) -> Float[Array, " a"]:
-        """Return the follower's reward; 0 for all other agents."""
-        reward = super().reward(snapshot, before, state)
-        return jnp.where(jnp.arange(len(reward)) == FOLLOWER, reward, 0.0)
+    def reward_terms(
+        self, snapshot: Snapshot, before: PiedPiperState, state: PiedPiperState
+    ) -> dict[str, Float[Array, " a"]]:
+        """Return the terms of the follower's reward; 0 for all other agents."""
+        terms = super().reward_terms(snapshot, before, state)
+        is_follower = jnp.arange(snapshot.pose.yaw.shape[0]) == FOLLOWER
+        return {name: jnp.where(is_follower, term, 0.0) for name, term in terms.items()}
 
     def metrics(self, snapshot: Snapshot, state: PiedPiperState) -> dict[str, Float[Array, ""]]:
         """Return success, distance to the piper [m], fraction of steps near it, collisions and stage."""

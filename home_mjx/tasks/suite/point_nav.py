@@ -126,9 +126,20 @@ class PointNav(Task):
 
     def reward(self, snapshot: Snapshot, before: PointNavState, state: PointNavState) -> Float[Array, " a"]:
         """Return progress [m] minus costs, plus `success_reward` on arrival."""
-        reward = before.distance - state.distance - jnp.float32(self.step_cost)
-        reward = reward - jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32)
-        return reward + jnp.float32(self.success_reward) * state.arrived.astype(jnp.float32)
+        terms = self.reward_terms(snapshot, before, state)
+        return terms["progress"] + terms["steps"] + terms["contacts"] + terms["success"]
+
+    def reward_terms(
+        self, snapshot: Snapshot, before: PointNavState, state: PointNavState
+    ) -> dict[str, Float[Array, " a"]]:
+        """Return progress [m], costs as negative numbers, and the reward of an arrival."""
+        progress = before.distance - state.distance
+        return {
+            "progress": progress,
+            "steps": jnp.full_like(progress, -jnp.float32(self.step_cost)),
+            "contacts": -jnp.float32(self.contact_cost) * snapshot.in_contact.astype(jnp.float32),
+            "success": jnp.float32(self.success_reward) * state.arrived.astype(jnp.float32),
+        }
 
     def terminated(self, snapshot: Snapshot, state: PointNavState) -> Bool[Array, ""]:
         """Return whether all acting agents have arrived or stopped."""
