@@ -10,7 +10,6 @@ from home_mjx.cli.learning.arguments import (
     add_episode_option,
     add_import_option,
     add_sensors_option,
-    find_checkpoint,
     import_modules,
     newest_version,
     parse_checkpoint_path,
@@ -84,7 +83,6 @@ def run(args: argparse.Namespace) -> int:
 
     load_viser()
     import_modules(args.modules)
-    args.checkpoint = args.checkpoint and find_checkpoint(args.checkpoint)
     options = ViewOptions(
         agent=args.agent or ("human" if args.checkpoint is None else "trained"),
         checkpoint=args.checkpoint,
@@ -111,11 +109,12 @@ def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":
     from home_mjx.bank.packing.texture_layers import texture_size_for
     from home_mjx.env_factory import make
     from home_mjx.houses.load import load_bank
+    from home_mjx.viewer.browser.checkpoints import Checkpoints
 
     if (args.target is None and args.checkpoint is not None) or _is_task(args):
         args.task, args.no_film = args.target, False
         args.split = args.split or (None if has_scheme(args.dataset) else "val")
-        return make(play_spec(args, args.checkpoint))
+        return make(play_spec(args, args.checkpoint and Checkpoints(args.checkpoint).load_path()))
     args.house = args.target
     sensors = {"sensors": args.sensors or BLIND_SENSORS}
     options = {**HOUSE_OPTIONS, **sensors, **parse_assignments(args.env)}

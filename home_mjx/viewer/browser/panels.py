@@ -12,6 +12,7 @@ from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.controls import ViewControls
+from home_mjx.viewer.browser.curves import EpisodeCurves
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.session import Session
 
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 ANY_HOUSE = "any house"
 SPEEDS = ("0.25", "0.5", "1", "2", "4", "8")
 MIN_SECONDS = 0.2  # [s], time between updates of figures and plot
-MAX_POINTS = 2000  # steps that are plotted
 
 
 class Panels(Observer):
@@ -43,7 +43,7 @@ class Panels(Observer):
     ) -> None:
         self._server, self._broadcast, self._agents, self._load_task = server, broadcast, agents, load_task
         self._results: list[EpisodeResult] = []
-        self._rewards: list[float] = []
+        self._curves = EpisodeCurves(server, broadcast)
         self._shown_at = 0.0
         server.gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False)
 
@@ -52,9 +52,7 @@ class Panels(Observer):
         self.session, gui = session, self._server.gui
         with gui.add_folder("Episode"):
             self._figures = gui.add_markdown("")
-            nothing = np.zeros(1)
-            series: Any = ({}, {"label": "reward", "stroke": "#e0a458"}, {"label": "return", "stroke": "#4caf72"})
-            self._plot = gui.add_uplot((nothing, nothing, nothing), series, scales={"x": {"time": False}}, aspect=2.2)
+            self._curves.add_folder()
         self._controls = ViewControls(self._server, self._broadcast, overlays, session.post)
         with gui.add_folder("Run"):
             self._add_run_controls()
@@ -66,20 +64,25 @@ class Panels(Observer):
     def on_run_start(self, start: RunStart) -> None:
         """Clear the results of another environment or agent."""
         self._results = []
+        assert start.env is not None
+        self._curves.begin_run(start.env)
         if hasattr(self, "session"):
             self.session.post(self._show_environment)
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Show the episode's house, and clear its plot."""
-        self._start, self._rewards, self._index = start, [], 0
+        self._start = start
+        self._curves.begin_episode()
         if hasattr(self, "session"):
             self.session.post(self._controls.show_levels)
+            if hasattr(self, "_checkpoint") and self._checkpoint.options != self.session.checkpoints.names():
+                self._checkpoint.options = self.session.checkpoints.names()
+                self._checkpoint.value = self.session.checkpoints.name
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Show figures and plot of the episode."""
-        if step.index > self._index:  # not again after a door was opened
-            self._rewards.append(float(np.reshape(step.state.reward, -1)[0]))
-        self._index = step.index
+        """Show figures and curves of the episode."""
+        if hasattr(self, "session"):
+            self._curves.add_step(step, self.session.value)
         is_due = time.monotonic() - self._shown_at > MIN_SECONDS or step.state.done or not step.index
         if hasattr(self, "session") and (is_due or self.session.is_paused):
             self._shown_at = time.monotonic()
@@ -88,6 +91,7 @@ class Panels(Observer):
     def on_episode_end(self, result: EpisodeResult) -> None:
         """Store the result; success rate and SPL are those of all stored ones."""
         self._results.append(result)
+        self._curves.add_result(result)
 
     def _add_run_controls(self) -> None:
         """Add agent, pause, step, reset, seed and speed."""
@@ -105,6 +109,11 @@ class Panels(Observer):
             gui.add_number("seed", initial_value=session.seed, min=0, max=2**32 - 1, step=1),
         )
         step.on_click(lambda event: session.post(session.advance))
+        if session.checkpoints.path is not None:
+            self._checkpoint: Any = gui.add_dropdown(
+                "checkpoint", session.checkpoints.names(), initial_value=session.checkpoints.name
+            )
+            self._checkpoint.on_update(lambda event: session.post(self._choose_checkpoint))
         again, following = gui.add_button("reset with this seed"), gui.add_button("next episode")
         again.on_click(lambda event: session.post(lambda: session.reset(int(seed.value))))
         following.on_click(lambda event: session.post(session.reset))
@@ -134,6 +143,15 @@ class Panels(Observer):
             finally:
                 self._agent.value = self.session.agent
 
+    def _choose_checkpoint(self) -> None:
+        """Load the chosen checkpoint; go back to the current one if that fails."""
+        session = self.session
+        if session.agent == "trained" and self._checkpoint.value != session.checkpoints.name:
+            try:
+                session.choose_checkpoint(self._checkpoint.value)
+            finally:
+                self._checkpoint.value = session.checkpoints.name
+
     def _choose_task(self) -> None:
         """Load the chosen task; go back to the current one if that fails."""
         spec = self.session.env.spec
@@ -162,11 +180,9 @@ class Panels(Observer):
         self._show_figures(self.session.episode.step)
 
     def _show_figures(self, step: EpisodeStep) -> None:
-        """Show the figures and the plot of a step."""
+        """Show the figures and the curves up to a step."""
         self._figures.content = "\n".join(self._lines(step))
-        rewards = np.array([0.0, *self._rewards])[-MAX_POINTS:]
-        first = step.index + 1 - len(rewards)
-        self._plot.data = (np.arange(first, first + len(rewards), dtype=float), rewards, np.cumsum(rewards))
+        self._curves.show()
 
     def _lines(self, step: EpisodeStep) -> list[str]:
         """Return a Markdown table of instruction, figures and status of a step."""
@@ -174,6 +190,7 @@ class Panels(Observer):
         rows = {
             "house": self._start.house,
             "task": self._start.instruction,
+            **({"checkpoint": session.checkpoints.describe()} if session.agent == "trained" else {}),
             "step": f"{step.index} of {session.env.config.episode_length}",
             "return": f"{step.episode_return:+.3f}",
             **{name: f"{float(value):.3f}" for name, value in step.state.metrics.items()},

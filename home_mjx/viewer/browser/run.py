@@ -37,7 +37,7 @@ class ViewOptions:
 
     Attributes:
         agent: One of `AGENT_NAMES`.
-        checkpoint: Checkpoint of agent `trained`.
+        checkpoint: Checkpoint of agent `trained`, or a folder, whose newest one is shown as training writes it.
         seed: Seed of the first episode and of actions.
         picture: Options of the picture.
         host: Name or address to bind.
@@ -84,8 +84,12 @@ class PageViewer:
     def _greet(self) -> str:
         """Return the state for a new page, and have its picture drawn."""
         if hasattr(self, "session"):
-            self.session.post(self.broadcast.draw)
+            self.session.post(self._redraw)
         return json.dumps(self.broadcast.state if hasattr(self, "broadcast") else {})
+
+    def _redraw(self) -> None:
+        """Draw the last step again, for a new page."""
+        self.broadcast.draw()
 
     def _greet_sound(self) -> str:
         """Return the format of the sound."""
@@ -124,7 +128,8 @@ class Viewer(PageViewer):
             agents = tuple(name for name in AGENT_NAMES if name != "trained" or self.options.checkpoint is not None)
             self.panels = Panels(self.server.scene, self.broadcast, agents, self._load_task)
             overlays = Overlays(self.server.scene)
-            own = (self.broadcast, _Tiles(self), overlays, _Drivers(self.broadcast), self.panels)
+            self._tiles = _Tiles(self)
+            own = (self.broadcast, self._tiles, overlays, _Drivers(self.broadcast), self.panels)
             self.session = Session(
                 env,
                 self.options.agent,
@@ -147,6 +152,11 @@ class Viewer(PageViewer):
             self.session.post(lambda: self.session.watch(number))
         else:
             self.keys.handle(message)
+
+    def _redraw(self) -> None:
+        """Draw picture and grid of the last step again, for a new page."""
+        super()._redraw()
+        self._tiles.on_episode_step(self.session.episode.step)
 
     def _load_task(self, name: str) -> None:
         """Load another task in the same houses; a trained agent stays behind."""

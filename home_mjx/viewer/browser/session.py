@@ -14,10 +14,11 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStep, Observer, RunStart
 from home_mjx.tasks.experts.expert_observation import add_expert
+from home_mjx.viewer.browser.checkpoints import Checkpoints
 from home_mjx.viewer.episodes.command_loop import CommandLoop
 from home_mjx.viewer.episodes.episode import EpisodeRunner, RunningEpisode
 from home_mjx.viewer.episodes.held_keys import HeldKeys, HeldKeysPlayer
-from home_mjx.viewer.episodes.policies import Player, PolicyPlayer, make_policy
+from home_mjx.viewer.episodes.policies import PolicyPlayer, check_agent, load_trained, make_policy
 from home_mjx.viewer.episodes.run import HUMAN
 
 PAUSE_AFTER_EPISODE = 1.5  # [s]
@@ -36,7 +37,7 @@ class Session(CommandLoop):
         agent: `expert`, `random`, `trained` or `human`.
         observer: Observer of all episodes.
         keys: Keys of a human agent.
-        checkpoint: Checkpoint of `trained`.
+        checkpoint: Checkpoint of `trained`, or a folder, whose newest one is loaded again at each reset.
         seed: Seed of the first episode and of actions; each further episode adds 1.
         on_error: Callback with the message of a command that failed.
         num_envs: Number of environments.
@@ -45,6 +46,7 @@ class Session(CommandLoop):
         agent: Name of the agent.
         episodes: The current episode of each environment.
         watched: Number of the watched environment.
+        checkpoints: Checkpoints of `trained`.
         house: Index of the house of the next episodes; None: any.
 
     Raises:
@@ -63,7 +65,8 @@ class Session(CommandLoop):
         num_envs: int = 1,
     ) -> None:
         super().__init__(on_error)
-        self.observer, self.keys, self.checkpoint, self.seed = observer, keys, checkpoint, seed
+        self.observer, self.keys, self.seed = observer, keys, seed
+        self.checkpoints = Checkpoints(checkpoint)
         self.house: int | None = None
         self.num_envs, self.watched, self.episodes = num_envs, 0, list[RunningEpisode]()
         self._seeds = [seed + SEED_STRIDE * n for n in range(num_envs)]
@@ -81,6 +84,12 @@ class Session(CommandLoop):
         return self._runner.env
 
     @property
+    def value(self) -> float | None:
+        """Value that the watched agent's network gave the state before its last step; None if it gives none."""
+        outputs = getattr(self._human or self._players[self.watched], "outputs", {})
+        return float(outputs["value"][0]) if "value" in outputs else None
+
+    @property
     def real_time_factor(self) -> float:
         """Simulated seconds per second over the last steps; 0 before the second step."""
         seconds = self._times[-1] - self._times[0] if len(self._times) > 1 else np.inf
@@ -91,7 +100,7 @@ class Session(CommandLoop):
         runner = EpisodeRunner(add_expert(env) if agent == "expert" else env)
         players = self._make_players(runner.env, agent)
         house = None if self.house is None or self.house >= env.bank.num_houses else self.house
-        self._seeds[self.watched] = self.seed
+        self._seeds[self.watched] = self.seed  # of the episode that begins
         episodes = [self._begin(runner, house, seed) for seed in self._seeds]
         self._plain, self.agent, self._runner, self._players, self.house = env, agent, runner, players, house
         self.episodes = episodes
@@ -103,12 +112,43 @@ class Session(CommandLoop):
         self.load(self._plain, agent)
 
     def reset(self, seed: int | None = None) -> None:
-        """Start an episode with a seed; None: the next one."""
+        """Start an episode with a seed; None: the next one. A newer checkpoint is loaded before it."""
+        if self.agent == "trained" and self.checkpoints.has_changed():
+            try:
+                self._load_net()
+            except HomeMjxError as error:  # the episodes go on with the parameters before
+                self._on_error(str(error))
         self.seed = self.seed + 1 if seed is None else seed
         self._seeds[self.watched] = self.seed
         self.episodes[self.watched] = self._begin(self._runner, self.house, self.seed)
         self._players[self.watched].reset()
         self._show()
+
+    def choose_checkpoint(self, name: str) -> None:
+        """Load another checkpoint, see `Checkpoints.choose`, and start episodes of all environments with it."""
+        before = self.checkpoints
+        self.checkpoints = before.choose(name)
+        try:
+            self._load_net()
+        except HomeMjxError:
+            self.checkpoints = before
+            raise
+        self.episodes = [self._begin(self._runner, self.house, seed) for seed in self._seeds]
+        self._show()
+
+    def _load_net(self) -> None:
+        """Load the parameters of all players; the memory of each begins anew.
+
+        Networks of other shapes are loaded with their own policy, which compiles.
+        """
+        make, net = load_trained(self.checkpoints.load_path(), self.env.core)
+        shapes = [jax.tree.map(lambda x: (x.shape, x.dtype), tree) for tree in (net, self._players[0].net)]
+        if shapes[0] != shapes[1]:
+            first = PolicyPlayer(self.env.core, make(net), self.seed, make, net)
+            self._players = [first, *(first.copy(seed) for seed in self._seeds[1:])]
+        for player in self._players:
+            player.net = net
+            player.reset()
 
     def watch(self, number: int) -> None:
         """Watch another environment from its current step on; numbers beyond the last one are clipped."""
@@ -157,15 +197,18 @@ class Session(CommandLoop):
             else:
                 episode.advance(player.act(episode.step.state))
 
-    def _make_players(self, env: Env[HouseholdEnv], agent: str) -> list[Player]:
+    def _make_players(self, env: Env[HouseholdEnv], agent: str) -> list[PolicyPlayer]:
         """Return a player for each environment; a human's keys are those of the watched one."""
         is_human = agent == HUMAN
         human = HeldKeysPlayer(env.core.acting_config, self.keys) if is_human else None
-        policy = make_policy(env, "random" if is_human else agent, self.checkpoint if agent == "trained" else None)
-        first = PolicyPlayer(env.core, policy, self.seed)
-        players: list[Player] = [first, *(first.copy(seed) for seed in self._seeds[1:])]
+        if agent == "trained":
+            check_agent(agent, self.checkpoints.path)
+            make, net = load_trained(self.checkpoints.load_path(), env.core)
+            first = PolicyPlayer(env.core, make(net), self.seed, make, net)
+        else:
+            first = PolicyPlayer(env.core, make_policy(env, "random" if is_human else agent), self.seed)
         self._human = human
-        return players
+        return [first, *(first.copy(seed) for seed in self._seeds[1:])]
 
     def _begin(self, runner: EpisodeRunner, house: int | None, seed: int) -> RunningEpisode:
         """Begin an episode in a house; environments with rows take one of the house's rows."""

@@ -47,10 +47,19 @@ def make_policy(env: Env[HouseholdEnv], agent: str, checkpoint: Path | None = No
     check_agent(agent, checkpoint)
     if checkpoint is None:
         return expert_policy() if agent == "expert" else random_policy(env.core)(None)
+    trained, net = load_trained(checkpoint, env.core, greedy)
+    return trained(net)
+
+
+def load_trained(checkpoint: Path, core: HouseholdEnv, greedy: bool = False) -> tuple[Callable[[Any], Policy], Any]:
+    """Load the policy of a checkpoint as `training.load_policy` does: a function from parameters, and the parameters.
+
+    Raises:
+        ConfigError: The extra `train` is not installed; or as in `load_policy`, as are others.
+    """
     from home_mjx.training import load_policy  # needs the extra `train`
 
-    trained, net = load_policy(checkpoint, env.core, greedy)
-    return trained(net)
+    return load_policy(checkpoint, core, greedy)
 
 
 @runtime_checkable
@@ -73,12 +82,26 @@ class PolicyPlayer:
         core: The environment.
         policy: The policy.
         seed: Seed of its actions.
+        make: Function from parameters to a policy, which replaces `policy` in each step; None: `policy` itself.
+        net: The parameters.
+
+    Attributes:
+        net: The parameters; others of the same shapes may replace them without a compilation.
+        outputs: Other outputs of the policy at the last action, a row for each agent, such as `value`.
     """
 
-    def __init__(self, core: HouseholdEnv, policy: Policy, seed: int = 0) -> None:
-        self.agents, self.policy = core.num_agents, policy
+    def __init__(
+        self,
+        core: HouseholdEnv,
+        policy: Policy,
+        seed: int = 0,
+        make: Callable[[Any], Policy] | None = None,
+        net: Any = None,
+    ) -> None:
+        self.agents, self.policy, self._make, self.net = core.num_agents, policy, make, net
         self.keys = jax.random.key_data(jax.random.split(jax.random.key(seed), self.agents))
         self.memory, self.is_first = policy.initial_memory(self.agents), True
+        self.outputs: dict[str, Any] = {}
         self._act: Callable[..., Any] = jax.jit(self._acted)
 
     def copy(self, seed: int) -> "PolicyPlayer":
@@ -95,13 +118,16 @@ class PolicyPlayer:
     def act(self, state: State) -> Any:
         """Return all agents' actions, stacked if there are several; update the policy's memory and the random keys."""
         begins = jnp.full(self.agents, self.is_first)
-        self.memory, action, self.keys = self._act(self.memory, state.obs, begins, self.keys)
+        self.memory, action, self.keys, self.outputs = self._act(self.net, self.memory, state.obs, begins, self.keys)
         self.is_first = False
         return np.asarray(action)
 
-    def _acted(self, memory: Any, obs: dict[str, Any], begins: Any, keys: Any) -> tuple[Any, Any, Any]:
-        """Return new memory, actions in the environment's shape, and new keys; to be jitted."""
+    def _acted(
+        self, net: Any, memory: Any, obs: dict[str, Any], begins: Any, keys: Any
+    ) -> tuple[Any, Any, Any, dict[str, Any]]:
+        """Return new memory, actions in the environment's shape, new keys, and other outputs; to be jitted."""
         rows = to_rows(jax.tree.map(lambda x: x[None], obs), self.agents)
         keys, now = split_keys(keys)
-        memory, action, _ = self.policy.act(memory, rows, begins, now)
-        return memory, to_envs(self.policy.clip(action), self.agents)[0], keys
+        policy = self.policy if self._make is None else self._make(net)
+        memory, action, outputs = policy.act(memory, rows, begins, now)
+        return memory, to_envs(policy.clip(action), self.agents)[0], keys, outputs
