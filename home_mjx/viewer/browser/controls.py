@@ -1,9 +1,11 @@
 """Controls of picture and scene, which sessions and replays share."""
 
 import dataclasses
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+from home_mjx.datasets.seeds import HouseKey, parse_house_id
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.free_camera import FreeCamera
 from home_mjx.viewer.browser.live_camera import PICTURES, SHADERS
@@ -96,6 +98,25 @@ class ViewControls:
         """Add the checkbox of a layer that is hidden at first."""
         control = self._server.gui.add_checkbox(text, initial_value=False)
         control.on_update(lambda event: self._broadcast.tree.show_layer(layer, control.value))
+
+
+def name_houses(ids: Sequence[str]) -> tuple[str, ...]:
+    """Return distinct names of houses for a person: the seeds of generated ones, the ids of others.
+
+    Example:
+        >>> name_houses((house_id(40, 0x500), house_id(41, 0x500), house_id(41, 0x501), "hotel"))
+        ('seed 40', 'seed 41, variant 500', 'seed 41, variant 501', 'hotel')
+    """
+    keys = [parse_house_id(name) for name in ids]
+    count = Counter(key.seed for key in keys if key is not None)
+
+    def describe(name: str, key: HouseKey | None) -> str:
+        """Return the name of one house."""
+        if key is None:
+            return name
+        return f"seed {key.seed}" if count[key.seed] == 1 else f"seed {key.seed}, variant {key.variant:x}"
+
+    return tuple(describe(name, key) for name, key in zip(ids, keys, strict=True))
 
 
 def unique(*names: str) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Overlays of the 3D scene: the agent's path, the shortest one, the goal, and the cells of the navigation grid."""
+"""Overlays of the 3D scene: paths of agent and sound, the goal, contacts, and the cells of the navigation grid."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +9,7 @@ from jaxtyping import Float
 from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.rules.features import current_boxes
+from home_mjx.viewer.browser.live_overlays import LiveLines
 from home_mjx.viewer.episodes.goal_markers import get_goal_markers
 from home_mjx.viewer.episodes.state_report import shortest_path
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import viser
 
 PATH, SHORTEST, GOAL, GRID = "path", "shortest path", "goal", "navigation grid"
+CONTACTS, SOUND_PATHS = "contacts", "sound paths"
 PATH_COLOUR, GOAL_COLOUR, GRID_COLOUR = (250, 170, 60), (60, 200, 110), (90, 150, 250)
 PATH_WIDTH = 4.0  # [px]
 LIFT = np.array([0.0, 0.0, 0.04])  # [m], of lines and points above the floor
@@ -36,7 +38,7 @@ class Overlays(Observer):
 
     def __init__(self, server: "viser.ViserServer") -> None:
         self._server = server
-        self.is_shown = {PATH: True, SHORTEST: True, GOAL: True, GRID: False}
+        self.is_shown = {PATH: True, SHORTEST: True, GOAL: True, GRID: False, CONTACTS: False, SOUND_PATHS: False}
         self._path: list[np.ndarray] = []
         self._is_new = True  # whether the episode's shortest path is not drawn yet
         self._handles: dict[str, Any] = {}
@@ -53,7 +55,7 @@ class Overlays(Observer):
             snapshot = env.core.snapshot(params, state)
             return snapshot.feet[0], current_boxes(snapshot)
 
-        self._look = jax.jit(look)
+        self._look, self._lines, self._step = jax.jit(look), LiveLines(env), None
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Clear the path."""
@@ -71,6 +73,8 @@ class Overlays(Observer):
             self._is_new = False
             shortest = shortest_path(self._env.bank, house, feet, goals)
             self._draw_line(SHORTEST, np.reshape(shortest, (-1, 3)) + LIFT, GOAL_COLOUR)
+        self._step = step
+        self._draw_live()
         if house != self._grid_house:
             self._grid_house = house
             self._draw_grid(grid_points(self._env.bank, house))
@@ -83,13 +87,26 @@ class Overlays(Observer):
     def show(self, name: str, is_shown: bool) -> None:
         """Show or hide an overlay, now and in later episodes."""
         self.is_shown[name] = is_shown
+        if name in (CONTACTS, SOUND_PATHS):
+            self._draw_live()
         if name in self._handles:
             self._handles[name].visible = is_shown
 
+    def _draw_live(self) -> None:
+        """Draw contacts and sound paths of the last step, those of them that are shown."""
+        for name, find in ((CONTACTS, self._lines.contacts), (SOUND_PATHS, self._lines.sound_paths)):
+            if self.is_shown[name] and self._step is not None:
+                self._draw_lines(name, *find(self._step.state))
+
     def _draw_line(self, name: str, points: Float[np.ndarray, "n 3"], colour: tuple[int, int, int]) -> None:
         """Draw an overlay as lines between successive points; nothing for fewer than two."""
-        line = np.asarray(points, np.float32)
-        lines = np.stack([line[:-1], line[1:]], axis=1) if len(line) > 1 else np.zeros((1, 2, 3), np.float32)
+        self._draw_lines(name, np.stack([points[:-1], points[1:]], axis=1), colour)
+
+    def _draw_lines(self, name: str, lines: Float[np.ndarray, "n 2 3"], colour: Any) -> None:
+        """Draw an overlay as separate lines of one colour, or of one for each of their ends."""
+        lines = np.asarray(lines, np.float32)
+        if not len(lines):
+            lines, colour = np.zeros((1, 2, 3), np.float32), PATH_COLOUR
         if name in self._handles:
             self._handles[name].remove()
         self._handles[name] = self._server.scene.add_line_segments(

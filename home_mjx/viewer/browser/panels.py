@@ -11,7 +11,7 @@ from home_mjx.registry import list_envs
 from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
-from home_mjx.viewer.browser.controls import ViewControls
+from home_mjx.viewer.browser.controls import ViewControls, name_houses
 from home_mjx.viewer.browser.curves import EpisodeCurves
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.session import Session
@@ -164,17 +164,17 @@ class Panels(Observer):
 
     def _choose_house(self) -> None:
         """Start an episode in the chosen house."""
-        name, ids = self._house.value, self.session.env.bank.house_ids
-        house = None if name not in ids else ids.index(name)
+        name, names = self._house.value, name_houses(self.session.env.bank.house_ids)
+        house = None if name not in names else names.index(name)
         if house != self.session.house:
             self.session.house = house
             self.session.reset(self.session.seed)
 
     def _show_environment(self) -> None:
         """Show agent, houses and levels of the environment."""
-        ids = self.session.env.bank.house_ids
-        self._house.options = (ANY_HOUSE, *ids)
-        self._house.value = ANY_HOUSE if self.session.house is None else ids[self.session.house]
+        names = name_houses(self.session.env.bank.house_ids)
+        self._house.options = (ANY_HOUSE, *names)
+        self._house.value = ANY_HOUSE if self.session.house is None else names[self.session.house]
         self._agent.value = self.session.agent
         self._controls.show_levels()
         self._show_figures(self.session.episode.step)
@@ -188,7 +188,7 @@ class Panels(Observer):
         """Return a Markdown table of instruction, figures and status of a step."""
         session, results = self.session, self._results
         rows = {
-            "house": self._start.house,
+            "house": name_houses(session.env.bank.house_ids)[int(step.state.world.house)],
             "task": self._start.instruction,
             **({"checkpoint": session.checkpoints.describe()} if session.agent == "trained" else {}),
             "step": f"{step.index} of {session.env.config.episode_length}",

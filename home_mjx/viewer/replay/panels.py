@@ -157,7 +157,7 @@ class ReplayPanels(Observer):
         self._overlays.draw_path(track.feet[: session.index + 1])
         notes = track.notes
         rows = {
-            "house": notes["house"],
+            "house": name_houses([notes["house"]])[0],
             "task": notes["instruction"],
             "step": f"{session.index} of {track.num_steps}",
             **{name: f"{values[session.index]:.3f}" for name, values in plot_series(track.series).items()},

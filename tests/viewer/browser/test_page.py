@@ -130,8 +130,23 @@ def test_the_worklet_plays_the_sound_that_is_sent(viewer: Viewer, page):
     assert stats["received"] >= SOUND_DELAY * RATE
     assert loudest[0] < 0.2
     assert loudest[1] == pytest.approx(loudest[0] / 4, rel=0.05)
+    wait_until(
+        lambda: loudest_frequency(page, lambda: viewer.server.sound.publish(chunk)) == pytest.approx(440, rel=0.1)
+    )
     page.click("#sound")
     wait_until(lambda: viewer.server.sound.num_pages == 0)
+
+
+def loudest_frequency(page, send) -> float:
+    """Return the frequency of the brightest row of the spectrogram's last columns [Hz]."""
+    for _ in range(4):
+        send()
+        time.sleep(0.1)
+    rows = page.evaluate("""() => { const {canvas} = window.viewer.sound.spectrum, {width, height} = canvas;
+        const data = window.viewer.sound.spectrum.getImageData(width - 4, 0, 4, height).data;
+        return Array.from({length: height}, (_, y) => data.slice(16 * y, 16 * y + 16).reduce((a, b) => a + b)); }""")
+    row = len(rows) - 1 - int(np.argmax(rows))
+    return 60.0 * (RATE / 2 / 60.0) ** (row / (len(rows) - 1))
 
 
 def test_a_click_on_an_object_opens_its_card(viewer: Viewer, page):

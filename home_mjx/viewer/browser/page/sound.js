@@ -1,10 +1,18 @@
 // Live sound: a WebSocket fills the ring buffer of an AudioWorklet; a click starts it, another mutes it.
 
 const FLOOR = -60;  // [dB] lowest level of the meter
+const MIN_FREQUENCY = 60;  // [Hz] of the spectrogram's lowest row; the highest has half the sample rate
+
+// Bin of a row of the spectrogram, from the bottom; frequencies are logarithmic.
+export function frequencyBin(row, rows, bins, rate) {
+  const frequency = MIN_FREQUENCY * (rate / 2 / MIN_FREQUENCY) ** (row / (rows - 1));
+  return Math.min(bins - 1, Math.round(frequency / (rate / 2) * bins));
+}
 
 export class Sound {
-  constructor({ url, button, gain, meter, state }) {
-    Object.assign(this, { url, button, gain, meter: meter.getContext("2d"), state, stats: null, isOn: false });
+  constructor({ url, button, gain, meter, spectrum, state }) {
+    Object.assign(this, { url, button, gain, meter: meter.getContext("2d"), spectrum: spectrum.getContext("2d"), state,
+      stats: null, isOn: false });
     button.addEventListener("click", () => (this.isOn ? this.stop() : this.start()));
     gain.addEventListener("input", () => this.setGain());
     this.setAvailable(false);
@@ -36,7 +44,8 @@ export class Sound {
     this.isOn = false;
     this.socket?.close();
     this.context?.close();
-    this.socket = this.context = this.node = null;
+    this.socket = this.context = this.node = this.analyser = null;
+    this.spectrum.clearRect(0, 0, this.spectrum.canvas.width, this.spectrum.canvas.height);
     this.button.textContent = "Sound: muted";
     this.button.classList.remove("on");
     this.meter.clearRect(0, 0, this.meter.canvas.width, this.meter.canvas.height);
@@ -58,8 +67,27 @@ export class Sound {
     this.node.port.onmessage = ({ data }) => this.show(data);
     this.volume = context.createGain();
     this.setGain();
+    this.analyser = context.createAnalyser();
+    Object.assign(this.analyser, { fftSize: 1024, smoothingTimeConstant: 0, minDecibels: -100, maxDecibels: -20 });
+    this.node.connect(this.analyser);
     this.node.connect(this.volume).connect(context.destination);
+    requestAnimationFrame(() => this.drawSpectrum());
     await context.resume();
+  }
+
+  // One more column of the spectrogram, of the mean of both ears before the gain; lowest frequency at the bottom.
+  drawSpectrum() {
+    if (!this.isOn || !this.analyser) return;
+    const { width, height } = this.spectrum.canvas;
+    const bins = new Uint8Array(this.analyser.frequencyBinCount);
+    this.analyser.getByteFrequencyData(bins);
+    this.spectrum.drawImage(this.spectrum.canvas, -1, 0);
+    for (let row = 0; row < height; row++) {
+      const level = bins[frequencyBin(height - 1 - row, height, bins.length, this.context.sampleRate)] / 255;
+      this.spectrum.fillStyle = `hsl(${280 - 240 * level} 90% ${60 * level}%)`;
+      this.spectrum.fillRect(width - 1, row, 1, 1);
+    }
+    requestAnimationFrame(() => this.drawSpectrum());
   }
 
   setGain() { if (this.volume) this.volume.gain.value = 10 ** (this.gain.value / 20); }

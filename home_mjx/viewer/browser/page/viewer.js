@@ -89,7 +89,7 @@ function listen(target) {
   target.addEventListener("blur", () => send({ type: "release" }));
 }
 
-const sound = new Sound({ url: socketUrl("sound"), button: $("sound"), gain: $("gain"), meter: $("meter"),
+const sound = new Sound({ url: socketUrl("sound"), button: $("sound"), gain: $("gain"), meter: $("meter"), spectrum: $("spectrum"),
   state: $("sound-state") });
 window.viewer.sound = sound;
 $("tiles").addEventListener("click", watchTile);
