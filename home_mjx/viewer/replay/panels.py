@@ -6,7 +6,7 @@ import numpy as np
 
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer
 from home_mjx.viewer.browser.broadcast import Broadcast
-from home_mjx.viewer.browser.controls import ViewControls
+from home_mjx.viewer.browser.controls import ViewControls, name_houses
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.replay.events import KINDS
 from home_mjx.viewer.replay.recorder import REWARD
