@@ -1,7 +1,7 @@
 """Evaluation of policies over whole episodes that are spread evenly over houses, and a random baseline."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.core.checks import check_number
 from home_mjx.core.compile_cache import compiler_options
+from home_mjx.core.notebook_html import format_table
 from home_mjx.core.pytree import Pytree
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.base.state import EnvParams, State
@@ -26,7 +27,17 @@ from home_mjx.training.rollout import Policy, split_keys, to_envs, to_rows
 MAX_EPISODES = 1_000_000  # maximum episodes of one evaluation; their rows are sampled in advance, all at once
 MAX_PARALLEL_EPISODES = 256  # maximum number of episodes that run in parallel
 
-Results = dict[str, np.ndarray]  # metric name -> one number per episode
+
+class Results(dict[str, np.ndarray]):
+    """Metrics of episodes: one number per episode by name."""
+
+    def _repr_html_(self) -> str:
+        """Return the mean of each metric with its standard error, for notebooks."""
+        known = {name: values[np.isfinite(values)] for name, values in self.items()}
+        figures = summarize({name: values for name, values in known.items() if len(values)})
+        rows = {name: f"{x['mean']:.3f} ± {x['stderr']:.3f}" for name, x in figures.items()}
+        rows |= dict.fromkeys(self.keys() - rows.keys(), "unknown")
+        return format_table(f"Results of {max(map(len, self.values()), default=0)} episodes", rows)
 
 
 TRAINING_ONLY = ("terminate_on_failure", "episodes")  # options that ease learning, and the training episodes
@@ -120,7 +131,7 @@ def evaluate(
     for start in range(0, num_episodes, batch):
         numbers = jnp.arange(start, start + batch, dtype=jnp.int32)
         parts.append(jax.device_get(play(env.params, net, keys[start : start + batch], numbers)))
-    return {name: np.concatenate([part[name] for part in parts])[:num_episodes] for name in parts[0]}
+    return Results({name: np.concatenate([part[name] for part in parts])[:num_episodes] for name in parts[0]})
 
 
 def check_episodes(num: object) -> None:
@@ -168,7 +179,7 @@ def expert_policy(net: Any = None) -> Policy:
     return Policy(lambda memory, obs, begins, keys: (memory, obs[EXPERT], {}))
 
 
-def summarize(results: Results) -> dict[str, dict[str, float]]:
+def summarize(results: Mapping[str, np.ndarray]) -> dict[str, dict[str, float]]:
     """Compute mean and standard error (population deviation / sqrt(n)) of every metric over episodes.
 
     Example:

@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt16
 
+from home_mjx.core.notebook_html import format_table
 from home_mjx.core.pytree import Pytree, array, static
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.state import Episodes, resolve_rows
@@ -56,6 +57,17 @@ class TaskBank(Pytree):
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
+
+    def _repr_html_(self) -> str:
+        """Return the numbers of rows of each generator and house, for notebooks."""
+        house = np.asarray(self.rows.house)
+        counts: dict[str, Any] = {"rows": len(self), "houses": len(np.unique(house))}
+        if len(house):
+            counts["rows of a house"] = f"{np.bincount(house)[np.unique(house)].mean():.1f}"
+        if self.names and "task" in self.rows.columns:
+            number = np.bincount(np.asarray(self.rows.columns["task"]), minlength=len(self.names))
+            counts |= dict(zip(self.names, number.tolist(), strict=True))
+        return format_table("TaskBank", counts)
 
     def pick(self, index: Int[Array, "..."]) -> "TaskBank":
         """Return a bank with some rows, such as those of a split, and all fields; raises as `Episodes.pick` does."""
