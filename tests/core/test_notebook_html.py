@@ -11,7 +11,6 @@ from PIL import Image
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.notebook_html import format_curves, format_plan, format_table
-from home_mjx.training.evaluation import Results
 from home_mjx.viewer.pictures.response_view import ResponseView
 
 
@@ -47,6 +46,9 @@ def test_a_bank_shows_its_rooms_and_area():
 
 
 def test_results_have_mean_and_error():
+    pytest.importorskip("flax", reason="needs the extra `train`")
+    from home_mjx.training.evaluation import Results
+
     html = Results({"success": np.array([1.0, 0.0, 1.0, 0.0]), "spl": np.array([np.nan])})._repr_html_()
     assert "<td>success</td><td>0.500 ± 0.250</td>" in html
     assert "<td>spl</td><td>unknown</td>" in html

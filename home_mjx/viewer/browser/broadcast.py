@@ -1,5 +1,6 @@
 """Observer that shows episodes in browser pages: scene, picture, sound and state of each step."""
 
+import dataclasses
 import json
 import time
 from collections.abc import Callable, Sequence
@@ -14,7 +15,7 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.sensors.selection import state_owners
-from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, encode_jpeg
+from home_mjx.viewer.browser.live_camera import MIN_SIZE, LiveCamera, PictureOptions, PicturePace, encode_jpeg
 from home_mjx.viewer.browser.scene.scene_tree import SceneObserver, SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
 from home_mjx.viewer.browser.tiles import TileCamera, count_columns, encode_tiles
@@ -22,6 +23,7 @@ from home_mjx.viewer.episodes.episode import format_status
 from home_mjx.viewer.episodes.observers import SOUND_STATE
 from home_mjx.viewer.episodes.viewpoints import FREE
 
+REFINE_SECONDS = 0.3  # [s], without a step before a picture of full size follows a smaller one
 TILE_SECONDS = 0.25  # [s], between grids of several environments
 SOUND_DELAY = 0.35  # [s], of sound that pages store before they play it
 
@@ -41,6 +43,7 @@ class Broadcast(Observer):
         env: The environment of the run.
         step: The last step.
         picture_seconds: Time to render and encode the last picture [s].
+        adapts: Whether pictures of steps are smaller if they are slow; `refine` must then be called between steps.
     """
 
     def __init__(self, server: ViewServer, tree: SceneTree, options: PictureOptions) -> None:
@@ -48,12 +51,13 @@ class Broadcast(Observer):
         self._scene = SceneObserver(tree)
         self.env: Env[HouseholdEnv] | None = None
         self.step: EpisodeStep | None = None
-        self.picture_seconds = 0.0
+        self.picture_seconds, self.adapts = 0.0, False
         self.state: dict[str, Any] = {}
         self._picture: bytes | None = None
         self._free: Camera | None = None
         self._tile_camera: TileCamera | None = None
-        self._tiled_at = 0.0
+        self._tiled_at = self._drawn_at = 0.0
+        self._pace, self._look, self._is_coarse = PicturePace(), options, False
 
     def on_run_start(self, start: RunStart) -> None:
         """Store the environment, and make the programs for its poses and pictures."""
@@ -78,19 +82,39 @@ class Broadcast(Observer):
         self._scene.on_episode_step(step)
         if self.has_sound and step.index and not is_repeated and self.server.sound.num_pages:
             self.server.sound.publish(encode_sound(step.state.world.sensor_states[SOUND_STATE].frame))
-        self.draw()
+        self.draw(is_moving=step.index > 0)
         self.tell(status=format_status(self.env, step, self.name))
 
-    def draw(self) -> None:
-        """Render and send the picture of the last step, if a page is open."""
+    def draw(self, is_moving: bool = False) -> None:
+        """Render and send the picture of the last step, if a page is open; a smaller one if it moves and is slow."""
         if self.env is None or self.step is None or not self.server.live.num_pages:
             return
-        began, options = time.perf_counter(), self.options
+        options = self._reduced(self.step.state) if is_moving and self.adapts else self.options
+        is_first, began = not self._camera.is_ready(options), time.perf_counter()
         self._picture = encode_jpeg(self._camera.capture(self.step.state, options))
-        self.picture_seconds = time.perf_counter() - began
+        self._drawn_at, self._is_coarse = time.perf_counter(), options.size < self.options.size
+        self.picture_seconds = self._drawn_at - began
+        if not is_first:  # that compiled
+            self._pace.record(options.size, self.picture_seconds)
         self.server.live.publish(self._picture)
         shader = f", {options.shader}" if options.kind == "colours" else ""
         self.tell(caption=f"{options.viewpoint}: {options.kind}{shader}, {options.size} px")
+
+    def refine(self) -> None:
+        """Draw the last step at full size, once nothing has moved for `REFINE_SECONDS` since a smaller picture."""
+        if self._is_coarse and time.perf_counter() - self._drawn_at > REFINE_SECONDS:
+            self.draw()
+
+    def _reduced(self, state: State) -> PictureOptions:
+        """Return options of a size that is fast enough; the full one while a smaller one still compiles."""
+        look = dataclasses.replace(self.options, size=MIN_SIZE)
+        if look != self._look:
+            self._look, self._pace = look, PicturePace()
+        options = dataclasses.replace(self.options, size=self._pace.choose(self.options.size))
+        if options != self.options and not self._camera.is_ready(options):
+            self._camera.prepare(state, options)
+            return self.options
+        return options
 
     def draw_tiles(self, numbers: Sequence[int], watched: int, get_states: Callable[[], State]) -> None:
         """Render and send the grid of several environments, if a page is open and the last grid is old enough.

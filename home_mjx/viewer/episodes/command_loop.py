@@ -22,12 +22,14 @@ class CommandLoop:
         is_paused: No step is due.
         speed: Simulated seconds per second.
         due: Time at which the next step is due, as of `time.perf_counter` [s].
+        between_steps: Function that is called in each round of the loop, paused or not.
     """
 
     def __init__(self, on_error: Callable[[str], None] = lambda text: None) -> None:
         self.is_paused, self.speed, self.due = False, 1.0, 0.0
         self._is_stopped, self._on_error = False, on_error
         self._commands: queue.Queue[Callable[[], Any]] = queue.Queue()
+        self.between_steps: Callable[[], None] = lambda: None
 
     def post(self, command: Callable[[], Any]) -> None:
         """Run a command between two steps, soon; from any thread."""
@@ -46,6 +48,7 @@ class CommandLoop:
         while not self._is_stopped:
             wait = MAX_WAIT if self.is_paused else min(max(self.due - time.perf_counter(), 0.0), MAX_WAIT)
             self._run_command(wait)
+            self.between_steps()
             if not self.is_paused and time.perf_counter() >= self.due:
                 self.turn()
 

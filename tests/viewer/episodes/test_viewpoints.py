@@ -11,7 +11,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.cameras.camera import Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.viewer.browser.free_camera import convert_camera
-from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
+from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions, PicturePace
 from home_mjx.viewer.browser.tiles import TileCamera, stack_states
 from home_mjx.viewer.episodes.viewpoints import FIRST, FREE, THIRD, TOP, EpisodeCamera
 from home_mjx.viewer.pictures.top_view import CUT_HEIGHT
@@ -115,3 +115,17 @@ def test_a_tile_of_the_grid_is_its_environment(env, state):
             assert np.abs(cell.astype(float) - expected).mean() < 0.5  # rounding under vmap
         assert not np.array_equal(*cells[:2])
         assert (grid[64:, 64:] == 0).all()
+
+
+def test_pictures_shrink_while_they_are_slow_and_grow_again():
+    pace, cost = PicturePace(), 4e-7  # [s] per pixel: 105 ms at 512 px
+    for _ in range(30):
+        size = pace.choose(512)
+        pace.record(size, cost * size**2)
+    assert size == 256
+    for _ in range(30):
+        size = pace.choose(512)
+        pace.record(size, cost / 10 * size**2)
+    assert size == 512
+    pace.record(512, 60.0)
+    assert pace.choose(512) == 128

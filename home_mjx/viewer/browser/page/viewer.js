@@ -34,7 +34,7 @@ async function showFrame(data) {
   while (frames[0] < now - 2000) frames.shift();
   window.viewer.frames += 1;
   $("rate").textContent = frames.length > 2
-    ? `${(1000 * (frames.length - 1) / (now - frames[0])).toFixed(0)} frames/s` : "";
+    ? `${(1000 * (frames.length - 1) / Math.max(now - frames[0], 500)).toFixed(0)} frames/s` : "";
 }
 
 async function showTiles(data) {

@@ -1,0 +1,56 @@
+"""Pictures of a broadcast without a page: smaller while they move and are slow, whole once they rest."""
+
+import io
+from collections.abc import Iterator
+from types import SimpleNamespace
+
+import jax
+import pytest
+
+pytest.importorskip("viser", reason="needs the extra `view`")
+
+from handmade import shoebox
+from PIL import Image
+
+import home_mjx
+from home_mjx.bank.bank import HouseBank
+from home_mjx.tasks.env.observers import EpisodeStep
+from home_mjx.viewer.browser import broadcast
+from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
+from home_mjx.viewer.browser.scene.scene_tree import SceneTree
+from home_mjx.viewer.browser.serving.channel import Channel
+from home_mjx.viewer.browser.serving.server import ViewServer
+
+
+@pytest.fixture
+def server() -> Iterator[ViewServer]:
+    with ViewServer(port=0) as server:
+        yield server
+
+
+def test_a_slow_picture_is_refined_once_nothing_moves(server: ViewServer, monkeypatch):
+    bank = HouseBank.from_compiled([shoebox()])
+    env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic")
+    state = jax.jit(env.core.reset)(env.params, jax.random.key(0))
+    sent, clock = [], [0.0]
+    monkeypatch.setattr(Channel, "num_pages", 1)
+    monkeypatch.setattr(server.live, "publish", sent.append)
+    monkeypatch.setattr(broadcast, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
+    shown = broadcast.Broadcast(server, SceneTree(server.scene, lambda group, index: None), PictureOptions(size=64))
+    shown.env, shown.step, shown._camera = env, EpisodeStep(5, state, None, 0.0), LiveCamera(env)
+    shown.adapts = True
+
+    def sizes() -> list[int]:
+        return [Image.open(io.BytesIO(data)).width for data in sent if isinstance(data, bytes)]
+
+    shown.draw(is_moving=True)
+    shown._pace.record(64, 1.0)
+    shown.draw(is_moving=True)  # the small one compiles in a thread
+    shown._camera._thread.join()
+    shown.draw(is_moving=True)
+    shown.refine()
+    assert sizes() == [64, 64, 16]
+    clock[0] = 1.0
+    shown.refine()
+    shown.refine()
+    assert sizes() == [64, 64, 16, 64]
