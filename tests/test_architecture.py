@@ -67,6 +67,7 @@ LAZY: Mapping[str, str] = {
     "home_mjx.audio_jax.kernels.cpu.xla_calls": "Numba kernels compile on first use",
     "home_mjx.audio_jax.late_reverb.lookup.coupled_decay": "Numba kernels compile on first use",
     "home_mjx.audio_jax.late_reverb.bake.field_cache": "Numba is loaded where a house is baked",
+    "home_mjx.bank.bank": "HTML is formatted in notebooks alone",
     "home_mjx.cli": "a command loads only its own part, so that --help is quick",
     "home_mjx.light_probes.bake": "Numba is loaded where a house is baked",
     "home_mjx.core.native.kernel": "Numba and nvcc are loaded when a kernel is built",

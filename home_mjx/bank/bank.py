@@ -16,10 +16,8 @@ from home_mjx.bank.records.bank_arrays import RECORDS, BankArrays, group_by_reco
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry
 from home_mjx.core.native.fork_guard import record_process
-from home_mjx.core.notebook_html import format_plan, format_table
 from home_mjx.schema.compiled import CompiledHouse
 
-MAX_PLANS = 4  # houses that a notebook shows
 FINGERPRINT_FACTOR = 16777619  # prime factor of the FNV-1 hash
 
 
@@ -60,16 +58,11 @@ class HouseBank(BankArrays):
 
     def _repr_html_(self) -> str:
         """Return counts and the plans of the first houses' lowest storeys, for notebooks."""
-        room, cells = np.asarray(self.navigation.room[:MAX_PLANS, 0]), np.asarray(self.navigation.num_cells)
-        counts = {
-            "houses": self.num_houses,
-            "instances of a house": f"{(np.asarray(self.geometry.instance_model) >= 0).sum(axis=1).mean():.0f}",
-            "rooms of the first storey": ", ".join(str(len(np.unique(plan[plan >= 0]))) for plan in room),
-            "walkable area": f"{cells.mean() * self.spec.cell**2:.0f} m² a house",
-            "bakes": ", ".join(self.bakes) or "none",
-        }
-        plans = "".join(format_plan(plan, name) for plan, name in zip(room, self.house_ids, strict=False))
-        return format_table("HouseBank", counts) + plans
+        from home_mjx.core.notebook_html import format_houses
+
+        area = np.asarray(self.navigation.num_cells) * self.spec.cell**2  # [m^2]
+        objects = (np.asarray(self.geometry.instance_model) >= 0).sum(axis=1)
+        return format_houses(self.house_ids, np.asarray(self.navigation.room[:, 0]), objects, area, tuple(self.bakes))
 
     def clip_house_index(self, house: Int[Array, "*n"] | int) -> Int[Array, "*n"]:
         """Clip house indices to 0..`num_houses` - 1, see `Geometry.clip_house_index`."""

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 COLOURS = ("#e0a458", "#4caf72", "#5a96fa", "#d9534f", "#b07cd8", "#4ec9c9")
+MAX_PLANS = 4  # houses whose plans are shown
 PLAN_SIDE = 180  # [px], longest side of a plan
 MAX_CURVE_POINTS = 600
 ROOM_PALETTE = np.array(
@@ -46,6 +47,34 @@ def format_plan(rooms: Int[np.ndarray, "rows columns"], caption: str) -> str:
     style = "image-rendering:pixelated"
     figure = f'<img {size} style="{style}" src="data:image/png;base64,{_png(image)}">'
     return f'<span style="display:inline-block;margin:4px">{figure}<br>{escape(caption)}</span>'
+
+
+def format_houses(
+    names: Sequence[str],
+    rooms: Int[np.ndarray, "h rows columns"],
+    num_instances: Int[np.ndarray, " h"],
+    area: Float[np.ndarray, " h"],
+    bakes: Sequence[str],
+) -> str:
+    """Return counts of a bank's houses, and the plans of the first ones.
+
+    Args:
+        names: Ids of the houses.
+        rooms: Room of each cell of the lowest storeys; -1 none.
+        num_instances: Number of instances of each house.
+        area: Walkable area of each house [m^2].
+        bakes: Names of baked records.
+    """
+    first = rooms[:MAX_PLANS]
+    counts = {
+        "houses": len(names),
+        "instances of a house": f"{num_instances.mean():.0f}",
+        "rooms of the first storey": ", ".join(str(len(np.unique(plan[plan >= 0]))) for plan in first),
+        "walkable area": f"{area.mean():.0f} m² a house",
+        "bakes": ", ".join(bakes) or "none",
+    }
+    plans = (format_plan(plan, name) for plan, name in zip(first, names, strict=False))
+    return format_table("HouseBank", counts) + "".join(plans)
 
 
 def format_curves(
