@@ -100,6 +100,11 @@ class Broadcast(Observer):
         shader = f", {options.shader}" if options.kind == "colours" else ""
         self.tell(caption=f"{options.viewpoint}: {options.kind}{shader}, {options.size} px")
 
+    def prepare(self) -> None:
+        """Compile the program of pictures in a thread, before the first page opens."""
+        if self.step is not None and not self._camera.is_ready(self.options):
+            self._camera.prepare(self.step.state, self.options)
+
     def refine(self) -> None:
         """Draw the last step at full size, once nothing has moved for `REFINE_SECONDS` since a smaller picture."""
         if self._is_coarse and time.perf_counter() - self._drawn_at > REFINE_SECONDS:

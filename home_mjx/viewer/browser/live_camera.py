@@ -71,9 +71,12 @@ class LiveCamera:
         self.free: Camera | None = None
         self._ready: set[PictureOptions] = set()
         self._thread: threading.Thread | None = None
+        self._preparing: PictureOptions | None = None
 
     def capture(self, state: State, options: PictureOptions) -> UInt8[np.ndarray, "h w 3"]:
         """Render the picture of a state of one environment; each new choice of options compiles once."""
+        if options == self._preparing and threading.current_thread() is not self._thread and self._thread is not None:
+            self._thread.join()  # rather than to compile it twice
         if options.viewpoint == FREE and self.free is None:
             return self.capture(state, dataclasses.replace(options, viewpoint=TOP))
         image = np.asarray(self._see(self.env.params, state, self._spot(state, options), options))
@@ -91,6 +94,7 @@ class LiveCamera:
     def prepare(self, state: State, options: PictureOptions) -> None:
         """Compile the program of some options in a thread; one at a time."""
         if self._thread is None or not self._thread.is_alive():
+            self._preparing = options
             self._thread = threading.Thread(target=self.capture, args=(state, options), daemon=True)
             self._thread.start()
 

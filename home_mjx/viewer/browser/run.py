@@ -75,6 +75,7 @@ class PageViewer:
 
     def run(self) -> None:
         """Run the loop in real time until `stop` or an interrupt."""
+        self.broadcast.prepare()
         self.broadcast.adapts, self.session.between_steps = True, self.broadcast.refine
         self.session.run()
 

@@ -43,7 +43,9 @@ def test_a_slow_picture_is_refined_once_nothing_moves(server: ViewServer, monkey
     def sizes() -> list[int]:
         return [Image.open(io.BytesIO(data)).width for data in sent if isinstance(data, bytes)]
 
+    shown.prepare()
     shown.draw(is_moving=True)
+    assert shown._camera._see._cache_size() == 1  # compiled once, in the thread
     shown._pace.record(64, 1.0)
     shown.draw(is_moving=True)  # the small one compiles in a thread
     shown._camera._thread.join()
