@@ -32,13 +32,13 @@ from home_mjx.raycast_render.backends.registry import KERNEL
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.render import render
+from home_mjx.raycast_render.lighting.texture import albedo, encode_srgb
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import unit_normals
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders.fast import shade_headlight
 from home_mjx.raycast_render.shaders.lit import LitShader
-from home_mjx.raycast_render.shaders.texture import albedo, encode_srgb
 
 ROUNDS = 5
 ROUND_SECONDS = 0.06

@@ -29,11 +29,12 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.houses import HouseSet, add_bakes
 from home_mjx.light_probes import LightProbeBake, ProbeOptions
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.lighting import lights
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import semantics
 from home_mjx.raycast_render.scene.types import Hit
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lights, lit
+from home_mjx.raycast_render.shaders import lit
 from home_mjx.raycast_render.shaders.baked import BakedShader
 from home_mjx.schema.compiled import CompiledHouse, RayKind
 from home_mjx.schema.semantic import Semantic

@@ -14,6 +14,7 @@ from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.flow import optical_flow
 from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
 from home_mjx.raycast_render.images.render import KINDS, render
+from home_mjx.raycast_render.lighting.texture import albedo
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.surface import unit_normals
 from home_mjx.raycast_render.scene.types import DynamicInstances, Hit, Rays, Scene
@@ -28,7 +29,6 @@ from home_mjx.raycast_render.shaders.base import (
 )
 from home_mjx.raycast_render.shaders.fast import FastShader
 from home_mjx.raycast_render.shaders.lit import LitShader
-from home_mjx.raycast_render.shaders.texture import albedo
 
 __all__ = [
     "KINDS",

@@ -7,9 +7,9 @@ import numpy as np
 from handmade import shoebox
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.raycast_render.lighting import lights
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lights
 from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.schema.lighting import LightTable
 

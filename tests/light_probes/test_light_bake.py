@@ -13,8 +13,8 @@ from home_mjx.bank.records.lights import NUM_GROUPS, OTHER_LAMPS, OWN_LAMPS, SUN
 from home_mjx.core.color import encode_srgb
 from home_mjx.light_probes import ProbeOptions, solve
 from home_mjx.light_probes.field import stack_fields
+from home_mjx.raycast_render.lighting.probes import Daylight, mix_groups, probe_irradiance, unpack_colors
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders.probes import Daylight, mix_groups, probe_irradiance, unpack_colors
 
 FEW = ProbeOptions(spacing=0.7, rays=64)
 NIGHT = Daylight(sky=0.0, horizon=Vec(1.0, 1.0, 1.0), sun=Vec(0.0, 0.0, 0.0), azimuth=0.0)

@@ -16,11 +16,11 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.light_probes import field
 from home_mjx.light_probes.field import stack_fields
 from home_mjx.raycast_render import LitShader
+from home_mjx.raycast_render.lighting.probes import mix_groups, pack_colors, probe_irradiance
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders.baked import BakedShader
 from home_mjx.raycast_render.shaders.base import prepare_shaders
-from home_mjx.raycast_render.shaders.probes import mix_groups, pack_colors, probe_irradiance
 from home_mjx.tasks import AutoReset, EnvParams, HouseholdEnv, Variation, make_config
 from home_mjx.tasks.env import autoreset
 

@@ -18,13 +18,13 @@ from home_mjx.light_probes.field import pack_colors, stack_fields
 from home_mjx.light_probes.lattice import place_probes
 from home_mjx.raycast_render import LitShader
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.lighting.lights import ShadingPoint
+from home_mjx.raycast_render.lighting.probes import unpack_colors
+from home_mjx.raycast_render.lighting.texels import find_chart, mix_texels, texel_irradiance
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.surface import face_normals
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders.baked import BakedShader
-from home_mjx.raycast_render.shaders.lights import ShadingPoint
-from home_mjx.raycast_render.shaders.probes import unpack_colors
-from home_mjx.raycast_render.shaders.texels import find_chart, mix_texels, texel_irradiance
 from home_mjx.schema.semantic import Semantic
 
 LAMP = np.array([0.3, 0.2, 1.2])

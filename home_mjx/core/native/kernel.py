@@ -167,9 +167,16 @@ def register_target(name: str, function: Any, *kept: object) -> None:
 def _call(
     target: str, operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct], attributes: Mapping[str, Any]
 ) -> tuple[Array, ...]:
-    """Call an FFI target with operands converted to float32 or int32; results vary over the operands' mesh axes."""
-    plain = (x.astype(jnp.float32 if jnp.issubdtype(x.dtype, jnp.floating) else jnp.int32) for x in operands)
+    """Call an FFI target with operands as of `_plain`; results vary over the operands' mesh axes."""
+    plain = (_plain(x) for x in operands)
     return varying_as(operands, jax.ffi.ffi_call(target, tuple(results))(*plain, **attributes))
+
+
+def _plain(operand: Array) -> Array:
+    """Return an operand in float32 or int32; uint32 stays, since kernels read its bits and a conversion copies it."""
+    if operand.dtype == jnp.uint32:
+        return operand
+    return operand.astype(jnp.float32 if jnp.issubdtype(operand.dtype, jnp.floating) else jnp.int32)
 
 
 def _is_cpu_default() -> bool:

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.raycast_render.shaders.texture import SRGB_TO_LINEAR, encode_srgb
+from home_mjx.raycast_render.lighting.texture import SRGB_TO_LINEAR, encode_srgb
 
 DISPARITY_SCALE = 351.3  # [m], disparity times depth; the published model has 35130 with centimetres
 SHIFT_STD = 0.5  # [px], standard deviation of the shift of a reading

@@ -6,10 +6,10 @@ from jaxtyping import Array, Float, Int
 from home_mjx.core.checks import check_names, check_number, check_type
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, check_camera
 from home_mjx.raycast_render.images.view import View
+from home_mjx.raycast_render.lighting.texture import albedo
 from home_mjx.raycast_render.scene import surface
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.shaders.base import ShaderSpec, resolve_shader
-from home_mjx.raycast_render.shaders.texture import albedo
 from home_mjx.schema.semantic import Semantic
 
 SEMANTIC_KINDS = {

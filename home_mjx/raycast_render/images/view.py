@@ -14,10 +14,10 @@ from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras import sampling
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, is_valid_camera
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.lighting.texture import encode_srgb
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, check_shader_bakes
-from home_mjx.raycast_render.shaders.texture import encode_srgb
 from home_mjx.schema.compiled import RayKind
 
 

@@ -8,14 +8,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Int
 
 from home_mjx.bank.records.lights import LIGHT_PROBES, SUN_ELEVATION, TEXEL_SUN_AZIMUTH, LightProbes
+from home_mjx.raycast_render.lighting import lights
+from home_mjx.raycast_render.lighting.probes import Daylight, probe_room
+from home_mjx.raycast_render.lighting.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select
-from home_mjx.raycast_render.shaders import lights
 from home_mjx.raycast_render.shaders.base import register_shader
 from home_mjx.raycast_render.shaders.lit import LitShader, probe_light
-from home_mjx.raycast_render.shaders.probes import Daylight, probe_room
-from home_mjx.raycast_render.shaders.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
 
 
 @register_shader
@@ -38,7 +38,7 @@ class BakedShader(LitShader):
         """Return irradiance and specular radiance as of `LitShader`; `ambient` scales all light of texels."""
         probes: LightProbes = scene.bank.bakes[LIGHT_PROBES]
         point = point.replace(room=probe_room(scene, point))
-        chart, sunny = find_chart(scene, probes, hit), self._has_texel_sun(scene.appearance)
+        chart, sunny = find_chart(scene, probes, hit), self._texels_have_sun(scene.appearance)
         fixed = texel_irradiance(probes, self._texels(scene, probes), scene.house, point.pos, chart)
         light = select(chart < 0, probe_light(scene, probes, point, self), fixed) * self.ambient
         others = point.replace(instance=jnp.where(chart < 0, point.instance, -1))
@@ -52,9 +52,13 @@ class BakedShader(LitShader):
         self, probes: LightProbes, house: Int[Array, ""], look: AppearanceOverrides | None, day: Daylight
     ) -> MixedTexels:
         """Mix the light of texels with that of key lamps, and of the sun where it stands for texels."""
-        return mix_texels(probes, house, look, day, self.num_lights > 0, self._has_texel_sun(look))
+        return mix_texels(probes, house, look, day, self.num_lights > 0, self._texels_have_sun(look))
 
-    def _has_texel_sun(self, look: AppearanceOverrides | None) -> bool:
+    def _texels_have_lamps(self) -> bool:
+        """Return whether texels have the light of key lamps."""
+        return True
+
+    def _texels_have_sun(self, look: AppearanceOverrides | None) -> bool:
         """Return whether the sun stands where it stands for the texels, in every episode."""
         fixed = look is None or (look.sun_azimuth is None and look.sun_elevation is None)
         return fixed and (self.sun_azimuth, self.sun_elevation) == (TEXEL_SUN_AZIMUTH, SUN_ELEVATION)

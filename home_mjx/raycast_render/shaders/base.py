@@ -5,45 +5,21 @@ object is its class.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, TypeVar, runtime_checkable
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.checks import check_frozen_dataclass, shorten
 from home_mjx.core.paths import installed
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
-from home_mjx.raycast_render.cameras.camera import Camera, Lens
+from home_mjx.raycast_render.lighting.specular import CameraRays
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_exposure
-from home_mjx.raycast_render.scene.types import Hit, Scene
+from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
 
 GROUP = "home_mjx.shaders"
-
-
-@dataclass(frozen=True)
-class CameraRays:
-    """One ray per pixel through the same sample point, with its first hit.
-
-    Attributes:
-        origin: Origins of the rays [m], world.
-        direction: Directions, world; of unit length for some models of `lens` only.
-        hit: First hits; `hit.t` is in units of the direction's length.
-        camera: Camera that casts the rays.
-        lens: Its projection model and resolution.
-        sample: Index of the sample; 0 is the pixel's centre.
-        exclude: Object id hidden from the camera; -1 none.
-    """
-
-    origin: Float[Array, "*image 3"]
-    direction: Float[Array, "*image 3"]
-    hit: Hit
-    camera: Camera
-    lens: Lens
-    sample: Int[Array, ""] | int
-    exclude: Int[Array, ""] | int
 
 
 @runtime_checkable

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
+from home_mjx.raycast_render.lighting.texture import albedo
 from home_mjx.raycast_render.scene.appearance import instance_glow
 from home_mjx.raycast_render.scene.surface import semantics, unit_normals
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, take
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, register_shader
-from home_mjx.raycast_render.shaders.texture import albedo
 from home_mjx.schema.semantic import Semantic
 
 AMBIENT_WEIGHT = 0.35  # irradiance factor of every surface

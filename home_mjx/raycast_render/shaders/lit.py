@@ -15,10 +15,28 @@ from jaxtyping import Array, Float, Int
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import LIGHT_PROBES, NUM_KEY_LAMPS, LightProbes
 from home_mjx.core.checks import check_number
+from home_mjx.core.native.platforms import with_fallback_gradient
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras.camera import pixel_footprint
 from home_mjx.raycast_render.cameras.sampling import sample_points
 from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.light_kernel import surface_light as native
+from home_mjx.raycast_render.lighting import lights, texture
+from home_mjx.raycast_render.lighting.gloss import edge_factor, reflect_view, uniform_gloss
+from home_mjx.raycast_render.lighting.probes import (
+    Daylight,
+    MixedProbes,
+    PreparedLight,
+    mix_groups,
+    open_irradiance,
+    pack_colors,
+    probe_irradiance,
+    probe_room,
+    varies,
+)
+from home_mjx.raycast_render.lighting.specular import PathState, start_path, trace_specular
+from home_mjx.raycast_render.lighting.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
+from home_mjx.raycast_render.lighting.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
 from home_mjx.raycast_render.scene.appearance import (
     AppearanceOverrides,
     instance_glow,
@@ -38,23 +56,7 @@ from home_mjx.raycast_render.scene.surface import (
 )
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
-from home_mjx.raycast_render.shaders import lights, texture
 from home_mjx.raycast_render.shaders.base import CameraRays, Shader, find_prepared, register_shader
-from home_mjx.raycast_render.shaders.gloss import edge_factor, reflect_view, uniform_gloss
-from home_mjx.raycast_render.shaders.probes import (
-    Daylight,
-    MixedProbes,
-    PreparedLight,
-    mix_groups,
-    open_irradiance,
-    pack_colors,
-    probe_irradiance,
-    probe_room,
-    varies,
-)
-from home_mjx.raycast_render.shaders.specular import PathState, start_path, trace_specular
-from home_mjx.raycast_render.shaders.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
-from home_mjx.raycast_render.shaders.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
@@ -151,18 +153,68 @@ class LitShader(Shader):
         """Compute the radiance along camera rays, by glass and mirrors too [W/m^2/sr]; that of the sky on a miss."""
         path, growth = start_path(rays), pixel_footprint(rays.camera, rays.lens)[1]
         path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
+        light = _add_glow(scene, path.hit, self._surface_light(scene, path, growth, self._light_sample(rays)))
+        above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
+        return path.throughput * select(path.hit.instance < 0, above, light)
+
+    def _surface_light(
+        self, scene: Scene, path: PathState, growth: Float[Array, ""], sample: lights.LightSample
+    ) -> Vec:
+        """Compute the radiance of surfaces [W/m^2/sr], by a kernel where there is one; arbitrary on a miss."""
+
+        def compose(scene: Scene, path: PathState, growth: Float[Array, ""]) -> Array:
+            """Compute it by operations of JAX."""
+            return self._composed_light(scene, path, growth, sample).pack()
+
+        def fuse(scene: Scene, path: PathState, growth: Float[Array, ""]) -> Array:
+            """Compute it by the kernel."""
+            probes: LightProbes = scene.bank.bakes[LIGHT_PROBES]
+            return native.surface_light(scene, probes, path, growth, self._light_inputs(scene, probes))
+
+        has_kernel = LIGHT_PROBES in scene.bank.bakes and sample is None and not self.reflections
+        kernels = {"cpu": fuse} if has_kernel and scene.backend != "xla" and native.KERNEL.is_usable("cpu") else {}
+        return Vec.unpack(with_fallback_gradient(compose, kernels)(scene, path, growth))
+
+    def _composed_light(
+        self, scene: Scene, path: PathState, growth: Float[Array, ""], sample: lights.LightSample
+    ) -> Vec:
+        """Compute `_surface_light` by operations of JAX."""
         row = jnp.maximum(material_rows(scene, path.hit), 0)
         frame = _hit_frame(scene, path)
         point = _shading_point(scene, path, frame, row)
         color = _diffuse_reflectance(scene, path, frame, row, growth)
         # The barrier prevents recomputation of the surface for every light.
         point, color, row = jax.lax.optimization_barrier((point, color, row))
-        sample = self._light_sample(rays)
         diffuse, specular = self.incident(scene, path.hit, point, sample)
-        light = color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * specular
-        light = _add_glow(scene, path.hit, light)
-        above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
-        return path.throughput * select(path.hit.instance < 0, above, light)
+        return color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * specular
+
+    def _light_inputs(self, scene: Scene, probes: LightProbes) -> native.LightInputs:
+        """Return what the kernel reads of the light of an environment."""
+        day, placed = daylight(scene.appearance, self), lights.place_lights(scene, 0.0)
+        aim = lights.sun_aim(scene.appearance, self.sun_azimuth, self.sun_elevation)
+        color = scale_daylight(scene.appearance, lights.sun_color(self.sun_elevation)) * self.sun
+        above = (Vec(*ZENITH_COLOR) * day.sky, day.horizon * day.sky, Vec(*GROUND_COLOR) * day.sky)
+        colors = [c for v in above for c in (v.x, v.y, v.z)]
+        numbers = *colors, self.ambient, *(c for v in (aim, color) for c in (v.x, v.y, v.z))
+        return native.LightInputs(
+            probe=self.mixed_probes(scene, probes).light,
+            texel=self._texels(scene, probes).light,
+            lights=placed,
+            lamps=lights.tabulate_lamps(scene, placed, probes.keys[scene.house]),
+            sky=jnp.stack([jnp.asarray(x, jnp.float32) for x in (*numbers, scene.bank.spec.cell)]),
+            num_lamps=min(self.num_lights, NUM_KEY_LAMPS),
+            sun=self.sun > 0,
+            baked=self._texels_have_lamps(),
+            sunny=self._texels_have_sun(scene.appearance),
+        )
+
+    def _texels_have_lamps(self) -> bool:
+        """Return whether texels have the light of key lamps."""
+        return False
+
+    def _texels_have_sun(self, look: AppearanceOverrides | None) -> bool:
+        """Return whether texels have the light of the sun, in every episode."""
+        return False
 
     def display(self, scene: Scene, light: Vec) -> Vec:
         """Map radiance to display light by `tone_map`; auto exposure is computed before the episode's exposure."""
@@ -176,7 +228,7 @@ class LitShader(Shader):
         probes = scene.bank.bakes.get(LIGHT_PROBES)
         if probes is None:
             indirect = _ambient(scene, point, sample, self)
-            got = lights.lamp_light(scene, lights.place_lights(scene, self.sky), point, sample, self.num_lights)
+            got = self._brightest_light(scene, point, sample)
         else:
             point = point.replace(room=probe_room(scene, point))
             indirect = self._baked_light(scene, probes, hit, point) * _near_blocking(scene, point, sample, self)
@@ -217,6 +269,13 @@ class LitShader(Shader):
         """Mix the light of texels that this shader looks up."""
         return mix_texels(probes, house, look, day)
 
+    def mixed_probes(self, scene: Scene, probes: LightProbes) -> MixedProbes:
+        """Return the light of probes in an environment: prepared, or mixed here."""
+        prepared = find_prepared(scene, self)
+        if prepared is not None:
+            return MixedProbes(prepared.probes, 0)
+        return mix_groups(probes, scene.house, scene.appearance, daylight(scene.appearance, self))
+
     def _texels(self, scene: Scene, probes: LightProbes) -> MixedTexels:
         """Return the light of texels in an environment: prepared, or mixed here."""
         prepared = find_prepared(scene, self)
@@ -228,8 +287,22 @@ class LitShader(Shader):
         self, scene: Scene, probes: LightProbes, point: lights.ShadingPoint, sample: lights.LightSample
     ) -> lights.IncidentLight:
         """Compute the direct light of the key lamps of rooms."""
-        keys = lights.KeyLamps(probes.keys[scene.house], min(self.num_lights, NUM_KEY_LAMPS))
-        return lights.lamp_light(scene, lights.place_lights(scene, 0.0), point, sample, keys.count, keys)
+        count = min(self.num_lights, NUM_KEY_LAMPS)
+        if count == 0:
+            return lights.no_light(point)
+        placed = lights.place_lights(scene, 0.0)
+        chosen = lights.key_lamps(lights.tabulate_lamps(scene, placed, probes.keys[scene.house]), point, count)
+        return lights.lamp_light(scene, placed, point, sample, chosen)
+
+    def _brightest_light(
+        self, scene: Scene, point: lights.ShadingPoint, sample: lights.LightSample
+    ) -> lights.IncidentLight:
+        """Compute the direct light of the brightest lamps and windows at each point."""
+        if self.num_lights == 0:
+            return lights.no_light(point)
+        placed = lights.place_lights(scene, self.sky)
+        chosen = lights.brightest_lights(placed, point, self.num_lights)
+        return lights.lamp_light(scene, placed, point, sample, chosen)
 
     def _sun_light(self, scene: Scene, point: lights.ShadingPoint, sample: lights.LightSample) -> lights.IncidentLight:
         """Compute the direct light of the sun."""
@@ -351,11 +424,7 @@ def _ambient(scene: Scene, point: lights.ShadingPoint, spread: lights.LightSampl
 
 def probe_light(scene: Scene, probes: LightProbes, point: lights.ShadingPoint, options: LitShader) -> Vec:
     """Return the irradiance [W/m^2] of probes; outdoors of the open sky."""
-    day, prepared = daylight(scene.appearance, options), find_prepared(scene, options)
-    if prepared is None:
-        mixed = mix_groups(probes, scene.house, scene.appearance, day)
-    else:
-        mixed = MixedProbes(prepared.probes, 0)
+    day, mixed = daylight(scene.appearance, options), options.mixed_probes(scene, probes)
     inside = probe_irradiance(probes, mixed, scene.house, point.pos, point.shading, point.room)
     outside = open_irradiance(day, Vec(*ZENITH_COLOR), Vec(*GROUND_COLOR), point.shading)
     return select(point.room < 0, outside, inside)

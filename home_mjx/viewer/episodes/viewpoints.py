@@ -13,8 +13,8 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.images.view import interval_below
+from home_mjx.raycast_render.lighting.texture import encode_srgb
 from home_mjx.raycast_render.shaders.base import ShaderSpec
-from home_mjx.raycast_render.shaders.texture import encode_srgb
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.env.env import Env

@@ -11,9 +11,9 @@ from PIL import Image, ImageDraw
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.lighting.texture import albedo, encode_srgb
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select
-from home_mjx.raycast_render.shaders.texture import albedo, encode_srgb
 from home_mjx.schema.compiled import ARCHITECTURE
 
 CUT_HEIGHT = 2.2  # [m] cut height above the floor: above furniture and doors, below lintels' tops and ceilings

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
-from home_mjx.raycast_render.shaders.texture import SRGB_TO_LINEAR
+from home_mjx.raycast_render.lighting.texture import SRGB_TO_LINEAR
 
 SIZE = 200
 

@@ -13,8 +13,8 @@ from home_mjx.navigation.grid import geodesic_distance, random_position, room_be
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, is_valid_camera
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import KINDS, SEMANTIC_KINDS, render
+from home_mjx.raycast_render.lighting import texture
 from home_mjx.raycast_render.scene.scene import make_open_scene, make_scene
-from home_mjx.raycast_render.shaders import texture
 from home_mjx.schema.semantic import Semantic
 
 SIZE = 32

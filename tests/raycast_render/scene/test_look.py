@@ -13,9 +13,9 @@ from scipy import stats
 
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
+from home_mjx.raycast_render.lighting import lights
 from home_mjx.raycast_render.scene.appearance import LAYER, RED, SWAP, AppearanceOverrides, hash_uniform, swap_textures
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lights
 from home_mjx.raycast_render.shaders.lit import LitShader
 
 SEED = jnp.uint32(12345)
@@ -45,8 +45,8 @@ def draw(bank):
 
 def lamp_light(bank, look, options=LIT):
     scene = scene_of(bank).replace(appearance=look)
-    placed = lights.place_lights(scene, options.sky)
-    return np.asarray(lights.lamp_light(scene, placed, floor_points(POINTS), None, 3).diffuse.pack())
+    placed, at = lights.place_lights(scene, options.sky), floor_points(POINTS)
+    return np.asarray(lights.lamp_light(scene, placed, at, None, lights.brightest_lights(placed, at, 3)).diffuse.pack())
 
 
 def test_without_lamps_and_daylight_it_is_dark(draw):

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.lighting.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lit
 from home_mjx.raycast_render.shaders.lit import LitShader
-from home_mjx.raycast_render.shaders.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
 
 
 def test_the_sun_is_due_south_at_noon_as_high_as_latitude_and_declination_say():

@@ -6,8 +6,8 @@ import pytest
 from lit_scenes import floor_points
 from numpy.testing import assert_allclose
 
+from home_mjx.raycast_render.lighting.gloss import edge_factor, ggx, reflect_view, uniform_gloss
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders.gloss import edge_factor, ggx, reflect_view, uniform_gloss
 
 
 def hemisphere(count=400):

@@ -8,7 +8,7 @@ from handmade import Furniture, shoebox, two_rooms
 from lit_scenes import NIGHT, floor_points, lit_bank, scene_of, table
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.raycast_render.shaders import lights
+from home_mjx.raycast_render.lighting import lights
 
 XY = np.stack(np.meshgrid(np.linspace(-2.5, 2.5, 11), np.linspace(-2, 2, 9)), axis=-1).reshape(-1, 2)
 STRATA = (np.stack(np.meshgrid(np.arange(16), np.arange(16)), axis=-1).reshape(-1, 2) + 0.5) / 8 - 1
@@ -22,8 +22,8 @@ def received(bank, xy=XY, spreads=((0.0, 0.0),), count=4, body_pos=None, **point
         at = floor_points(xy, **point)
 
         def one(spread):
-            got = lights.lamp_light(scene, placed, at, jnp.broadcast_to(spread, (len(xy), 2)), count)
-            return got.diffuse.pack()
+            chosen = lights.brightest_lights(placed, at, count)
+            return lights.lamp_light(scene, placed, at, jnp.broadcast_to(spread, (len(xy), 2)), chosen).diffuse.pack()
 
         found = jax.jit(lambda s: jnp.mean(jax.lax.map(one, s), axis=0))(jnp.asarray(spreads, jnp.float32))
     return np.asarray(found, float)

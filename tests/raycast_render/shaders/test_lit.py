@@ -18,9 +18,10 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pi
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.images.view import View
+from home_mjx.raycast_render.lighting import specular, texture
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders import lit, specular, texture
+from home_mjx.raycast_render.shaders import lit
 from home_mjx.raycast_render.shaders.base import resolve_shader
 from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.schema.lighting import Gloss

@@ -7,7 +7,7 @@ import pytest
 
 from home_mjx.bank.packing.texture_layers import load_textures, mip_levels, mip_sizes
 from home_mjx.errors import ConfigError
-from home_mjx.raycast_render.shaders import texture
+from home_mjx.raycast_render.lighting import texture
 
 SIZE = 8
 

@@ -14,7 +14,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import SWITCH_KINDS
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
-from home_mjx.raycast_render.shaders.lights import place_lights
+from home_mjx.raycast_render.lighting.lights import place_lights
 from home_mjx.schema.categories import fine_index
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks import EnvConfig, HouseholdEnv

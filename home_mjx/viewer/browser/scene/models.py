@@ -13,7 +13,7 @@ from trimesh.visual.texture import TextureVisuals
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.geometry import CUTOUT_SHIFT, LEAF_BITS
-from home_mjx.raycast_render.shaders.texture import texture_edge
+from home_mjx.raycast_render.lighting.texture import texture_edge
 
 VIEW_TEXTURE_EDGE = 128  # [px], largest edge of textures that are sent
 JPEG_QUALITY = 85

@@ -6,10 +6,7 @@ from jaxtyping import Array, Float, Int, UInt32
 
 from home_mjx.bank.records.lights import KEY_LAMPS, KEY_SUN, OTHER_LAMPS, OWN_LAMPS, LightProbes
 from home_mjx.core.pytree import Pytree
-from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
-from home_mjx.raycast_render.scene.types import Hit, Scene
-from home_mjx.raycast_render.scene.vec import Vec, take, take_vec
-from home_mjx.raycast_render.shaders.probes import (
+from home_mjx.raycast_render.lighting.probes import (
     Daylight,
     group_weights,
     lamp_factors,
@@ -17,6 +14,9 @@ from home_mjx.raycast_render.shaders.probes import (
     unpack_colors,
     varies,
 )
+from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
+from home_mjx.raycast_render.scene.types import Hit, Scene
+from home_mjx.raycast_render.scene.vec import Vec, take, take_vec
 
 
 class MixedTexels(Pytree):

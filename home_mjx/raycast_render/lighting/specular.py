@@ -1,22 +1,46 @@
 """Specular transport of camera rays: through glass and off mirrors."""
 
+from dataclasses import dataclass
+
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Materials
 from home_mjx.core.pytree import Pytree
-from home_mjx.raycast_render.cameras.camera import pixel_footprint
+from home_mjx.raycast_render.cameras.camera import Camera, Lens, pixel_footprint
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.surface import material_rows, unit_normals
 from home_mjx.raycast_render.scene.types import Hit, Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take, take_vec
-from home_mjx.raycast_render.shaders.base import CameraRays
 from home_mjx.schema.compiled import RayKind
 from home_mjx.schema.material_kinds import MATERIAL_KINDS
 
 GLASS = MATERIAL_KINDS.index("glass")
 HIT_EPSILON = 1e-4  # [m], offset from a surface at which a ray continues
+
+
+@dataclass(frozen=True)
+class CameraRays:
+    """One ray per pixel through the same sample point, with its first hit.
+
+    Attributes:
+        origin: Origins of the rays [m], world.
+        direction: Directions, world; of unit length for some models of `lens` only.
+        hit: First hits; `hit.t` is in units of the direction's length.
+        camera: Camera that casts the rays.
+        lens: Its projection model and resolution.
+        sample: Index of the sample; 0 is the pixel's centre.
+        exclude: Object id hidden from the camera; -1 none.
+    """
+
+    origin: Float[Array, "*image 3"]
+    direction: Float[Array, "*image 3"]
+    hit: Hit
+    camera: Camera
+    lens: Lens
+    sample: Int[Array, ""] | int
+    exclude: Int[Array, ""] | int
 
 
 class PathState(Pytree):

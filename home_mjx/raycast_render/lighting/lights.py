@@ -1,8 +1,7 @@
 """Direct light at surface points from the lights of a house."""
 
-import functools
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -10,12 +9,12 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.lighting.gloss import ShadingPoint, ggx
+from home_mjx.raycast_render.lighting.sun_and_sky import sun_redness
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides, scale_daylight, scale_lights
 from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, select, take
-from home_mjx.raycast_render.shaders.gloss import ShadingPoint, ggx
-from home_mjx.raycast_render.shaders.sun_and_sky import sun_redness
 from home_mjx.schema.compiled import ARCHITECTURE
 
 SHADOW_BIAS = 5e-4  # [m], offset of shadow rays above the surface at their origin
@@ -50,17 +49,11 @@ class PlacedLights(Pytree):
     room: Int[Array, "*lights"]
 
 
-class KeyLamps(NamedTuple):
-    """Lamps that light each room with shadow rays, while probes hold the light of the others."""
+class LampTables(Pytree):
+    """Rows of the light table of one environment by what they light; -1 none."""
 
-    rows: Int[Array, "rooms k"]  # rows of the light table; -1 none
-    count: int  # lights per point
-
-    def includes(self, number: Int[Array, ""], room: Int[Array, "*rays"]) -> Bool[Array, "*rays"]:
-        """Return whether light `number` is a key lamp of rooms; at points outside of rooms all are."""
-        row = jnp.clip(room, 0, self.rows.shape[0] - 1)
-        among = [take(self.rows, row, place) == number for place in range(self.rows.shape[1])]
-        return functools.reduce(jnp.logical_or, among, room < 0)
+    by_room: Int[Array, "rooms_and_none keys"]  # key lamps by room + 1: lamps that need shadow rays, brightest first
+    by_instance: Int[Array, "instances 2"]  # last and first light that a lamp carries
 
 
 class IncidentLight(Pytree):
@@ -68,6 +61,12 @@ class IncidentLight(Pytree):
 
     diffuse: Vec  # irradiance [W/m^2]
     specular: Vec  # specular radiance for a specular reflectance of 1 [W/m^2/sr]
+
+
+def no_light(point: ShadingPoint) -> IncidentLight:
+    """Return the light at points of no lamp."""
+    dark = point.pos.map(jnp.zeros_like)
+    return IncidentLight(dark, dark)
 
 
 def place_lights(scene: Scene, sky: float) -> PlacedLights:
@@ -110,38 +109,34 @@ def place_lights(scene: Scene, sky: float) -> PlacedLights:
 
 
 def lamp_light(
-    scene: Scene,
-    lights: PlacedLights,
-    point: ShadingPoint,
-    spread: LightSample,
-    count: int,
-    keys: KeyLamps | None = None,
+    scene: Scene, lights: PlacedLights, point: ShadingPoint, spread: LightSample, chosen: Int[Array, "k *rays"]
 ) -> IncidentLight:
-    """Compute irradiance and specular radiance at points, each from its `count` lights by `select_lights`; 0 for none.
+    """Compute irradiance and specular radiance at points, each from its lights `chosen`; 0 on a miss.
 
-    Shadow rays ignore the lamp that carries the light, and none start on it. `spread` has emitting positions in [-1, 1]
-    along both axes of linear and rectangular lights; None: their centres. The result is 0 on a miss.
+    Shadow rays ignore the lamp that carries the light, and none start on it.
+
+    Args:
+        scene: Scene of one environment.
+        lights: Its lights.
+        point: Shading points.
+        spread: Emitting positions in [-1, 1] along both axes of linear and rectangular lights; None: their centres.
+        chosen: Rows of the light table; -1 none.
     """
-    if count == 0:
-        none = point.pos.map(jnp.zeros_like)
-        return IncidentLight(none, none)
-    # The barriers prevent recomputation for every light and on the other side of the cast.
-    key = jax.lax.optimization_barrier(select_lights(lights, point, count, keys))
-    chosen = key & (2**INDEX_BITS - 1)
-    light = jax.tree.map(lambda column: take(column, chosen), lights)
-    at = jax.tree.map(lambda x: jnp.broadcast_to(jnp.asarray(x)[None], key.shape), point)
+    light = jax.tree.map(lambda column: take(column, jnp.maximum(chosen, 0)), lights)
+    at = jax.tree.map(lambda x: jnp.broadcast_to(jnp.asarray(x)[None], chosen.shape), point)
     source = light.pos
     if spread is not None:
         source = source + light.axis_u * spread[None, ..., 0] + light.axis_v * spread[None, ..., 1]
     own = _is_own_lamp(light, at.instance)
     strength, toward = _unoccluded_irradiance(light, source - at.pos, at, own)
-    strength = jnp.where((key >> INDEX_BITS > 0) & (light.power > 0) & (at.instance >= 0), strength, 0.0)
+    strength = jnp.where((chosen >= 0) & (light.power > 0) & (at.instance >= 0), strength, 0.0)
     start = at.pos + at.normal * SHADOW_BIAS
     way = source - start
     reach = jnp.where(
         (strength > 0) & ~own, 1 - SHADOW_RAY_END * jnp.minimum(way.inverse_norm(), 1 / SHADOW_RAY_END), -1.0
     )
     gloss = strength * ggx(at, toward)
+    # The barrier prevents recomputation on the other side of the cast.
     start, way, reach, strength, gloss = jax.lax.optimization_barrier((start, way, reach, strength, gloss))
     blocked = occluded(scene, start.pack(), way.pack(), t_max=reach, exclude=light.object_id)
 
@@ -152,12 +147,68 @@ def lamp_light(
     return IncidentLight(arriving(strength), arriving(gloss))
 
 
-def select_lights(
-    lights: PlacedLights, point: ShadingPoint, count: int, keys: KeyLamps | None = None
-) -> Int[Array, "k *rays"]:
-    """Select the lights with the highest estimated irradiance at each point, without occlusion, brightest first.
+def tabulate_lamps(scene: Scene, lights: PlacedLights, rows: Int[Array, "rooms keys"]) -> LampTables:
+    """Tabulate the lamps of rooms and instances of one environment.
 
-    With `keys` only these and a lamp's light on its own surfaces.
+    Args:
+        scene: Scene of one environment.
+        lights: Its lights.
+        rows: Rows of the light table of key lamps by room, brightest first; -1 none.
+    """
+    outside = jnp.where((lights.room < 0) & (lights.instance >= 0), lights.power, 0.0)
+    power, best = jax.lax.top_k(jnp.pad(outside, (0, rows.shape[1])), rows.shape[1])
+    size, number = scene.geometry.instance_model.shape[1], jnp.arange(len(lights.instance), dtype=jnp.int32)
+    carried = (lights.instance != ARCHITECTURE) & (lights.instance >= 0) & (lights.area == 0)
+    carrier = jnp.where(carried, lights.instance, size)
+    last = jnp.full(size, -1, jnp.int32).at[carrier].max(number, mode="drop")
+    first = jnp.full(size, len(number), jnp.int32).at[carrier].min(number, mode="drop")
+    return LampTables(
+        by_room=jnp.concatenate([jnp.where(power > 0, best, -1)[None].astype(jnp.int32), rows]),
+        by_instance=jnp.stack([last, jnp.where(last < 0, -1, first)], axis=-1),
+    )
+
+
+def key_lamps(tables: LampTables, point: ShadingPoint, count: int) -> Int[Array, "count *rays"]:
+    """Return the lamps of each point whose light is not in probes: on a lamp its own, then key lamps of the room.
+
+    At points outside of rooms, the brightest lamps without a room are the key lamps. At most two lights of a lamp count
+    as its own.
+
+    Args:
+        tables: Lamps of rooms and instances.
+        point: Shading points.
+        count: Number of lamps per point, at most the number of key lamps of a room.
+
+    Returns:
+        Rows of the light table; -1 none.
+    """
+    place = jnp.clip(point.room + 1, 0, tables.by_room.shape[0] - 1)
+    keys = [take(tables.by_room, place, i) for i in range(count)]
+    carrier = jnp.clip(point.instance, 0, tables.by_instance.shape[0] - 1)
+    for i in range(tables.by_instance.shape[1]):
+        keys = _insert(keys, jnp.where(carrier == point.instance, take(tables.by_instance, carrier, i), -1))
+    # The barrier prevents recomputation for every column of the lights.
+    return jax.lax.optimization_barrier(jnp.stack(keys))
+
+
+def _insert(rows: list[Int[Array, "*rays"]], row: Int[Array, "*rays"]) -> list[Int[Array, "*rays"]]:
+    """Insert `row` in front of `rows` where it is not -1; its other entry, or else the last one, drops out."""
+    kept = []
+    for other in rows:
+        kept.append(jnp.where(row < 0, other, row))
+        row = jnp.where((row < 0) | (row == other), -1, other)
+    return kept
+
+
+def brightest_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[Array, "k *rays"]:
+    """Return the rows of the lights that `select_lights` selects; -1 for dark ones."""
+    key = select_lights(lights, point, count)
+    # The barrier prevents recomputation for every column of the lights.
+    return jax.lax.optimization_barrier(jnp.where(key >> INDEX_BITS > 0, key & (2**INDEX_BITS - 1), -1))
+
+
+def select_lights(lights: PlacedLights, point: ShadingPoint, count: int) -> Int[Array, "k *rays"]:
+    """Select the lights with the highest estimated irradiance at each point, without occlusion, brightest first.
 
     Those of other rooms are weighted by `OTHER_ROOM_WEIGHT`; a lamp has high priority on its own surfaces. Of lights
     equal but for the lowest `INDEX_BITS` bits of irradiance, the one with the higher index comes first.
@@ -178,7 +229,7 @@ def select_lights(
         """Insert the keys of one line of lights into the best keys, which are in descending order."""
         for i in range(LIGHTS_PER_STEP):
             light, number = jax.tree.map(lambda column, i=i: column[i], line)
-            key = _light_key(light, number, point, keys)
+            key = _light_key(light, number, point)
             for place, other in enumerate(best):
                 best = [*best[:place], jnp.maximum(other, key), *best[place + 1 :]]
                 key = jnp.minimum(other, key)
@@ -203,7 +254,7 @@ def sun_light(
         azimuth: Direction to the sun from +x towards +y [degrees].
         elevation: Elevation of the sun above the horizon [degrees]; it sets the colour even if overridden.
     """
-    aim, level = _sun(scene.appearance, math.radians(azimuth), math.radians(elevation))
+    aim, level = _sun(scene.appearance, azimuth, elevation)
     way = aim.map(lambda x: jnp.full(point.instance.shape, x, jnp.float32))
     if spread is not None:
         way = way + (level * spread[..., 0] + aim.cross(level) * spread[..., 1]) * 0.0087
@@ -214,8 +265,18 @@ def sun_light(
     # The barrier prevents recomputation after the cast.
     start, reach, strength, gloss = jax.lax.optimization_barrier((start, reach, strength, gloss))
     blocked = occluded(scene, start.pack(), way.pack(), t_max=reach)
-    light = scale_daylight(scene.appearance, mix_colors(SUN_COLOR, SUNSET_COLOR, sun_redness(elevation)))
+    light = scale_daylight(scene.appearance, sun_color(elevation))
     return IncidentLight(*(light * jnp.where(blocked, 0.0, share) for share in (strength, gloss)))
+
+
+def sun_aim(look: AppearanceOverrides | None, azimuth: float, elevation: float) -> Vec:
+    """Return the unit direction to the sun, world; angles in [degrees], each that `look` has replaces the given one."""
+    return _sun(look, azimuth, elevation)[0]
+
+
+def sun_color(elevation: float) -> Vec:
+    """Return the colour of the sun's light at an elevation [degrees]."""
+    return mix_colors(SUN_COLOR, SUNSET_COLOR, sun_redness(elevation))
 
 
 def mix_colors(one: Color, other: Color, share: float) -> Vec:
@@ -226,8 +287,9 @@ def mix_colors(one: Color, other: Color, share: float) -> Vec:
 def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tuple[Vec, Vec]:
     """Return the unit direction to the sun, world, and a horizontal unit vector to the left of who faces it.
 
-    Angles in [rad]; each that `look` has replaces the given one.
+    Angles in [degrees]; each that `look` has replaces the given one.
     """
+    azimuth, elevation = math.radians(azimuth), math.radians(elevation)
     given = (None, None) if look is None else (look.sun_azimuth, look.sun_elevation)
     if given == (None, None):  # computed on the host, so that the program equals the one without overrides
         turn, rise = ((math.cos(angle), math.sin(angle)) for angle in (azimuth, elevation))
@@ -237,9 +299,7 @@ def _sun(look: AppearanceOverrides | None, azimuth: Any, elevation: Any) -> tupl
     return Vec(turn[0] * rise[0], turn[1] * rise[0], rise[1]), Vec(-turn[1], turn[0], 0.0)
 
 
-def _light_key(
-    light: PlacedLights, number: Int[Array, ""], point: ShadingPoint, keys: KeyLamps | None
-) -> Int[Array, "*rays"]:
+def _light_key(light: PlacedLights, number: Int[Array, ""], point: ShadingPoint) -> Int[Array, "*rays"]:
     """Return a sortable key: upper bits of a light's estimated irradiance (0 for padding), then its index, `number`.
 
     Lights of other rooms count `OTHER_ROOM_WEIGHT`; at points outside of rooms, all count fully. On a lamp's own
@@ -259,8 +319,6 @@ def _light_key(
     strength = jnp.where(cosine >= light.cutoff, light.power * facing * ahead * per_fall, 0.0)
     here = (light.room == point.room) | (point.room < 0)
     strength = jnp.where(here, strength, OTHER_ROOM_WEIGHT * strength)
-    if keys is not None:
-        strength = jnp.where(keys.includes(number, point.room), strength, 0.0)
     strength = jnp.where(_is_own_lamp(light, point.instance), light.power / MIN_LIGHT_DISTANCE**2, strength)
     bits = jax.lax.bitcast_convert_type(jnp.where(light.instance >= 0, strength, 0.0), jnp.int32)
     return (bits & -(2**INDEX_BITS)) | number

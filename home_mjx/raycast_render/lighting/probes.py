@@ -17,11 +17,11 @@ from home_mjx.bank.records.lights import (
     LightProbes,
 )
 from home_mjx.core.pytree import Pytree
+from home_mjx.raycast_render.lighting.gloss import ShadingPoint
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.surface import index_by_instance
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec, take, take_vec
-from home_mjx.raycast_render.shaders.gloss import ShadingPoint
 from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR
 
 PROBE_OFFSET = 0.05  # [m], distance above a surface at which probes are interpolated
