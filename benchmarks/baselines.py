@@ -90,6 +90,7 @@ CASES = (
     Case("Communication-v0", "wander"),
     Case("Fetch-v0", "wander", ("return",)),
     Case("Rearrange-v0", "wander", ("return",)),
+    Case("Toggle-v0", "wander", ("return",)),
 )
 
 

@@ -255,3 +255,8 @@ register(
 _HANDS = {"hands": True, "max_aim_angle": 10.0, "max_pitch": 1.05, "episode_length": 1000}
 for _name in ("Fetch", "Rearrange"):
     register(f"{_name}-v0", f"home_mjx.tasks.suite:{_name}", {"actions": "discrete", "stop": True, **_HANDS})
+register(
+    "Toggle-v0",
+    "home_mjx.tasks.suite:Toggle",
+    {"actions": "discrete", "stop": True, "switches": "random", **_HANDS},
+)

@@ -27,6 +27,7 @@ CASES = {
     "Communication-v0": {},
     "Fetch-v0": {},
     "Rearrange-v0": {},
+    "Toggle-v0": {},
     "RoomNav-v0 by numbers": {"actions": "continuous", "stop": False},
     "ObjectNav-v0 by numbers": {"actions": "continuous", "stop": False},
     "InstructionFollowing-v0 by numbers": {"actions": "continuous", "stop": False},
