@@ -4,6 +4,7 @@ A provider is an entry point of the group `home_mjx.fallback_models` with the me
 `FurnitureProvider`. `home_procgen` is one.
 """
 
+import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
@@ -12,7 +13,7 @@ from typing import Protocol, runtime_checkable
 
 from home_mjx.core.paths import installed
 from home_mjx.errors import ConfigError
-from home_mjx.schema.house import House, Joint, Light, Material, Mesh
+from home_mjx.schema.house import House, Joint, Joints, Light, Material, Mesh, ObjectNode
 
 GROUP = "home_mjx.fallback_models"
 Edges = tuple[float, float, float]  # [m], along x (right of the front, seen from behind), y (up), z (front)
@@ -147,3 +148,24 @@ def with_texture_root(house: House, root: Path) -> House:
     )
     models = {key: replace(found, materials=placed(found.materials)) for key, found in house.models.items()}
     return replace(house, levels=levels, models=models)
+
+
+def attach_joints(house: House, joints: Joints) -> House:
+    """Return the house with the joints of its models; objects that have joints already keep them.
+
+    `joints` are those of a dataset, by model id, see `Dataset.joints`. They count for meshes with the key of their
+    model, not for other variants.
+    """
+    levels = (replace(x, objects=tuple(_with_joints(item, joints) for item in x.objects)) for x in house.levels)
+    return replace(house, levels=tuple(levels))
+
+
+def _with_joints(item: ObjectNode, joints: Joints) -> ObjectNode:
+    """Return an object with the joints of its model; unchanged if it has joints or its model has none."""
+    own = joints.get(item.model_key, ()) if item.model_key == item.model_id and not item.joints else ()
+    return replace(item, joints=own) if own else item
+
+
+def hash_joints(joints: Joints) -> bytes:
+    """Return a SHA-256 digest of a dataset's joints."""
+    return hashlib.sha256(repr(sorted(joints.items())).encode()).digest()

@@ -11,6 +11,7 @@ import weakref
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, replace
+from functools import cached_property
 from pathlib import Path
 
 from home_mjx.core.array_store import (
@@ -27,6 +28,7 @@ from home_mjx.core.array_store import (
 from home_mjx.core.files import resolve_below
 from home_mjx.core.progress import say
 from home_mjx.datasets.base import Dataset
+from home_mjx.datasets.furniture import attach_joints, hash_joints
 from home_mjx.datasets.kept_results import ResultStore, keep_results
 from home_mjx.errors import DatasetError
 from home_mjx.houses.integrity import check_house, check_models
@@ -199,8 +201,13 @@ class HouseCache:
         key = self.entry_name(house_id, self._shipped.inputs)
         if key not in self._shipped.houses:
             self.dataset.prepare((house_id,))
-            key = self.entry_name(house_id, self._inputs.house(house_id))
+            key = self.entry_name(house_id, self._inputs.house(house_id) + self._joints_digest)
         return self._folder / HOUSES / f"{key}{ENTRY_SUFFIX}"
+
+    @cached_property
+    def _joints_digest(self) -> bytes:
+        """Digest of the dataset's table of joints; empty if furniture is rigid."""
+        return hash_joints(self.dataset.joints) if self.options.articulation.max_fronts else b""
 
     def entry_name(self, house_id: str, inputs: bytes) -> str:
         """Return the name of the house's entry, a hexadecimal digest, if its files have the digest `inputs`.
@@ -300,6 +307,8 @@ class HouseCache:
             create_version_folder(self._folder)
         with keep_results(ResultStore(self._folder / "results", self._find_model)):
             house = self.dataset.load_house(house_id, self.options.read)
+            if self.options.articulation.max_fronts:
+                house = attach_joints(house, self.dataset.joints)
             compiled = compile_house(house, self.dataset.metadata_for(self.options.read), self.options)
         self.num_compiled += 1
         self.fallbacks[house_id] = house.fallbacks

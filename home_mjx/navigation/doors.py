@@ -7,7 +7,9 @@ from jaxtyping import Array, Bool, Float, Int
 from home_mjx.bank.bank import HouseBank
 
 
-def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) -> Float[Array, " h"]:
+def door_angles(
+    bank: HouseBank, house: Int[Array, ""], state: str, key: Array, fronts: str = "closed"
+) -> Float[Array, " h"]:
     """Return joint coordinates of a house's doors in a state, clipped to their joint ranges.
 
     Coordinates are relative to the pose in the dataset: angles of hinged leaves [rad], displacements of sliding leaves
@@ -19,12 +21,16 @@ def door_angles(bank: HouseBank, house: Int[Array, ""], state: str, key: Array) 
         state: "open" (wide open), "closed", "initial" (pose of the dataset, clipped to the range), or "random" (each
             leaf wide open or closed, with equal odds); `KeyError` for others.
         key: Random key; used by "random" only.
+        fronts: State of the fronts of furniture, of the same choice; no effect if there are none.
     """
     physics, house = bank.physics, bank.clip_house_index(house)
     wide, closed = physics.door_fully_open[house], physics.door_closed[house]
     shut = jax.random.bernoulli(key, 0.5, wide.shape)
     known = {"open": wide, "closed": closed, "initial": jnp.zeros_like(wide), "random": jnp.where(shut, closed, wide)}
-    return jnp.clip(known[state], physics.door_low[house], physics.door_high[house])
+    angle = known[state]
+    if not bank.fronts.is_empty:
+        angle = jnp.where(bank.fronts.mask(physics, house), known[fronts], angle)
+    return jnp.clip(angle, physics.door_low[house], physics.door_high[house])
 
 
 def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:

@@ -108,7 +108,9 @@ class Bodies:
 
 @dataclass(frozen=True)
 class Doors:
-    """Door leaves between rooms, each an instance of its own on a vertical hinge or a horizontal rail.
+    """Door leaves between rooms, and fronts of furniture, each an instance of its own on a hinge or a rail.
+
+    Hinges are vertical, rails horizontal.
 
     Each leaf has one joint coordinate q, 0 as authored. For a hinged leaf q is an angle about +z: its box and its
     instance are rotated by q about the vertical line through `pivot`. A sliding leaf is translated by q along `slide`.
@@ -126,6 +128,7 @@ class Doors:
     size: Float[np.ndarray, "h 3"]  # [m], half extents
     mass: Float[np.ndarray, " h"]  # [kg]
     slide: Float[np.ndarray, "h 2"]  # unit direction of sliding; 0: hinged
+    is_front: Bool[np.ndarray, " h"]  # of a piece of furniture, not between rooms
 
     @property
     def is_sliding(self) -> Bool[np.ndarray, " h"]:
@@ -146,7 +149,8 @@ class Doors:
         flat = np.zeros(0)
         box = {"pos": np.zeros((0, 3)), "quat": np.zeros((0, 4)), "size": np.zeros((0, 3))}
         angles = dict.fromkeys(("closed", "fully_open", "low", "high"), flat)
-        return Doors(np.zeros(0, np.int32), np.zeros((0, 2)), **angles, **box, mass=flat, slide=np.zeros((0, 2)))
+        kinds = {"slide": np.zeros((0, 2)), "is_front": np.zeros(0, bool)}
+        return Doors(np.zeros(0, np.int32), np.zeros((0, 2)), **angles, **box, mass=flat, **kinds)
 
 
 @dataclass(frozen=True)

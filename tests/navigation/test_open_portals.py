@@ -31,8 +31,9 @@ def leaves(count: int) -> Doors:
     low, high, closed = (np.full(count, angle) for angle in (LOW - 1, HIGH - 1, CLOSED - 1))
     pivot, rows = np.zeros((count, 2)), np.ones(count, np.int32)
     return Doors(
-        rows, pivot, closed, low, low, high, **box, size=size, mass=np.full(count, 12.0), slide=np.zeros((count, 2))
-    )
+        rows, pivot, closed, low, low, high, **box, size=size, mass=np.full(count, 12.0), slide=np.zeros((count, 2)),
+        is_front=np.zeros(count, bool),
+    )  # fmt: skip
 
 
 def house_with_doors() -> CompiledHouse:

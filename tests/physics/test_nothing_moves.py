@@ -23,7 +23,10 @@ def with_door(house: CompiledHouse) -> CompiledHouse:
     """The house with a leaf in a corner, which looks like its first piece of furniture."""
     box = {"pos": np.array([[-2.6, 2.3, 1.0]]), "quat": np.eye(1, 4), "size": np.array([[0.3, 0.02, 0.9]])}
     closed, wide = np.zeros(1), np.full(1, -1.0)
-    pivot, rest = np.array([[-2.9, 2.3]]), {"mass": np.ones(1), "slide": np.zeros((1, 2))}
+    pivot, rest = (
+        np.array([[-2.9, 2.3]]),
+        {"mass": np.ones(1), "slide": np.zeros((1, 2)), "is_front": np.zeros(1, bool)},
+    )
     return replace(house, doors=Doors(np.ones(1, np.int32), pivot, closed, wide, wide, closed, **box, **rest))
 
 
@@ -51,7 +54,7 @@ def test_axes_are_empty_only_where_they_may_be():
     empty = {name for name, count in capacity_of([BARE]).items() if not count}
     assert (
         empty
-        == {"bodies", "arrangements", "hinged_leaves", "slides", "switches"}
+        == {"bodies", "arrangements", "hinged_leaves", "slides", "fronts", "switches"}
         == {name for name, axis in AXES.items() if axis.optional}
     )
     assert HouseBank.from_compiled([BARE]).physics.body_pos.shape == (1, 0, 3)

@@ -55,6 +55,7 @@ AXES: Mapping[str, CapacityAxis] = {
     "arrangements": CapacityAxis(lambda h: 0, optional=True),  # added to complete banks
     "hinged_leaves": CapacityAxis(lambda h: int((~h.doors.is_sliding).sum()), 8, optional=True),
     "slides": CapacityAxis(lambda h: int(h.doors.is_sliding.sum()), 2, optional=True),
+    "fronts": CapacityAxis(lambda h: int(h.doors.is_front.sum()), 8, optional=True),
     "ramps": CapacityAxis(lambda h: len(h.ramps.slope), 1),
     "colliders": CapacityAxis(lambda h: len(h.colliders.pos), 64),
     "planes": CapacityAxis(lambda h: len(h.planes.material), 16),

@@ -15,7 +15,7 @@ from home_mjx.bank.records.gpu_geometry import GpuGeometry
 from home_mjx.bank.records.lights import Lights
 from home_mjx.bank.records.materials import Finish, Materials
 from home_mjx.bank.records.navigation import NavigationArrays
-from home_mjx.bank.records.physics import Physics
+from home_mjx.bank.records.physics import Fronts, Physics
 from home_mjx.bank.records.switches import SWITCH_KINDS, Switches
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "BankSpec",
     "Declaration",
     "Finish",
+    "Fronts",
     "Geometry",
     "GpuGeometry",
     "Lights",

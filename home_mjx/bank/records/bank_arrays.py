@@ -15,7 +15,7 @@ from home_mjx.bank.records.lights import Lights
 from home_mjx.bank.records.materials import Finish, Materials
 from home_mjx.bank.records.navigation import NavigationArrays
 from home_mjx.bank.records.owners import HouseOwner
-from home_mjx.bank.records.physics import Physics
+from home_mjx.bank.records.physics import Fronts, Physics
 from home_mjx.bank.records.switches import Switches
 from home_mjx.core.pytree import Pytree, array, declared_arrays, static
 from home_mjx.errors import ConfigError
@@ -61,6 +61,7 @@ class BankArrays(Pytree):
     finish: Finish
     lights: Lights
     switches: Switches
+    fronts: Fronts
     reset_houses: Int[Array, " h"]  # house indices that resets draw from, each active house equally often
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
@@ -80,6 +81,7 @@ RECORDS: dict[str, type] = {
     "finish": Finish,
     "lights": Lights,
     "switches": Switches,
+    "fronts": Fronts,
 }
 
 

@@ -118,4 +118,6 @@ def _doors(rows: HouseRows) -> Doors:
     """
     names = ("pivot", "pos", "quat", "size", "mass", "low", "high", "slide")
     place = {name: getattr(rows, f"door_{name}") for name in names}
-    return Doors(instance=np.arange(len(rows.door_valid)), closed=rows.door_low, fully_open=rows.door_high, **place)
+    count = len(rows.door_valid)
+    place["is_front"] = np.zeros(count, bool)  # leaves of both kinds are the same there
+    return Doors(instance=np.arange(count), closed=rows.door_low, fully_open=rows.door_high, **place)

@@ -63,11 +63,14 @@ def make_scene(
 
 
 def make_open_scene(bank: HouseBank, house: Int[Array, ""] | int) -> Scene:
-    """Return the scene of a house (index, clipped) with bodies at authored poses, no agents, and doors fully open."""
+    """Return the scene of a house (index, clipped) with bodies at authored poses, no agents, and doors fully open.
+
+    Fronts of furniture are closed.
+    """
     house, physics = bank.clip_house_index(jnp.int32(house)), bank.physics
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     bodies = physics.body_pos[house], physics.body_quat[house]
-    return make_scene(bank, house, *bodies, *nobody, door_angle=physics.door_fully_open[house])
+    return make_scene(bank, house, *bodies, *nobody, door_angle=bank.fronts.open_doors(physics, house))
 
 
 def agent_sizes(bodies: Sequence[AgentBody]) -> Float[Array, "a 2"] | None:

@@ -14,6 +14,7 @@ from home_mjx.geometry.boxes import BoxSet, concat_boxes, empty_boxes, footprint
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.scene_compile.architecture.shell import BuildingShell, WallPart
 from home_mjx.scene_compile.architecture.slabs import wall_boxes
+from home_mjx.scene_compile.objects.compartments import carve_boxes
 from home_mjx.scene_compile.objects.doorways import PORTAL_CATEGORIES
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 
@@ -66,9 +67,9 @@ def wall_colliders(shell: BuildingShell, options: ColliderOptions) -> BoxSet:
 def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions) -> tuple[BoxSet, list[BoxSet]]:
     """Return the boxes of one fixed object, and one box for each of its open leaves without a known hinge.
 
-    Leaves with a known hinge are not included unless shut. A window has one box. Objects of `PASSABLE_CATEGORIES`, or
-    that begin above the height limit, have none.
-    Boxes outside the height limits are dropped, except those of open leaves.
+    Compartments of furniture are cut out of its boxes, which may then be more than `options` allow. Leaves with a known
+    hinge are not included unless shut. A window has one box. Objects of `PASSABLE_CATEGORIES`, or that begin above the
+    height limit, have none. Boxes outside the height limits are dropped, except those of open leaves.
 
     Args:
         item: The object.
@@ -81,6 +82,7 @@ def object_colliders(item: PlacedObject, floor: float, options: ColliderOptions)
     elif item.info.coarse not in PASSABLE_CATEGORIES and item.limits[0, 2] < floor + options.max_bottom_height:
         sill = floor + MAX_SILL_HEIGHT - item.pose[2, 3] if item.info.coarse in PORTAL_CATEGORIES else None
         boxes, leaves = _fit_shape(_shape(item), sill, options.max_boxes_per_object)
+        boxes = carve_boxes(boxes, _cutters(item)) if item.pockets else boxes
         boxes, leaves = _place(boxes, item), [_place(leaf, item) for leaf in leaves]
         boxes = concat_boxes([boxes, item.shut_leaves])
     return keep_reachable(boxes, floor, options), leaves
@@ -96,10 +98,21 @@ class _Shape:
 
 
 def _shape(item: PlacedObject) -> _Shape:
-    """Return the shape of an object's main part at yaw 0: without the leaves of a door whose hinges are known."""
+    """Return the shape of an object's main part at yaw 0: without leaves whose hinges are known, nor compartments."""
     # The triangles use the rounded matrix too; otherwise cached boxes would depend on the order of nearly equal shapes.
-    linear = np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
-    return _Shape(item.main_part.key, linear.tobytes(), item.main_part.triangle.astype(np.float64) @ linear.T)
+    linear, solid = _linear(item), item.solid_part or item.main_part
+    return _Shape(solid.key, linear.tobytes(), solid.triangle.astype(np.float64) @ linear.T)
+
+
+def _linear(item: PlacedObject) -> Float[np.ndarray, "3 3"]:
+    """Return scale and tilt of an object, rounded: its pose without position and yaw."""
+    return np.round(yaw_matrix(-item.yaw) @ item.pose[:, :3], 6) + 0.0
+
+
+def _cutters(item: PlacedObject) -> Float[np.ndarray, "n 2 3"]:
+    """Return what compartments cut out of the boxes of a shape: minimum and maximum corners [m]."""
+    corners = np.concatenate([pocket.cutters for pocket in item.pockets]) @ _linear(item).T
+    return np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
 
 
 @lru_cache(maxsize=1 << 12)

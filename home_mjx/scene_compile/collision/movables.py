@@ -81,9 +81,9 @@ class MovableCandidate:
 def is_movable(item: PlacedObject, options: MovableOptions) -> bool:
     """Return whether an object is movable by category and size, and is inside a room; Box nodes never are.
 
-    Objects that hang on walls are excluded later, since nothing supports them.
+    Furniture with fronts that open is fixed. Objects that hang on walls are excluded later: nothing supports them.
     """
-    if not isinstance(item.node, ObjectNode) or item.room < 0 or item.info.fine in FIXED_FINE:
+    if not isinstance(item.node, ObjectNode) or item.room < 0 or item.info.fine in FIXED_FINE or item.leaf_parts:
         return False
     if item.info.coarse not in MOVABLE_COARSE and item.info.fine not in MOVABLE_FINE:
         return False

@@ -1,5 +1,6 @@
 """Doors split into a static frame and leaves that turn on hinges or slide on rails."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
@@ -8,7 +9,7 @@ from jaxtyping import Bool, Float
 
 from home_mjx.datasets.kept_results import find_model
 from home_mjx.geometry.box_fit import narrowest_box, triangle_components
-from home_mjx.geometry.boxes import BoxSet, make_boxes, rotate_boxes, thicken_boxes
+from home_mjx.geometry.boxes import BoxSet, bounding_box, make_boxes, rotate_boxes, thicken_boxes
 from home_mjx.geometry.meshes import compose, make_model, transform, tree_order, triangles_z_up
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.schema.compiled import Model
@@ -27,6 +28,7 @@ class LeafPart:
     closed: float  # [rad] or [m], relative to the pose shown
     wide_open: float  # [rad] or [m], wide open, relative to the pose shown
     slide: Float[np.ndarray, "2"]  # unit direction; 0: the leaf turns
+    is_front: bool = False  # of a piece of furniture
 
 
 @dataclass(frozen=True)
@@ -47,12 +49,25 @@ def split_door(door: JointedDoor) -> tuple[Model, tuple[LeafPart, ...]]:
     the plan stay in the frame.
     """
     order = tree_order(triangles_z_up(door.mesh))
-    leaves = [(joint, np.isin(order, joint.faces)) for joint in door.joints if _moves_in_plan(joint)]
-    frame = ~np.any([faces for _, faces in leaves], axis=0)
-    if not leaves or not frame.any():
+    joints = [joint for joint in door.joints if _moves_in_plan(joint)]
+    faces = [np.isin(order, joint.faces) for joint in joints]
+    if not joints or np.any(faces, axis=0).all():
         return door.model, ()
-    parts = tuple(_leaf_part(joint, _cut_out(door.model, faces, "leaf")) for joint, faces in leaves)
-    return _cut_out(door.model, frame, "frame"), parts
+    return cut_leaves(door.model, joints, faces)
+
+
+def cut_leaves(
+    model: Model, joints: Sequence[Joint], faces: Sequence[Bool[np.ndarray, " t"]]
+) -> tuple[Model, tuple[LeafPart, ...]]:
+    """Return what remains of a model without its leaves, and the leaves.
+
+    Args:
+        model: The model.
+        joints: Joint of each leaf, at least one.
+        faces: Triangles of each leaf; some must belong to none.
+    """
+    parts = tuple(_leaf_part(j, _cut_out(model, own, "leaf")) for j, own in zip(joints, faces, strict=True))
+    return _cut_out(model, ~np.any(faces, axis=0), "frame"), parts
 
 
 def _moves_in_plan(joint: Joint) -> bool:
@@ -94,6 +109,7 @@ class PlacedLeaf:
     wide_open: float  # [rad] or [m], wide open, relative to the initial pose
     box: BoxSet  # in the initial pose
     slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))  # unit direction; 0: the leaf turns
+    is_front: bool = False  # of a piece of furniture
 
     @property
     def slides(self) -> bool:
@@ -129,13 +145,14 @@ def place_leaf(leaf: LeafPart, pose: Float[np.ndarray, "3 4"], instance: int) ->
 
     Mirrored poses reverse its rotation, and scaled ones scale its sliding distance.
     """
-    box, slide = _leaf_box(leaf.model, pose), pose[:2, :2] @ leaf.slide
+    box, slide = (_front_box if leaf.is_front else _leaf_box)(leaf.model, pose), pose[:2, :2] @ leaf.slide
     if leaf.slide.any():
         scale = float(np.linalg.norm(slide))
         return PlacedLeaf(instance, box.center[0, :2], scale * leaf.closed, scale * leaf.wide_open, box, slide / scale)
     turn = float(np.sign(np.linalg.det(pose[:2, :2])))
     pivot = transform(pose, np.array([*leaf.pivot, 0.0]))[:2]
-    return PlacedLeaf(instance, pivot, turn * leaf.closed, turn * leaf.wide_open, box)
+    closed, wide = turn * leaf.closed, turn * leaf.wide_open
+    return PlacedLeaf(instance, pivot, closed, wide, box, is_front=leaf.is_front)
 
 
 def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
@@ -143,9 +160,27 @@ def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
 
     A leaf without thickness has a box of 2 mm.
     """
+    return max((box for _, box in _piece_boxes(leaf, pose)), key=lambda box: float(box.half.prod()))
+
+
+def _piece_boxes(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> list[tuple[Float[np.ndarray, "n 3"], BoxSet]]:
+    """Return the points of each connected piece of a leaf in the world, and their narrowest box."""
     triangles = transform(pose, leaf.triangle.astype(np.float64))
     piece = triangle_components(triangles)
-    boxes = [
-        thicken_boxes(narrowest_box(triangles[piece == p].reshape(-1, 3)), MIN_LEAF_HALF) for p in np.unique(piece)
-    ]
-    return max(boxes, key=lambda box: float(box.half.prod()))
+    pieces = [triangles[piece == p].reshape(-1, 3) for p in np.unique(piece)]
+    return [(points, thicken_boxes(narrowest_box(points), MIN_LEAF_HALF)) for points in pieces]
+
+
+def _front_box(front: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:
+    """Return the box around the board of a front, in the world: frame and panel, without handles and what is on it.
+
+    These are the pieces that overlap the largest one in thickness.
+    """
+    pieces = _piece_boxes(front, pose)
+    board = max((box for _, box in pieces), key=lambda box: float(box.half.prod()))
+    yaw = float(board.yaw[0])
+    across = yaw_matrix(yaw)[:, int(board.half[0, :2].argmin())]
+    middle, half = float(board.center[0] @ across), float(board.half[0, :2].min())
+    depths = [points @ across - middle for points, _ in pieces]
+    own = [p for (p, _), d in zip(pieces, depths, strict=True) if d.min() < half - 1e-3 and d.max() > 1e-3 - half]
+    return thicken_boxes(bounding_box(np.concatenate(own), yaw), MIN_LEAF_HALF)

@@ -58,7 +58,9 @@ def find_doorways(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[Doo
 
 def shut_outer_doors(objects: Sequence[PlacedObject], rooms: RoomTable) -> list[PlacedObject]:
     """Return the objects, with all doors to the outdoors that have movable leaves shut for good (`is_shut`)."""
-    return [replace(o, is_shut=True) if o.leaf_parts and _doorway(o, rooms).leads_outdoors else o for o in objects]
+    doors = {o.instance for o in objects if o.leaf_parts and o.info.coarse in PORTAL_CATEGORIES}
+    shut = {o.instance for o in objects if o.instance in doors and _doorway(o, rooms).leads_outdoors}
+    return [replace(o, is_shut=True) if o.instance in shut else o for o in objects]
 
 
 def _doorway(item: PlacedObject, rooms: RoomTable) -> Doorway:

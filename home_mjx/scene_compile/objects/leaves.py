@@ -1,6 +1,6 @@
 """Door leaves in the world: their range of motion, and their table."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -12,6 +12,7 @@ from home_mjx.schema.compiled import Doors
 
 LEAF_AREAL_DENSITY = 8.0  # [kg/m^2], mass per leaf area: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
 LEAF_MASS_RANGE = (5.0, 60.0)  # [kg], minimum and maximum mass of a leaf
+MIN_FRONT_MASS = 0.5  # [kg], minimum mass of a front of furniture
 CLEARANCE = 0.01  # [m], minimum distance of a leaf from obstacles
 TURN_STEP = np.deg2rad(1.0)  # angle increment of the range search; the free edge moves by 1.4 cm
 SLIDE_STEP = 0.01  # [m], distance increment of the range search
@@ -22,7 +23,11 @@ MIN_SLIDE_OPENING = 0.5  # [m], the same for a sliding leaf
 
 
 def make_doors(
-    leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None, movable: BoxSet | None = None
+    leaves: Sequence[PlacedLeaf],
+    static: BoxSet,
+    walls: BoxSet | None = None,
+    movable: BoxSet | None = None,
+    bodies: Mapping[int, BoxSet] | None = None,
 ) -> Doors:
     """Build the table of a house's leaves: closed and open poses, ranges by `find_motion_range`, boxes and masses.
 
@@ -33,12 +38,19 @@ def make_doors(
         static: Obstacles of all leaves.
         walls: Additional obstacles of turning leaves; sliding leaves may enter walls. None: no walls.
         movable: Boxes of movable objects in their initial pose; see `find_motion_range`. None: no movable objects.
+        bodies: Boxes of the furniture that fronts belong to, by the front's instance. They do not stop it: its joint's
+            range is that of its own body. None: no fronts.
     """
     if not leaves:
         return Doors.empty()
-    low, high = np.array([find_motion_range(leaf, static, walls, movable) for leaf in leaves]).T
+    bodies = bodies or {}
+    around = (_without(static, bodies[leaf.instance]) if leaf.instance in bodies else static for leaf in leaves)
+    ranges = [find_motion_range(leaf, own, walls, movable) for leaf, own in zip(leaves, around, strict=True)]
+    low, high = np.array(ranges).T
     box = concat_boxes(leaf.box for leaf in leaves)
     area = 4 * np.sort(box.half, axis=1)[:, 1:].prod(axis=1)
+    is_front = np.array([leaf.is_front for leaf in leaves])
+    lightest = np.where(is_front, MIN_FRONT_MASS, LEAF_MASS_RANGE[0])
     return Doors(
         instance=np.array([leaf.instance for leaf in leaves], np.int32),
         pivot=np.array([leaf.pivot for leaf in leaves]),
@@ -49,9 +61,17 @@ def make_doors(
         pos=box.center,
         quat=yaw_quat(box.yaw),
         size=box.half,
-        mass=np.clip(area * LEAF_AREAL_DENSITY, *LEAF_MASS_RANGE),
+        mass=np.clip(area * LEAF_AREAL_DENSITY, lightest, LEAF_MASS_RANGE[1]),
         slide=np.array([leaf.slide for leaf in leaves]),
+        is_front=is_front,
     )
+
+
+def _without(boxes: BoxSet, others: BoxSet) -> BoxSet:
+    """Return the boxes that are not among others, compared exactly."""
+    known = {row.tobytes() for row in np.c_[others.center, others.half, others.yaw]}
+    kept = [row.tobytes() not in known for row in np.c_[boxes.center, boxes.half, boxes.yaw]]
+    return boxes[np.array(kept, bool)]
 
 
 def find_motion_range(
@@ -64,7 +84,8 @@ def find_motion_range(
     is free in its initial pose, the range includes that pose, regardless of obstacles in between. A sliding leaf moves
     at most as far as in its model's open variant. Neither walls nor boxes that it touches when closed, such as its
     frame, stop it. Movable objects are pushed away until the leaf is wide open. Beyond that, the range ends at the
-    first one, since it would stop the leaf. The range also must not depend on the selection of bodies.
+    first one, since it would stop the leaf. The range also must not depend on the selection of bodies. Fronts of
+    furniture never open farther than their joints do, and by one step even if blocked: no joint of MuJoCo has no range.
 
     Args:
         leaf: The leaf; its initial pose is coordinate 0.
@@ -87,13 +108,14 @@ def find_motion_range(
 
     opens, most = (
         np.sign(leaf.wide_open - leaf.closed),
-        abs(leaf.wide_open - leaf.closed) if leaf.slides else MAX_OPEN_ANGLE,
+        abs(leaf.wide_open - leaf.closed) if leaf.slides or leaf.is_front else MAX_OPEN_ANGLE,
     )
     step = SLIDE_STEP if leaf.slides else TURN_STEP
     start = 0.0 if is_free(np.zeros(1))[0] else leaf.closed
     ways = np.cumsum([start, *[float(opens) * step] * (int(2 * most / step) + 1)])
     ways = ways[: 1 + int((abs(ways[:-1] - leaf.closed) + step <= most + RANGE_TOLERANCE).argmin())]
-    end = float(ways[int(np.append(is_free(ways[1:]), False).argmin())])
+    least = int(leaf.is_front and len(ways) > 1)
+    end = float(ways[max(least, int(np.append(is_free(ways[1:]), False).argmin()))])
     if movable is not None and not leaf.slides:
         end = _clip_to_movables(leaf, end, movable)
     return min(leaf.closed, end), max(leaf.closed, end)
@@ -125,10 +147,11 @@ def _within_reach(leaf: PlacedLeaf, static: BoxSet) -> Bool[np.ndarray, " n"]:
 def find_blocking_leaves(leaves: Sequence[PlacedLeaf], static: BoxSet, walls: BoxSet | None = None) -> BoxSet:
     """Return the boxes, at their maximum opening, of leaves whose range is too small to leave the way free.
 
-    Limits are `MIN_OPEN_ANGLE` and, for sliding leaves, `MIN_SLIDE_OPENING`. Arguments are those of `make_doors`.
+    Fronts of furniture are on no way, and are left out. Limits are `MIN_OPEN_ANGLE` and, for sliding leaves,
+    `MIN_SLIDE_OPENING`. Arguments are those of `make_doors`.
     """
     found = []
-    for leaf in leaves:
+    for leaf in (leaf for leaf in leaves if not leaf.is_front):
         low, high = find_motion_range(leaf, static, walls)
         if high - low < (MIN_SLIDE_OPENING if leaf.slides else MIN_OPEN_ANGLE):
             found.append(leaf.box_at(high if leaf.wide_open > leaf.closed else low))

@@ -13,6 +13,7 @@ from home_mjx.geometry.meshes import Z_UP, bounds, box_triangles, make_model, to
 from home_mjx.geometry.polygons import find_smallest_room, polygon_area, polygon_distance
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, apply_override, surface_material
+from home_mjx.scene_compile.objects.compartments import Pocket
 from home_mjx.scene_compile.objects.doors import (
     JointedDoor,
     LeafPart,
@@ -21,6 +22,7 @@ from home_mjx.scene_compile.objects.doors import (
     place_leaf,
     split_door,
 )
+from home_mjx.scene_compile.objects.fronts import JointedFurniture, split_furniture
 from home_mjx.schema.compiled import ARCHITECTURE, Model, RoomTable
 from home_mjx.schema.house import BoxNode, Level, Material, Mesh, Metadata, ModelInfo, ObjectNode
 
@@ -40,8 +42,8 @@ class PlacedObject:
     node: ObjectNode | BoxNode
     info: ModelInfo
     model: Model
-    main_part: Model  # the whole object; for doors with known hinges, the frame
-    leaf_parts: tuple[LeafPart, ...]  # door leaves in their model's frame
+    main_part: Model  # the whole object; for doors with known hinges, the frame; for furniture, all but its fronts
+    leaf_parts: tuple[LeafPart, ...]  # door leaves, or fronts of furniture, in their model's frame
     slots: tuple[Material, ...]  # material slots of the mesh, after overrides
     pose: Float[np.ndarray, "3 4"]  # world from model [m]
     object_id: int
@@ -49,6 +51,8 @@ class PlacedObject:
     room: int  # room index; -1 if none
     instance: int  # instance of its first part; the others follow
     is_shut: bool = False  # leaves are closed and do not turn
+    solid_part: Model | None = None  # the main part without its compartments; None: as it is
+    pockets: tuple[Pocket, ...] = ()  # compartments of furniture behind its fronts, in its model's frame
 
     @cached_property
     def triangles(self) -> Float[np.ndarray, "t 3 3"]:
@@ -81,7 +85,7 @@ class PlacedObject:
 
     @cached_property
     def leaves(self) -> tuple[PlacedLeaf, ...]:
-        """Leaves of a door that turn or slide, in the order of its parts; empty if they are shut."""
+        """Leaves of a door, or fronts, that turn or slide, in the order of its parts; empty if they are shut."""
         return () if self.is_shut else self._leaves
 
     @cached_property
@@ -96,7 +100,7 @@ class PlacedObject:
 
     @property
     def parts(self) -> tuple[Model, ...]:
-        """Rigid parts, one instance each: the main part, then the leaves of a door with known hinges, shut or not.
+        """Rigid parts, one instance each: the main part, then leaves or fronts with known hinges, shut or not.
 
         A door without known hinges is its main part alone, as any other object.
         """
@@ -130,20 +134,22 @@ def place_objects(frame: HouseFrame, metadata: Metadata) -> list[PlacedObject]:
             info = ModelInfo("Box") if isinstance(node, BoxNode) else metadata.info(node.model_id)
             pose = _pose(node, offset)
             room = _room(node, level, rooms, transform(pose, model.box.astype(np.float64).mean(axis=0)))
-            main, hinged = _parts(node, info, model, pose, house.models)
+            parts = _parts(node, info, model, pose, house.models)
             placed.append(
                 PlacedObject(
                     node=node,
                     info=info,
                     model=model,
-                    main_part=main,
-                    leaf_parts=hinged,
+                    main_part=parts.body,
+                    leaf_parts=parts.fronts,
                     slots=_slots(node, house.models),
                     pose=pose,
                     object_id=first + node.index,
                     level=level.index,
                     room=room,
                     instance=instance,
+                    solid_part=parts.solid,
+                    pockets=parts.pockets,
                 )
             )
             instance += len(placed[-1].parts)
@@ -157,11 +163,15 @@ def _parts(
     model: Model,
     pose: Float[np.ndarray, "3 4"],
     meshes: Mapping[str, Mesh],
-) -> tuple[Model, tuple[LeafPart, ...]]:
-    """Return an object's main part and its leaves; only doors at `is_hinge_preserving` poses have leaves."""
-    if isinstance(node, BoxNode) or info.coarse != "door" or not node.joints or not is_hinge_preserving(pose):
-        return model, ()
-    return split_door(JointedDoor(model.key, node.joints, model, meshes[node.model_key]))
+) -> JointedFurniture:
+    """Return an object's main part, and its leaves or fronts; only at `is_hinge_preserving` poses it has any."""
+    if isinstance(node, BoxNode) or not node.joints or not is_hinge_preserving(pose):
+        return JointedFurniture(model, model, ())
+    jointed = JointedDoor(model.key, node.joints, model, meshes[node.model_key])
+    if info.coarse != "door":
+        return split_furniture(jointed)
+    frame, leaves = split_door(jointed)
+    return JointedFurniture(frame, frame, leaves)
 
 
 def _num_nodes(level: Level) -> int:

@@ -1,6 +1,6 @@
 """Compiler from a house as read from the dataset to the arrays of the engines."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import get_type_hints
 
 from home_mjx.core.checks import check_type
@@ -14,6 +14,7 @@ from home_mjx.scene_compile.navigation.build import build_navigation
 from home_mjx.scene_compile.navigation.free_space import NavigationOptions
 from home_mjx.scene_compile.navigation.reach import UnreachableStorey, find_unreachable_storeys
 from home_mjx.scene_compile.objects.doorways import shut_outer_doors
+from home_mjx.scene_compile.objects.fronts import ArticulationOptions, keep_largest_fronts
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject, place_objects
 from home_mjx.scene_compile.pipeline.assemble import assemble, build_surfaces
 from home_mjx.scene_compile.pipeline.levels import LevelGeometry, build_levels
@@ -38,6 +39,7 @@ class CompileOptions:
     movables: MovableOptions = field(default_factory=MovableOptions)
     semantics: SemanticOptions = field(default_factory=SemanticOptions)
     lights: LightOptions = field(default_factory=LightOptions)
+    articulation: ArticulationOptions = field(default_factory=ArticulationOptions)
     read: ReadOptions = field(default_factory=ReadOptions)
 
     def __post_init__(self) -> None:
@@ -100,10 +102,12 @@ def _geometry(
     house: House, metadata: Metadata, options: CompileOptions
 ) -> tuple[HouseFrame, BuildingShell, list[PlacedObject], LevelGeometry, HouseNavigation]:
     """Run the stages up to navigation data."""
+    house, num_shut = keep_largest_fronts(house, metadata, options.articulation.max_fronts)
     frame = find_frame(house)
     shell = build_shell(frame)
     objects = shut_outer_doors(place_objects(frame, metadata), frame.rooms)
     levels = build_levels(frame, shell, objects, options.colliders, options.movables, options.navigation)
+    levels = replace(levels, report={**levels.report, "shut_joints": num_shut})
     navigation = build_navigation(
         house.id,
         frame.rooms,

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.geometry.boxes import BoxSet, concat_boxes, unique_boxes
-from home_mjx.geometry.meshes import bounds
+from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes, unique_boxes
+from home_mjx.geometry.meshes import bounds, transform
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import build_fence, find_barriers, is_within_lot
@@ -141,8 +141,12 @@ def build_levels(
         concat_boxes(level.static_without_walls for level in found),
         concat_boxes(level.boxes.walls for level in found),
     )
-    doors = make_doors(leaves, *around, movable=concat_boxes(candidate.box for candidate in moving))
-    blocked = concat_boxes([sides, rails, find_blocking_leaves(leaves, *around)])
+    own = merge_by_object([b.objects for b in boxes])
+    bodies = {
+        leaf.instance: own[o.object_id] for o in objects for leaf in o.leaves if leaf.is_front and o.object_id in own
+    }
+    doors = make_doors(leaves, *around, concat_boxes(candidate.box for candidate in moving), bodies)
+    blocked = concat_boxes([sides, rails, find_blocking_leaves(leaves, *around), *_insides(objects)])
     return LevelGeometry(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
@@ -257,8 +261,21 @@ def _spaces(
 
 
 def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int, all_angles: bool = True) -> BoxSet:
-    """Return three boxes of each leaf of a level: initial, closed and wide open; only wide open if not `all_angles`."""
+    """Return three boxes of each leaf of a level: initial, closed and wide open; only wide open if not `all_angles`.
+
+    Fronts of furniture, which are shut, have none.
+    """
     leaves = [(o.level, leaf) for o in objects for leaf in o.leaves]
     angles = zip(leaves, np.clip(0, doors.low, doors.high), doors.closed, doors.fully_open, strict=True)
     used = slice(0 if all_angles else 2, None)
-    return concat_boxes(leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level for a in three[used])
+    return concat_boxes(
+        leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level and not leaf.is_front for a in three[used]
+    )
+
+
+def _insides(objects: Sequence[PlacedObject]) -> list[BoxSet]:
+    """Return shut fronts of furniture and the compartments behind them, in which agents cannot stand."""
+    fronts = [leaf.box_at(leaf.closed) for o in objects for leaf in o.leaves if leaf.is_front]
+    corners = [transform(o.pose, pocket.box) for o in objects for pocket in o.pockets]
+    yaws = [o.yaw for o in objects for _ in o.pockets]
+    return fronts + [bounding_box(points, yaw) for points, yaw in zip(corners, yaws, strict=True)]

@@ -113,6 +113,8 @@ class EnvConfig:
             and a word of the tasks' language, such as "say:yes". See `Snapshot.spoken_token`.
         doors: Door angles at reset: "open" (wide), "closed", "initial" (as in the file) or "random" (each open or
             closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
+        fronts: The same for doors of fridges, wardrobes and cabinets, where the houses have any that open, see
+            `ArticulationOptions`.
         switches: States of lamps and appliances at reset: "initial" (lamps on, appliances off), "on", "off" or "random"
             (each by key). Hands toggle them. None: they have no states, lamps are lit and appliances silent.
         num_switch_sounds: Maximum number of appliances that are heard at once; each is traced for every agent.
@@ -152,6 +154,7 @@ class EnvConfig:
     max_aim_angle: float = 0.0
     speech: tuple[str, ...] = ()
     doors: str = "open"
+    fronts: str = "closed"
     switches: str | None = None
     num_switch_sounds: int = 4
     arrangement: str = "initial"
@@ -177,6 +180,7 @@ class EnvConfig:
         self._set_fields(clips=_check_name_tuple("clips", self.clips))
         check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
+        check_known("state of fronts", [self.fronts], DOOR_STATES)
         if self.switches is not None:
             check_known("state of switches", [self.switches], SWITCH_STATES)
         check_known("arrangement", [self.arrangement], ARRANGEMENTS)

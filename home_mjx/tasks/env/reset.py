@@ -96,7 +96,7 @@ def init_physics_and_world(
         if config.contact_sounds is None
         else empty_contact_sounds(config.contact_sounds, config.audio, agents),
     )
-    angle = door_angles(bank, house, config.doors, fold_key(to_raw_key(key), DOORS_TAG))
+    angle = door_angles(bank, house, config.doors, fold_key(to_raw_key(key), DOORS_TAG), config.fronts)
     arrangement = _pick_arrangement(config, bank, house, pos, world.source, fold_key(to_raw_key(key), ARRANGEMENT_TAG))
     scale = None if drawn is None else drawn.body_scale
     data = physics.reset(physics_template(config, bank.spec), bank, house, pos, yaw, angle, arrangement, scale)

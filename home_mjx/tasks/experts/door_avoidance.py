@@ -118,10 +118,12 @@ def _slow_down(
 
 
 def is_shut(snapshot: Snapshot) -> Bool[Array, " h"]:
-    """Return which leaves of the house are less than half open; False for padding."""
+    """Return which leaves of doors are less than half open; False for fronts of furniture and padding."""
     physics, house = snapshot.bank.physics, snapshot.house
     wide, closed = physics.door_fully_open[house], physics.door_closed[house]
-    return physics.door_valid[house] & (jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2)
+    shut = physics.door_valid[house] & (jnp.abs(snapshot.door_angle - wide) > jnp.abs(closed - wide) / 2)
+    fronts = snapshot.bank.fronts
+    return shut if fronts.is_empty else shut & ~fronts.mask(physics, house)
 
 
 def is_facing_shut_leaf(snapshot: Snapshot, way: Float[Array, " a"]) -> Bool[Array, " a"]:

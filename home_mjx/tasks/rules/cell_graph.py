@@ -75,7 +75,8 @@ class CellGraph:
     def _leaf_gaps(self, bank: HouseBank, house: int) -> Float[np.ndarray, " c"]:
         """Return plan distances of home cells to the nearest leaf at an agent's height, doors open [m]; inf if none."""
         leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(jax.tree.map(jnp.asarray, bank.physics)))
-        pos, quat = (np.asarray(x) for x in leaves.pose_at(jnp.asarray(bank.physics.door_fully_open[house])))
+        angle = jnp.asarray(bank.fronts.open_doors(bank.physics, house))
+        pos, quat = (np.asarray(x) for x in leaves.pose_at(angle))
         found, tall = np.full(len(self.place), np.inf), bank.spec.agent_height
         for middle, (w, _, _, z), half in zip(pos, quat, np.asarray(leaves.size), strict=True):
             away, yaw = self.place - middle, 2 * np.arctan2(z, w)

@@ -116,9 +116,16 @@ class HouseView:
         return tuple(found)
 
     def instance_of(self, thing: HouseObject) -> int:
-        """Return the index of an object's only instance; -1 if it has several, as doors, or is not in the house."""
+        """Return the index of an object's instance without its fronts; -1 if it has several, as doors, or none."""
         parts = np.flatnonzero(self.bank.geometry.instance_object[self.house] == thing.object_id)
+        parts = np.setdiff1d(parts, self._fronts)
         return int(parts[0]) if len(parts) == 1 else -1
+
+    @cached_property
+    def _fronts(self) -> Int[np.ndarray, " f"]:
+        """Instances of fronts of furniture."""
+        rows = np.asarray(self.bank.fronts.leaf[self.house])
+        return np.asarray(self.bank.physics.door_instance[self.house])[rows[rows >= 0]]
 
     @cached_property
     def rooms_by_type(self) -> dict[int, tuple[int, ...]]:

@@ -137,7 +137,7 @@ def _moving_instances(bank: HouseBank, index: int) -> _MovingInstances:
     geometry, physics = bank.geometry, bank.physics
     bodies = np.flatnonzero(np.asarray(physics.body_valid[index]))
     doors = np.flatnonzero(np.asarray(physics.door_valid[index]))
-    turn = np.asarray(physics.door_fully_open[index])[doors].astype(float)
+    turn = np.asarray(bank.fronts.open_doors(physics, index))[doors].astype(float)
     slide, pivot = (np.asarray(x[index])[doors].astype(float) for x in (physics.door_slide, physics.door_pivot))
     instance = np.concatenate(
         [np.asarray(physics.body_instance[index])[bodies], np.asarray(physics.door_instance[index])[doors]]
