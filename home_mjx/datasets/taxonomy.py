@@ -1,7 +1,7 @@
 """Words of other datasets for kinds of objects, mapped to fine categories; the table is `taxonomy.csv`.
 
 Sources are `ai2thor` (ProcTHOR, Holodeck, MolmoSpaces), `future3d` (3D-FUTURE), `hssd` (HSSD and WordNet), `mpcat40`
-(Matterport3D, HM3D), `replicacad` and `robocasa`.
+(Matterport3D, HM3D), `replicacad` and `robocasa`. Kinds of movable parts come from words as well.
 """
 
 import csv
@@ -12,10 +12,13 @@ from pathlib import Path
 
 from home_mjx.core.files import read_text
 from home_mjx.schema.categories import FINE
+from home_mjx.schema.house import JointKind
 
 TABLE = Path(__file__).with_name("taxonomy.csv")
 UNKNOWN = "unknown"
 MIN_PART, MIN_NAME = 3, 5  # minimum length of a word or, else, of a name that is found as the start or end of a text
+PART_WORD = re.compile("burner|button|drawer|door|flap|handle|knob|lever|(?<!s)lid|light|spout|switch")
+MIN_UPRIGHT = 0.7  # minimum vertical component of the unit axis of a hinge that carries a door
 NO_KINDS = (UNKNOWN, "empty")  # categories that are no kinds of objects
 # Fine category -> coarse and NYU40 category, of those that SUNCG v2 added or that no model of furniture has.
 CLASSES: Mapping[str, tuple[str, str]] = {
@@ -99,3 +102,26 @@ def fine_category(source: str, text: str) -> str:
         ('dresser', 'unknown')
     """
     return vocabulary(source).get(find_word(source, text), UNKNOWN)
+
+
+def part_kind(kind: JointKind, upright: float, *names: str) -> str:
+    """Return the kind of a movable part: the last known word of the first name that has one, else by its motion.
+
+    Slides without a word are drawers, upright hinges doors, and other hinges flaps.
+
+    Args:
+        kind: Motion of the part.
+        upright: Vertical component of the joint's unit axis in the house.
+        *names: Names of the joint and of what it moves, in order of priority.
+
+    Example:
+        >>> part_kind("hinge", 0.0, "stovetop_knob_center"), part_kind("slide", 0.0, "left_slide_top")
+        ('knob', 'drawer')
+    """
+    for name in names:
+        found = PART_WORD.findall(name.lower())
+        if found:
+            return found[-1]
+    if kind == "slide":
+        return "drawer"
+    return "door" if abs(upright) >= MIN_UPRIGHT else "flap"

@@ -22,8 +22,6 @@ from home_mjx.core.progress import is_progress_shown, plural, track
 
 if TYPE_CHECKING:
     from home_mjx.datasets.base import Dataset
-    from home_mjx.schema.compiled import CompiledHouse
-    from home_mjx.schema.house import House
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,12 +62,21 @@ def run(args: argparse.Namespace) -> int:
         return _print_dataset(args)
     from home_mjx.bank.usage import bank_usage
     from home_mjx.scene_compile.materials.unknown import MAX_UNKNOWN_SHARE, unknown_material_share
+    from home_mjx.scene_compile.objects.fixed_parts import (
+        describe_fixed,
+        fixed_joints,
+        fixed_records,
+        object_category,
+        object_joints,
+    )
 
     house, _ = load_house(args)
     compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
-    unknown, jointed = unknown_material_share(compiled), _count_joints(selected_house(args)[0], house)
+    table, unknown = selected_house(args)[0].joints, unknown_material_share(compiled)
+    fixed = fixed_joints(house, table, compiled)
+    jointed = sum(map(len, object_joints(house, table).values()))
     fields = compiled.navigation.field.nbytes + compiled.navigation.extrapolated.field.nbytes
     if args.json:
         record = {"id": house.id, "version": house.version, "path": str(house.path), "problems": problems}
@@ -79,12 +86,14 @@ def run(args: argparse.Namespace) -> int:
         record["stuck"] = compiled.blocked_objects.tolist()
         record["unknown_material"] = unknown
         record["joints"] = jointed
+        record["fixed_joints"] = fixed_records(compiled, fixed)
         sys.stdout.write(json.dumps({**record, "counts": dict(compiled.report), "bytes": sizes}) + "\n")
         return 0
     sys.stdout.write(f"{house.id} (format {house.version})\n{house.path}\n")
     for name, count in compiled.report.items():
         _print_row(name.replace("_", " "), count)
-    _print_row("doors, drawers and lids in joints.csv", jointed)
+    _print_row("joints of objects", jointed)
+    _print_row("  of which fixed", sum(map(len, fixed.values())))
     _print_row("bytes of the house alone", taken.houses[house.id])
     _print_row("  of which distance fields", fields)
     _print_row("bytes of its models", sum(taken.models.values()))
@@ -99,24 +108,12 @@ def run(args: argparse.Namespace) -> int:
         )
     for item in house.fallbacks:
         sys.stdout.write(f"fallback: {item}\n")
+    sys.stdout.writelines(f"{line}\n" for line in describe_fixed(compiled, fixed))
     for object_id in compiled.blocked_objects.tolist():
-        sys.stdout.write(f"stuck: {_category(compiled, object_id)} {object_id} overlaps another body, so it is fixed\n")
+        sys.stdout.write(
+            f"stuck: {object_category(compiled, object_id)} {object_id} overlaps another body, so it is fixed\n"
+        )
     return 0
-
-
-def _count_joints(dataset: "Dataset", house: "House") -> int:
-    """Count the joints that the dataset's table has for the objects of a house; 0 without a table."""
-    keys = [item.model_key for level in house.levels for item in level.objects]
-    return sum(len(dataset.joints.get(key, ())) for key in keys)
-
-
-def _category(house: "CompiledHouse", object_id: int) -> str:
-    """Return the fine category of an object; `ValueError` unless exactly one semantic row has this id."""
-    from home_mjx.schema.categories import FINE
-    from home_mjx.schema.semantic import Semantic
-
-    (row,) = house.semantics[house.semantics[:, Semantic.OBJECT_ID] == object_id]
-    return FINE[row[Semantic.FINE]]
 
 
 def _print_row(name: str, count: int) -> None:

@@ -14,13 +14,13 @@ from home_mjx.datasets.habitat.templates import path_below
 from home_mjx.datasets.habitat.urdf import HINGES, UrdfJoint, UrdfLink, UrdfModel, UrdfShape
 from home_mjx.datasets.shapes import Triangles, capsule_triangles, cylinder_triangles, sphere_triangles
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
+from home_mjx.datasets.taxonomy import part_kind
 from home_mjx.errors import MissingFileError
 from home_mjx.geometry.meshes import box_triangles
-from home_mjx.schema.house import Fallback, Joint, Mesh
+from home_mjx.schema.house import Fallback, Joint, JointKind, Mesh
 
 MIN_RANGE = 1e-4  # [rad] or [m], minimum range of a joint that moves
 STRIP_WIDTH = 0.01  # [m], of the frame that doors without a frame get
-PART_NAMES = {"hinge": "door", "slide": "drawer"}
 Pose = Mapping[str, float]
 
 
@@ -119,12 +119,13 @@ class ArticulatedReader:
         self, joint: UrdfJoint, model_id: str, frame: Matrix, run: tuple[int, int], low: float, high: float
     ) -> Joint:
         """Return the record of a joint whose frame in the root link is given; joint value 0 of the file is closed."""
-        kind = "hinge" if joint.kind in HINGES else "slide"
+        kind: JointKind = "hinge" if joint.kind in HINGES else "slide"
+        axis, number = frame[:3, :3] @ joint.axis, list(self.model.joints).index(joint.child)
         return Joint(
             model_id=model_id,
-            part=f"{PART_NAMES[kind]}_{list(self.model.joints).index(joint.child)}",
-            kind=kind,  # type: ignore[arg-type]
-            axis=to_vector(frame[:3, :3] @ joint.axis),
+            part=f"{part_kind(kind, float(axis[1]), joint.name, joint.child)}_{number}",
+            kind=kind,
+            axis=to_vector(axis),
             point=to_vector(frame[:3, 3]),
             low=low,
             high=high,

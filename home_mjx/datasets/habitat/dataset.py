@@ -83,6 +83,7 @@ class HabitatDataset(FurnishedSceneDataset):
         FOLDER.with_name("mjcf"),
         FOLDER.with_name("shapes.py"),
         FOLDER.with_name("taxonomy.csv"),
+        FOLDER.with_name("taxonomy.py"),
     )
 
     def read_options(self, query: str) -> HabitatOptions:

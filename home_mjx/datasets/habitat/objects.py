@@ -183,6 +183,10 @@ class ObjectBuilder:
         fine, word = self.category(name.text(), template)
         mesh, joints = reader.read(fine)
         self.fallbacks += reader.fallbacks
+        carried = sum(joint.is_movable for joint in model.joints.values()) - len(joints)
+        if carried:
+            message = f"{carried} joints move nothing, or parts that other joints move: fixed"
+            self.problems.append(Problem(value.element, message))
         if mesh is None:
             self.problems.append(Problem(value.element, "no link is visible: left out"))
             return None

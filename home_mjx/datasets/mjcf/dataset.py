@@ -1,7 +1,6 @@
 """A dataset of MJCF scenes: one file, or the files of a folder, each a house."""
 
 import re
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,6 @@ from typing import ClassVar
 
 from home_mjx.core.files import NUM_HEAD_BYTES, is_folder
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
-from home_mjx.datasets.gltf.categories import category_metadata
 from home_mjx.datasets.gltf.house import HouseParts
 from home_mjx.datasets.gltf.layout.room_file import RoomFile, read_room_file, room_file_path
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, RootedOptions, SceneDataset, parse_options, scene_id
@@ -79,7 +77,7 @@ class MjcfDataset(SceneDataset):
     recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_mjcf)
     scheme = "mjcf"
     no_scene = "folder contains no scene of MJCF"
-    code = (FOLDER, FOLDER.with_name("gltf"), FOLDER.with_name("taxonomy.csv"))
+    code = (FOLDER, *(FOLDER.with_name(name) for name in ("gltf", "taxonomy.csv", "taxonomy.py")))
 
     def read_options(self, query: str) -> MjcfOptions:
         """Return the options of a name's query."""
@@ -167,9 +165,9 @@ def _problems(scene: MjcfScene, objects: Sequence[MjcfObject], notes: dict[str, 
     """Return the irregularities of a scene, and what of it is not kept."""
     found = [Problem("mujoco", note) for note in scene.notes]
     found += [Problem(element, message) for element, message in list(notes.items())[:MAX_NOTES]]
-    parts = Counter(joint.kind for one in objects for joint in one.joints if not _is_door(one))
-    for kind, count in sorted(parts.items()):
-        found.append(Problem("worldbody", f"{count} {kind} joints of furniture are kept in the records, but fixed"))
+    carried = sum(one.finder.num_carried() for one in objects)
+    if carried:
+        found.append(Problem("worldbody", f"{carried} joints are on parts that other joints move: fixed"))
     hidden = int((~scene.shown).sum())
     if hidden:
         found.append(Problem("worldbody", f"{hidden} geoms are colliders or transparent: the package makes its own"))
@@ -177,8 +175,3 @@ def _problems(scene: MjcfScene, objects: Sequence[MjcfObject], notes: dict[str, 
         if count:
             found.append(Problem(name, "not shown"))
     return tuple(found)
-
-
-def _is_door(one: MjcfObject) -> bool:
-    """Return whether an object is a door of the house, whose leaves move."""
-    return category_metadata().info(one.fine).coarse == "door"

@@ -8,7 +8,8 @@ from jaxtyping import Bool, Float, Int
 
 from home_mjx.datasets.gltf.scene_lights import to_vector
 from home_mjx.datasets.mjcf.model import LEVEL_LINEAR, MjcfScene
-from home_mjx.schema.house import Joint
+from home_mjx.datasets.taxonomy import part_kind
+from home_mjx.schema.house import Joint, JointKind
 
 FREE, SLIDE, HINGE = 0, 2, 3  # `mujoco.mjtJoint`
 MIN_RANGE = 1e-4  # [rad] or [m], minimum range of a joint that moves
@@ -48,6 +49,11 @@ class PartFinder:
         kinds = self.scene.model.jnt_type
         return any(kinds[joint] == FREE for body in self.bodies[:1] for joint in self._joints(body))
 
+    def num_carried(self) -> int:
+        """Return the number of hinges and slides on parts that another joint moves, which have no record."""
+        kinds = [int(self.scene.model.jnt_type[j]) for body in self.bodies for j in self._joints(body)]
+        return sum(kind in (SLIDE, HINGE) for kind in kinds) - len(list(self._outermost()))
+
     def _outermost(self) -> Iterator[int]:
         """Yield the first hinge or slide of each body that no such joint of the object moves already."""
         moved: set[int] = set()
@@ -74,15 +80,16 @@ class PartFinder:
     def _joint(self, joint: int, model_id: str, mask: Bool[np.ndarray, " f"], low: float, high: float) -> Joint:
         """Return the record of a joint that moves the faces of a mask; a spring's rest tells the closed pose."""
         model, data = self.scene.model, self.scene.data
-        hinge, address = int(model.jnt_type[joint]) == HINGE, int(model.jnt_qposadr[joint])
-        axis = self.back[:3, :3] @ LEVEL_LINEAR @ data.xaxis[joint]
+        address, turn = int(model.jnt_qposadr[joint]), data.xaxis[joint]
+        axis = self.back[:3, :3] @ LEVEL_LINEAR @ turn
         point = self.back[:3, :3] @ LEVEL_LINEAR @ data.xanchor[joint] + self.back[:3, 3]
         rest = float(model.qpos_spring[address] - model.qpos0[address]) if model.qpos_spring[address] else 0.0
-        kind, name = ("hinge", "door") if hinge else ("slide", "drawer")
+        kind: JointKind = "hinge" if int(model.jnt_type[joint]) == HINGE else "slide"
+        names = model.joint(joint).name, model.body(int(model.jnt_bodyid[joint])).name
         return Joint(
             model_id=model_id,
-            part=f"{name}_{joint}",
-            kind=kind,  # type: ignore[arg-type]
+            part=f"{part_kind(kind, float(turn[2]), *names)}_{joint}",
+            kind=kind,
             axis=to_vector(axis / np.linalg.norm(axis)),
             point=to_vector(point),
             low=low,

@@ -49,7 +49,7 @@ def split_door(door: JointedDoor) -> tuple[Model, tuple[LeafPart, ...]]:
     the plan stay in the frame.
     """
     order = tree_order(triangles_z_up(door.mesh))
-    joints = [joint for joint in door.joints if _moves_in_plan(joint)]
+    joints = [joint for joint in door.joints if moves_in_plan(joint)]
     faces = [np.isin(order, joint.faces) for joint in joints]
     if not joints or np.any(faces, axis=0).all():
         return door.model, ()
@@ -70,7 +70,7 @@ def cut_leaves(
     return _cut_out(model, ~np.any(faces, axis=0), "frame"), parts
 
 
-def _moves_in_plan(joint: Joint) -> bool:
+def moves_in_plan(joint: Joint) -> bool:
     """Return whether a joint (Y up, as in the file) is a vertical hinge or a horizontal slide."""
     upright = abs(joint.axis[1])
     return upright <= MAX_HINGE_TILT if joint.kind == "slide" else upright >= 1 - MAX_HINGE_TILT

@@ -153,7 +153,7 @@ def place_objects(frame: HouseFrame, metadata: Metadata) -> list[PlacedObject]:
                 )
             )
             instance += len(placed[-1].parts)
-        first += _num_nodes(level)
+        first += num_nodes(level)
     return placed
 
 
@@ -174,7 +174,7 @@ def _parts(
     return JointedFurniture(frame, frame, leaves)
 
 
-def _num_nodes(level: Level) -> int:
+def num_nodes(level: Level) -> int:
     """Return the length of a level's node list in the file: the highest index of a node that was read, plus 1."""
     nodes = (*level.rooms, *level.objects, *level.boxes, *level.grounds, *level.unknown)
     return max((node.index + 1 for node in nodes), default=0)

@@ -65,6 +65,7 @@ def test_a_scene_has_its_regions_objects_lights_and_joints(root):
     assert hinge.axis == pytest.approx((0, -1, 0), abs=1e-6)  # z of the body, which lies on its back
     assert hinge.point == pytest.approx((-0.3, 0.5, 0.2), abs=1e-6)
     assert (hinge.faces.tolist(), slide.faces.tolist()) == (list(range(12, 24)), list(range(24, 36)))
+    assert [joint.part.partition("_")[0] for joint in cupboard.joints] == ["door", "drawer"]
     assert (slide.kind, slide.high, slide.axis) == ("slide", 0.3, pytest.approx((0, 0, 1), abs=1e-6))
     assert [(fallback.kind, fallback.name) for fallback in house.fallbacks] == [("model", "none.glb")]
     with pytest.raises(MissingFileError, match="asset is missing"):

@@ -19,6 +19,7 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError, Unknown
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.scene_compile.mjcf.export import export_mjcf
+from home_mjx.scene_compile.objects.fixed_parts import describe_fixed, fixed_joints
 from home_mjx.scene_compile.pipeline.compile import compile_house
 from home_mjx.schema.categories import FINE
 from home_mjx.schema.house import House
@@ -102,7 +103,16 @@ def test_a_kitchen_of_robocasa_has_the_counts_of_its_readme_and_the_depth_of_muj
     joints = Counter(j.kind for o in things(house) for j in o.joints)
     assert joints["slide"] == 31
     assert joints["hinge"] == 36  # one of the 37 is on a part that another one moves
+    assert "1 joints are on parts that other joints move: fixed" in [problem.message for problem in house.problems]
+    parts = Counter(j.part.partition("_")[0] for o in things(house) for j in o.joints)
+    assert parts == {"drawer": 31, "door": 29, "knob": 5, "spout": 1, "handle": 1}
     compiled = compile_house(house, open_dataset(path).metadata)
+    assert describe_fixed(compiled, fixed_joints(house, {}, compiled)) == [
+        "fixed: kitchen_cabinet with 28 doors, 31 drawers",
+        "fixed: microwave with 1 door",
+        "fixed: range_oven with 5 knobs",
+        "fixed: sink with 1 handle, 1 spout",
+    ]
     origin, away = rays([0.1, -4.9, 0.1], [6.3, -0.1, 2.9], 10_000)
     expected = mujoco_depth(scene, origin, away)
     got = depth(compiled, origin, away)
@@ -188,6 +198,36 @@ def test_a_door_between_rooms_turns_on_its_hinge_and_primitives_have_their_size(
     assert (joint.low, joint.high, joint.closed) == pytest.approx(np.deg2rad([-10, 90, 90]), abs=1e-6)
     assert joint.point == pytest.approx((0.1, 0, 0))
     assert joint.faces.tolist() == list(range(12, 24))
+
+
+def test_joints_of_furniture_are_records_of_kind_axis_range_and_faces_and_listed_as_fixed(tmp_path):
+    """A room door moves; a drawer that slides towards the house's +z, a lid and an unnamed flap do not."""
+    box = '<geom type="box" size=".3 .3 .01" pos="0 0 {}"/>'
+    body = f"""<body name="dresser" pos="3 1 .4"><geom type="box" size=".3 .3 .3"/>
+    <body name="front"><joint type="slide" axis="0 -1 0" range="0 .3"/><geom type="box" size=".2 .02 .1"/></body>
+    <body><joint name="lid_joint" axis="1 0 0" pos="0 .3 .3" range="-80 0"/>{box.format(0.31)}
+    <body><joint axis="0 0 1" range="0 10"/>{box.format(0.33)}</body></body>
+    <body><joint axis="1 0 0" range="-20 0"/>{box.format(-0.31)}</body></body>
+    <body name="door_1" pos="1 2 1"><geom type="box" size=".05 .05 1"/>
+    <body pos=".1 0 0"><joint axis="0 0 1" range="0 90"/><geom type="box" size=".4 .02 1" pos=".4 0 0"/></body>
+    </body>"""
+    path = write(tmp_path, body)
+    house = read(path)
+    (dresser,) = [o for o in things(house) if o.model_id == "dresser"]
+    drawer, lid, _ = dresser.joints
+    assert [joint.part.partition("_")[0] for joint in dresser.joints] == ["drawer", "lid", "flap"]
+    assert (drawer.kind, drawer.axis, drawer.low, drawer.high) == ("slide", pytest.approx((0, 0, 1)), 0, 0.3)
+    assert [joint.faces.tolist() for joint in (drawer, lid)] == [list(range(12, 24)), list(range(24, 48))]
+    opened = lid.move(house.models[dresser.model_key], lid.low)
+    edge = opened.vertices[np.unique(opened.faces[24:36])]
+    height = 0.3 + 0.6 * np.sin(-lid.low) + 0.02 * np.cos(lid.low)
+    assert edge[:, 1].max() == pytest.approx(height, abs=1e-3)
+    compiled = compile_house(house, open_dataset(path).metadata)
+    assert len(compiled.doors.instance) == 1
+    assert describe_fixed(compiled, fixed_joints(house, {}, compiled)) == [
+        "fixed: dresser with 1 drawer, 1 flap, 1 lid"
+    ]
+    assert "1 joints are on parts" in " ".join(problem.message for problem in house.problems)
 
 
 def test_visible_geoms_are_told_from_colliders_by_contacts_not_by_groups(tmp_path):
