@@ -155,6 +155,44 @@ def test_measures_of_cases_by_hand():
     assert measures["num_steps"] == 25
 
 
+def test_a_top_down_map_has_the_values_and_the_frame_of_habitat():
+    """A walk of 1 m along Habitat's -z: 20 cells up in the picture, with the angle pi; then a turn to the right."""
+    env = habitat.Env(config(top_down_map=True), habitat.NavigationDataset((episode((-3.05, -1.05), (-2.05, 0)),), {}))
+    env.reset()
+    before = env.get_metrics()["top_down_map"]
+    cell = env.env.bank.spec.cell
+    steps = round(1 / cell)
+    for _ in range(4):
+        env.step("move_forward")
+    for _ in range(9):
+        env.step("turn_right")
+    found = env.get_metrics()["top_down_map"]
+    (first,), (last,) = before["agent_map_coord"], found["agent_map_coord"]
+    assert np.subtract(last, first) == pytest.approx([-steps, 0], abs=1)
+    assert np.cos(before["agent_angle"][0] - np.pi) == pytest.approx(1, abs=1e-5)
+    assert found["agent_angle"][0] == pytest.approx(np.pi / 2, abs=1e-3)
+    plan, seen = found["map"], found["fog_of_war_mask"]
+    assert (plan.dtype, seen.dtype, plan.shape) == (np.uint8, np.uint8, seen.shape)
+    rows, columns = np.nonzero(plan == 4)  # the start, a square
+    assert (rows.mean(), columns.mean(), len(rows)) == (*first, 9)
+    rows, columns = np.nonzero(plan == 6)  # the goal, 1 m to the right and 1.05 m up
+    assert [rows.mean() - first[0], columns.mean() - first[1]] == pytest.approx([-1.05 / cell, 1 / cell], abs=1)
+    path = plan[last[0] : first[0] - 1, first[1]].astype(int)
+    assert (np.diff(path) <= 0).all()
+    values = {10 + step * 245 // 30 for step in (1, 2, 3, 4, 13)}  # 4 steps, then turns on the spot
+    assert values - {18} <= set(path.tolist()) <= values  # the first step is partly below the mark of the start
+    assert 0 < before["fog_of_war_mask"].sum() < seen.sum()
+    assert seen[first] == seen[last] == 1
+    free = np.isin(plan, (1, 2, 4, 6)) | (plan >= 10)
+    valid = np.pad(free, 1)
+    for row, column in np.argwhere(plan == 1):
+        assert valid[row : row + 3, column + 1].all() & valid[row + 1, column : column + 3].all()
+    env.reset()
+    assert (env.get_metrics()["top_down_map"]["map"] >= 10).sum() == 0
+    with pytest.raises(ConfigError, match="top_down_map"):
+        habitat.VectorEnv(config(top_down_map=True))
+
+
 def test_collisions_are_forward_moves_that_are_blocked():
     env = env_of(episode((-3, -2.5), (-3, 0), rotation=(0, 1, 0, 0)))  # looks along Habitat's +z, at a wall 0.5 m away
     env.reset()

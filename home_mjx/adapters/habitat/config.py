@@ -12,7 +12,7 @@ from home_mjx.adapters.habitat.episodes import NavigationDataset, NavigationEpis
 from home_mjx.adapters.habitat.observations import SENSORS
 from home_mjx.adapters.habitat.rows import Offsets, to_episodes, to_tasks
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.checks import check_flag, check_known, check_number
 from home_mjx.datasets.registry import has_scheme, open_dataset
 from home_mjx.env_factory import build_env
 from home_mjx.errors import ConfigError, UnknownNameError, did_you_mean
@@ -71,6 +71,7 @@ class HabitatConfig:
         tilt_angle: Angle of looks [degrees]; None: there are none.
         allow_sliding: Whether agents slide along obstacles; False: they stop at contact.
         success_distance: Maximum distance on success [m]; None: 0.2 to points, 1.0 to objects.
+        top_down_map: Whether `get_metrics` has `top_down_map`; one environment alone, not `VectorEnv`.
         max_episode_steps: Steps until an episode ends.
         seed: Seed of resets.
         options: Further options of `home_mjx.make`. Movement is kinematic unless `impl` is another.
@@ -96,6 +97,7 @@ class HabitatConfig:
     tilt_angle: float | None = None
     allow_sliding: bool = True
     success_distance: float | None = None
+    top_down_map: bool = False
     max_episode_steps: int = 500
     seed: int = 100
     options: Mapping[str, Any] = field(default_factory=dict)
@@ -103,6 +105,7 @@ class HabitatConfig:
     def __post_init__(self) -> None:
         check_known("task", [self.task], TASKS)
         check_known("sensor of Habitat", self.sensor_names, SENSORS)
+        check_flag("top_down_map", self.top_down_map)
         check_number("hfov", self.hfov, 1, 179)
         check_number("seed", self.seed, 0, integer=True)
         if not 0 <= self.min_depth < self.max_depth:

@@ -10,6 +10,7 @@ import numpy as np
 from home_mjx.adapters.habitat.config import HabitatConfig, build
 from home_mjx.adapters.habitat.episodes import NavigationDataset, NavigationEpisode
 from home_mjx.adapters.habitat.observations import action_index, convert, make_space, measures, to_host
+from home_mjx.adapters.habitat.top_down import MapMeasure
 from home_mjx.core.checks import check_number
 from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.native.fork_guard import forbid_after_fork
@@ -62,6 +63,7 @@ class HabitatEnv:
         self._reset: Callable[..., Any] = forbid_after_fork(jax.jit(reset, compiler_options=xla), "reset")
         self._step: Callable[..., Any] = forbid_after_fork(jax.jit(step, compiler_options=xla), "step")
         self._state: State | None = None
+        self._map = MapMeasure(self.env, self.config.max_episode_steps) if self.config.top_down_map else None
         self._index, self._metrics = -1, {}
         self.seed(self.config.seed)
 
@@ -96,7 +98,7 @@ class HabitatEnv:
         self._index = (self._index + 1) % len(self._episodes)
         key = self._random.integers(0, 2**32, 2, np.uint32)
         state, obs = self._reset(self.env.params, key, np.int32(self._index))
-        self._state, self._metrics = state, measures(state.metrics, 0, 0.0)
+        self._state, self._metrics = state, measures(state.metrics, 0, 0.0) | self._map_measure(state)
         return to_host(obs, self.observation_space)
 
     def step(self, action: Any) -> Observations:
@@ -111,7 +113,8 @@ class HabitatEnv:
         before = float(state.metrics["collisions"])
         number = np.int32(action_index(action, self.env.core.action_names))
         state, obs = self._step(self.env.params, state, number)
-        self._state, self._metrics = state, measures(state.metrics, int(state.world.step), before)
+        self._state = state
+        self._metrics = measures(state.metrics, int(state.world.step), before) | self._map_measure(state)
         return to_host(obs, self.observation_space)
 
     def get_metrics(self) -> dict[str, Any]:
@@ -132,6 +135,10 @@ class HabitatEnv:
 
     def __exit__(self, *error: object) -> None:
         self.close()
+
+    def _map_measure(self, state: State) -> dict[str, Any]:
+        """Return the measure `top_down_map` by its name; empty unless the options ask for it."""
+        return {} if self._map is None else {"top_down_map": self._map.update(self.env.params, state)}
 
     def _started(self) -> State:
         """Return the present state; `ConfigError` if no episode was started."""
