@@ -14,7 +14,9 @@ from storey_homes import homes_bank
 import home_mjx.adapters.habitat as habitat
 from home_mjx import HouseBank
 from home_mjx.adapters.habitat.frames import from_world, rotation_of, to_world, yaw_of
+from home_mjx.adapters.habitat.image_goals import goal_yaw
 from home_mjx.adapters.habitat.observations import action_index, normalize_depth
+from home_mjx.adapters.habitat.rearrange import pose_from_world
 from home_mjx.errors import ConfigError, DatasetError
 
 SENSORS = ("rgb", "depth", "semantic", "pointgoal_with_gps_compass", "gps", "compass", "heading")
@@ -282,7 +284,7 @@ def test_actions_and_keys():
     assert (found.task, found.max_episode_steps, found.data_path) == ("objectnav", 9, "a/{split}.json.gz")
     with pytest.raises(ConfigError, match=r"Did you mean `habitat\.seed`"):
         habitat.get_config("pointnav", ["habitat.sed=1"])
-    with pytest.raises(ConfigError, match="no known task"):
+    with pytest.raises(ConfigError, match=r"no known task.*read_rearrangement"):
         habitat.get_config("rearrange")
 
 
@@ -371,3 +373,75 @@ def test_offsets_lead_from_the_frame_of_a_scene_to_the_world(tmp_path):
     np.testing.assert_allclose(rows.start, env.params.tasks.rows.start, atol=1e-6)
     with pytest.raises(DatasetError, match=r"episodes\[0\]"):
         habitat.to_tasks(habitat.NavigationDataset(moved, {}), env.bank, 0.2, {}, tmp_path / "x")
+
+
+def test_goal_images_are_those_that_an_agent_sees_there(tmp_path):
+    """An agent that starts at the goal in the direction of the image sees the image."""
+    options = {"houses": homes_bank(("one storey",)), "width": 8, "height": 6, "episodes_per_house": 2}
+    image = habitat.get_config("benchmark/nav/imagenav/imagenav_gibson.yaml", **options)
+    there, away = (-3.05, -0.05), (-2.05, 1.05)
+    env = habitat.Env(image, habitat.NavigationDataset((episode(away, there), episode(there, away, number=1)), {}))
+    first = env.reset()
+    assert env.observation_space.contains(first)
+    turn = rotation_of(goal_yaw(env.current_episode))
+    assert np.array_equal(env.step("turn_left")["imagegoal"], first["imagegoal"])
+    assert not np.array_equal(env.reset()["imagegoal"], first["imagegoal"])
+    seen = habitat.Env(image, habitat.NavigationDataset((episode(there, away, turn),), {})).reset()["rgb"]
+    assert np.ptp(seen) > 20
+    assert abs(seen.astype(int) - first["imagegoal"]).mean() < 1  # places within the file's float32
+    odd = habitat.NavigationEpisode({**episode(there, away).fields, "object_category": "bed", "goal_image_id": 3})
+    with pytest.raises(DatasetError, match=r"InstanceImageNav is not replayed.*episodes\[0\]"):
+        habitat.Env(image, habitat.NavigationDataset((odd,), {}))
+    with pytest.raises(ConfigError, match="imagegoal"):
+        habitat.VectorEnv(image)
+
+
+REARRANGEMENT = {
+    "episode_id": 7,
+    "scene_id": "configs/scenes/v3_sc0_staging_00.scene_instance.json",
+    "scene_dataset_config": "replicaCAD.scene_dataset_config.json",
+    "start_position": [1.0, 0.1, -2.0],
+    "start_rotation": [0.0, 0.0, 0.0, 1.0],
+    "info": {"object_labels": {"024_bowl_:0000": "any_targets|0"}},
+    "ao_states": {"fridge_:0000": {"2": 1.5}},
+    "rigid_objs": [["024_bowl.object_config.json", [[0, 0, 1, 2], [0, 1, 0, 0.9], [-1, 0, 0, -3], [0, 0, 0, 1]]]],
+    "targets": {"024_bowl_:0000": [[1, 0, 0, 0], [0, 0, -1, 0.5], [0, 1, 0, 4], [0, 0, 0, 1]]},
+    "target_receptacles": [["receptacle_aabb_TvStnd1_Top3", None]],
+}
+
+
+def test_rearrangements_are_read_in_the_world_frame_and_written_as_they_were(tmp_path):
+    """A point of an object and its image, by SciPy's turn of the axes."""
+    text = json.dumps({"config": None, "episodes": [REARRANGEMENT], "own": 1}).encode()
+    (tmp_path / "a.json.gz").write_bytes(gzip.compress(text))
+    dataset = habitat.read_rearrangement(tmp_path / "a.json.gz")
+    habitat.write_dataset(tmp_path / "b.json.gz", dataset)
+    assert gzip.decompress((tmp_path / "b.json.gz").read_bytes()) == text
+    (one,) = dataset.episodes
+    assert (one.house_id, one.ao_states) == ("v3_sc0_staging_00", {"fridge_:0000": {"2": 1.5}})
+    pairs = [(one.rigid_objs[0][1], one.object_poses((1, 2, 3))[0][1])]
+    pairs.append((one.targets["024_bowl_:0000"], one.target_poses((1, 2, 3))["024_bowl_:0000"]))
+    for before, after in pairs:
+        point = np.array([0.1, 0.2, 0.3])
+        expected = np.add(TO_HABITAT.inv().apply(before[:3, :3] @ point + before[:3, 3]), (1, 2, 3))
+        got = after[:3, :3] @ TO_HABITAT.inv().apply(point) + after[:3, 3]
+        np.testing.assert_allclose(got, expected, atol=1e-12)
+        np.testing.assert_allclose(pose_from_world(after, (1, 2, 3)), before, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"targets": {"a": [[1, 0], [0, 1]]}}, r"rigid transform.*targets\[a\]"),
+        ({"targets": {"a": (2 * np.eye(4)).tolist()}}, r"rigid transform.*targets\[a\]"),
+        ({"rigid_objs": [["a.json", [[float("nan")] * 4] * 4]]}, r"rigid transform.*rigid_objs\[0\]"),
+        ({"rigid_objs": ["a"]}, r"name and a transform.*rigid_objs\[0\]"),
+        ({"targets": None}, "`targets`"),
+        ({"ao_states": [1]}, "ao_states"),
+    ],
+)
+def test_broken_rearrangements_are_located(tmp_path, change, message):
+    file = tmp_path / "bad.json"
+    file.write_text(json.dumps({"episodes": [REARRANGEMENT | change]}))
+    with pytest.raises(DatasetError, match=message):
+        habitat.read_rearrangement(file)

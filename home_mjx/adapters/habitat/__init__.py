@@ -16,6 +16,7 @@ from home_mjx.adapters.habitat.episodes import (
     write_dataset,
 )
 from home_mjx.adapters.habitat.observations import HabitatSimActions
+from home_mjx.adapters.habitat.rearrange import RearrangeDataset, RearrangeEpisode, read_rearrangement
 from home_mjx.adapters.habitat.rows import to_episodes, to_tasks
 from home_mjx.adapters.habitat.vector import HabitatVectorEnv as VectorEnv
 
@@ -27,9 +28,12 @@ __all__ = [
     "NavigationEpisode",
     "NavigationGoal",
     "RLEnv",
+    "RearrangeDataset",
+    "RearrangeEpisode",
     "VectorEnv",
     "get_config",
     "read_dataset",
+    "read_rearrangement",
     "to_episodes",
     "to_tasks",
     "write_dataset",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from home_mjx.adapters.habitat.episodes import NavigationDataset, NavigationEpisode, read_dataset
+from home_mjx.adapters.habitat.image_goals import check_point_goals
 from home_mjx.adapters.habitat.observations import SENSORS
 from home_mjx.adapters.habitat.rows import Offsets, to_episodes, to_tasks
 from home_mjx.bank.bank import HouseBank
@@ -25,11 +26,12 @@ from home_mjx.tasks.base.specs import DiscreteActions
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 
-TASKS = {"pointnav": "PointGoals", "objectnav": "ObjectNav"}
-SUCCESS_DISTANCES = {"pointnav": 0.2, "objectnav": 1.0}  # [m]
+TASKS = {"pointnav": "PointGoals", "objectnav": "ObjectNav", "imagenav": "PointGoals"}
+SUCCESS_DISTANCES = {"pointnav": 0.2, "objectnav": 1.0, "imagenav": 1.0}  # [m]
 OWN_SENSORS = {
     "pointnav": ("rgb", "depth", "pointgoal_with_gps_compass"),
     "objectnav": ("rgb", "depth", "objectgoal", "compass", "gps"),
+    "imagenav": ("rgb", "imagegoal"),
 }
 # Options by the keys of Habitat's configuration; those of sensors are the same for all cameras.
 KEYS = {
@@ -54,7 +56,7 @@ class HabitatConfig:
     """Options with Habitat's names, units and defaults.
 
     Attributes:
-        task: "pointnav" or "objectnav".
+        task: "pointnav", "objectnav" or "imagenav".
         houses: Houses as for `home_mjx.make`; None: generated ones.
         num_houses: Number of houses; None: as for `make`, or those of `data_path`.
         data_path: Episode file of Habitat; None: episodes are sampled.
@@ -70,7 +72,7 @@ class HabitatConfig:
         turn_angle: Angle of turns [degrees].
         tilt_angle: Angle of looks [degrees]; None: there are none.
         allow_sliding: Whether agents slide along obstacles; False: they stop at contact.
-        success_distance: Maximum distance on success [m]; None: 0.2 to points, 1.0 to objects.
+        success_distance: Maximum distance on success [m]; None: 0.2 to points, 1.0 to objects and places of images.
         top_down_map: Whether `get_metrics` has `top_down_map`; one environment alone, not `VectorEnv`.
         max_episode_steps: Steps until an episode ends.
         seed: Seed of resets.
@@ -126,7 +128,7 @@ def get_config(config_path: str, overrides: Sequence[str] = (), **changes: Any) 
     """Return the options of a task by a name of Habitat's configurations; the file itself is not read.
 
     Args:
-        config_path: Contains `pointnav` or `objectnav`, as "benchmark/nav/pointnav/pointnav_gibson.yaml" does.
+        config_path: Contains a task's name, as "benchmark/nav/pointnav/pointnav_gibson.yaml" does.
         overrides: `key=value` with keys of `KEYS`.
         **changes: Fields of `HabitatConfig`.
 
@@ -139,7 +141,11 @@ def get_config(config_path: str, overrides: Sequence[str] = (), **changes: Any) 
     """
     task = next((name for name in TASKS if name in config_path), None)
     if task is None:
-        raise ConfigError(f"`{config_path}` names no known task", hint=f"Known: {', '.join(TASKS)}.")
+        hint = f"Known: {', '.join(TASKS)}."
+        if "rearrange" in config_path:
+            hint = "Files of rearrangement add objects that houses lack: `read_rearrangement` reads them; the task is "
+            hint += "`home_mjx.make('Rearrange-v0')`."
+        raise ConfigError(f"`{config_path}` names no known task", hint=hint)
     looks: dict[str, Any] = {"tilt_angle": 30.0, "turn_angle": 30.0} if task == "objectnav" else {}
     chosen = looks | dict(map(_parse_override, overrides)) | changes
     check_known("option", chosen, [one.name for one in dataclasses.fields(HabitatConfig)])
@@ -180,6 +186,8 @@ def build(
     if dataset is None:
         return env, to_episodes(env.params.tasks, env.bank, config.offsets)
     path = config.data_path or "dataset"
+    if config.task == "imagenav":
+        check_point_goals(dataset, path)
     return env.with_tasks(to_tasks(dataset, env.bank, config.goal_distance, config.offsets, path)), dataset.episodes
 
 

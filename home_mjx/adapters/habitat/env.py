@@ -9,6 +9,7 @@ import numpy as np
 
 from home_mjx.adapters.habitat.config import HabitatConfig, build
 from home_mjx.adapters.habitat.episodes import NavigationDataset, NavigationEpisode
+from home_mjx.adapters.habitat.image_goals import GoalImages
 from home_mjx.adapters.habitat.observations import action_index, convert, make_space, measures, to_host
 from home_mjx.adapters.habitat.top_down import MapMeasure
 from home_mjx.core.checks import check_number
@@ -64,6 +65,8 @@ class HabitatEnv:
         self._step: Callable[..., Any] = forbid_after_fork(jax.jit(step, compiler_options=xla), "step")
         self._state: State | None = None
         self._map = MapMeasure(self.env, self.config.max_episode_steps) if self.config.top_down_map else None
+        self._images = GoalImages(self.env) if "imagegoal" in names else None
+        self._fixed: Observations = {}
         self._index, self._metrics = -1, {}
         self.seed(self.config.seed)
 
@@ -99,7 +102,9 @@ class HabitatEnv:
         key = self._random.integers(0, 2**32, 2, np.uint32)
         state, obs = self._reset(self.env.params, key, np.int32(self._index))
         self._state, self._metrics = state, measures(state.metrics, 0, 0.0) | self._map_measure(state)
-        return to_host(obs, self.observation_space)
+        if self._images is not None:
+            self._fixed = {"imagegoal": self._images.image(self.env.params, state, self._index, self.current_episode)}
+        return to_host({**obs, **self._fixed}, self.observation_space)
 
     def step(self, action: Any) -> Observations:
         """Take an action, a number, a name or `{"action": ...}`, and return the observations after it.
@@ -115,7 +120,7 @@ class HabitatEnv:
         state, obs = self._step(self.env.params, state, number)
         self._state = state
         self._metrics = measures(state.metrics, int(state.world.step), before) | self._map_measure(state)
-        return to_host(obs, self.observation_space)
+        return to_host({**obs, **self._fixed}, self.observation_space)
 
     def get_metrics(self) -> dict[str, Any]:
         """Return Habitat's measures after the last step, see `measures`."""

@@ -7,10 +7,10 @@ import gzip
 import io
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from home_mjx.adapters.habitat.frames import MAX_NORM_ERROR, Quaternion, Vector
 from home_mjx.core.files import as_path, read_bytes, write_durably
@@ -145,7 +145,22 @@ def read_dataset(path: str | Path) -> NavigationDataset:
     return NavigationDataset(tuple(episodes), fields)
 
 
-def write_dataset(path: str | Path, dataset: NavigationDataset) -> None:
+@runtime_checkable
+class EpisodeFile(Protocol):
+    """Content of an episode file."""
+
+    @property
+    def episodes(self) -> Sequence[NavigationEpisode]:
+        """The episodes, in the order of the file."""
+        ...
+
+    @property
+    def fields(self) -> Mapping[str, Any]:
+        """Other fields of the file."""
+        ...
+
+
+def write_dataset(path: str | Path, dataset: EpisodeFile) -> None:
     """Write an episode file, packed; the same episodes give the same bytes.
 
     Raises:
@@ -158,6 +173,16 @@ def write_dataset(path: str | Path, dataset: NavigationDataset) -> None:
 
 def _read_file(file: Path) -> tuple[dict[str, Any], list[NavigationEpisode]]:
     """Return the fields of one file, in their order, and its episodes; errors as of `read_dataset`."""
+    fields = read_fields(file)
+    if not isinstance(fields.get("goals_by_category", {}), dict):
+        raise DatasetError("expected an object", file=file, element="goals_by_category")
+    for number, episode in enumerate(fields["episodes"]):
+        _check_episode(episode, file, f"episodes[{number}]")
+    return fields, [NavigationEpisode(episode) for episode in fields["episodes"]]
+
+
+def read_fields(file: Path) -> dict[str, Any]:
+    """Return the JSON of an episode file, an object with a list `episodes`; errors as of `read_dataset`."""
     try:
         fields = json.loads(_unpack(read_bytes(file, max_bytes=MAX_FILE_BYTES), file))
     except (ValueError, RecursionError) as error:
@@ -166,11 +191,7 @@ def _read_file(file: Path) -> tuple[dict[str, Any], list[NavigationEpisode]]:
         raise DatasetError(f"file is not JSON: {error!s:.100}", file=file) from None
     if not isinstance(fields, dict) or not isinstance(fields.get("episodes"), list):
         raise DatasetError("expected an object with a list `episodes`", file=file)
-    if not isinstance(fields.get("goals_by_category", {}), dict):
-        raise DatasetError("expected an object", file=file, element="goals_by_category")
-    for number, episode in enumerate(fields["episodes"]):
-        _check_episode(episode, file, f"episodes[{number}]")
-    return fields, [NavigationEpisode(episode) for episode in fields["episodes"]]
+    return fields
 
 
 def _unpack(data: bytes, file: Path) -> bytes:
@@ -187,8 +208,8 @@ def _unpack(data: bytes, file: Path) -> bytes:
     return found
 
 
-def _check_episode(episode: Any, file: Path, element: str) -> None:
-    """Raise `DatasetError` unless the JSON of an episode has a scene, and poses and goals of finite numbers."""
+def check_pose(episode: Any, file: Path, element: str) -> None:
+    """Raise `DatasetError` unless the JSON of an episode has an id, a scene and a start of finite numbers."""
     if not isinstance(episode, dict) or not isinstance(episode.get("scene_id"), str) or "episode_id" not in episode:
         raise DatasetError("expected an object with `episode_id` and `scene_id`", file=file, element=element)
     _check_numbers(episode, "start_position", 3, file, element)
@@ -196,6 +217,11 @@ def _check_episode(episode: Any, file: Path, element: str) -> None:
     if abs(sum(value * value for value in episode["start_rotation"]) - 1) > MAX_NORM_ERROR:
         message = f"expected a rotation x, y, z, w of norm 1, got {episode['start_rotation']}"
         raise DatasetError(message, file=file, element=f"{element}.start_rotation")
+
+
+def _check_episode(episode: Any, file: Path, element: str) -> None:
+    """Raise `DatasetError` unless the JSON of an episode has a scene, and poses and goals of finite numbers."""
+    check_pose(episode, file, element)
     info = episode.get("info") or {}
     if not isinstance(info, dict) or type(info.get("geodesic_distance", 0.0)) not in (int, float):
         raise DatasetError("expected a number `geodesic_distance`", file=file, element=f"{element}.info")

@@ -25,8 +25,15 @@ SENSORS = {
     "compass": "gps_compass",
     "heading": "state",
     "objectgoal": "goal_words",
+    "imagegoal": "rgb",
 }
+EPISODE_SENSORS = ("imagegoal",)  # observations that are fixed over an episode, not made by `convert`
 NO_LIMIT = np.finfo(np.float32).max
+IMAGES = {  # number of channels, maximum, type; others have numbers of objects
+    "rgb": (3, 255, np.uint8),
+    "imagegoal": (3, 255, np.uint8),
+    "depth": (1, 1.0, np.float32),
+}
 VECTORS = {  # shape, minimum, maximum, type
     "pointgoal_with_gps_compass": ((2,), -NO_LIMIT, NO_LIMIT, np.float32),
     "gps": ((2,), -NO_LIMIT, NO_LIMIT, np.float32),
@@ -76,7 +83,7 @@ def convert(names: Sequence[str], obs: Mapping[str, Array], min_depth: float, ma
     """Return observations by Habitat's names, of one environment or a batch, also inside `jit`.
 
     Args:
-        names: Names of the observations, of `SENSORS`.
+        names: Names of the observations, of `SENSORS`; `EPISODE_SENSORS` are left out.
         obs: Observations of an environment with the sensors behind them.
         min_depth: Depth that becomes 0 [m].
         max_depth: Depth that becomes 1 [m].
@@ -91,7 +98,7 @@ def convert(names: Sequence[str], obs: Mapping[str, Array], min_depth: float, ma
         "heading": lambda: heading_of(obs["state"]),
         "objectgoal": lambda: _object_goal(obs["goal_words"]),
     }
-    return {name: found[name]() for name in names}
+    return {name: found[name]() for name in names if name not in EPISODE_SENSORS}
 
 
 def _object_goal(words: Int[Array, "*n words"]) -> Int[Array, "*n 1"]:
@@ -108,14 +115,12 @@ def make_space(names: Sequence[str], specs: Specs) -> gymnasium.spaces.Dict:
             spaces[name] = box(low, high, shape, dtype)
             continue
         rows, columns = specs[observation_name("head", SENSORS[name])].shape[:2]
-        channels, high, dtype = {"rgb": (3, 255, np.uint8), "depth": (1, 1.0, np.float32)}.get(
-            name, (1, np.iinfo(np.int32).max, np.int32)
-        )
+        channels, high, dtype = IMAGES.get(name, (1, np.iinfo(np.int32).max, np.int32))
         spaces[name] = box(0, high, (rows, columns, channels), dtype)
     return gymnasium.spaces.Dict(spaces)
 
 
-def to_host(obs: Mapping[str, Array], space: gymnasium.spaces.Dict) -> dict[str, np.ndarray]:
+def to_host(obs: Mapping[str, Any], space: gymnasium.spaces.Dict) -> dict[str, np.ndarray]:
     """Return copies of observations in the types of their space."""
     return {name: np.array(value, space[name].dtype) for name, value in obs.items()}
 

@@ -66,12 +66,12 @@ class MapMeasure:
         step = int(state.world.step)
         if step == 0:
             self._paths, self._last = {}, None
-        path = self._walk(int(plan.level), plan.agents[0], plan.occupancy.shape, step)
+        path = self._walk(int(plan.level), np.asarray(plan.agents[0]), plan.occupancy.shape, step)
         place = (len(path) - 1 - int(plan.agents[0, 0]), int(plan.agents[0, 1]))
         turn = math.remainder(float(plan.yaw[0]) + math.pi / 2, 2 * math.pi)
         return {
             "map": draw_map(plan, path)[::-1],
-            "fog_of_war_mask": plan.seen[::-1].astype(np.uint8),
+            "fog_of_war_mask": np.asarray(plan.seen)[::-1].astype(np.uint8),
             "agent_map_coord": [place],
             "agent_angle": [np.array(turn)],
         }
@@ -99,15 +99,14 @@ def line_cells(first: Int[np.ndarray, "2"], last: Int[np.ndarray, "2"]) -> Int[n
 
 def draw_map(plan: TopDownMap, path: UInt8[np.ndarray, "rows columns"]) -> UInt8[np.ndarray, "rows columns"]:
     """Return a map with the values of `MapValue`, rows as in `plan`; marks are over the path."""
-    valid = plan.occupancy == CellOccupancy.FREE
+    valid, goal, start = np.asarray(plan.occupancy) == CellOccupancy.FREE, np.asarray(plan.goal), np.asarray(plan.start)
     found = np.where(valid, np.where(_is_border(valid), MapValue.BORDER, MapValue.VALID), 0).astype(np.uint8)
     found = np.where(path > 0, path, found)
-    goals = np.argwhere(plan.goal)
-    if len(goals):
-        found[plan.goal] = MapValue.TARGET
-        _mark(found, goals.mean(axis=0).astype(int), MapValue.TARGET)
-    if plan.start[0] >= 0:
-        _mark(found, plan.start, MapValue.SOURCE)
+    if goal.any():
+        found[goal] = MapValue.TARGET
+        _mark(found, np.argwhere(goal).mean(axis=0).astype(int), MapValue.TARGET)
+    if start[0] >= 0:
+        _mark(found, start, MapValue.SOURCE)
     return found
 
 

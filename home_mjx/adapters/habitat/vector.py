@@ -49,10 +49,8 @@ class HabitatVectorEnv:
     ) -> None:
         check_number("num_envs", num_envs, 1, integer=True)
         self.config, self.num_envs = HabitatConfig() if config is None else config, num_envs
-        if self.config.top_down_map:
-            raise ConfigError(
-                "a `VectorEnv` has no `top_down_map`", hint="Use `Env`, or `home_mjx.tasks.top_down_map`."
-            )
+        if self.config.top_down_map or "imagegoal" in self.config.sensor_names:
+            raise ConfigError("a `VectorEnv` has neither `top_down_map` nor `imagegoal`", hint="Use `Env`.")
         self.env, self._episodes = build(self.config, dataset)
         names, depths = self.config.sensor_names, (self.config.min_depth, self.config.max_depth)
         space = make_space(names, self.env.observation_spec)
