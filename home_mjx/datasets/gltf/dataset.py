@@ -10,7 +10,7 @@ import numpy as np
 
 from home_mjx.core.files import NUM_HEAD_BYTES
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
-from home_mjx.datasets.gltf.decode.container import GLB_MAGIC, GltfDocument, read_document, uri_path
+from home_mjx.datasets.gltf.decode.container import GLB_MAGIC, TEXTURE_EXTENSIONS, GltfDocument, read_document, uri_path
 from home_mjx.datasets.gltf.decode.images import ImageStore
 from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
@@ -118,7 +118,7 @@ class GltfDataset(SceneDataset):
 
         Args:
             house_id: One of `house_ids`.
-            options: Categories to leave out; if strict, missing images are errors.
+            options: Categories to leave out; if strict, images that are missing or of other formats are errors.
 
         Raises:
             UnknownIdError: No scene has this id.
@@ -126,7 +126,7 @@ class GltfDataset(SceneDataset):
         """
         self.check_known(house_id)
         path, stated = self.scenes[house_id], read_room_file(self.scenes[house_id])
-        document = read_document(path)
+        document = read_document(path, frozenset() if options.strict else TEXTURE_EXTENSIONS)
         images = ImageStore(document, self.root, bool(options.strict))
         materials = MaterialReader(document, images)
         meshes = MeshReader(document, materials)
@@ -164,7 +164,7 @@ class GltfDataset(SceneDataset):
 def external_files(path: Path) -> list[Path]:
     """Return the files that a scene names by URIs; none if it cannot be read."""
     try:
-        document = read_document(path)
+        document = read_document(path, TEXTURE_EXTENSIONS)
         uris = [value.member("uri") for key in ("buffers", "images") for value in document.items(key)]
         named = [uri for uri in uris if uri.has_value and not uri.text().startswith("data:")]
         return [uri_path(path.parent, uri) for uri in named]

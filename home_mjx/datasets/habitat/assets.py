@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.core.files import is_file
-from home_mjx.datasets.gltf.decode.container import GltfDocument, read_document
+from home_mjx.datasets.gltf.decode.container import TEXTURE_EXTENSIONS, GltfDocument, read_document
 from home_mjx.datasets.gltf.decode.images import ImageStore
 from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
@@ -26,7 +26,6 @@ from home_mjx.geometry.meshes import Z_UP, bounds, box_triangles
 from home_mjx.schema.house import Fallback, Material, Mesh
 
 GLTF_SUFFIXES = (".glb", ".gltf")
-TOLERATED = frozenset({"KHR_texture_basisu", "KHR_texture_ktx"})  # the material's colour replaces such textures
 PRIMITIVES = {  # by the start of Habitat's handles; unit sizes of Magnum, whose axis is y
     "cubesolid": lambda: box_triangles(np.zeros(3), np.ones(3)),
     "icospheresolid": lambda: sphere_triangles(1.0) @ Z_UP,
@@ -92,7 +91,7 @@ def open_asset(path: Path) -> GltfDocument:
     if path.suffix.lower() not in GLTF_SUFFIXES:
         hint = "Convert it to glTF, such as with Blender."
         raise DatasetError(f"assets of the format `{path.suffix[:20]}` are not read", file=path, hint=hint)
-    return read_document(path, TOLERATED)
+    return read_document(path, TEXTURE_EXTENSIONS)
 
 
 def primitive_mesh(handle: JsonValue) -> Mesh | None:

@@ -8,6 +8,8 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from gltf_files import CUBE, GltfFile, read_scene, scan_of_two_rooms, triangles_of, two_rooms
+from PIL import Image
+from png_files import encoded
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
@@ -97,6 +99,41 @@ def test_depth_is_that_of_embree_on_the_triangles_of_the_file(flat, tmp_path):
     rays = [jnp.asarray(x, jnp.float32) for x in (origin @ turn.T + house.offset, away @ turn.T)]
     found = np.asarray(jax.jit(cast)(view, *rays).t)
     assert (abs(found - expected) < 1e-3).mean() >= 0.9999
+
+
+@pytest.mark.parametrize("name", ["KHR_texture_basisu", "EXT_texture_webp"])
+def test_images_of_formats_that_are_not_decoded_are_fallbacks_or_strictly_errors(tmp_path, name):
+    """One texture has such an image alone, another one a PNG for readers without the extension."""
+    file = two_rooms()
+    view = file.view(b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(64))
+    file.add("images", bufferView=view, mimeType="image/ktx2")
+    file.add("images", bufferView=file.view(encoded(Image.new("RGB", (2, 2)))), mimeType="image/png")
+    extension = {"extensions": {name: {"source": 0}}}
+    file.add("textures", **extension)
+    file.add("textures", source=1, **extension)
+    for texture, color in ((0, [0.5, 0.5, 0.5, 1]), (1, [1, 1, 1, 1])):
+        file.add("materials", pbrMetallicRoughness={"baseColorTexture": {"index": texture}, "baseColorFactor": color})
+    meshes = {node["name"]: file.json["meshes"][node["mesh"]] for node in file.json["nodes"]}
+    for number, node in enumerate(("Dining_Table.001", "chair")):
+        meshes[node]["primitives"][0]["material"] = number
+    file.json["extensionsRequired"] = [name]
+    dataset = open_dataset(file.write(tmp_path / "flat.glb"))
+    house = dataset.load_house("flat")
+    (fallback,) = house.fallbacks
+    assert (fallback.kind, fallback.element, fallback.replacement) == (
+        "texture",
+        "textures[0]",
+        "the material's colour",
+    )
+    looks = {o.model_id: house.models[o.model_key].materials[0] for level in house.levels for o in level.objects}
+    assert looks["dining_table"].texture is None
+    assert looks["dining_table"].diffuse == pytest.approx([0.7354] * 3, abs=1e-3)  # sRGB of 0.5
+    assert looks["chair"].texture.suffix == ".png"
+    with pytest.raises(DatasetError, match=rf"requires the extension `{name}`.*extensionsRequired\[0\]"):
+        dataset.load_house("flat", ReadOptions(strict=True))
+    del file.json["extensionsRequired"]
+    with pytest.raises(DatasetError, match=r"no PNG or JPEG.*textures\[0\].*gltf-transform"):
+        open_dataset(file.write(tmp_path / "flat.glb")).load_house("flat", ReadOptions(strict=True))
 
 
 def test_a_room_file_states_rooms_units_and_categories(tmp_path):

@@ -32,10 +32,15 @@ SUPPORTED_EXTENSIONS = frozenset(
         "KHR_texture_transform",
     }
 )
+# Extensions for formats of images that are not decoded; the material's colour replaces such textures.
+TEXTURE_EXTENSIONS = frozenset({"EXT_texture_webp", "KHR_texture_basisu", "KHR_texture_ktx"})
 REMEDIES = {
     "EXT_meshopt_compression": "Decompress it, such as with `gltf-transform dequantize` or `gltfpack -noq`.",
     "EXT_texture_webp": "Convert its images to PNG, such as with `gltf-transform png`.",
-    "KHR_texture_basisu": "Convert its images to PNG, such as with `gltf-transform ktxdecompress`.",
+    **dict.fromkeys(
+        ("KHR_texture_basisu", "KHR_texture_ktx"),
+        "Convert its images to PNG, such as with `gltf-transform ktxdecompress`.",
+    ),
 }
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from home_mjx.core.files import write_atomically
 from home_mjx.core.images import open_texture
-from home_mjx.datasets.gltf.decode.container import GltfDocument, refuse_extensions
+from home_mjx.datasets.gltf.decode.container import TEXTURE_EXTENSIONS, GltfDocument, refuse_extensions
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.schema.house import Fallback
@@ -65,7 +65,7 @@ class ImageStore:
         value = self.document.item("textures", texture.member("index"))
         source = value.member("source")
         if not source.has_value:
-            return self._missing(value, "texture has no PNG or JPEG `source`")
+            return self._missing(value, "texture has no PNG or JPEG `source`", _undecoded(value))
         image = self.document.item("images", source)
         family = texture_family_of(f"{name} {_image_name(image)}")
         key = source.integer(), family
@@ -75,6 +75,9 @@ class ImageStore:
 
     def _written(self, image: JsonValue, family: str) -> Path | None:
         """Write an image unless its file exists, and return its path; None, with a fallback, if that fails."""
+        undecoded = _undecoded(image)
+        if undecoded is not None:
+            return self._missing(image, undecoded.message, undecoded)
         try:
             data = _image_bytes(self.document, image)
         except MissingFileError as error:
@@ -114,6 +117,15 @@ def texture_family_of(text: str) -> str:
     return next((FAMILY_WORDS[word.lower()] for word in words if word.lower() in FAMILY_WORDS), "texture")
 
 
+def _undecoded(value: JsonValue) -> DatasetError | None:
+    """Return the error of a texture or image that has an extension for a format that is not decoded, else None."""
+    try:
+        refuse_extensions(value, *sorted(TEXTURE_EXTENSIONS))
+    except DatasetError as error:
+        return error
+    return None
+
+
 def _image_name(image: JsonValue) -> str:
     """Return the name of an image, else the last part of its path; "" if it has neither."""
     name, uri = image.member("name").data, image.member("uri").data
@@ -124,7 +136,6 @@ def _image_name(image: JsonValue) -> str:
 
 def _image_bytes(document: GltfDocument, image: JsonValue) -> bytes:
     """Return the bytes of an image file, from its URI or buffer view."""
-    refuse_extensions(image, "KHR_texture_basisu")
     view, uri = image.member("bufferView"), image.member("uri")
     if view.has_value:
         return bytes(document.view(view)[0])
