@@ -29,7 +29,11 @@ def surface_areas(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, " 
 
 def to_z_up(points: Float[np.ndarray, "*b 3"]) -> Float[np.ndarray, "*b 3"]:
     """Rotate points from the file's axes (Y up) to the world's (Z up): (x, y, z) to (x, -z, y), without any offset."""
-    return points @ Z_UP.T
+    turned = np.empty(points.shape, np.result_type(points, np.float64))
+    for axis, (source, sign) in enumerate(((0, 1), (2, -1), (1, 1))):
+        np.multiply(points[..., source], sign, out=turned[..., axis])
+    turned += 0.0  # zeros are positive, as of a product of matrices
+    return turned
 
 
 def triangles_z_up(mesh: Mesh) -> Float[np.ndarray, "f 3 3"]:

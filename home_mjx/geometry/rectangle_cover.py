@@ -5,6 +5,8 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Bool, Float
 
+MAX_PAIRS = 2_000_000  # maximum number of pairs of a triangle and a point that are compared at once
+
 
 def merge_close_values(values: Float[np.ndarray, "*n"], tolerance: float) -> Float[np.ndarray, " k"]:
     """Return the sorted distinct values; chains of neighbours up to `tolerance` apart are merged into their mean.
@@ -38,11 +40,20 @@ def is_in_triangles(triangles: Float[np.ndarray, "t 3 2"], points: Float[np.ndar
 
     A triangle without area contains no point.
     """
-    a, b, c = (triangles[:, i] for i in range(3))
-    sides = [_side(p, q, points[..., None, :]) for p, q in ((a, b), (b, c), (c, a))]
-    inside = np.all([s >= 0 for s in sides], axis=0) | np.all([s <= 0 for s in sides], axis=0)
-    proper = abs(_side(a, b, c)) > 1e-12
-    return (inside & proper).any(axis=-1)
+    flat = points.reshape(-1, 2)
+    triangles = triangles[abs(_side(*triangles.transpose(1, 0, 2))) > 1e-12]
+    found, order = np.zeros(len(flat), bool), np.argsort(flat[:, 0], kind="stable")
+    u = triangles[..., 0]
+    first = np.searchsorted(flat[order, 0], u.min(axis=1), "left")
+    count = np.searchsorted(flat[order, 0], u.max(axis=1), "right") - first
+    for rows in np.split(np.arange(len(u)), np.flatnonzero(np.diff(np.cumsum(count) // MAX_PAIRS)) + 1):
+        triangle = np.repeat(rows, count[rows])
+        step = np.arange(len(triangle)) - np.repeat(np.cumsum(count[rows]) - count[rows], count[rows])
+        near = order[first[triangle] + step]
+        a, b, c = triangles[triangle].transpose(1, 0, 2)
+        sides = np.stack([_side(p, q, flat[near]) for p, q in ((a, b), (b, c), (c, a))])
+        found[near[(sides >= 0).all(axis=0) | (sides <= 0).all(axis=0)]] = True
+    return found.reshape(points.shape[:-1])
 
 
 def _side(a: np.ndarray, b: np.ndarray, p: np.ndarray) -> np.ndarray:

@@ -9,6 +9,7 @@ from cuboids import cuboid, turned
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from home_mjx.geometry import rectangle_cover
 from home_mjx.geometry.box_fit import (
     cover_cells,
     fit_boxes,
@@ -239,6 +240,21 @@ def test_points_in_triangles_of_either_winding():
     triangles = np.array([[[0, 0], [1, 0], [0, 1]], [[3, 0], [3, 1], [4, 0]], [[5, 5], [6, 6], [7, 7]]], float)
     points = np.array([[0.2, 0.2], [0.8, 0.8], [3.2, 0.2], [6.5, 6.5]])
     assert is_in_triangles(triangles, points).tolist() == [True, False, True, False]
+    assert not is_in_triangles(triangles[:0], points).any()
+
+
+def test_points_in_many_triangles_are_those_of_barycentric_coordinates(monkeypatch):
+    """More pairs than are compared at once; points whose coordinates are nearly 0 may be on either side."""
+    monkeypatch.setattr(rectangle_cover, "MAX_PAIRS", 1_000)
+    random = np.random.default_rng(0)
+    triangles = random.normal(size=(300, 1, 2)) + random.normal(scale=0.1, size=(300, 3, 2))
+    points = np.round(random.normal(size=(20, 30, 2)), 2)
+    matrix = np.concatenate([triangles.transpose(0, 2, 1), np.ones((300, 1, 3))], axis=1)
+    weights = np.linalg.solve(matrix[:, None, None], np.concatenate([points, np.ones((20, 30, 1))], -1)[..., None])
+    least = weights[..., 0].min(axis=-1).max(axis=0)
+    clear = abs(least) > 1e-9
+    assert 0.05 < (least > 0).mean() < 0.95
+    assert (is_in_triangles(triangles, points) == (least > 0))[clear].all()
 
 
 def test_cluster_keeps_the_ends():

@@ -82,7 +82,8 @@ def wall_direction(triangles: TriangleSet) -> float:
 
 def to_plan(points: Float[np.ndarray, "*p 3"], yaw: float) -> Float[np.ndarray, "*p 2"]:
     """Return points, Y up, in the plan (x, -z) in axes turned by `yaw` [rad]."""
-    return points[..., [0, 2]] * [1.0, -1.0] @ plane_matrix(yaw)
+    turn = plane_matrix(yaw) * [[1.0], [-1.0]]
+    return np.stack([points[..., 0] * turn[0, axis] + points[..., 2] * turn[1, axis] for axis in (0, 1)], axis=-1)
 
 
 def _grid(triangles: TriangleSet, yaw: float) -> tuple[Float[np.ndarray, "2"], float]:
