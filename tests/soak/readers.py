@@ -12,7 +12,20 @@ from typing import Any
 
 import numpy as np
 from mutations import Mutation, of_archive, of_bytes, of_json, of_json_lines, of_png, of_text
-from scene_readers import colors_file, front, habitat_file, house_file, labelled_ply, urdf
+from scene_readers import (
+    colors_file,
+    front,
+    glb,
+    habitat_episodes,
+    habitat_file,
+    house_file,
+    labelled_ply,
+    mjcf,
+    procthor,
+    rearrangement,
+    scene_file,
+    urdf,
+)
 
 from home_mjx.errors import HomeMjxError
 
@@ -441,6 +454,11 @@ TARGETS = {
     "labelled-ply": Target(labelled_ply, (of_bytes,)),
     "hm3d": Target(colors_file, TEXT),
     "front": Target(front, JSON),
+    "gltf-scene": Target(scene_file("gltf", "flat.glb", glb), (of_bytes,), quick=False),
+    "mjcf-scene": Target(scene_file("mjcf", "flat.xml", mjcf), TEXT, quick=False),
+    "procthor-house": Target(scene_file("procthor", "house.json", procthor), JSON, quick=False),
+    "habitat-episodes": Target(habitat_episodes, JSON),
+    "habitat-rearrangement": Target(rearrangement, JSON),
     "marker": Target(kept_text(b'{"generator": "home_mjx", "version": 5}', marker, "generated.json"), JSON),
     "checkpoint": Target(checkpoint(alone=False), ARCHIVE),
     "agent": Target(checkpoint(alone=True), ARCHIVE),

@@ -1,4 +1,4 @@
-"""Files of scenes of other simulators as inputs of the fuzzer: datasets of Habitat, scans, and 3D-FRONT."""
+"""Files of scenes of other simulators as inputs of the fuzzer: Habitat, scans, 3D-FRONT, glTF, MJCF and ProcTHOR."""
 
 import json
 import os
@@ -120,3 +120,73 @@ def front(folder: Path) -> tuple[list[bytes], Read]:
         return dataset.load_house("flat")
 
     return [json.dumps(house).encode()], reader_of(path, read)
+
+
+def scene_file(scheme: str, name: str, data: Callable[[Path], bytes]) -> Prepare:
+    """A scene in one file: its house is read."""
+
+    def prepare(folder: Path) -> tuple[list[bytes], Read]:
+        from home_mjx.datasets.registry import open_dataset
+
+        os.environ["HOME_MJX_CACHE"] = str(folder / "cache")
+        path = folder / "data" / name
+        path.parent.mkdir()
+
+        def read() -> object:
+            dataset = open_dataset(f"{scheme}:{path}")
+            return dataset.load_house(dataset.house_ids[0])
+
+        return [data(path)], reader_of(path, read)
+
+    return prepare
+
+
+def glb(path: Path) -> bytes:
+    from gltf_files import two_rooms
+
+    return two_rooms().write(path).read_bytes()
+
+
+def mjcf(path: Path) -> bytes:
+    from gltf_files import BOXES
+
+    geoms = []
+    for name, (low, high) in BOXES.items():
+        middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
+        size, place = (" ".join(f"{v[i]:.3f}" for i in (0, 2, 1)) for v in (half, middle * [1, 1, -1]))
+        geoms.append(f'<geom name="{name}" type="box" size="{size}" pos="{place}"/>')
+    joint = '<joint type="slide" axis="0 -1 0" range="0 .3"/><geom type="box" size=".2 .02 .1"/>'
+    body = f'<body name="dresser" pos="2 -3 .4"><geom type="box" size=".3 .3 .3"/><body>{joint}</body></body>'
+    return f"<mujoco><worldbody>{''.join(geoms)}{body}</worldbody></mujoco>".encode()
+
+
+def procthor(path: Path) -> bytes:
+    from thor_houses import write_house
+
+    return write_house(path.parent, name=path.name).read_bytes()
+
+
+def habitat_episodes(folder: Path) -> tuple[list[bytes], Read]:
+    from home_mjx.adapters.habitat import read_dataset
+
+    pose = {"start_position": [0, 0, 0], "start_rotation": [0, 0, 0, 1], "info": {"geodesic_distance": 1.0}}
+    goals = [{"position": [1, 0, 2], "radius": None}]
+    episode = {"episode_id": "0", "scene_id": "a.glb", **pose, "goals": goals, "object_category": None}
+    path = folder / "val.json"
+    return [json.dumps({"episodes": [episode]}).encode()], reader_of(path, lambda: read_dataset(path))
+
+
+def rearrangement(folder: Path) -> tuple[list[bytes], Read]:
+    from home_mjx.adapters.habitat import read_rearrangement
+
+    matrix = [[0, 0, 1, 2], [0, 1, 0, 0.9], [-1, 0, 0, -3], [0, 0, 0, 1]]
+    pose = {"start_position": [0, 0, 0], "start_rotation": [0, 0, 0, 1], "ao_states": {"fridge": {"2": 1.5}}}
+    things = {"rigid_objs": [["bowl.json", matrix]], "targets": {"bowl": matrix}}
+    path = folder / "rearrange.json"
+
+    def read() -> object:
+        dataset = read_rearrangement(path)
+        return [(episode.object_poses(), episode.target_poses()) for episode in dataset.episodes]
+
+    text = json.dumps({"episodes": [{"episode_id": 7, "scene_id": "a.json", **pose, **things}]})
+    return [text.encode()], reader_of(path, read)
