@@ -45,9 +45,9 @@ WITHOUT_JAX = ("schema", "geometry", "datasets", "scene_compile")
 CLOSURES = {
     "home_mjx": 1_500,
     "home_mjx.bank": 5_800,
-    "home_mjx.raycast_render": 11_100,
+    "home_mjx.raycast_render": 11_600,
     "home_mjx.physics": 16_000,
-    "home_mjx.audio_jax": 21_400,
+    "home_mjx.audio_jax": 21_900,
     "home_mjx.tasks": 45_000,
 }
 NOT_BELOW = {  # packages that an import must not load
@@ -77,6 +77,7 @@ LAZY: Mapping[str, str] = {
     "home_mjx.physics.kinematic.native": "kernels of a device are loaded for that device",
     "home_mjx.navigation.distance_fields": "kernels of a device are loaded for that device",
     "home_mjx.raycast_render.backends.cpu": "Numba kernels compile on first use",
+    "home_mjx.raycast_render.light_kernel.surface_light": "Numba kernels compile on first use",
     "home_mjx.registry": "a filter of houses is checked where one is given",
     "home_mjx.viewer.demo.search": "policies need Flax, which is loaded with a checkpoint",
     "home_mjx.viewer.episodes": "policies need Flax, which is loaded with a checkpoint",
