@@ -100,7 +100,7 @@ def compile_scene(path: Path) -> MjcfScene:
     Masses of moving bodies that the file leaves out, and volumes of flat meshes, are no errors.
 
     Raises:
-        DatasetError: MuJoCo refuses the file, or a pose is not finite.
+        DatasetError: MuJoCo refuses the file, or a pose or size is not finite or larger than all houses.
     """
     with warnings.catch_warnings(record=True) as found, _warnings_kept():
         warnings.simplefilter("always")
@@ -109,10 +109,12 @@ def compile_scene(path: Path) -> MjcfScene:
         except DatasetError as error:
             model, data = _compile(path, is_tolerant=True)
             warnings.warn(f"compiled with tolerated masses: {error.message}", stacklevel=2)
-    for name, values in (("body", data.xpos), ("geom", data.geom_xpos), ("geom", data.geom_xmat)):
+    sizes = np.concatenate([model.geom_size, model.geom_rbound[:, None]], axis=1)
+    for name, values in (("body", data.xpos), ("geom", data.geom_xpos), ("geom", data.geom_xmat), ("geom", sizes)):
         bad = np.flatnonzero(~(abs(values) < MAX_COORDINATE).all(axis=1))
         if len(bad):
-            raise DatasetError("pose is not finite", file=path, element=f"{name}[{int(bad[0])}]", hint="Correct it.")
+            message = "pose or size is not finite, or beyond 1,000 km"
+            raise DatasetError(message, file=path, element=f"{name}[{int(bad[0])}]", hint="Correct it.")
     return MjcfScene(path, model, data, tuple(dict.fromkeys(str(warning.message) for warning in found)))
 
 

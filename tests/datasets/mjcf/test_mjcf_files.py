@@ -45,6 +45,7 @@ BIG = '<replicate count="1000"><replicate count="1000"><geom size=".1"/></replic
         ({"assets": '<texture name="x" type="cube" fileup="../x.png"/>'}, "leads out"),
         ({"head": '<compiler meshdir=".."/>', "assets": '<mesh name="x" file="secret.obj"/>'}, "leads out"),
         ({"head": '<compiler assetdir="/"/>', "assets": '<mesh name="x" file="etc/passwd"/>'}, "leads out"),
+        ({"world": '<geom name="wall" type="box" size=".05 335896785464 1"/>'}, "beyond 1,000 km"),
         ({"head": '<include file="../other.xml"/>'}, "leads out"),
         ({"head": '<include file="room.xml"/>'}, "includes itself"),
         ({"assets": '<model name="x" file="room.xml"/>'}, "contains itself"),
