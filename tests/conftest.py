@@ -26,8 +26,7 @@ os.environ.setdefault("JAX_NUM_CPU_DEVICES", "2")
 if os.environ["JAX_PLATFORMS"] == "cpu":
     quick = ["--xla_backend_optimization_level=0"]
     if tuple(map(int, version("jaxlib").split(".")[:2])) < (0, 11):  # later ones end the process at this flag
-        # One program is as much work for each of two cores as for one: dividing it is a tenth of the work.
-        quick += ["--xla_cpu_use_fusion_emitters=false", "--xla_cpu_parallel_codegen_split_count=1"]
+        quick.append("--xla_cpu_use_fusion_emitters=false")
     os.environ.setdefault("XLA_FLAGS", " ".join(quick))
 # Taken out of the environment, where it would change what `make` does without `houses`.
 SUNCG_DATA_DIR = os.environ.pop("SUNCG_DATA_DIR", None)
