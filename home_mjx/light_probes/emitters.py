@@ -12,6 +12,7 @@ from jaxtyping import Float, Int
 from home_mjx.bank.records.lights import SUN_AZIMUTHS, SUN_ELEVATION
 from home_mjx.core.color import decode_srgb
 from home_mjx.core.images import read_texture
+from home_mjx.core.paths import cache_folder
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 
 MIN_SURFACE_DISTANCE, MIN_PROBE_DISTANCE = 0.1, 0.2  # [m], assumed at least between a lamp and a surface
@@ -173,13 +174,22 @@ def mean_colors(house: CompiledHouse) -> Float[np.ndarray, "r 3"]:
 
 
 def texture_digest(house: CompiledHouse) -> bytes:
-    """Return a digest of the mean colours and coarse cut-outs of all textures of a house, by material row.
+    """Return a digest of all textures of a house by material row, so that machines find each other's records.
 
-    Machines may draw and encode a texture with other bytes. So that they find each other's records, these depend on
-    rounded means alone.
+    Machines draw textures that differ in last digits. Those in the cache folder count by their path in it, which
+    contains the version or the source of what draws them; others by their mean colours and coarse cut-outs.
     """
-    parts = [_summarize(*_stamp(path)).tobytes() if path else b"" for path in house.materials.texture]
-    return hashlib.sha256(b"".join(parts)).digest()
+    return hashlib.sha256(b"".join(_identify(path) for path in house.materials.texture)).digest()
+
+
+def _identify(path: str) -> bytes:
+    """Return what the texture file at a path contributes to `texture_digest`; empty for no path."""
+    if not path:
+        return b""
+    kept = Path(path).absolute()
+    if kept.is_relative_to(cache_folder().absolute()):
+        return kept.relative_to(cache_folder().absolute()).as_posix().encode()
+    return _summarize(*_stamp(path)).tobytes()
 
 
 def _stamp(path: str) -> tuple[str, int, int]:

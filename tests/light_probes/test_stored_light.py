@@ -40,6 +40,19 @@ def test_a_record_is_found_where_textures_are_encoded_otherwise_and_drawn_a_step
     assert len(set(entries.values())) == 3
 
 
+def test_a_record_is_found_by_another_machine_that_draws_the_textures_of_the_cache(tmp_path, monkeypatch):
+    """Textures drawn by one version have one path in the cache folder, whatever their last digits."""
+    found = []
+    for level, name in ((40, "generated-v5"), (43, "generated-v5"), (40, "generated-v6")):
+        monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / str(len(found))))
+        path = tmp_path / str(len(found)) / name / "texture" / "wood.png"
+        path.parent.mkdir(parents=True)
+        Image.fromarray(np.full((8, 8, 4), level, np.uint8)).save(path)
+        found.append(bakes.bake_entry(LightProbeBake(), textured(grey(shoebox(), 0.6), path)).name)
+    assert found[0] == found[1]
+    assert found[0] != found[2]
+
+
 def test_houses_are_baked_in_processes_with_the_same_bits(monkeypatch):
     """Each process has a bank of its own and stores its record; a later call only reads."""
     monkeypatch.setattr(workers, "usable_cores", lambda: 2)
