@@ -23,6 +23,8 @@ from home_mjx.core.progress import is_progress_shown, plural, track
 if TYPE_CHECKING:
     from home_mjx.datasets.base import Dataset
 
+TOTALS = ("levels", "rooms", "objects", "triangles", "bodies", "problems")  # counts of houses, summed for a dataset
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `HOUSE`, an id or the root of a dataset, and the options of `home-mjx inspect`.
@@ -122,7 +124,7 @@ def _print_row(name: str, count: int) -> None:
 
 
 def _print_dataset(args: argparse.Namespace) -> int:
-    """Print number and bank memory of all houses, models and textures of a dataset [bytes]; return 0.
+    """Print numbers and bank memory of all houses, models and textures of a dataset [bytes]; return 0.
 
     Houses that are not in the cache are compiled. Means are rounded down. With `--json` one object is printed, with the
     bytes of each house and model as well.
@@ -133,10 +135,12 @@ def _print_dataset(args: argparse.Namespace) -> int:
     dataset = open_selected_dataset(args)
     cache = HouseCache(dataset, compile_options(args))
     ids = dataset.house_ids
-    taken = bank_usage([cache.load(i) for i in track(ids, f"loading {plural(len(ids), 'house')}", "house")])
+    loaded = [cache.load(i) for i in track(ids, f"loading {plural(len(ids), 'house')}", "house")]
+    taken = bank_usage(loaded)
     houses, models = list(taken.houses.values()), list(taken.models.values())
     counts = {
         "houses": len(houses),
+        **{name: sum(house.report[name] for house in loaded) for name in TOTALS},
         "models": len(models),
         "bytes_per_house_mean": sum(houses) // len(houses),
         "bytes_per_house_largest": max(houses),
