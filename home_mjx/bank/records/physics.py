@@ -177,5 +177,5 @@ class Fronts(Pytree):
 
     def open_doors(self, physics: Physics, house: Int[Array, ""] | int) -> Float[Array, " doors"]:
         """Return joint coordinates of a house with all doors fully open, but fronts of furniture closed."""
-        wide = physics.door_fully_open[house]
+        wide = jnp.asarray(physics.door_fully_open[house])
         return wide if self.is_empty else jnp.where(self.mask(physics, house), physics.door_closed[house], wide)

@@ -104,6 +104,7 @@ def name_houses(ids: Sequence[str]) -> tuple[str, ...]:
     """Return distinct names of houses for a person: the seeds of generated ones, the ids of others.
 
     Example:
+        >>> from home_mjx.datasets.seeds import house_id
         >>> name_houses((house_id(40, 0x500), house_id(41, 0x500), house_id(41, 0x501), "hotel"))
         ('seed 40', 'seed 41, variant 500', 'seed 41, variant 501', 'hotel')
     """

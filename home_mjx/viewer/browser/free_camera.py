@@ -11,7 +11,7 @@ from home_mjx.core.transforms import quat_multiply
 from home_mjx.raycast_render.cameras.camera import Camera
 from home_mjx.viewer.browser.broadcast import Broadcast
 
-HALF_TURN = jnp.array([0.0, 1.0, 0.0, 0.0])  # about x: from viser's camera frame (+z ahead, +y down) to MuJoCo's
+HALF_TURN = (0.0, 1.0, 0.0, 0.0)  # about x: from viser's camera frame (+z ahead, +y down) to MuJoCo's
 
 
 class FreeCamera:
@@ -57,5 +57,5 @@ def convert_camera(position: Float[np.ndarray, " 3"], wxyz: Float[np.ndarray, " 
         >>> camera.quat.tolist()
         [0.0, 1.0, 0.0, 0.0]
     """
-    quat = quat_multiply(jnp.asarray(wxyz, jnp.float32), HALF_TURN)
+    quat = quat_multiply(jnp.asarray(wxyz, jnp.float32), jnp.array(HALF_TURN))
     return Camera(jnp.asarray(position, jnp.float32), quat, jnp.float32(fov))
