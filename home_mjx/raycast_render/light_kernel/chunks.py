@@ -1,7 +1,7 @@
 """Light at surfaces in chunks of pixels, as C functions for `core.native.handler`."""
 # ruff: noqa: ANN001, ANN202  (Numba infers the types)
 
-from typing import Any, no_type_check
+from typing import Any, NamedTuple, no_type_check
 
 import numpy as np
 from numba import cfunc, types
@@ -44,6 +44,7 @@ BAKED, LAMPS, PACKED, SUN, SUNNY = range(len(operands.ATTRIBUTES))
 BASE, START, WAY, REACH, EXCLUDE, SHARE = range(len(operands.RESULTS))
 INF = np.float32(np.inf)
 
+Pointer = Any
 floats, ints, words = map(pointer_to, (types.float32, types.int32, types.uint32))
 compiled = compile_inner()
 
@@ -198,131 +199,173 @@ def _lamps(frame, env):
     )
 
 
+class Pixels(NamedTuple):
+    """Pointers to the camera rays of one environment, to their hits and to the results, and numbers of rays."""
+
+    t: Pointer
+    instance: Pointer
+    triangle: Pointer
+    u: Pointer
+    v: Pointer
+    front: Pointer
+    origin: Pointer
+    direction: Pointer
+    footprint: Pointer
+    base: Pointer
+    start: Pointer
+    way: Pointer
+    reach: Pointer
+    exclude: Pointer
+    share: Pointer
+    count: np.int64  # pixels
+    rays: np.int64  # shadow rays per pixel
+    lamps: np.int64  # of which to lamps
+    sun: np.bool_
+    baked: np.bool_
+    sunny: np.bool_
+
+
+@compiled
+@no_type_check
+def _pixels(frame, env):
+    """Return the `Pixels` of environment `env`."""
+    return Pixels(
+        ffi.float_row(frame, T, env),
+        ffi.int_row(frame, INSTANCE, env),
+        ffi.int_row(frame, HIT_TRIANGLE, env),
+        ffi.float_row(frame, HIT_U, env),
+        ffi.float_row(frame, HIT_V, env),
+        ffi.int_row(frame, FRONT, env),
+        ffi.float_row(frame, FROM, env),
+        ffi.float_row(frame, DIRECTION, env),
+        ffi.float_row(frame, FOOTPRINT, env),
+        ffi.float_result(frame, BASE, env),
+        ffi.float_result(frame, START, env),
+        ffi.float_result(frame, WAY, env),
+        ffi.float_result(frame, REACH, env),
+        ffi.int_result(frame, EXCLUDE, env),
+        ffi.float_result(frame, SHARE, env),
+        dim(frame, RESULTS, BASE, 1),
+        dim(frame, RESULTS, REACH, 1),
+        np.int64(ffi.attribute(frame, LAMPS)),
+        ffi.attribute(frame, SUN) != 0,
+        ffi.attribute(frame, BAKED) != 0,
+        ffi.attribute(frame, SUNNY) != 0,
+    )
+
+
 @compiled
 @no_type_check
 def _shade_chunk(frame, chunk):
     """Shade the pixels of a chunk: `CHUNK` of one environment, or those that are left for the last."""
-    pieces, count = _pieces(frame), dim(frame, RESULTS, BASE, 1)
+    pieces = _pieces(frame)
     env, first = chunk // pieces, (chunk % pieces) * CHUNK
     house = min(max(np.int64(ffi.int_row(frame, HOUSE, env)[0]), 0), dim(frame, OPERANDS, FIRST, 0) - 1)
-    lamps = _lamps(frame, env)
+    pixels, lamps = _pixels(frame, env), _lamps(frame, env)
     tables, episode, bake = _tables(frame), _episode(frame, env, house), _bake(frame, env, house, lamps.sky)
-    for pixel in range(first, min(first + CHUNK, count)):
-        _shade_pixel(frame, env, pixel, count, tables, episode, bake, lamps)
+    for pixel in range(first, min(first + CHUNK, pixels.count)):
+        _shade_pixel(pixels, pixel, tables, episode, bake, lamps)
 
 
 @compiled
 @no_type_check
-def _shade_pixel(frame, env, pixel, count, tables, episode, bake, lamps):
+def _shade_pixel(pixels, pixel, tables, episode, bake, lamps):
     """Write the results of one pixel: its light without shadow rays, and these with what they bring if unblocked."""
-    base, rays = ffi.float_result(frame, BASE, env), dim(frame, RESULTS, REACH, 1)
-    reach = ffi.float_result(frame, REACH, env)
-    instance = ffi.int_row(frame, INSTANCE, env)[pixel]
+    at, base = 3 * pixel, pixels.base
+    instance = pixels.instance[pixel]
     if instance < 0:
-        base[3 * pixel] = base[3 * pixel + 1] = base[3 * pixel + 2] = ZERO
-        for k in range(rays):
-            _no_ray(frame, env, k * count + pixel, reach)
+        base[at] = base[at + 1] = base[at + 2] = ZERO
+        for k in range(pixels.rays):
+            _no_ray(pixels, k * pixels.count + pixel)
         return
-    o, d = ffi.float_row(frame, FROM, env), ffi.float_row(frame, DIRECTION, env)
-    at, triangle = 3 * pixel, max(ffi.int_row(frame, HIT_TRIANGLE, env)[pixel], 0)
-    width = ffi.float_row(frame, FOOTPRINT, env)[pixel]
-    ray = (o[at], o[at + 1], o[at + 2], d[at], d[at + 1], d[at + 2], width)
-    u, v = ffi.float_row(frame, HIT_U, env)[pixel], ffi.float_row(frame, HIT_V, env)[pixel]
-    hit = (ffi.float_row(frame, T, env)[pixel], instance, triangle, u, v)
+    o, d, triangle = pixels.origin, pixels.direction, max(pixels.triangle[pixel], 0)
+    ray = (o[at], o[at + 1], o[at + 2], d[at], d[at + 1], d[at + 2], pixels.footprint[pixel])
+    hit = (pixels.t[pixel], instance, triangle, pixels.u[pixel], pixels.v[pixel])
     point = surface.describe_surface(tables, episode, ray, hit)
     room = light.find_room(bake, point)
-    chart = light.find_chart(bake, point, triangle, ffi.int_row(frame, FRONT, env)[pixel] != 0)
+    chart = light.find_chart(bake, point, triangle, pixels.front[pixel] != 0)
     if chart >= 0:
         red, green, blue = light.texel_light(bake, point, chart)
     else:
         red, green, blue = light.probe_light(bake, lamps.sky, point, room)
     scale = lamps.sky[AMBIENT] * INVERSE_PI
-    base[at], base[at + 1], base[at + 2] = (
-        point.red * red * scale,
-        point.green * green * scale,
-        point.blue * blue * scale,
-    )
-    charted = chart >= 0 and ffi.attribute(frame, BAKED) != 0
-    _write_rays(frame, env, pixel, count, tables, lamps, point, room, charted, reach)
+    base[at] = point.red * red * scale
+    base[at + 1] = point.green * green * scale
+    base[at + 2] = point.blue * blue * scale
+    _write_rays(pixels, pixel, tables, lamps, point, room, chart >= 0 and pixels.baked)
 
 
 @compiled
 @no_type_check
-def _write_rays(frame, env, pixel, count, tables, lamps, point, room, charted, reach):
+def _write_rays(pixels, pixel, tables, lamps, point, room, charted):
     """Write the shadow rays of one pixel."""
     s = tables.specular
     top = max(max(s[3 * point.row], s[3 * point.row + 1]), s[3 * point.row + 2])
     gloss = (ONE / max(top, LEAST_SPECULAR), np.sqrt(TWO / (tables.shininess[point.row] + TWO)))
     one, other = light.choose_lamps(lamps, point, room)
-    num_lamps = ffi.attribute(frame, LAMPS)
-    for k in range(num_lamps):
-        row = one if k == 0 else other
-        if charted or row < 0:
-            _no_ray(frame, env, k * count + pixel, reach)
+    for k in range(pixels.rays):
+        place, row = k * pixels.count + pixel, one if k == 0 else other
+        if k < pixels.lamps:
+            if charted or row < 0:
+                _no_ray(pixels, place)
+            else:
+                _write_lamp_ray(pixels, place, tables, lamps, point, row, gloss)
+        elif not pixels.sun or (charted and pixels.sunny):
+            _no_ray(pixels, place)
         else:
-            _write_lamp_ray(frame, env, k * count + pixel, tables, lamps, point, row, gloss, reach)
-    if ffi.attribute(frame, SUN) != 0:
-        if charted and ffi.attribute(frame, SUNNY) != 0:
-            _no_ray(frame, env, num_lamps * count + pixel, reach)
-        else:
-            _write_sun_ray(frame, env, num_lamps * count + pixel, tables, lamps, point, gloss, reach)
+            _write_sun_ray(pixels, place, tables, lamps, point, gloss)
 
 
 @compiled
 @no_type_check
-def _no_ray(frame, env, place, reach):
+def _no_ray(pixels, place):
     """Write a shadow ray that brings nothing."""
-    reach[place] = -ONE
-    start, way = ffi.float_result(frame, START, env), ffi.float_result(frame, WAY, env)
-    share = ffi.float_result(frame, SHARE, env)
+    pixels.reach[place], pixels.exclude[place] = -ONE, np.int32(-1)
     for i in range(3 * place, 3 * place + 3):
-        start[i] = way[i] = share[i] = ZERO
-    ffi.int_result(frame, EXCLUDE, env)[place] = -1
+        pixels.start[i] = pixels.way[i] = pixels.share[i] = ZERO
 
 
 @compiled
 @no_type_check
-def _write_lamp_ray(frame, env, place, tables, lamps, point, row, gloss, reach):
+def _write_lamp_ray(pixels, place, tables, lamps, point, row, gloss):
     """Write the shadow ray to a lamp."""
     x, y, z, far, diffuse, specular = light.lamp_ray(lamps, point, row, gloss)
-    t = lamps.table
-    at = LIGHT_COLUMNS * row + INTENSITY
-    _write_ray(frame, env, place, point, (x, y, z, far), lamps.ids[LIGHT_IDS * row + OBJECT], reach)
-    _write_share(frame, env, place, tables, point, (t[at], t[at + 1], t[at + 2]), diffuse, specular)
+    t, at = lamps.table, LIGHT_COLUMNS * row + INTENSITY
+    _write_ray(pixels, place, point, (x, y, z), far, lamps.ids[LIGHT_IDS * row + OBJECT])
+    _write_share(pixels, place, tables, point, (t[at], t[at + 1], t[at + 2]), diffuse, specular)
 
 
 @compiled
 @no_type_check
-def _write_sun_ray(frame, env, place, tables, lamps, point, gloss, reach):
+def _write_sun_ray(pixels, place, tables, lamps, point, gloss):
     """Write the shadow ray to the sun."""
     sky = lamps.sky
     x, y, z = sky[SUN_AIM], sky[SUN_AIM + 1], sky[SUN_AIM + 2]
     diffuse = light.surface_cosine(point, x, y, z)
-    _write_ray(frame, env, place, point, (x, y, z, INF if diffuse > ZERO else -ONE), np.int32(-1), reach)
+    _write_ray(pixels, place, point, (x, y, z), INF if diffuse > ZERO else -ONE, np.int32(-1))
     color = (sky[SUN_COLOR], sky[SUN_COLOR + 1], sky[SUN_COLOR + 2])
-    specular = diffuse * light.highlight(point, gloss, x, y, z)
-    _write_share(frame, env, place, tables, point, color, diffuse, specular)
+    specular = diffuse * light.highlight(point, gloss, x, y, z) if diffuse > ZERO else ZERO
+    _write_share(pixels, place, tables, point, color, diffuse, specular)
 
 
 @compiled
 @no_type_check
-def _write_ray(frame, env, place, point, way_and_reach, exclude, reach):
+def _write_ray(pixels, place, point, way, reach, exclude):
     """Write a shadow ray."""
-    start, way = ffi.float_result(frame, START, env), ffi.float_result(frame, WAY, env)
     at = 3 * place
-    start[at] = point.px + point.nx * light.BIAS
-    start[at + 1] = point.py + point.ny * light.BIAS
-    start[at + 2] = point.pz + point.nz * light.BIAS
-    way[at], way[at + 1], way[at + 2], reach[place] = way_and_reach
-    ffi.int_result(frame, EXCLUDE, env)[place] = exclude
+    pixels.start[at] = point.px + point.nx * light.BIAS
+    pixels.start[at + 1] = point.py + point.ny * light.BIAS
+    pixels.start[at + 2] = point.pz + point.nz * light.BIAS
+    pixels.way[at], pixels.way[at + 1], pixels.way[at + 2] = way
+    pixels.reach[place], pixels.exclude[place] = reach, exclude
 
 
 @compiled
 @no_type_check
-def _write_share(frame, env, place, tables, point, color, diffuse, specular):
+def _write_share(pixels, place, tables, point, color, diffuse, specular):
     """Write the radiance that an unblocked ray brings, from the light's colour and shares of it."""
-    share, s, at = ffi.float_result(frame, SHARE, env), tables.specular, 3 * place
+    s, at = tables.specular, 3 * place
     diffuse = diffuse * INVERSE_PI
-    share[at] = color[0] * (point.red * diffuse + s[3 * point.row] * specular)
-    share[at + 1] = color[1] * (point.green * diffuse + s[3 * point.row + 1] * specular)
-    share[at + 2] = color[2] * (point.blue * diffuse + s[3 * point.row + 2] * specular)
+    pixels.share[at] = color[0] * (point.red * diffuse + s[3 * point.row] * specular)
+    pixels.share[at + 1] = color[1] * (point.green * diffuse + s[3 * point.row + 1] * specular)
+    pixels.share[at + 2] = color[2] * (point.blue * diffuse + s[3 * point.row + 2] * specular)

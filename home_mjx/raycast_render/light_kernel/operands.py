@@ -78,8 +78,8 @@ def ray_operands(path: PathState) -> tuple[Array, ...]:
     hit, count = path.hit, path.hit.t.size
     shape = path.hit.t.shape
     flat = [x.reshape(count) for x in (hit.t, hit.instance, hit.triangle, hit.u, hit.v, hit.front)]
+    # Packing computes each component once; stacking would repeat shared parts for each.
     vectors = [
-        jnp.stack([jnp.broadcast_to(c, shape).reshape(count) for c in (v.x, v.y, v.z)], axis=-1)
-        for v in (path.origin, path.direction)
+        v.map(lambda c: jnp.broadcast_to(c, shape)).pack().reshape(count, 3) for v in (path.origin, path.direction)
     ]
     return *flat, *vectors, path.footprint.reshape(count)

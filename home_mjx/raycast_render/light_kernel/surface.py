@@ -13,8 +13,7 @@ from home_mjx.schema.semantic import Semantic
 
 ZERO, HALF, ONE, TWO = (np.float32(x) for x in (0, 0.5, 1, 2))
 TINY_SQUARE, TINY_VOLUME, MAX_DENSITY, LEAST_FACING = (np.float32(x) for x in (1e-37, 1e-30, 1e12, 0.05))
-BYTE, TOE, TOE_END = np.float32(1 / 255), np.float32(1 / 12.92), 10
-CURVE = tuple(np.float32(x) for x in texture.SRGB_TO_LINEAR_POLYNOMIAL)
+LINEAR = texture.SRGB_TO_LINEAR
 LEAST_SPECULAR = np.float32(1 / MAX_EDGE)
 ROOM = int(Semantic.ROOM)
 MASK, MULTIPLIER_1, MULTIPLIER_2, GOLDEN = 0xFFFFFFFF, 0x85EBCA6B, 0xC2B2AE35, 0x9E3779B1
@@ -262,11 +261,7 @@ def _bilinear(tables, layer, u, v, level):
 @no_type_check
 def _decode(packed):
     """Return the linear light of the lowest byte, in sRGB."""
-    byte = packed & 255
-    x = np.float32(byte) * BYTE
-    if byte <= TOE_END:
-        return x * TOE
-    return (((((CURVE[0] * x + CURVE[1]) * x + CURVE[2]) * x + CURVE[3]) * x + CURVE[4]) * x + CURVE[5]) * x + CURVE[6]
+    return LINEAR[packed & 255]
 
 
 @compiled
