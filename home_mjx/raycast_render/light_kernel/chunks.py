@@ -27,6 +27,8 @@ from home_mjx.raycast_render.light_kernel.light import (
     LampChoice,
 )
 from home_mjx.raycast_render.light_kernel.surface import LEAST_SPECULAR, ONE, TWO, ZERO, Episode, Tables
+from home_mjx.raycast_render.lighting import gloss, lights, probes, texture
+from home_mjx.raycast_render.scene import appearance
 
 CHUNK = 512  # pixels
 _P = operands.PLACE
@@ -53,8 +55,9 @@ compiled = compile_inner()
 def compile_chunks() -> tuple[Any, Any]:
     """Return the C functions `count` (chunks of a call) and `work` (of a job), compiled or from Numba's disk cache."""
     # The cache checks this file only. The functions refer to the digest, so that a change of the others invalidates it.
-    parts: tuple[Any, ...] = (ffi, memory, light, operands, surface)
-    digest = ffi.hash_sources(*(part.__file__ for part in parts))
+    kernel: tuple[Any, ...] = (ffi, memory, light, operands, surface)
+    constants: tuple[Any, ...] = (appearance, gloss, lights, probes, texture)  # modules whose values are compiled in
+    digest = ffi.hash_sources(*(part.__file__ for part in (*kernel, *constants)))
 
     @cfunc(WORD_FUNCTION, cache=True)
     @no_type_check

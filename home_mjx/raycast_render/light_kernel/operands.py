@@ -1,7 +1,5 @@
 """Operands and results of the kernel of surface light, from the scene of one environment."""
 
-from typing import Any
-
 import jax.numpy as jnp
 from jaxtyping import Array
 
@@ -35,12 +33,8 @@ def shared_operands(scene: Scene, probes: LightProbes) -> tuple[Array, ...]:
     instances = geometry.instance_inverse, geometry.instance_material, geometry.instance_semantic
     looks = bank.semantics, materials.albedo, finish.specular, finish.shininess, materials.texture, materials.textures
     bakes = (getattr(probes, name) for name in BAKES)
-    return *surfaces, *instances, *looks, *bakes, *_places(scene, table)
-
-
-def _places(scene: Scene, table: Any) -> tuple[Array, ...]:
-    """Return the operands `PLACES`."""
-    return scene.geometry.instance_model, scene.geometry.model_triangle, table.room, table.floor, table.origin
+    places = geometry.instance_model, geometry.model_triangle, table.room, table.floor, table.origin
+    return *surfaces, *instances, *looks, *bakes, *places
 
 
 def environment_operands(scene: Scene) -> tuple[Array, ...]:

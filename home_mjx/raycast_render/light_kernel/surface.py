@@ -9,6 +9,18 @@ import numpy as np
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.raycast_render.lighting import texture
 from home_mjx.raycast_render.lighting.gloss import MAX_EDGE
+from home_mjx.raycast_render.scene import appearance
+from home_mjx.raycast_render.scene.appearance import (
+    BLUE,
+    GOLDEN,
+    GREEN,
+    LAYER,
+    MULTIPLIER_1,
+    MULTIPLIER_2,
+    RED,
+    SHIFTS,
+    SWAP,
+)
 from home_mjx.schema.semantic import Semantic
 
 ZERO, HALF, ONE, TWO = (np.float32(x) for x in (0, 0.5, 1, 2))
@@ -16,9 +28,8 @@ TINY_SQUARE, TINY_VOLUME, MAX_DENSITY, LEAST_FACING = (np.float32(x) for x in (1
 LINEAR = texture.SRGB_TO_LINEAR
 LEAST_SPECULAR = np.float32(1 / MAX_EDGE)
 ROOM = int(Semantic.ROOM)
-MASK, MULTIPLIER_1, MULTIPLIER_2, GOLDEN = 0xFFFFFFFF, 0x85EBCA6B, 0xC2B2AE35, 0x9E3779B1
-RED, SWAP, LAYER = 0, 3, 4  # channels, as in `scene.appearance`
-UNIT_SCALE = np.float32(2.0**-24)
+MASK = 0xFFFFFFFF  # of 32 bits
+UNIT_SCALE = np.float32(appearance.UNIT_SCALE)
 
 Pointer = Any
 compiled = compile_inner()
@@ -198,8 +209,8 @@ def _filtered_color(tables, episode, triangle, row, u, v, density):
     """Return the material's colour times its texture, filtered over a footprint; `density` is that per area."""
     red, green, blue = tables.albedo[4 * row], tables.albedo[4 * row + 1], tables.albedo[4 * row + 2]
     if episode.tint > ZERO:
-        red, green = _tinted(episode, row, RED, red), _tinted(episode, row, RED + 1, green)
-        blue = _tinted(episode, row, RED + 2, blue)
+        red, green = _tinted(episode, row, RED, red), _tinted(episode, row, GREEN, green)
+        blue = _tinted(episode, row, BLUE, blue)
     layer = _swapped_layer(tables, episode, row)
     if layer < 0:
         return red, green, blue
@@ -295,6 +306,6 @@ def _hash_uniform(seed, row, what):
 @no_type_check
 def _mix_bits(x):
     """Apply MurmurHash3's 32-bit finaliser to a number in 64 bits."""
-    x = ((x ^ (x >> 16)) * MULTIPLIER_1) & MASK
-    x = ((x ^ (x >> 13)) * MULTIPLIER_2) & MASK
-    return x ^ (x >> 16)
+    x = ((x ^ (x >> SHIFTS[0])) * MULTIPLIER_1) & MASK
+    x = ((x ^ (x >> SHIFTS[1])) * MULTIPLIER_2) & MASK
+    return x ^ (x >> SHIFTS[2])

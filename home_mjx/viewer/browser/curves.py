@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import jax
 import numpy as np
 
+from home_mjx.core import notebook_html
 from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     import viser
 
 MAX_POINTS = 2000  # steps and episodes that are plotted
-COLOURS = ("#e0a458", "#4caf72", "#5a96fa", "#d9534f", "#b07cd8", "#4ec9c9", "#c9c94e", "#c0c0c0")
+COLOURS = (*notebook_html.COLOURS, "#c9c94e", "#c0c0c0")
 REWARD, RETURN, VALUE = "reward", "return", "value"
 RESULTS = ("success", "SPL", RETURN)
 
