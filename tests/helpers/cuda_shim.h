@@ -34,6 +34,9 @@ inline float __fdiv_rn(float a, float b) { return a / b; }
 inline int __float_as_int(float x) { int y; std::memcpy(&y, &x, 4); return y; }
 inline float __int_as_float(int x) { float y; std::memcpy(&y, &x, 4); return y; }
 inline int __ffs(unsigned x) { return __builtin_ffs(int(x)); }
+inline int __clz(int x) { return x ? __builtin_clz(unsigned(x)) : 32; }
+inline float rsqrtf(float x) { return 1 / std::sqrt(x); }
+inline float __powf(float x, float y) { return std::pow(x, y); }
 inline float fast_reciprocal(float x) { return 1 / x; }
 #if WARP_SIZE == 1
 inline float warp_min(float x) { return x; }

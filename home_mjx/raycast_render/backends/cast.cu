@@ -525,6 +525,7 @@ INLINE void store(const Best& best, long long row, RESULTS) {
   front[row] = best.front;
 }
 
+#ifndef WITHOUT_CASTS  // kernels that follow this file define it
 extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_closest(OPERANDS, RESULTS) {
   Operands world = WORLD;
   Task task;
@@ -560,3 +561,4 @@ extern "C" __global__ void __launch_bounds__(BLOCK, BLOCKS_PER_SM) cast_through(
     task.ray.t_min = __fadd_rn(best.t, __int_as_float(__ldg(size + 16)));
   }
 }
+#endif

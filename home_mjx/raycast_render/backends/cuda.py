@@ -5,7 +5,7 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int
+from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.records import Geometry
 from home_mjx.bank.records.gpu_geometry import gpu_geometry, pack_instances, to_center_half
@@ -55,14 +55,8 @@ def _any_hit_result(instance: Int[Array, "e r"]) -> RawHit:
 def kernel_operands(
     geometry: Geometry, house: Array, moving: DynamicInstances, rays: Rays, query: RayQuery = CLOSEST_HIT
 ) -> tuple[Array, ...]:
-    """Return the operands of all kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes.
-
-    Boxes of empty moving instances (`instance` -1) become ones that no ray hits.
-    """
+    """Return the operands of all kernels of `cast.cu` in their order: geometry, instances, houses, rays, sizes."""
     gpu = gpu_geometry(geometry) if geometry.gpu is None else geometry.gpu
-    low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
-    low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
-    root = geometry.model_root[jnp.maximum(moving.model, 0)]
     fields = (rays.origin, rays.direction, rays.t_min, rays.t_max, rays.exclude, rays.mask)
     own = (int(x.shape[1] == rays.shape[1]) for x in fields)  # one value per ray, or one per environment
     tiled = tile_width(rays.shape[1], rays.width)
@@ -77,14 +71,27 @@ def kernel_operands(
         geometry.triangle_uv.astype(jnp.float32),
         geometry.cutout.astype(jnp.uint32),
         gpu.instance,
-        pack_instances(moving.inverse, root, moving.instance, moving.object_id, moving.material),
-        to_center_half(low, high),
+        *moving_operands(geometry, moving),
         geometry.house_root.astype(jnp.int32),
         house.astype(jnp.int32),
         *(x.astype(jnp.float32) for x in fields[:4]),
         *(x.astype(jnp.int32) for x in fields[4:]),
         traced_constant(size),
     )
+
+
+def moving_operands(
+    geometry: Geometry, moving: DynamicInstances
+) -> tuple[Float[Array, "*e d 16"], Float[Array, "*e d 6"]]:
+    """Return the records of moving instances and their boxes.
+
+    Boxes of empty ones (`instance` -1) become boxes that no ray hits.
+    """
+    low, high = (moving.box[..., i, :].astype(jnp.float32) for i in range(2))
+    low = jnp.where((moving.instance >= 0)[..., None], low, jnp.inf)
+    root = geometry.model_root[jnp.maximum(moving.model, 0)]
+    records = pack_instances(moving.inverse, root, moving.instance, moving.object_id, moving.material)
+    return records, to_center_half(low, high)
 
 
 def tile_width(count: int, width: int) -> int:

@@ -1,10 +1,12 @@
 """Operands and results of the kernel of surface light, from the scene of one environment."""
 
+from typing import NamedTuple
+
 import jax.numpy as jnp
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from home_mjx.bank.records.lights import LightProbes
-from home_mjx.raycast_render.lighting.lights import PlacedLights
+from home_mjx.raycast_render.lighting.lights import LampTables, PlacedLights
 from home_mjx.raycast_render.lighting.specular import PathState
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.types import Scene
@@ -23,6 +25,33 @@ NUM_SHARED = len((*SURFACES, *MATERIALS, *BAKES, *PLACES))
 ATTRIBUTES = ("baked", "lamps", "packed", "sun", "sunny")  # in alphabetical order, as kernels read them
 RESULTS = ("base", "start", "way", "reach", "exclude", "share")
 PLACE = {name: place for place, name in enumerate(NAMES)}
+
+
+class LightInputs(NamedTuple):
+    """Light of one environment: what the kernel reads besides surfaces.
+
+    Attributes:
+        probe: Mixed light of probes, of all houses in floats or of this environment, packed.
+        texel: That of texels.
+        lights: Lights of the environment.
+        lamps: Choice of lamps at points.
+        sky: Colours of the sky at the zenith, the horizon and the ground, the factor `ambient`, direction and light of
+            the sun, and the edge of a navigation cell [m].
+        num_lamps: Lamps per point.
+        sun: Whether the sun shines.
+        baked: Texels have the light of lamps.
+        sunny: Texels have the light of the sun.
+    """
+
+    probe: Array
+    texel: Array
+    lights: PlacedLights
+    lamps: LampTables
+    sky: Float[Array, " n"]
+    num_lamps: int
+    sun: bool
+    baked: bool
+    sunny: bool
 
 
 def shared_operands(scene: Scene, probes: LightProbes) -> tuple[Array, ...]:
@@ -65,6 +94,11 @@ def light_operands(lights: PlacedLights) -> tuple[Array, Array]:
     numbers = lights.power, lights.exponent, lights.cutoff, lights.area
     table = jnp.stack([*(c for v in vectors for c in (v.x, v.y, v.z)), *numbers], axis=-1)
     return table, jnp.stack([lights.instance, lights.object_id], axis=-1)
+
+
+def lamp_operands(inputs: LightInputs) -> tuple[Array, ...]:
+    """Return the operands `LAMPS` but for `growth`."""
+    return *light_operands(inputs.lights), inputs.lamps.by_room, inputs.lamps.by_instance, inputs.sky
 
 
 def ray_operands(path: PathState) -> tuple[Array, ...]:

@@ -2,7 +2,7 @@
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -12,8 +12,8 @@ from home_mjx.bank.records.lights import LightProbes
 from home_mjx.core.native.kernel import Kernel, call_native
 from home_mjx.core.native.vmap_call import batch_kernel
 from home_mjx.raycast_render.casting.cast import occluded
-from home_mjx.raycast_render.light_kernel import operands
-from home_mjx.raycast_render.lighting.lights import LampTables, PlacedLights
+from home_mjx.raycast_render.light_kernel import cuda, operands
+from home_mjx.raycast_render.light_kernel.operands import LightInputs
 from home_mjx.raycast_render.lighting.specular import PathState
 from home_mjx.raycast_render.scene.types import Scene
 
@@ -27,34 +27,9 @@ def _compile() -> tuple[Any, Any]:
     return chunks.compile_chunks()
 
 
-KERNEL = Kernel(TARGET, "falling back to slower shading of `lit` and `baked`", cpu=_compile)
-
-
-class LightInputs(NamedTuple):
-    """Light of one environment: what the kernel reads besides surfaces.
-
-    Attributes:
-        probe: Mixed light of probes, of all houses in floats or of this environment, packed.
-        texel: That of texels.
-        lights: Lights of the environment.
-        lamps: Choice of lamps at points.
-        sky: Colours of the sky at the zenith, the horizon and the ground, the factor `ambient`, direction and light of
-            the sun, and the edge of a navigation cell [m].
-        num_lamps: Lamps per point.
-        sun: Whether the sun shines.
-        baked: Texels have the light of lamps.
-        sunny: Texels have the light of the sun.
-    """
-
-    probe: Array
-    texel: Array
-    lights: PlacedLights
-    lamps: LampTables
-    sky: Float[Array, " n"]
-    num_lamps: int
-    sun: bool
-    baked: bool
-    sunny: bool
+KERNEL = Kernel(
+    TARGET, "falling back to slower shading of `lit` and `baked`", cpu=_compile, cuda=lambda: cuda.compile_kernels()
+)
 
 
 def surface_light(
@@ -73,10 +48,7 @@ def surface_light(
     shared = operands.shared_operands(scene, probes)
     own = (
         *operands.environment_operands(scene),
-        *operands.light_operands(inputs.lights),
-        inputs.lamps.by_room,
-        inputs.lamps.by_instance,
-        inputs.sky,
+        *operands.lamp_operands(inputs),
         growth.reshape(1),
         *operands.ray_operands(path),
     )

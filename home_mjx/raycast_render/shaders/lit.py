@@ -20,7 +20,9 @@ from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras.camera import pixel_footprint
 from home_mjx.raycast_render.cameras.sampling import sample_points
 from home_mjx.raycast_render.casting.cast import occluded
+from home_mjx.raycast_render.light_kernel import cuda
 from home_mjx.raycast_render.light_kernel import surface_light as native
+from home_mjx.raycast_render.light_kernel.operands import LightInputs
 from home_mjx.raycast_render.lighting import lights, texture
 from home_mjx.raycast_render.lighting.gloss import edge_factor, reflect_view, uniform_gloss
 from home_mjx.raycast_render.lighting.probes import (
@@ -152,8 +154,38 @@ class LitShader(Shader):
     def radiance(self, scene: Scene, rays: CameraRays) -> Vec:
         """Compute the radiance along camera rays, by glass and mirrors too [W/m^2/sr]; that of the sky on a miss."""
         path, growth = start_path(rays), pixel_footprint(rays.camera, rays.lens)[1]
-        path = trace_specular(scene, path, growth, self.max_specular_depth, rays.exclude)
-        light = _add_glow(scene, path.hit, self._surface_light(scene, path, growth, self._light_sample(rays)))
+        sample = self._light_sample(rays)
+
+        def compose(scene: Scene, path: PathState, growth: Float[Array, ""], exclude: Int[Array, ""]) -> Array:
+            """Compute it by operations of JAX, and by the kernel of surfaces where there is one."""
+            return self._composed_radiance(scene, path, growth, exclude, sample).pack()
+
+        def fuse(scene: Scene, path: PathState, growth: Float[Array, ""], exclude: Int[Array, ""]) -> Array:
+            """Compute it by one kernel."""
+            probes: LightProbes = scene.bank.bakes[LIGHT_PROBES]
+            inputs = self._light_inputs(scene, probes)
+            return cuda.path_radiance(scene, probes, path, growth, exclude, self.max_specular_depth, inputs).pack()
+
+        kernels = {"cuda": fuse} if self._has_kernel(scene, sample, "cuda") else {}
+        given = scene, path, growth, jnp.asarray(rays.exclude, jnp.int32)
+        return Vec.unpack(with_fallback_gradient(compose, kernels)(*given) if kernels else compose(*given))
+
+    def _has_kernel(self, scene: Scene, sample: lights.LightSample, platform: str) -> bool:
+        """Return whether a kernel computes this light on a platform."""
+        fits = LIGHT_PROBES in scene.bank.bakes and sample is None and not self.reflections
+        return fits and scene.backend in (None, platform) and native.KERNEL.is_usable(platform)
+
+    def _composed_radiance(
+        self,
+        scene: Scene,
+        path: PathState,
+        growth: Float[Array, ""],
+        exclude: Int[Array, ""],
+        sample: lights.LightSample,
+    ) -> Vec:
+        """Compute `radiance` by operations of JAX."""
+        path = trace_specular(scene, path, growth, self.max_specular_depth, exclude)
+        light = _add_glow(scene, path.hit, self._surface_light(scene, path, growth, sample))
         above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
         return path.throughput * select(path.hit.instance < 0, above, light)
 
@@ -171,8 +203,7 @@ class LitShader(Shader):
             probes: LightProbes = scene.bank.bakes[LIGHT_PROBES]
             return native.surface_light(scene, probes, path, growth, self._light_inputs(scene, probes))
 
-        has_kernel = LIGHT_PROBES in scene.bank.bakes and sample is None and not self.reflections
-        kernels = {"cpu": fuse} if has_kernel and scene.backend != "xla" and native.KERNEL.is_usable("cpu") else {}
+        kernels = {"cpu": fuse} if self._has_kernel(scene, sample, "cpu") else {}
         return Vec.unpack(with_fallback_gradient(compose, kernels)(scene, path, growth))
 
     def _composed_light(
@@ -188,15 +219,15 @@ class LitShader(Shader):
         diffuse, specular = self.incident(scene, path.hit, point, sample)
         return color * diffuse * (1 / math.pi) + take_vec(scene.bank.finish.specular, row) * specular
 
-    def _light_inputs(self, scene: Scene, probes: LightProbes) -> native.LightInputs:
-        """Return what the kernel reads of the light of an environment."""
+    def _light_inputs(self, scene: Scene, probes: LightProbes) -> LightInputs:
+        """Return what kernels read of the light of an environment."""
         day, placed = daylight(scene.appearance, self), lights.place_lights(scene, 0.0)
         aim = lights.sun_aim(scene.appearance, self.sun_azimuth, self.sun_elevation)
         color = scale_daylight(scene.appearance, lights.sun_color(self.sun_elevation)) * self.sun
         above = (Vec(*ZENITH_COLOR) * day.sky, day.horizon * day.sky, Vec(*GROUND_COLOR) * day.sky)
         colors = [c for v in above for c in (v.x, v.y, v.z)]
         numbers = *colors, self.ambient, *(c for v in (aim, color) for c in (v.x, v.y, v.z))
-        return native.LightInputs(
+        return LightInputs(
             probe=self.mixed_probes(scene, probes).light,
             texel=self._texels(scene, probes).light,
             lights=placed,
