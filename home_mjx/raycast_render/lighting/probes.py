@@ -65,7 +65,7 @@ def mix_groups(
     own = varies(look)
     light = probes.light[house] if own else probes.light.reshape(-1, *probes.light.shape[2:])
     mixed = jnp.zeros((len(light), 6, 3), jnp.float32)
-    for group, weight in enumerate(group_weights(day)):
+    for group, weight in group_weights(day).items():
         part = unpack_colors(light[:, group]) * weight[None, None]
         if group in (OWN_LAMPS, OTHER_LAMPS) and look is not None and look.lamps is not None:
             part = part * lamp_factors(probes, house, look.lamps, probes.room[house])[group][:, None, None]
@@ -118,15 +118,20 @@ def _power_of_two(power: Int[Array, "*n"]) -> Float[Array, "*n"]:
     return jax.lax.bitcast_convert_type((power + 127) << 23, jnp.float32)
 
 
-def group_weights(day: Daylight) -> list[Float[Array, "3"]]:
-    """Return the weight of each group and colour but for factors of lamps; suns are interpolated by azimuth."""
-    step = SUN_AZIMUTHS[1] - SUN_AZIMUTHS[0]
-    apart = [jnp.abs((day.azimuth - angle + 180.0) % 360.0 - 180.0) / step for angle in SUN_AZIMUTHS]
+def group_weights(day: Daylight) -> dict[int, Float[Array, "3"]]:
+    """Return the weight of groups by number and colour but for factors of lamps; suns are interpolated by azimuth.
+
+    Groups whose weight is known to be 0 when the program is traced, such as most suns, are left out.
+    """
     sky = jnp.full(3, day.sky, jnp.float32)
     horizon, sun = (jnp.stack([jnp.asarray(c, jnp.float32) for c in (v.x, v.y, v.z)]) for v in (day.horizon, day.sun))
-    groups: dict[int, Array] = {OWN_LAMPS: jnp.ones(3), OTHER_LAMPS: jnp.ones(3), ZENITH: sky, HORIZON: sky * horizon}
-    suns = [sun * jnp.maximum(1.0 - distance, 0.0) for distance in apart]
-    return [*(groups[i] for i in range(SUNS)), *suns]
+    weights: dict[int, Array] = {OWN_LAMPS: jnp.ones(3), OTHER_LAMPS: jnp.ones(3), ZENITH: sky, HORIZON: sky * horizon}
+    step = SUN_AZIMUTHS[1] - SUN_AZIMUTHS[0]
+    for group, angle in enumerate(SUN_AZIMUTHS, SUNS):
+        apart = abs((day.azimuth - angle + 180.0) % 360.0 - 180.0) / step
+        if not isinstance(apart, float) or apart < 1:
+            weights[group] = sun * jnp.maximum(1.0 - apart, 0.0)
+    return weights
 
 
 def lamp_factors(

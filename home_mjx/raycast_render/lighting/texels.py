@@ -46,7 +46,7 @@ def mix_texels(
     """
     own = varies(look)
     texels = probes.texel[house] if own else probes.texel.reshape(-1, probes.texel.shape[-1])
-    weights = dict(enumerate(group_weights(day)))
+    weights = group_weights(day)
     if lamps:
         weights[KEY_LAMPS] = jnp.ones(3)
     if sun:
