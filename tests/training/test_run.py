@@ -163,7 +163,7 @@ def test_tensorboard_alone_fills_the_disk(tmp_path: Path):
 
 @pytest.mark.parametrize("size", [3000, 100_000])
 def test_what_cannot_be_written_leaves_no_file(tmp_path: Path, size: int):
-    net = {"dense": jnp.ones((400, 400))}
+    net = {"dense": jnp.asarray(np.random.default_rng(0).normal(size=(400, 400)), jnp.float32)}
     with full_disk(size), pytest.raises(ConfigError, match="checkpoint cannot be written"):
         save_net(tmp_path / "agent.npz", net, CONFIG)
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""Walk through houses, film a trained agent that finds a radio by sound and sight; write images and a report."""
+"""Walk through houses, film a trained agent that finds unheard sounds by ear and eye; write images and a report."""
 
 import argparse
 import sys
@@ -63,7 +63,8 @@ def _film_line(out: Path, search: list[dict[str, Any]] | str) -> str:
     """
     if isinstance(search, str):
         return f"No film: {search}"
-    found = sum(one["success"] > 0 for one in search)
+    found, clips = sum(one["success"] > 0 for one in search), ", ".join(one["clip"] for one in search)
     return (
-        f"Watch   {out / 'radio.mp4'} (a trained agent finds {found} of {len(search)} radios; with its binaural sound)"
+        f"Watch   {out / 'search.mp4'} (a trained agent finds {found} of {len(search)} sounds that it never heard: "
+        f"{clips}; with its binaural sound)"
     )

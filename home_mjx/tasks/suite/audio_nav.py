@@ -31,6 +31,7 @@ SPLITS = {
 SPLITS["all"] = (*SPLITS["heard"], *SPLITS["unheard"])
 SPLITS["training"] = (*SPLITS["heard"], *TRAINING_CLIPS)
 SPLITS["held_out"] = (*SPLITS["unheard"], *HELD_OUT_CLIPS)  # other kinds than those of `training`
+SPLITS["devices"] = ("talking_0", "beeping_0")  # a radio with speech and a telephone's beeps, two of `held_out`
 DISTRACTOR_CLIPS = ("hum", "ticking", "noise")  # never targets
 SCHEDULES = ("always", "intermittent", "once", "mixed")
 EMITTERS = ("place", "object")
@@ -50,8 +51,8 @@ class AudioNav(NavigationTask):
             start) or "mixed" (each row draws one of these).
         period: Period [s].
         duration: Duration [s].
-        clip_split: Sounds that are targets: a split of `SPLITS`, such as "heard" and "unheard", or "training" and
-            "held_out"; or the name of one of them.
+        clip_split: Sounds that are targets: a split of `SPLITS`, such as "heard" and "unheard", "training" and
+            "held_out", or "devices"; or the name of one of them.
         num_distractors: Number of other places that play one of `DISTRACTOR_CLIPS`, at most 2, or 1 with
             `moving_source`.
         moving_source: The source moves along the shortest path to another place and stays there. Success then requires
