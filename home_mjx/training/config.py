@@ -14,7 +14,7 @@ AUXILIARY = ("none", "source")
 INTEGER_OPTIONS = ("num_envs", "num_timesteps", "unroll_length", "num_minibatches", "num_epochs")
 MAX_GRADIENT_STEPS = 2**31 - 1  # maximum number of gradient steps; they are counted in 32 bits
 MIN_SECONDS = 1e-3
-FRACTION_OPTIONS = ("discount", "gae_lambda", "final_rate")
+FRACTION_OPTIONS = ("discount", "gae_lambda", "final_rate", "curriculum")
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,8 @@ class PPOConfig:
         auxiliary: Further loss. "source": predict direction and distance of the first sound source from the memory,
             see `source_loss`. "none": none.
         auxiliary_cost: Weight of that loss.
+        curriculum: Fraction of the updates over which the drawn rows grow from the easiest fifth to all, by path length
+            and clutter, see `curriculum.row_difficulty`. 0: all rows from the start. For tasks with rows.
         stagger: Start environments at random times of their first episode, so that they do not all end at once.
         final_obs: Bootstrap of returns after an episode that runs out of time. "cheap": the value of the last
             observation if it needs no rays, else the value of the step before. "all": the value of the last
@@ -76,6 +78,7 @@ class PPOConfig:
     advice_cost: float = 0.5
     auxiliary: str = "none"
     auxiliary_cost: float = 0.1
+    curriculum: float = 0.0
     stagger: bool = True
     final_obs: str = "cheap"
     network: NetworkConfig = field(default_factory=lambda: NetworkConfig(dtype="bfloat16"))

@@ -36,6 +36,7 @@ from home_mjx.tasks.env.reset import is_sequential
 from home_mjx.tasks.sensors.interaural_cues import SOURCE_TARGET
 from home_mjx.training.auxiliary import NUM_PREDICTIONS, TARGET_SENSORS, add_sensors, source_loss
 from home_mjx.training.config import PPOConfig
+from home_mjx.training.curriculum import scheduled_params
 from home_mjx.training.early_warnings import dead_units
 from home_mjx.training.networks.agent import RecurrentAgent
 from home_mjx.training.rollout import Policy, RolloutState, Transitions, compute_advantages, rollout, to_rows
@@ -142,6 +143,7 @@ class PPO:
         Without weights, rows of the tasks are taken in order, each device beginning at its own.
         """
         num, config = keys.shape[0], self.core.config
+        params = self._drawn_params(params, jnp.zeros((), jnp.int32))
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = env_index(num)  # each device starts at different rows
         episodes = first + jnp.arange(num, dtype=jnp.int32) if is_sequential(params.tasks) else None
@@ -159,9 +161,14 @@ class PPO:
             totals={"return": zero, "length": zero},
         )
 
+    def _drawn_params(self, params: EnvParams, updates: Int[Array, ""]) -> EnvParams:
+        """Return parameters with the rows of the curriculum after some updates; the same without a curriculum."""
+        return scheduled_params(params, self.config.curriculum, updates, self.config.num_updates)
+
     def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
         """Compute one update with this device's environments; return the next state, metrics (sums in `episode/`)."""
         config, memory = self.config, state.actor.memory
+        params = self._drawn_params(params, state.updates)
         policy = self.behavior_policy(state)
         actor, steps, episodes = rollout(self.batch, params, state.actor, policy, config.unroll_length)
         obs = to_rows(actor.env.obs, self.core.num_agents)

@@ -8,18 +8,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from jaxtyping import Array
 
-from home_mjx.core.checks import check_known, check_number
+from home_mjx.core.checks import check_flag, check_known, check_number
 from home_mjx.errors import ConfigError
 from home_mjx.schema.agent import AgentBody
+from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.specs import Specs
 from home_mjx.tasks.language.phrases import attribute_text, draw_identifying_words, identify_objects, noun_phrase
 from home_mjx.tasks.language.vocabulary import tokenize
 from home_mjx.tasks.rules.build_bank import TaskRow
 from home_mjx.tasks.rules.enums import FAILURE, NUM_TOKENS, SUCCESS, Attribute, Feature
 from home_mjx.tasks.rules.house_view import HouseObject, HouseView
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
+from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.suite.navigation import EXCLUDED_CATEGORIES, STOP_CONDITION, NavigationTask
 from home_mjx.tasks.suite.portable_objects import PortableObject, box_gap, find_portable_objects, is_on, is_receptacle
+from home_mjx.tasks.suite.target_position import TARGET_POSITION, TARGET_SPEC, observe_target
 
 DESTINATIONS = ("object", "room", "start")  # kinds of destinations
 MAX_OBJECTS = 2  # maximum number of objects: a row has four descriptors, two per object
@@ -35,13 +40,17 @@ class ManipulationTask(NavigationTask):
     Attributes:
         max_mass: Maximum mass of an object to carry [kg].
         max_size: Maximum extent of an object to carry [m].
+        gives_positions: Add the observation `target_position`, the position of the stage's target: first of the object
+            to pick up, then of its destination, as Habitat 2.0 gives both.
     """
 
     max_mass: float = AgentBody().max_lift_mass
     max_size: float = 0.5
+    gives_positions: bool = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        check_flag("gives_positions", self.gives_positions)
         for limit in ("max_mass", "max_size"):
             check_number(limit, getattr(self, limit), 0)
 
@@ -49,6 +58,17 @@ class ManipulationTask(NavigationTask):
     def requires_hands(self) -> bool:
         """Always True."""
         return True
+
+    @property
+    def observation_spec(self) -> Specs:
+        """Specs of the row task, and that of `target_position` with `gives_positions`."""
+        given = {TARGET_POSITION: TARGET_SPEC} if self.gives_positions else {}
+        return {**super().observation_spec, **given}
+
+    def observe(self, snapshot: Snapshot, state: RowState) -> dict[str, Array]:
+        """Return the observations of `observation_spec`."""
+        given = {TARGET_POSITION: observe_target(snapshot, state)} if self.gives_positions else {}
+        return {**super().observe(snapshot, state), **given}
 
     def _describe_portables(self, view: HouseView, random: np.random.Generator) -> list[tuple[PortableObject, Words]]:
         """Return portable objects that attribute values identify uniquely, each with a smallest set of such values."""
