@@ -1,18 +1,25 @@
 """Recipes: each is a valid training; what a user changes counts and is said; broken ones are refused."""
 
+import dataclasses
+import json
 from pathlib import Path
 from types import SimpleNamespace
 
+import jax
+import numpy as np
 import pytest
 
 pytest.importorskip("flax", reason="needs the extra `train`")
 
 from home_mjx.cli import main
 from home_mjx.cli.learning import train
-from home_mjx.cli.learning.recipes import changed_options, list_recipes, read_recipe
+from home_mjx.cli.learning.recipes import changed_options, list_recipes, plain_value, read_recipe
 from home_mjx.cli.parsing import Parser
 from home_mjx.env_factory import make_core
+from home_mjx.training.networks import NetworkConfig
 from home_mjx.training.ppo import PPO
+from home_mjx.training.run import LEARNERS, make_env
+from home_mjx.viewer.demo.search import AGENT_FILE
 
 
 def parse(*argv: str):
@@ -31,7 +38,25 @@ def test_each_recipe_is_a_training_and_its_evaluations_fit(name: str):
     PPO(core, run.ppo)  # has a network for each observation
     assert recipe.evaluate
     assert set(recipe.expected) <= set(recipe.evaluate)
+    assert not recipe.curve or recipe.expected
+    for options in recipe.evaluate.values():
+        changed = {key: plain_value(value) for key, value in options.items()}
+        make_core(dataclasses.replace(run.env, options={**run.env.options, **changed}))
     assert list(changed_options(args, recipe, train.add_arguments)) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", list_recipes())
+def test_each_recipe_takes_a_tiny_update(name: str):
+    """In one small flat, with its own sensors, task options and loss; all numbers are finite."""
+    run = train.run_config(parse("--recipe", name))
+    env = make_env(dataclasses.replace(run.env, houses="procedural:1?preset=flat", num_houses=1, split=None))
+    small = NetworkConfig(features=8, memory=8, channels=(4,))
+    changed = {"num_envs": 2, "unroll_length": 2, "num_timesteps": 8, "num_minibatches": 1, "network": small}
+    ppo = LEARNERS[run.algorithm](env.core, dataclasses.replace(run.ppo, **changed), jax.devices()[:1])
+    state, metrics = ppo.update(env.params, ppo.init(env.params, jax.random.key(0)))
+    assert np.isfinite([float(x) for x in metrics.values()]).all()
+    assert int(state.updates) == 1
 
 
 def test_changed_options_count_and_are_said():
@@ -57,6 +82,9 @@ def test_changed_options_count_and_are_said():
         ("task = ", "not TOML"),
         ('task = "PointNav"\nenv = 3', "table"),
         ('task = "PointNav"\n[expected]\nval = 0.5', "expected.val"),
+        ('task = "PointNav"\ncurve = [[10, 0.5], [5, 0.6]]', "growing steps"),
+        ('task = "PointNav"\ncurve = [[10, "much"]]', "pairs of steps"),
+        ('task = "PointNav"\nagent = 3', "name of a checkpoint"),
     ],
 )
 def test_broken_recipes_are_refused(text: str, named: str, tmp_path: Path, capsys: pytest.CaptureFixture):
@@ -73,12 +101,10 @@ def test_unknown_names_are_refused(capsys: pytest.CaptureFixture):
     assert "Did you mean `objectnav`" in capsys.readouterr().err
 
 
-def test_all_evaluations_of_a_recipe_are_printed(monkeypatch, tmp_path: Path, capsys: pytest.CaptureFixture):
-    """Each with its own options; `all` takes the recipes that have been trained."""
+@pytest.fixture
+def judged(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[SimpleNamespace]:
+    """Evaluations that were asked for, of which none is run; in a folder without runs."""
     monkeypatch.chdir(tmp_path)
-    assert main(["evaluate", "--recipe", "all"]) == 2
-    assert "no recipe has been trained" in capsys.readouterr().err
-    (tmp_path / "runs" / "audionav-unheard").mkdir(parents=True)
     given = []
 
     def judge(path, split, houses, episodes, *more, dataset, options):
@@ -87,10 +113,34 @@ def test_all_evaluations_of_a_recipe_are_printed(monkeypatch, tmp_path: Path, ca
         return {"trained": figures, "random": {"success": {"mean": 0.0, "stderr": 0.0}}}
 
     monkeypatch.setattr("home_mjx.training.evaluate_checkpoint", judge)
+    return given
+
+
+def test_all_evaluations_of_a_recipe_are_printed(judged, capsys: pytest.CaptureFixture):
+    """Each with its own options, of the published agent or of the user's run; a number of houses that is given counts.
+
+    The table has every recipe: those without an agent here with their expected results.
+    """
     assert main(["evaluate", "--recipe", "all", "--episodes", "7"]) == 0
-    assert [one.options["clip_split"] for one in given] == ["held_out", "unheard", "training", "held_out"]
-    assert [one.options["variation"] for one in given] == [None, None, None, {"volume": 0}]
-    assert {(one.houses, one.episodes, one.path.parent.name) for one in given} == {(100, 7, "audionav-unheard")}
-    assert capsys.readouterr().out.count("0.625 ± 0.010") == 4
+    assert [one.options["clip_split"] for one in judged] == ["held_out", "unheard", "training", "held_out"]
+    assert [one.options["variation"] for one in judged] == [None, None, None, {"volume": 0}]
+    assert {(one.houses, one.episodes, one.path) for one in judged} == {(100, 7, AGENT_FILE)}
+    table = capsys.readouterr().out
+    assert table.count("0.625 ± 0.010") == 4
+    assert [name for name in list_recipes() if f"\n{name} " not in f"\n{table}"] == []
+    for name in ("rearrange", "objectnav-rgb", "dialogue"):
+        assert f"{name:<24}not trained yet" in table
+    assert "objectnav               not trained here: home-mjx train --recipe objectnav\n" in table
+    Path("runs/audionav-unheard").mkdir(parents=True)
+    assert main(["evaluate", "--recipe", "audionav-unheard", "--houses", "3"]) == 0
+    assert judged[-1].path == Path("runs/audionav-unheard/checkpoint.npz")
+    assert (judged[-1].houses, judged[-1].episodes) == (3, 1000)
     assert main(["evaluate"]) == 2
     assert "no CHECKPOINT" in capsys.readouterr().err
+
+
+def test_results_are_machine_readable(judged, capsys: pytest.CaptureFixture):
+    assert main(["evaluate", "demo", "--recipe", "pointnav-lidar", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["recipe"], found["expected"]) == ("pointnav-lidar", {"val": 0.959})
+    assert found["results"]["val"]["trained"]["success"]["mean"] == 0.625

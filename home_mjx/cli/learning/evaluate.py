@@ -15,19 +15,20 @@ from home_mjx.cli.learning.arguments import (
     import_modules,
     parse_checkpoint_path,
 )
-from home_mjx.cli.learning.recipes import find_run, format_results, plain_value, selected_recipes
+from home_mjx.cli.learning.recipes import Recipe, find_run, plain_value, selected_recipes
+from home_mjx.cli.learning.results import format_evaluation, format_results, format_untrained
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_dataset, parse_path, parse_seed, positive_int_type
 from home_mjx.core.jsonable import parse_assignments
 from home_mjx.errors import ConfigError
 
-LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
+NUM_HOUSES = 16  # default number of houses
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `CHECKPOINT`, a path, `demo` or None, `--recipe`, a text or None, and the options of `home-mjx evaluate`.
 
-    `--episodes` is from 1 or None, `--houses` from 1 (16), and `--films` from 1; 0 by default. `--split` is `train`,
+    `--episodes` and `--houses` are from 1 or None, and `--films` from 1; 0 by default. `--split` is `train`,
     `val` (default) or `test`. `--seed` is from 0 to 2**32 - 1 (0). `--greedy` and `--json` are flags.
 
     `--out` is the path of a folder or None. `--episode-file` and `--import` are as in `learning.arguments`. `--dataset`
@@ -41,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--episodes", type=positive_int_type, help="number of episodes (default: 1000, or all of the file)"
     )
-    parser.add_argument("--houses", type=house_count_type, default=16, help="number of houses (default: 16)")
+    parser.add_argument(
+        "--houses", type=house_count_type, help=f"number of houses (default: that of the recipe, or {NUM_HOUSES})"
+    )
     parser.add_argument(
         "--split", choices=("train", "val", "test"), default="val", help="split of the dataset (default: val)"
     )
@@ -86,13 +89,14 @@ def run(args: argparse.Namespace) -> int:
     changed = parse_assignments(args.env)
     beside = Path() if args.checkpoint == parse_checkpoint_path(PACKAGED_AGENT) else path.parent
     out = make_folder((args.out or beside) / "films") if args.films else None
+    houses = args.houses or NUM_HOUSES
     report = evaluate_checkpoint(
-        path, args.split, args.houses, args.episodes, args.seed, args.greedy, **where, options=changed
+        path, args.split, houses, args.episodes, args.seed, args.greedy, **where, options=changed
     )
     if out is not None:
         from home_mjx.viewer.episodes import film_checkpoint
 
-        film_checkpoint(path, out, args.films, args.split, args.houses, args.seed, args.greedy, **where)
+        film_checkpoint(path, out, args.films, args.split, houses, args.seed, args.greedy, **where)
     sys.stdout.write(json.dumps(report) + "\n" if args.json else format_evaluation(report))
     return 0
 
@@ -100,49 +104,42 @@ def run(args: argparse.Namespace) -> int:
 def _run_recipes(args: argparse.Namespace) -> int:
     """Run all evaluations of `--recipe`, print a table of each, and return 0.
 
-    The agent is CHECKPOINT, by default the run of the recipe. Houses are those of the recipe. Given options of the
-    evaluation count.
+    The agent is CHECKPOINT, else the run of the recipe, else the published one. With `all`, recipes without any are
+    listed with the expected results. The numbers of episodes and houses are those of the recipe, unless given.
     """
-    from home_mjx.training import evaluate_checkpoint
-
     if args.recipe == "all" and args.checkpoint is not None:
         raise ConfigError("--recipe all evaluates the run of each recipe, not a CHECKPOINT", hint="Leave one out.")
     for recipe in selected_recipes(args.recipe):
-        path = find_checkpoint(args.checkpoint or find_run(recipe))
-        episodes = args.episodes or recipe.arguments.get("episodes")
-        houses = recipe.arguments.get("held-out", args.houses)
-        results = {}
-        for name, options in recipe.evaluate.items():
-            changed = {key: plain_value(value) for key, value in options.items()} | parse_assignments(args.env)
-            results[name] = evaluate_checkpoint(
-                path, args.split, houses, episodes, args.seed, args.greedy, dataset=args.dataset, options=changed
-            )
-        sys.stdout.write(json.dumps(results) + "\n" if args.json else format_results(recipe, results))
+        path = args.checkpoint or _find_agent(recipe)
+        if path is None and args.recipe == "all":
+            sys.stdout.write("" if args.json else format_untrained(recipe))
+            continue
+        results = _evaluate_recipe(recipe, path or find_run(recipe), args)
+        shown = {"recipe": recipe.name, "expected": dict(recipe.expected), "results": results}
+        sys.stdout.write(json.dumps(shown) + "\n" if args.json else format_results(recipe, results))
+        sys.stdout.flush()
     return 0
 
 
-def format_evaluation(report: dict[str, Any]) -> str:
-    """Format the report of `evaluate_checkpoint` as a table: means ± standard errors of the trained and a random agent.
+def _find_agent(recipe: Recipe) -> Path | None:
+    """Return the default folder of the recipe's run if there is one, else its published agent, else None."""
+    run = find_run(recipe)
+    if run.is_dir():
+        return run
+    return None if recipe.agent is None else parse_checkpoint_path(recipe.agent)
 
-    The first line has titles. A row per metric follows, first `LEADING_METRICS`, then the others in the report's order.
-    The last line has number of episodes and houses, split, kind of actions, and seed. The text ends with a newline.
 
-    Example:
-        >>> figures = {"success": {"mean": 0.5, "stderr": 0.01}}
-        >>> report = {"trained": figures, "random": figures, "episodes": 10, "houses": 2, "split": "val"}
-        >>> print(format_evaluation(report | {"actions": "sampled", "seed": 0}).splitlines()[1].split())
-        ['success', '0.500', '±', '0.010', '0.500', '±', '0.010']
-    """
-    trained, chance = report["trained"], report["random"]
-    names = [name for name in LEADING_METRICS if name in trained] + [
-        name for name in trained if name not in LEADING_METRICS
-    ]
-    rows = [f"{'':<12}{'trained':>18}{'random':>18}"]
-    for name in names:
-        shown = (f"{figures[name]['mean']:.3f} ± {figures[name]['stderr']:.3f}" for figures in (trained, chance))
-        rows.append(f"{name:<12}" + "".join(f"{text:>18}" for text in shown))
-    rows.append(
-        f"{report['episodes']} episodes in {report['houses']} houses ({report['split'] or 'those of training'}), "
-        f"actions {report['actions']}, seed {report['seed']}"
-    )
-    return "\n".join(rows) + "\n"
+def _evaluate_recipe(recipe: Recipe, path: Path, args: argparse.Namespace) -> dict[str, Any]:
+    """Return the report of each evaluation of a recipe, by name, for the agent at `path`."""
+    from home_mjx.training import evaluate_checkpoint
+
+    episodes = args.episodes or recipe.arguments.get("episodes")
+    houses = args.houses or recipe.arguments.get("held-out", NUM_HOUSES)
+    results = {}
+    for name, options in recipe.evaluate.items():
+        changed = {key: plain_value(value) for key, value in options.items()} | parse_assignments(args.env)
+        results[name] = evaluate_checkpoint(
+            find_checkpoint(path), args.split, houses, episodes, args.seed, args.greedy, dataset=args.dataset,
+            options=changed,
+        )  # fmt: skip
+    return results

@@ -11,11 +11,12 @@ from typing import Any
 from home_mjx.cli.parsing import Parser
 from home_mjx.core.files import read_text
 from home_mjx.core.jsonable import parse_assignments
-from home_mjx.errors import ConfigError, DatasetError, MissingFileError, UnknownNameError, did_you_mean
+from home_mjx.errors import DatasetError, MissingFileError, UnknownNameError, did_you_mean
 
 FOLDER = Path(__file__).resolve().parents[3] / "examples" / "recipes"  # of a clone of the repository
 MAX_BYTES = 100_000
 TABLES = ("env", "ppo", "evaluate", "expected")
+OTHERS = ("task", "agent", "curve")  # entries that are neither tables nor arguments
 ARGUMENTS = (
     *("dataset", "sensors", "houses", "held-out", "episodes", "clone-steps", "steps", "seconds", "seed"),
     *("algorithm", "num-envs"),
@@ -35,7 +36,9 @@ class Recipe:
         env: Options of `home_mjx.make`.
         ppo: Options of `PPOConfig`.
         evaluate: Options that differ from those of training, by name of the evaluation.
-        expected: Success rate of each evaluation.
+        expected: Success rate of each evaluation; empty: no agent has been trained by it yet.
+        agent: Checkpoint of a published agent, as on the command line; None: there is none.
+        curve: Success rate during training by environment steps, in pairs.
     """
 
     name: str
@@ -45,6 +48,8 @@ class Recipe:
     ppo: Mapping[str, Any] = field(default_factory=dict)
     evaluate: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     expected: Mapping[str, float] = field(default_factory=dict)
+    agent: str | None = None
+    curve: tuple[tuple[int, float], ...] = ()
 
     @property
     def argv(self) -> list[str]:
@@ -92,8 +97,8 @@ def read_recipe(name: str) -> Recipe:
 def _recipe(path: Path, content: dict[str, Any]) -> Recipe:
     """Return the recipe of a file's content; raise `DatasetError` for unknown or wrong entries."""
     for key, value in content.items():
-        if key not in (*TABLES, *ARGUMENTS, "task"):
-            hint = did_you_mean(key, (*TABLES, *ARGUMENTS, "task"))
+        if key not in (*TABLES, *ARGUMENTS, *OTHERS):
+            hint = did_you_mean(key, (*TABLES, *ARGUMENTS, *OTHERS))
             raise DatasetError("unknown entry of a recipe", file=path, element=key, hint=hint)
         if isinstance(value, dict) != (key in TABLES):
             kind = "a table" if key in TABLES else "a number or text"
@@ -110,8 +115,24 @@ def _recipe(path: Path, content: dict[str, Any]) -> Recipe:
         if name not in judged or not isinstance(value, int | float):
             message = "expected result needs a number, and an evaluation of its name"
             raise DatasetError(message, file=path, element=f"expected.{name}", hint=HINT)
+    agent, curve = content.get("agent"), _curve(path, content.get("curve", []))
+    if agent is not None and not isinstance(agent, str):
+        raise DatasetError("agent must be the name of a checkpoint", file=path, element="agent", hint=HINT)
     arguments = {name: content[name] for name in ARGUMENTS if name in content}
-    return Recipe(path.stem, content["task"], arguments, content.get("env", {}), content.get("ppo", {}), judged, wanted)
+    options = content.get("env", {}), content.get("ppo", {}), judged, wanted
+    return Recipe(path.stem, content["task"], arguments, *options, agent, curve)
+
+
+def _curve(path: Path, points: Any) -> tuple[tuple[int, float], ...]:
+    """Return the points of a curve; raise `DatasetError` unless they are pairs of growing steps and success rates."""
+    is_pair = lambda x: isinstance(x, list) and len(x) == 2 and all(isinstance(y, int | float) for y in x)  # noqa: E731
+    if not isinstance(points, list) or not all(map(is_pair, points)):
+        raise DatasetError("curve must be pairs of steps and success", file=path, element="curve", hint=HINT)
+    steps = [point[0] for point in points]
+    if steps != sorted(set(steps)) or not all(0 <= point[1] <= 1 for point in points):
+        message = "curve needs growing steps and success rates from 0 to 1"
+        raise DatasetError(message, file=path, element="curve", hint=HINT)
+    return tuple((int(step), float(success)) for step, success in points)
 
 
 def expand_recipe(argv: list[str]) -> list[str]:
@@ -156,33 +177,11 @@ def changed_options(args: argparse.Namespace, recipe: Recipe, add_arguments: Cal
             yield f"{name}: {after} instead of {before}"
 
 
-def format_results(recipe: Recipe, results: Mapping[str, Mapping[str, Any]]) -> str:
-    """Format success and SPL of each evaluation of a recipe, the expected success and that of random actions."""
-    rows = [f"{recipe.name:<20}{'success':>16}{'expected':>10}{'random':>10}{'SPL':>10}"]
-    for name, report in results.items():
-        trained, chance = report["trained"], report["random"]
-        success = f"{trained['success']['mean']:.3f} ± {trained['success']['stderr']:.3f}"
-        wanted = f"{recipe.expected[name]:.3f}" if name in recipe.expected else "-"
-        spl = f"{trained['spl']['mean']:.3f}" if "spl" in trained else "-"
-        rows.append(f"  {name:<18}{success:>16}{wanted:>10}{chance['success']['mean']:>10.3f}{spl:>10}")
-    return "\n".join(rows) + "\n"
-
-
 def find_run(recipe: Recipe) -> Path:
     """Return the folder in which `home-mjx train --recipe` puts a run by default."""
     return Path("runs") / recipe.name
 
 
 def selected_recipes(name: str) -> list[Recipe]:
-    """Return the recipe of a name, or for `all` those of this clone whose default folder has a run.
-
-    Raises:
-        ConfigError: None of them has been trained here. Or as `read_recipe`.
-    """
-    if name != "all":
-        return [read_recipe(name)]
-    found = [recipe for recipe in map(read_recipe, list_recipes()) if find_run(recipe).is_dir()]
-    if not found:
-        hint = f"Train one first: home-mjx train --recipe {next(iter(list_recipes()), 'FILE.toml')}."
-        raise ConfigError("no recipe has been trained in the folder runs", hint=hint)
-    return found
+    """Return the recipe of a name, or for `all` those of this clone; raises as `read_recipe`."""
+    return [read_recipe(name)] if name != "all" else [read_recipe(one) for one in list_recipes()]

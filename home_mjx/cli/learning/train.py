@@ -20,8 +20,8 @@ from home_mjx.cli.learning.arguments import (
     parse_checkpoint_path,
     task_spec,
 )
-from home_mjx.cli.learning.evaluate import format_evaluation
 from home_mjx.cli.learning.recipes import changed_options, expand_recipe, find_run, read_recipe
+from home_mjx.cli.learning.results import format_evaluation
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
 from home_mjx.core.jsonable import parse_assignments
