@@ -1,6 +1,7 @@
 """Let a language model play through text: its view, its task, and the actions from which it chooses."""
 
 import itertools
+import re
 from collections.abc import Callable
 
 import jax
@@ -8,7 +9,8 @@ import jax
 import home_mjx
 from home_mjx.tasks.language import describe, detokenize
 
-MAX_STEPS = 12
+MAX_STEPS = 40
+NEAR = 0.8  # [m]
 MAX_TRIES = 3  # replies without an action, after which the episode ends
 
 
@@ -37,13 +39,20 @@ def play(env: home_mjx.Env, model: Callable[[str], str], key: jax.Array) -> floa
 
 
 def make_stub() -> Callable[[str], str]:
-    """Return a stand-in for a model: it walks, and turns every fourth step or close to an object; call yours here."""
-    turns = itertools.count()
+    """Return a stand-in for a model: it goes to an object that the task names, else it looks around; call yours here.
+
+    Like a model it knows nothing but the prompt.
+    """
+    turns = itertools.count(1)
 
     def reply(prompt: str) -> str:
         """Answer a prompt with the name of an action."""
-        is_clear = ", ahead)" not in prompt or " (0." not in prompt
-        return "I move_forward." if is_clear and next(turns) % 4 else "I turn_left."
+        wanted = re.findall(r"Your task is to: (.*)\.", prompt)[-1].split()
+        for name, distance, side in re.findall(r"([\w]+) \d+ \(([\d.]+) m, (\w+)\)", prompt):
+            if name in wanted:
+                near = "stop" if float(distance) < NEAR else "move_forward"
+                return f"I {near if side == 'ahead' else f'turn_{side}'}."
+        return "I move_forward." if next(turns) % 8 == 0 else "I turn_left."
 
     return reply
 

@@ -18,6 +18,7 @@ NEEDS = {
     "brax_ppo": "brax",
     "ppo_from_pixels": "flax",
     "curriculum": "flax",
+    "own_text_encoder": "flax",
 }
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from home_mjx.training.config import CPU_CONFIG, PPOConfig, RunConfig
     from home_mjx.training.evaluation import evaluate, evaluation_spec, expert_policy, random_policy, summarize
     from home_mjx.training.imitation import AdvisedPPO, BehaviorCloning
-    from home_mjx.training.networks import NetworkConfig, RecurrentAgent
+    from home_mjx.training.networks import NetworkConfig, RecurrentAgent, TextEncoder, register_text_encoder
     from home_mjx.training.ppo import PPO, TrainState
     from home_mjx.training.rollout import Policy
     from home_mjx.training.run import evaluate_checkpoint, train
@@ -37,6 +37,7 @@ __all__ = [
     "Policy",
     "RecurrentAgent",
     "RunConfig",
+    "TextEncoder",
     "TrainState",
     "evaluate",
     "evaluate_checkpoint",
@@ -47,6 +48,7 @@ __all__ = [
     "load_policy",
     "random_policy",
     "read_config",
+    "register_text_encoder",
     "save_checkpoint",
     "save_net",
     "summarize",
@@ -66,7 +68,7 @@ _MODULES = {
     "imitation": ("AdvisedPPO", "BehaviorCloning"),
     "config": ("CPU_CONFIG", "PPOConfig", "RunConfig"),
     "evaluation": ("evaluate", "expert_policy", "evaluation_spec", "random_policy", "summarize"),
-    "networks": ("NetworkConfig", "RecurrentAgent"),
+    "networks": ("NetworkConfig", "RecurrentAgent", "TextEncoder", "register_text_encoder"),
     "ppo": ("PPO", "TrainState"),
     "rollout": ("Policy",),
     "run": ("evaluate_checkpoint", "train"),

@@ -10,11 +10,12 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from home_mjx.core.checks import check_flag, check_known, check_number
+from home_mjx.core.checks import check_flag, check_known, check_number, check_type
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.base.specs import ArraySpec
 from home_mjx.training.networks.distributions import Distribution, make_distribution
 from home_mjx.training.networks.encoders import Encoder, encoder_kind
+from home_mjx.training.networks.text_encoders import NO_ENCODER, TOKEN_OBSERVATIONS, word_table
 
 DTYPES = ("float32", "bfloat16")
 PREDICTIONS, FOUND = "predictions", "found"  # names of the auxiliary head and of its outputs
@@ -34,6 +35,7 @@ class NetworkConfig:
             `QueryAttention`. If False, the network has to learn each word.
         layer_norm: Apply layer normalisation (arXiv:1607.06450) to the encoder's features, and feed them to the heads
             in addition to the memory. If False, features of many images grow until the GRU's gates saturate.
+        text_encoder: Name of a user's embeddings of words, see `register_text_encoder`; "": the network learns them.
 
     Raises:
         ConfigError: A value is invalid.
@@ -45,11 +47,13 @@ class NetworkConfig:
     dtype: str = "float32"
     goal_mask: bool = True
     layer_norm: bool = True
+    text_encoder: str = NO_ENCODER
 
     def __post_init__(self) -> None:
         check_known("dtype", [self.dtype], DTYPES)
         check_flag("network.goal_mask", self.goal_mask)
         check_flag("network.layer_norm", self.layer_norm)
+        check_type("network.text_encoder", self.text_encoder, str)
         for name, value in (("features", self.features), ("memory", self.memory)):
             check_number(f"network.{name}", value, 1, integer=True)
         if not isinstance(self.channels, tuple) or not self.channels:
@@ -104,11 +108,15 @@ class RecurrentAgent(nn.Module):
         Observations of the kind `none`, see `encoder_kind`, are left out.
 
         Raises:
-            ConfigError: No observation can be encoded, or the action spec has no distribution.
+            ConfigError: No observation can be encoded, or the action spec has no distribution; or none has words for
+                the text encoder, or its embeddings are invalid.
+            UnknownNameError: The text encoder is not registered.
         """
         specs = tuple((name, spec) for name, spec in sorted(observations.items()) if encoder_kind(name, spec) != "none")
         if not specs:
             raise ConfigError("the agent would observe nothing", hint="Pass sensors=, such as state, goal or depth.")
+        if config is not None and config.text_encoder != NO_ENCODER:
+            _check_text_encoder(config.text_encoder, [name for name, _ in specs])
         return cls(specs, make_distribution(action), config or NetworkConfig(), num_predictions)
 
     @nn.compact
@@ -127,7 +135,7 @@ class RecurrentAgent(nn.Module):
         """
         dtype = jnp.dtype(self.config.dtype)
         sizes = self.config.features, self.config.channels
-        seen = Encoder(self.specs, *sizes, dtype, self.config.goal_mask)(obs)
+        seen = Encoder(self.specs, *sizes, dtype, self.config.goal_mask, self.config.text_encoder)(obs)
         seen = nn.LayerNorm()(seen) if self.config.layer_norm else seen
         memory, x = Memory(self.config.memory)(memory, (seen, begins))
         if self.num_predictions:
@@ -179,3 +187,11 @@ class RecurrentAgent(nn.Module):
             return outputs
         scales = self.param("log_scale", nn.initializers.constant(INITIAL_LOG_SCALE), (distribution.num_scales,))
         return jnp.concatenate([outputs, jnp.broadcast_to(scales, (*x.shape[:-1], distribution.num_scales))], axis=-1)
+
+
+def _check_text_encoder(name: str, observations: list[str]) -> None:
+    """Raise `ConfigError` if no observation has words, and as `word_table` does."""
+    if not set(observations) & set(TOKEN_OBSERVATIONS):
+        hint = f"Add one of {', '.join(TOKEN_OBSERVATIONS)} to `sensors`."
+        raise ConfigError("no observation has words for `text_encoder`", element="text_encoder", hint=hint)
+    word_table(name)

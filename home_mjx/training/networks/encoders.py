@@ -25,6 +25,7 @@ from home_mjx.training.networks.sensor_encoders import (
     embedding_row,
     squash,
 )
+from home_mjx.training.networks.text_encoders import NO_ENCODER, TOKEN_OBSERVATIONS
 
 ID_CHANNELS = 12
 
@@ -100,6 +101,7 @@ class Encoder(nn.Module):
         channels: Channels of `ImageEncoder`.
         dtype: Type of image convolutions.
         goal_mask: Mark pixels that words name, see `mark_named_pixels`, and attend to them.
+        text_encoder: Name of the encoder of words, see `WordEncoder`.
     """
 
     specs: tuple[tuple[str, ArraySpec], ...]
@@ -107,6 +109,7 @@ class Encoder(nn.Module):
     channels: tuple[int, ...] = (32, 64, 128)
     dtype: Any = jnp.float32
     goal_mask: bool = True
+    text_encoder: str = NO_ENCODER
 
     @nn.compact
     def __call__(self, obs: dict[str, Array]) -> Float[Array, "*b f"]:
@@ -137,7 +140,8 @@ class Encoder(nn.Module):
             elif kind == "scan":
                 parts.append(ScanEncoder(self.features)(x))
             elif kind == "words":
-                asked.append(WordEncoder(int(np.min(spec.low)))(x))
+                words_of = self.text_encoder if name in TOKEN_OBSERVATIONS else NO_ENCODER
+                asked.append(WordEncoder(int(np.min(spec.low)), text_encoder=words_of)(x))
             elif kind == "vector":
                 lead = x.shape[: x.ndim - len(spec.shape)]
                 vectors.append(squash(x.astype(jnp.float32)).reshape(*lead, -1))

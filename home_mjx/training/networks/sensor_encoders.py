@@ -4,6 +4,8 @@ import flax.linen as nn
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from home_mjx.training.networks.text_encoders import NO_ENCODER, word_table
+
 NUM_EMBEDDINGS = 1024  # rows of the tables of ids and words; larger ids wrap around
 WORD_KERNEL_SIZE = 3  # kernel size of the convolution over words
 LEVEL_SCALE = 50.0  # [dB] scale of mean levels
@@ -85,17 +87,27 @@ class WordEncoder(nn.Module):
     Attributes:
         blank: Token of an empty position. Blanks are masked, so that they do not outweigh the few words.
         features: Size of the result.
+        text_encoder: Name of a registered encoder, whose embeddings of tokens are projected; "": they are learned.
     """
 
     blank: int = -1
     features: int = 64
+    text_encoder: str = NO_ENCODER
 
     @nn.compact
     def __call__(self, words: Int[Array, "*b n"]) -> Float[Array, "*b f"]:
         """Encode tokens; their order enters by the convolution and the table of positions."""
         places = self.param("places", nn.initializers.normal(0.02), (words.shape[-1], self.features))
         there = (words != self.blank)[..., None]
-        looked_up = jnp.where(there, nn.Embed(NUM_EMBEDDINGS, self.features)(embedding_row(words)) + places, 0.0)
+        looked_up = jnp.where(there, self._look_up(words) + places, 0.0)
         read = jnp.where(there, nn.relu(nn.Conv(self.features, (WORD_KERNEL_SIZE,))(looked_up)), 0.0)
         # Unit size: small embeddings would leave all gates half open for many updates.
         return nn.LayerNorm()(jnp.max(read, axis=-2))
+
+    def _look_up(self, words: Int[Array, "*b n"]) -> Float[Array, "*b n f"]:
+        """Return the embedding of each word: a row of a learned table, or a projection of the user's."""
+        if self.text_encoder == NO_ENCODER:
+            return nn.Embed(NUM_EMBEDDINGS, self.features)(embedding_row(words))
+        table = jnp.asarray(word_table(self.text_encoder))
+        known = table[jnp.clip(words.astype(jnp.int32), 0, len(table) - 1)]
+        return nn.Dense(self.features, name="projection")(known)
