@@ -153,6 +153,7 @@ class RunConfig:
         clone_timesteps: Environment steps of cloning before PPO; 0: none.
         max_seconds: Time limit of training without compilation, checked after each update; learning rates do not depend
             on it. None: no limit.
+        validation_houses: Number of held-out houses that are played during training, see `HeldOutRollout`; 0: none.
 
     Raises:
         ConfigError: A value is invalid.
@@ -165,6 +166,7 @@ class RunConfig:
     start: str | None = None
     clone_timesteps: int = 0
     max_seconds: float | None = None
+    validation_houses: int = 0
 
     def __post_init__(self) -> None:
         check_known("algorithm", [self.algorithm], ALGORITHMS)
@@ -172,6 +174,7 @@ class RunConfig:
         check_type("ppo", self.ppo, PPOConfig)
         check_number("seed", self.seed, 0, 2**32 - 1, integer=True)
         check_number("clone_timesteps", self.clone_timesteps, 0, integer=True)
+        check_number("validation_houses", self.validation_houses, 0, integer=True)
         if self.max_seconds is not None:
             check_number("max_seconds", self.max_seconds, MIN_SECONDS)
         if self.start is not None:

@@ -16,6 +16,7 @@ from home_mjx.tasks.env.observers import Observer, RunStart
 
 CURVES = (
     "success",
+    "held_out/success",
     "spl",
     "return",
     "episode_steps",

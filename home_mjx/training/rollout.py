@@ -71,9 +71,16 @@ def split_keys(keys: UInt32[Array, "r 2"]) -> tuple[UInt32[Array, "r 2"], UInt32
 
 
 def rollout(
-    batch: AutoReset, params: EnvParams, actor: RolloutState, policy: Policy, num_steps: int
-) -> tuple[RolloutState, Transitions, dict[str, Float[Array, ""]]]:
+    batch: AutoReset,
+    params: EnvParams,
+    actor: RolloutState,
+    policy: Policy,
+    num_steps: int,
+    num_groups: int | None = None,
+) -> tuple[RolloutState, Transitions, dict[str, Float[Array, "*g"]]]:
     """Run T = `num_steps` steps of N environments; each agent is one of the R rows, N times the number of agents.
+
+    With `num_groups` sums are those of each group: environments are in the order of their groups, of equal sizes.
 
     Returns:
         The carry, the steps (T, R, ...), and sums over the episodes that ended: `episodes`, `return` (mean of agents),
@@ -86,7 +93,7 @@ def rollout(
         obs, (keys, now) = to_rows(actor.env.obs, agents), split_keys(actor.keys)
         memory, action, outputs = policy.act(actor.memory, obs, actor.is_first, now)
         env = batch.step(params, actor.env, to_envs(policy.clip(action), agents))
-        totals, ended = _update_totals(actor.totals, env)
+        totals, ended = _update_totals(actor.totals, env, num_groups)
         done, late = (jnp.repeat(x, agents) for x in (env.done, env.truncated))
         last = to_rows(env.info.get("final_obs", {}), agents)
         taken = Transitions.build_unchecked(
@@ -122,7 +129,9 @@ def _truncation_values(
     return jnp.where(late, values, nothing)
 
 
-def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Array], dict[str, Array]]:
+def _update_totals(
+    totals: dict[str, Array], env: State, num_groups: int | None = None
+) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return running totals after a step, and sums over the episodes that it ended; rewards are means of agents.
 
     The sums are `episodes`, `return`, `episode_steps` and the task's metrics. Totals of ended episodes become 0.
@@ -131,7 +140,8 @@ def _update_totals(totals: dict[str, Array], env: State) -> tuple[dict[str, Arra
     now = {"return": totals["return"] + reward, "length": totals["length"] + 1}
     own = {"return": now["return"], "episode_steps": now["length"]}
     ended = {"episodes": jnp.ones_like(reward), **own, **env.metrics}
-    sums = {name: jnp.sum(jnp.where(env.done, x, 0.0)) for name, x in ended.items()}
+    shape = (-1,) if num_groups is None else (num_groups, -1)
+    sums = {name: jnp.sum(jnp.where(env.done, x, 0.0).reshape(shape), axis=-1) for name, x in ended.items()}
     return {name: jnp.where(env.done, 0.0, x) for name, x in now.items()}, sums
 
 

@@ -39,6 +39,7 @@ from home_mjx.training.checkpoint import (
 from home_mjx.training.config import RunConfig
 from home_mjx.training.early_warnings import EarlyWarnings
 from home_mjx.training.evaluation import check_episodes, evaluate, evaluation_spec, random_policy, summarize
+from home_mjx.training.held_out import HeldOutRollout
 from home_mjx.training.imitation import AdvisedPPO, BehaviorCloning
 from home_mjx.training.metrics_log import CurvesPlot, MetricsLog, TensorBoardLog
 from home_mjx.training.ppo import PPO, TrainState
@@ -47,6 +48,7 @@ from home_mjx.training.progress import MetricMeans, ProgressBar, RunClock
 LEARNERS: dict[str, type[PPO]] = {"ppo": PPO, "advised": AdvisedPPO, "clone": BehaviorCloning}
 MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter stages have one per update
 MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
+MAX_VALIDATION_ENVS = 128  # maximum number of environments in held-out houses during training
 DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
 
 
@@ -88,10 +90,11 @@ def train(
     env = make_env(config.env, progress)
     with show_compile("the training update", progress):
         stages = _compile_stages(config, env, done, path)
+        held_out = _make_held_out(config, stages[-1], progress)
     with ObserverGroup((*own, *more)) as group, device_lock or nullcontext():
         group.on_run_start(RunStart(config.algorithm, env, "steps", stages[-1].last * size, done * size))
         clock.start(done * size)
-        run, net = _Run(config, path, group, clock), None
+        run, net = _Run(config, path, group, clock, held_out), None
         for stage in stages:
             net = run.learn(stage, net)
             if stage is not stages[-1]:
@@ -189,14 +192,24 @@ def _initial_state(config: RunConfig, stage: _Stage, reset: Compiled, done: int,
     return ppo.to_devices(state)
 
 
+def _make_held_out(config: RunConfig, stage: _Stage, progress: bool | None) -> HeldOutRollout | None:
+    """Compile the held-out evaluation of a run with the network of its last stage; None without `validation_houses`."""
+    if not config.validation_houses:
+        return None
+    env = make_env(evaluation_spec(config.env, num_houses=config.validation_houses), progress)
+    num_envs = min(MAX_VALIDATION_ENVS, config.ppo.num_envs)
+    return HeldOutRollout(env, stage.ppo.policy, stage.state.net, num_envs, config.ppo.unroll_length, config.seed)
+
+
 @dataclass
 class _Run:
-    """Checkpoint file, observers and clock of a run."""
+    """Checkpoint file, observers, clock and held-out evaluation of a run."""
 
     config: RunConfig
     path: Path
     observers: Observer
     clock: RunClock
+    held_out: HeldOutRollout | None = None
 
     def learn(self, stage: _Stage, net: Any) -> Any:
         """Run a stage to its end or the time limit from `net` (None: its own); log, save checkpoints; return net.
@@ -213,6 +226,8 @@ class _Run:
             if over:
                 break
             state, metrics = stage.update(stage.params, state)
+            if self.held_out is not None:
+                self.held_out.advance(state.net)
             sums.add(metrics)
             self.observers.on_update(size)
             self.observers.on_states(state.actor.env)
@@ -220,7 +235,8 @@ class _Run:
             ends = i == stage.last or over
             if (i - stage.first) % per_line == 0 or ends:
                 # Written before the checkpoint, because a resumed run drops the lines after it.
-                self.observers.on_log({"steps": i * size, **self.clock.lap(i * size), **sums.means()})
+                others = {} if self.held_out is None else self.held_out.means()
+                self.observers.on_log({"steps": i * size, **self.clock.lap(i * size), **sums.means(), **others})
             if ends or self.clock.elapsed() >= saved + MIN_CHECKPOINT_INTERVAL:
                 if not is_finite(state.net):
                     hint = f"{DIVERGED_HINT} The last checkpoint, if there is one, is from before it diverged."

@@ -2,6 +2,7 @@
 
 import dataclasses
 import json
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,7 @@ pytest.importorskip("flax", reason="needs the extra `train`")
 from home_mjx.cli import main
 from home_mjx.cli.learning import train
 from home_mjx.cli.learning.recipes import changed_options, list_recipes, plain_value, read_recipe
+from home_mjx.cli.learning.results import format_card
 from home_mjx.cli.parsing import Parser
 from home_mjx.env_factory import make_core
 from home_mjx.training.networks import NetworkConfig
@@ -144,3 +146,21 @@ def test_results_are_machine_readable(judged, capsys: pytest.CaptureFixture):
     found = json.loads(capsys.readouterr().out)
     assert (found["recipe"], found["expected"]) == ("pointnav-lidar", {"val": 0.959})
     assert found["results"]["val"]["trained"]["success"]["mean"] == 0.625
+
+
+def test_the_card_of_an_agent_has_its_data_figures_and_limits():
+    run = train.run_config(parse("--recipe", "audionav-unheard", "--houses=192", "--seconds=400"))
+    figures = {"success": {"mean": 0.742, "stderr": 0.039}, "spl": {"mean": 0.529, "stderr": 0.034}}
+    random = {"success": {"mean": 0.0, "stderr": 0.0}, "spl": {"mean": 0.0, "stderr": 0.0}}
+    report = {"trained": figures, "random": random, "episodes": 128, "houses": 16, "split": "val", "device": "cpu"}
+    card = format_card(run, report | {"actions": "sampled"})
+    rows = dict(line[2:-2].split(" | ", 1) for line in card.splitlines() if re.match(r"\| (?!Card|---)", line))
+    assert rows["Task"] == "AudioNav-v0, observing depth, log_mel, interaural, prev_action"
+    assert rows["Data"] == "192 houses of procedural:1200, split train"
+    assert "clip_split = training" in rows["Options"]
+    assert rows["Training"].startswith(
+        "8000000 steps of an expert's advice, then at most 40000000 steps of ppo, at most 400 s"
+    )
+    assert "success 0.742 ± 0.039 (random 0.000), spl 0.529 ± 0.034" in rows["Results"]
+    assert "128 episodes in 16 houses of split val" in rows["Results"]
+    assert "one seed" in rows["Limits"]

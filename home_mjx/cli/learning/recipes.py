@@ -19,7 +19,7 @@ TABLES = ("env", "ppo", "evaluate", "expected")
 OTHERS = ("task", "agent", "curve")  # entries that are neither tables nor arguments
 ARGUMENTS = (
     *("dataset", "sensors", "houses", "held-out", "episodes", "clone-steps", "steps", "seconds", "seed"),
-    *("algorithm", "num-envs"),
+    *("algorithm", "num-envs", "validate"),
 )
 HINT = "See the files in examples/recipes."
 NOTHING = "none"  # TOML has no null

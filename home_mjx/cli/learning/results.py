@@ -1,9 +1,12 @@
 """Results of evaluations as text: of one agent, and of recipes beside the expected ones."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from home_mjx.cli.learning.recipes import Recipe
+
+if TYPE_CHECKING:
+    from home_mjx.training import RunConfig
 
 LEADING_METRICS = ("success", "spl", "soft_spl", "return", "episode_steps")  # metrics that come first
 COLUMNS = f"{'success':>16}{'expected':>10}{'random':>10}{'SPL':>10}"
@@ -69,3 +72,36 @@ def _expected(recipe: Recipe, name: str) -> str:
 def _row(name: str, success: str, expected: str, chance: str, spl: str) -> str:
     """Return the row of an evaluation, in the columns of `COLUMNS`."""
     return f"  {name:<22}{success:>16}{expected:>10}{chance:>10}{spl:>10}"
+
+
+def format_card(config: "RunConfig", report: Mapping[str, Any]) -> str:
+    """Format the card of a trained agent in Markdown: task, data, options, results and limits.
+
+    Args:
+        config: Configuration of its run.
+        report: Report of `evaluate_checkpoint` in held-out houses.
+
+    Returns:
+        A text that ends with a newline. Limits are those that follow from the options; others are for the author.
+    """
+    spec, ppo = config.env, config.ppo
+    options = {name: value for name, value in spec.options.items() if name != "sensors"}
+    success = [name for name in ("success", "spl") if name in report["trained"]]
+    figures = ", ".join(
+        f"{name} {report['trained'][name]['mean']:.3f} ± {report['trained'][name]['stderr']:.3f} "
+        f"(random {report['random'][name]['mean']:.3f})"
+        for name in success
+    )
+    time = "" if config.max_seconds is None else f", at most {config.max_seconds:g} s"
+    clone = f"{config.clone_timesteps} steps of an expert's advice, then " if config.clone_timesteps else ""
+    rows = {
+        "Task": f"{spec.id}, observing {', '.join(spec.options.get('sensors') or ('all sensors of the task',))}",
+        "Data": f"{spec.num_houses} houses of {spec.houses or 'the default dataset'}, split {spec.split}",
+        "Options": ", ".join(f"{name} = {value}" for name, value in options.items()) or "defaults",
+        "Training": f"{clone}at most {ppo.num_timesteps} steps of {config.algorithm}{time}, seed {config.seed}",
+        "Results": f"{figures}; {report['episodes']} episodes in {report['houses']} houses of split "
+        f"{report['split'] or 'of training'}, actions {report['actions']}, on {report['device']}",
+        "Limits": "one seed; other datasets, sensors and options than these were not tried",
+    }
+    table = "\n".join(f"| {name} | {text} |" for name, text in rows.items())
+    return f"# Agent for {spec.id}\n\n| Card | |\n| --- | --- |\n{table}\n"

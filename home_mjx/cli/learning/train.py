@@ -21,7 +21,7 @@ from home_mjx.cli.learning.arguments import (
     task_spec,
 )
 from home_mjx.cli.learning.recipes import changed_options, expand_recipe, find_run, read_recipe
-from home_mjx.cli.learning.results import format_evaluation
+from home_mjx.cli.learning.results import format_card, format_evaluation
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
 from home_mjx.core.jsonable import parse_assignments
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from home_mjx.training import PPOConfig, RunConfig
 
 MAX_STEPS = 10**15
+MAX_HOUSES = 10_000  # maximum number of houses that are played during training
 TRAINED_SENSORS = ("state", "goal")
 
 
@@ -42,8 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     `--algorithm` is `ppo` (default), `advised` or `clone`. `--start CHECKPOINT` is a path or `demo`, or None. `--out`
     is the path of a folder or None. `--resume` is a flag.
 
-    `--num-envs` and `--steps` are from 1, or None for the defaults of `ppo_config`. `--clone-steps` is from 1, 0 by
-    default. `--seconds` is any number or None. `--houses` (32), `--episodes` (1000) and `--held-out` (16) are from 1.
+    `--num-envs` and `--steps` are from 1, or None for the defaults of `ppo_config`. `--clone-steps` and `--validate`
+    are from 1, 0 by default. `--seconds` is any number or None. `--houses` (32), `--episodes` (1000) and `--held-out`
+    (16) are from 1.
     `--seed` is from 0 to 2**32 - 1 (0).
 
     The repeatable `--env NAME=VALUE` and `--ppo NAME=VALUE` are lists of texts. `--dataset` is as in
@@ -89,6 +91,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--held-out", type=house_count_type, default=16, help="number of evaluation houses (default: 16)"
     )
+    parser.add_argument(
+        "--validate", type=whole_number_type(MAX_HOUSES), default=0, metavar="N",
+        help="play in N held-out houses during training: metrics held_out/... (default: none)",
+    )  # fmt: skip
     add_dataset_option(parser)
     add_import_option(parser)
     add_viewer_option(parser)
@@ -103,7 +109,7 @@ def expand_arguments(argv: list[str]) -> list[str]:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Train, evaluate in held-out houses, write `evaluation.json`, print the results, and return 0.
+    """Train, evaluate in held-out houses, write `evaluation.json` and `card.md`, print the results, and return 0.
 
     The results are the table of `format_evaluation` and the path of `curves.png`. All files are in `--out`, by default
     `runs/TASK`. The numbers of evaluation episodes and houses are checked before training.
@@ -127,6 +133,8 @@ def run(args: argparse.Namespace) -> int:
     report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:
         file.write(json.dumps(report, indent=1).encode() + b"\n")
+    with write_durably(out / "card.md", "card") as file:
+        file.write(format_card(config, report).encode())
     sys.stdout.write(format_evaluation(report) + f"Look at {out / 'curves.png'}\n")
     return 0
 
@@ -153,7 +161,8 @@ def run_config(args: argparse.Namespace) -> "RunConfig":
     from home_mjx.training import RunConfig
 
     start = None if args.start is None else str(find_checkpoint(args.start))
-    return RunConfig(env_spec(args), ppo_config(args), args.seed, args.algorithm, start, args.clone_steps, args.seconds)
+    schedule = start, args.clone_steps, args.seconds
+    return RunConfig(env_spec(args), ppo_config(args), args.seed, args.algorithm, *schedule, args.validate)
 
 
 def env_spec(args: argparse.Namespace) -> "EnvSpec":
