@@ -59,23 +59,35 @@ def read_options(args: argparse.Namespace) -> "ReadOptions":
 
 
 def add_movable_option(parser: argparse.ArgumentParser) -> None:
-    """Add `--max-bodies N`, the maximum number of movable objects per house, from 0; None (32) by default."""
+    """Add `--max-bodies N` and `--max-fronts N`.
+
+    They are the maximum numbers of movable objects and of fronts of furniture that open, per house and from 0; None by
+    default, which is 32 and 0.
+    """
     parser.add_argument(
         "--max-bodies",
         type=parse_natural,
         metavar="N",
         help="maximum number of movable objects per house (default: 32)",
     )
+    parser.add_argument(
+        "--max-fronts",
+        type=parse_natural,
+        metavar="N",
+        help="maximum number of fronts of furniture per house that open, the largest ones (default: 0)",
+    )
 
 
 def compile_options(args: argparse.Namespace) -> "CompileOptions":
-    """Return the compile options from `--strict` and `--max-bodies`; defaults for commands without them."""
+    """Return the compile options from `--strict`, `--max-bodies` and `--max-fronts`; defaults for other commands."""
     from home_mjx.scene_compile.collision.movables import MovableOptions
+    from home_mjx.scene_compile.objects.fronts import ArticulationOptions
     from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
     most = getattr(args, "max_bodies", None)
     movables = MovableOptions() if most is None else MovableOptions(max_bodies=most)
-    return CompileOptions(read=read_options(args), movables=movables)
+    articulation = ArticulationOptions(getattr(args, "max_fronts", None) or 0)
+    return CompileOptions(read=read_options(args), movables=movables, articulation=articulation)
 
 
 def selected_root(args: argparse.Namespace) -> str | Path:

@@ -50,6 +50,11 @@ def _lathe(profile: Float[np.ndarray, "n 2"]) -> Triangles:
     mean = 2 / (1 + np.cos(np.pi / sides))  # so that the polygon is as much outside of the circle as inside
     x, y = (mean * profile[:, :1] * f(turn) for f in (np.cos, np.sin))
     points = np.stack([x, y, np.broadcast_to(profile[:, 1:], x.shape)], axis=-1)
-    a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
-    found = np.concatenate([np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])
+    found = grid_triangles(points)
     return found[np.linalg.norm(np.cross(found[:, 1] - found[:, 0], found[:, 2] - found[:, 0]), axis=1) > 1e-14]
+
+
+def grid_triangles(points: Float[np.ndarray, "r c 3"]) -> Triangles:
+    """Return the two triangles of each cell of a grid of points, divided from its first to its last corner."""
+    a, b, c, d = points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1]
+    return np.concatenate([np.stack(t, axis=2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])

@@ -29,7 +29,8 @@ TOTALS = ("levels", "rooms", "objects", "triangles", "bodies", "problems")  # co
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `HOUSE`, an id or the root of a dataset, and the options of `home-mjx inspect`.
 
-    `--dataset`, `--strict` and `--max-bodies` are as in `cli.houses`, `--import` as in `add_import_option`.
+    `--dataset`, `--strict`, `--max-bodies` and `--max-fronts` are as in `cli.houses`, `--import` as in
+    `add_import_option`.
     `--json`, `--semantics` and `--validate` are flags; the last two exclude each other.
     """
     add_house_arguments(
@@ -72,12 +73,12 @@ def run(args: argparse.Namespace) -> int:
         object_joints,
     )
 
-    house, _ = load_house(args)
+    house, metadata = load_house(args)
     compiled = load_compiled_house(args)
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
     table, unknown = selected_house(args)[0].joints, unknown_material_share(compiled)
-    fixed = fixed_joints(house, table, compiled)
+    fixed = fixed_joints(house, table, metadata, compiled)
     jointed = sum(map(len, object_joints(house, table).values()))
     fields = compiled.navigation.field.nbytes + compiled.navigation.extrapolated.field.nbytes
     if args.json:

@@ -171,7 +171,7 @@ def _problems(scene: MjcfScene, objects: Sequence[MjcfObject], notes: dict[str, 
     hidden = int((~scene.shown).sum())
     if hidden:
         found.append(Problem("worldbody", f"{hidden} geoms are colliders or transparent: the package makes its own"))
-    for name, count in (("hfield", scene.model.nhfield), ("flex", scene.model.nflex), ("skin", scene.model.nskin)):
+    for name, count in (("flex", scene.model.nflex), ("skin", scene.model.nskin)):
         if count:
             found.append(Problem(name, "not shown"))
     return tuple(found)

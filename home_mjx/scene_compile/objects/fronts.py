@@ -16,6 +16,7 @@ from home_mjx.schema.house import House, Joint, Level, Metadata, ObjectNode
 MAX_FRONTS = 256
 BUILDING_CATEGORIES = ("door", "garage_door", "arch", "window", "stairs")  # coarse categories that have no fronts
 MAX_HINGE_TILT = 1e-3  # maximum tilt of the hinge of a front
+CONTROL_PARTS = ("burner", "button", "handle", "knob", "lever", "light", "spout", "switch")  # parts that close nothing
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class ArticulationOptions:
 
     Attributes:
         max_fronts: Maximum number of fronts per house that open, the largest ones; all others are shut for good. 0:
-            furniture is rigid. Only vertical hinges count: drawers, flaps and lids are shut.
+            furniture is rigid. Only vertical hinges count: drawers, flaps, lids and knobs stay as they are.
 
     Raises:
         ConfigError: The number is out of range.
@@ -76,7 +77,9 @@ def keep_largest_fronts(house: House, metadata: Metadata, max_fronts: int) -> tu
 
 
 def is_front(joint: Joint) -> bool:
-    """Return whether a joint is a vertical hinge."""
+    """Return whether a joint is a vertical hinge of a part that closes something."""
+    if joint.part.partition("_")[0] in CONTROL_PARTS:
+        return False
     return joint.kind == "hinge" and abs(joint.axis[1]) >= 1 - MAX_HINGE_TILT
 
 

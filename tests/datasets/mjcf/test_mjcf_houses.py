@@ -107,7 +107,7 @@ def test_a_kitchen_of_robocasa_has_the_counts_of_its_readme_and_the_depth_of_muj
     parts = Counter(j.part.partition("_")[0] for o in things(house) for j in o.joints)
     assert parts == {"drawer": 31, "door": 29, "knob": 5, "spout": 1, "handle": 1}
     compiled = compile_house(house, open_dataset(path).metadata)
-    assert describe_fixed(compiled, fixed_joints(house, {}, compiled)) == [
+    assert describe_fixed(compiled, fixed_joints(house, {}, open_dataset(path).metadata, compiled)) == [
         "fixed: kitchen_cabinet with 28 doors, 31 drawers",
         "fixed: microwave with 1 door",
         "fixed: range_oven with 5 knobs",
@@ -224,7 +224,7 @@ def test_joints_of_furniture_are_records_of_kind_axis_range_and_faces_and_listed
     assert edge[:, 1].max() == pytest.approx(height, abs=1e-3)
     compiled = compile_house(house, open_dataset(path).metadata)
     assert len(compiled.doors.instance) == 1
-    assert describe_fixed(compiled, fixed_joints(house, {}, compiled)) == [
+    assert describe_fixed(compiled, fixed_joints(house, {}, open_dataset(path).metadata, compiled)) == [
         "fixed: dresser with 1 drawer, 1 flap, 1 lid"
     ]
     assert "1 joints are on parts" in " ".join(problem.message for problem in house.problems)
@@ -320,3 +320,20 @@ def test_names_options_and_digests(tmp_path):
             open_dataset(f"mjcf:{path}?{query}")
     with pytest.raises(MissingFileError):
         open_dataset("mjcf:nowhere.xml")
+
+
+def test_height_fields_are_as_deep_as_mujoco_has_them(tmp_path):
+    """A lawn of 20 heights, turned, beside a room: rays from above and from the side meet its top, rims and base."""
+    heights = " ".join(map(str, np.random.default_rng(1).random(20).round(3)))
+    assets = f'<hfield name="hills" nrow="4" ncol="5" size="2 1 .5 .3" elevation="{heights}"/>'
+    path = write(tmp_path, '<geom type="hfield" hfield="hills" pos="2 -3 .4" euler="3 0 20"/>', assets)
+    scene = compile_scene(path)
+    house = compile_house(read(path), open_dataset(path).metadata)
+    assert "not shown" not in " ".join(problem.message for problem in read(path).problems)
+    rng = np.random.default_rng(2)
+    away = np.array([2, -3, 0.4]) + rng.normal(size=(400, 3)) * [0.6, 0.3, 0.2]
+    origin = away + 3 * (ways := rng.normal(size=(400, 3))) / np.linalg.norm(ways, axis=1, keepdims=True)
+    away = (away - origin) / np.linalg.norm(away - origin, axis=1, keepdims=True)
+    expected, got = mujoco_depth(scene, origin, away), depth(house, origin, away)
+    assert (expected > 0).mean() > 0.9
+    assert np.mean(abs(np.where(expected < 0, 0, got - expected)) < 1e-3) > 0.99

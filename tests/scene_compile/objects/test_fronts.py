@@ -21,6 +21,7 @@ from home_mjx.physics.hand_control import HandCommands, apply_hand_commands, upd
 from home_mjx.raycast_render import cast, make_scene
 from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
+from home_mjx.scene_compile.objects.fixed_parts import describe_fixed, fixed_joints, fixed_records
 from home_mjx.scene_compile.objects.fronts import ArticulationOptions
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.agent import AgentBody
@@ -105,6 +106,29 @@ def test_ranges_end_at_a_quarter_turn_or_before(house):
     assert house.report["blocked_fronts"] == (reach < np.deg2rad(60)).sum()
     assert_allclose(doors.closed[rows], 0, atol=1e-12)  # as the file has them
     assert (doors.mass[rows] < 6).all()
+
+
+def test_surplus_and_blocked_fronts_are_listed_as_fixed(source, house):
+    """Of one cabinet, one door may open and another stay shut; a leaf's pivot in the plan tells which one moves."""
+    home, dataset = source
+    fixed = fixed_joints(home, dataset.joints, dataset.metadata, house)
+    parts = fixed_records(house, fixed)
+    shut = house.report["shut_joints"] + house.report["shut_leaves"]  # the leaves of the outer door
+    assert sum(not one["is_blocked"] for one in parts) == shut
+    assert sum(one["is_blocked"] for one in parts) == house.report["blocked_fronts"]
+    assert len(describe_fixed(house, fixed)) >= 2
+    objects = house.instances.object_id[house.doors.instance]
+    places = {node.index: node.transform for level in home.levels for node in level.objects}
+    free = 0
+    for object_id, place in places.items():  # one storey: ids are indices
+        held = {one.joint for one in fixed.get(object_id, ())}
+        for joint in {j for node in home.levels[0].objects if node.index == object_id for j in node.joints} - held:
+            x, _, z = place[:3, :3] @ joint.point + place[:3, 3]
+            pivots = house.doors.pivot[objects == object_id]
+            is_slide = joint.kind == "slide"
+            assert is_slide or abs(pivots - [x, -z] - house.offset[:2]).max(axis=1).min() < 1e-5
+            free += 1
+    assert free == len(house.doors.instance) - house.report["blocked_fronts"]
 
 
 def test_without_the_option_joints_of_furniture_change_nothing(source):
