@@ -16,6 +16,7 @@ from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
 from home_mjx.datasets.gltf.decode.scene import Matrix, place_meshes
 from home_mjx.datasets.gltf.house import HouseParts
+from home_mjx.datasets.gltf.joints import join_exported_parts
 from home_mjx.datasets.gltf.layout.room_file import UP_AXES, RoomFile, read_room_file, room_file_path
 from home_mjx.datasets.gltf.layout.rooms import find_rooms
 from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
@@ -130,10 +131,12 @@ class GltfDataset(SceneDataset):
         images = ImageStore(document, self.root, bool(options.strict))
         materials = MaterialReader(document, images)
         meshes = MeshReader(document, materials)
-        placed = list(place_meshes(document, meshes, self.options.frame(stated)))
+        frame = self.options.frame(stated)
+        placed = list(place_meshes(document, meshes, frame))
         if not placed:
             raise DatasetError("scene shows nothing: no node has triangles", file=path, hint="Export its meshes.")
         objects, architecture = split_objects(placed, stated.objects)
+        objects = join_exported_parts(objects, frame)
         triangles = collect_triangles(architecture)
         rooms = find_rooms(triangles, stated.rooms, self.options.rooms == "auto")
         if not rooms:

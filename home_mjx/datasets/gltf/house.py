@@ -30,7 +30,8 @@ PIECE_SIZE = 1.0  # [m], edge of the cells into which static geometry is cut; it
 FAR_PIECE_SIZE = 8.0  # [m], the same for geometry that agents cannot reach, which is not cut
 PLOT_MARGIN = 2.5  # [m], around all rooms, within which agents may be; a fence is at 2 m
 MAX_PIECES = 2_000  # maximum number of pieces of a house; more would need larger cells
-MAX_CUT_TRIANGLES = 300_000  # maximum number of triangles after cutting, by their areas
+MAX_CUT_TRIANGLES = 300_000  # maximum number of triangles after cutting, see `_cutting_cost`
+LONG_EDGE = 8.0  # [m], minimum extent of triangles that count by their extents, since they may be slivers
 REACH = (-0.5, 2.2)  # [m] around floors: heights at which agents touch things
 
 
@@ -141,7 +142,7 @@ class HouseParts:
         reach = self._reachable(triangles, floors)
         ground = _is_ground(triangles, floors)
         near = reach & ~ground
-        edge = max(PIECE_SIZE, float(np.sqrt(8 * triangles.area[near].sum() / MAX_CUT_TRIANGLES)))
+        edge = max(PIECE_SIZE, float(np.sqrt(_cutting_cost(triangles[near]) / MAX_CUT_TRIANGLES)))
         parts = [halve_long_edges(triangles[near], edge), triangles[~reach & ~ground], triangles[ground]]
         kind = np.repeat(np.arange(3), [len(part) for part in parts])[:, None]
         triangles, size = concat_triangles(parts), np.where(kind > 0, FAR_PIECE_SIZE, PIECE_SIZE)
@@ -203,6 +204,12 @@ class HouseParts:
             model_key=key,
             transform=transform,
         )
+
+
+def _cutting_cost(triangles: TriangleSet) -> float:
+    """Return about the number of triangles after quartering to edges of 1 m; only that of short slivers is too low."""
+    extent = np.ptp(triangles.corners, axis=1).max(axis=1, initial=0)
+    return float(np.where(extent > LONG_EDGE, 4 * extent**2, 8 * triangles.area).sum())
 
 
 def _is_ground(triangles: TriangleSet, floors: Sequence[float]) -> Bool[np.ndarray, " t"]:

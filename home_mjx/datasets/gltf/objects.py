@@ -23,15 +23,18 @@ class FoundObject:
         node: The node.
         fine: Its fine category.
         meshes: Meshes below the node.
-        joints: Empty; nodes of glTF have no joints.
         extra: Empty.
     """
 
     node: SceneNode
     fine: str
     meshes: list[PlacedMesh] = field(default_factory=list)
-    joints: tuple[Joint, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """Movable parts of its mesh; empty, see `JointedObject`."""
+        return ()
 
     @property
     def matrix(self) -> np.ndarray:
@@ -52,7 +55,7 @@ class FoundObject:
     def key(self) -> str:
         """Name of the joined mesh, equal for copies: a digest of its parts and their places."""
         back = np.linalg.inv(self.node.matrix)
-        places = [(id(m.mesh), np.round(back @ m.matrix, 6).tolist()) for m in self.meshes]
+        places = [(m.source, np.round(back @ m.matrix, 6).tolist()) for m in self.meshes]
         return f"{self.fine}_{hashlib.sha256(repr(places).encode()).hexdigest()[:12]}"
 
 

@@ -58,7 +58,7 @@ class PrimReader:
                 continue
             mesh = self._mesh(prim) if abs(np.linalg.det(matrix[:3, :3])) > 1e-15 else None
             if mesh is not None and len(mesh.faces):
-                yield PlacedMesh(mesh, node.name, chain[1:])
+                yield PlacedMesh(mesh, node.name, chain[1:], node.element)
             usd = pxr("Usd")
             children = list(prim.GetFilteredChildren(usd.TraverseInstanceProxies(usd.PrimDefaultPredicate)))
             stack += [(child, matrix, chain, own_unit) for child in reversed(children)]

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Float
 
 from home_mjx.core.color import decode_srgb
 from home_mjx.core.files import read_bytes
@@ -14,6 +15,7 @@ from home_mjx.scene_compile.mjcf.assets import png_bytes
 from home_mjx.schema.compiled import CompiledHouse, Model
 
 MIME_TYPES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+MIN_NORMAL = 1e-3  # minimum length of a normal that has a direction
 FROM_Z_UP = Z_UP.T  # glTF has y up
 
 
@@ -30,31 +32,49 @@ class GltfAssets:
         self._meshes: dict[tuple[str, int], int] = {}
         self._materials: dict[int, int] = {}
         self._textures: dict[str, int] = {}
-        self._attributes: dict[tuple[str, int], dict[str, Any]] = {}
+        self._attributes: dict[tuple[str, int, bool], dict[str, Any]] = {}
 
     def mesh(self, model: Model, first: int) -> int:
         """Return the mesh of a model whose slot 0 has row `first` of the materials; slots are primitives."""
         key = model.key, first
         if key not in self._meshes:
             slots = np.unique(model.slot).tolist()
-            parts = [self._primitive(model, slot) | {"material": self.material(first + slot)} for slot in slots]
+            parts = [self._primitive(model, slot, first + slot) for slot in slots]
             self._meshes[key] = self._document.add("meshes", {"name": model.key.split(":")[0], "primitives": parts})
         return self._meshes[key]
 
-    def _primitive(self, model: Model, slot: int) -> dict[str, Any]:
-        """Return the triangles of a slot, with equal corners merged; materials do not matter."""
-        key = model.key, slot
+    def _primitive(self, model: Model, slot: int, row: int) -> dict[str, Any]:
+        """Return the triangles of a slot with the material of a row."""
+        is_textured = bool(self._house.materials.texture[row])
+        key = model.key, slot, is_textured
         if key not in self._attributes:
-            mine = model.slot == slot
-            point, normal = (a[mine].reshape(-1, 3) @ FROM_Z_UP.T for a in (model.triangle, model.normal))
-            uv = model.uv[mine].reshape(-1, 2) * [1, -1] + [0, 1]
-            corners, index = np.unique(np.hstack([point, normal, uv]).astype(np.float32), axis=0, return_inverse=True)
-            names = {"POSITION": corners[:, :3], "NORMAL": corners[:, 3:6], "TEXCOORD_0": corners[:, 6:]}
-            self._attributes[key] = {
-                "attributes": {name: self._document.add_accessor(a, name == "POSITION") for name, a in names.items()},
-                "indices": self._document.add_accessor(index.reshape(-1).astype(np.uint32)),
-            }
-        return dict(self._attributes[key])
+            self._attributes[key] = self._triangles(model, slot, is_textured)
+        return self._attributes[key] | {"material": self.material(row)}
+
+    def _triangles(self, model: Model, slot: int, is_textured: bool) -> dict[str, Any]:
+        """Return the accessors of the triangles of a slot, with equal corners merged.
+
+        Triangles with two equal corners are left out, but for one if there are no others.
+        """
+        mine = model.slot == slot
+        points = (model.triangle[mine].astype(float) @ FROM_Z_UP.T).astype(np.float32)
+        normals = _unit_normals(points, model.normal[mine] @ FROM_Z_UP.T)
+        rows = [points.reshape(-1, 3), normals.reshape(-1, 3)]
+        rows += [model.uv[mine].reshape(-1, 2) * [1, -1] + [0, 1]] if is_textured else []
+        corners, index = np.unique(np.hstack(rows).astype(np.float32), axis=0, return_inverse=True)
+        index = index.reshape(-1, 3)
+        a, b, c = corners[index, :3].transpose(1, 0, 2)
+        has_sides = (a != b).any(axis=1) & (b != c).any(axis=1) & (c != a).any(axis=1)
+        index = index[has_sides] if has_sides.any() else index[:1]
+        used, index = np.unique(index, return_inverse=True)
+        corners = corners[used]
+        names = {"POSITION": corners[:, :3], "NORMAL": corners[:, 3:6], "TEXCOORD_0": corners[:, 6:]}
+        return {
+            "attributes": {
+                name: self._document.add_accessor(a, name == "POSITION") for name, a in names.items() if a.size
+            },
+            "indices": self._document.add_accessor(index.reshape(-1).astype(np.uint32)),
+        }
 
     def material(self, row: int) -> int:
         """Return the material of a row of the house's table.
@@ -92,3 +112,12 @@ class GltfAssets:
             image["bufferView"] = self._document.add_view(data if kind else png_bytes(Path(path)))
             self._textures[path] = self._document.add("textures", {"source": self._document.add("images", image)})
         return self._textures[path]
+
+
+def _unit_normals(triangles: Float[np.ndarray, "t 3 3"], normal: Float[np.ndarray, "t 3 3"]) -> np.ndarray:
+    """Return normals of unit length; those without length become that of their triangle, or +y if it has no area."""
+    face = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]).astype(float)
+    face = np.where((abs(face).max(axis=1) > 0)[:, None], face, [0.0, 1.0, 0.0])
+    lacks = np.linalg.norm(normal, axis=-1, keepdims=True) < MIN_NORMAL
+    found = np.where(lacks, face[:, None], normal)
+    return found / np.linalg.norm(found, axis=-1, keepdims=True)

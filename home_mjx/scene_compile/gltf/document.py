@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 COMPONENTS = {np.dtype(np.float32): 5126, np.dtype(np.uint32): 5125}
+VIEW_TARGETS = {np.dtype(np.float32): 34962, np.dtype(np.uint32): 34963}  # vertices, indices
 SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 JSON_CHUNK, BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
@@ -29,10 +30,11 @@ class DocumentWriter:
         self.root.setdefault(key, []).append(value)
         return len(self.root[key]) - 1
 
-    def add_view(self, data: bytes) -> int:
-        """Append bytes to the chunk, and return the index of their buffer view."""
+    def add_view(self, data: bytes, target: int | None = None) -> int:
+        """Append bytes to the chunk, and return the index of their buffer view; `target` is one of `VIEW_TARGETS`."""
         self.chunk += bytes(-len(self.chunk) % 4)
         view = {"buffer": 0, "byteOffset": len(self.chunk), "byteLength": len(data)}
+        view |= {} if target is None else {"target": target}
         self.chunk += data
         return self.add("bufferViews", view)
 
@@ -40,7 +42,7 @@ class DocumentWriter:
         """Append an array of float32 or uint32 with a row per element, and return the index of its accessor."""
         width = 1 if values.ndim == 1 else values.shape[1]
         found = {
-            "bufferView": self.add_view(np.ascontiguousarray(values).tobytes()),
+            "bufferView": self.add_view(np.ascontiguousarray(values).tobytes(), VIEW_TARGETS[values.dtype]),
             "componentType": COMPONENTS[values.dtype],
             "count": len(values),
             "type": SHAPES[width],

@@ -110,7 +110,7 @@ class _NodeWriter:
         node: dict[str, Any] = {
             "name": "architecture" if instance == ARCHITECTURE else f"{category or 'object'}_{owner}",
             "mesh": self._assets.mesh(model, int(table.material[instance])),
-            "matrix": _matrix(table.pose[instance]),
+            **placement(table.pose[instance]),
             "extras": {"category": category, "object_id": owner, "model": model.key},
         }
         row = np.flatnonzero(self._house.doors.instance == instance)
@@ -130,6 +130,7 @@ class _NodeWriter:
             "point": (FROM_Z_UP @ point).tolist(),
             "range": [float(doors.low[row]), float(doors.high[row])],
             "closed": float(doors.closed[row]),
+            "open": float(doors.fully_open[row]),
         }
 
     def _camera(self, room: int) -> list[int]:
@@ -171,12 +172,12 @@ class _NodeWriter:
         return [self._document.add("nodes", node) for node in nodes]
 
 
-def _matrix(pose: Float[np.ndarray, "3 4"]) -> list[float]:
-    """Return a pose (Z up) as the column-major matrix of a node."""
+def placement(pose: Float[np.ndarray, "3 4"]) -> dict[str, list[float]]:
+    """Return the entries of a node at a pose (Z up): its column-major matrix; none at the origin."""
     matrix = np.eye(4)
     matrix[:3, :3] = FROM_Z_UP @ pose[:, :3] @ FROM_Z_UP.T
     matrix[:3, 3] = FROM_Z_UP @ pose[:, 3]
-    return matrix.T.ravel().tolist()
+    return {} if np.array_equal(matrix, np.eye(4)) else {"matrix": matrix.T.ravel().tolist()}
 
 
 def _turn_to(aim: Float[np.ndarray, "3"]) -> list[float]:

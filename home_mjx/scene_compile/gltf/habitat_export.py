@@ -5,16 +5,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from home_mjx.core.files import convert_write_errors, write_atomically
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.gltf.assets import GltfAssets
 from home_mjx.scene_compile.gltf.document import DocumentWriter
+from home_mjx.scene_compile.gltf.export import placement
 from home_mjx.scene_compile.gltf.habitat_configs import (
     DATASET,
     FRAME,
-    FROM_Z_UP,
     door_urdf,
     lighting_config,
     semantic_config,
@@ -102,15 +100,8 @@ class _SceneWriter:
         document = DocumentWriter()
         assets, nodes = GltfAssets(self._house, document), []
         for instance in instances:
-            matrix = np.eye(4)
-            pose = self._house.instances.pose[instance].astype(float)
-            matrix[:3, :3] = FROM_Z_UP @ pose[:, :3] @ FROM_Z_UP.T
-            matrix[:3, 3] = FROM_Z_UP @ pose[:, 3]
-            node = {
-                "name": f"stage{instance}",
-                "mesh": self._mesh(assets, instance),
-                "matrix": matrix.T.ravel().tolist(),
-            }
+            node = {"name": f"stage{instance}", "mesh": self._mesh(assets, instance)}
+            node |= placement(self._house.instances.pose[instance].astype(float))
             nodes.append(document.add("nodes", node))
         document.root |= {"scene": 0, "scenes": [{"name": self._house.id, "nodes": nodes}]}
         return document.glb()

@@ -5,7 +5,8 @@ import json
 import numpy as np
 import pytest
 import trimesh
-from gltf_files import GltfFile, two_rooms
+from gltf_files import CUBE, GltfFile, two_rooms
+from gltf_rules import find_faults, split
 from PIL import Image
 
 from home_mjx.cli import main
@@ -13,7 +14,8 @@ from home_mjx.core.color import decode_srgb
 from home_mjx.datasets import open_dataset
 from home_mjx.errors import ConfigError
 from home_mjx.scene_compile.gltf.export import export_gltf
-from home_mjx.scene_compile.pipeline.compile import compile_house
+from home_mjx.scene_compile.objects.fronts import ArticulationOptions
+from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.categories import FINE
 from home_mjx.schema.semantic import Semantic
 
@@ -44,7 +46,8 @@ def world(house) -> np.ndarray:
     """Return all triangles (t, 3, 3) with y up."""
     rows = zip(house.instances.model, house.instances.pose, strict=True)
     points = [house.models[m].triangle.astype(float) @ pose[:, :3].T + pose[:, 3] for m, pose in rows]
-    return np.concatenate(points)[..., [0, 2, 1]] * [1, 1, -1]
+    found = np.concatenate(points)[..., [0, 2, 1]] * [1, 1, -1]
+    return found[(found != np.roll(found, 1, axis=1)).any(axis=2).all(axis=1)]  # those with two equal corners are lines
 
 
 def document(path) -> dict:
@@ -110,6 +113,27 @@ def test_nodes_have_rooms_categories_cameras_and_lights(house, tmp_path):
     assert np.linalg.det(np.array(node["matrix"]).reshape(4, 4)[:3, :3]) < 0  # mirrored
 
 
+def test_files_keep_the_rules_of_the_specification(house, tmp_path):
+    """The Khronos validator finds no error, warning, information or hint in such files; it needs Node.js."""
+    root, chunk = split(export_gltf(house, tmp_path / "out.glb").read_bytes())
+    assert find_faults(root, chunk) == []
+    root["accessors"][0]["max"][0] += 1
+    root["nodes"][-1]["children"].append(0)
+    root["bufferViews"][0].pop("target")
+    found = " ".join(find_faults(root, chunk))
+    assert all(text in found for text in ("bounds do not fit", "parents", "targets"))
+
+
+def test_normals_without_length_become_those_of_their_triangles(tmp_path):
+    file = two_rooms()
+    normal = file.accessor([[0, 0, 0]] * 3)
+    corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    file.node(name="picture", mesh=file.mesh(corners, attributes={"NORMAL": normal}), translation=[1, 1.2, 0.5])
+    dataset = open_dataset(file.write(tmp_path / "flat.glb"))
+    flat = compile_house(dataset.load_house("flat"), dataset.metadata)
+    assert find_faults(*split(export_gltf(flat, tmp_path / "out.glb").read_bytes())) == []
+
+
 def test_the_command_writes_a_house_and_refuses_other_names(tmp_path, capsys):
     path = two_rooms().write(tmp_path / "flat.glb")
     assert main(["export", "flat", str(tmp_path / "out.glb"), "--dataset", str(path)]) == 0
@@ -122,3 +146,66 @@ def test_the_command_writes_a_house_and_refuses_other_names(tmp_path, capsys):
 def test_files_of_other_formats_are_refused(house, tmp_path):
     with pytest.raises(ConfigError, match="GLB"):
         export_gltf(house, tmp_path / "out.gltf")
+
+
+def leaf_room(tmp_path) -> tuple[GltfFile, dict]:
+    """The two rooms, a cupboard whose door turns by a quarter to the room, and a mirrored copy with a sliding front."""
+    file = two_rooms()
+    closed = {"axis": [0, 1, 0], "point": [6, 0, 0.42], "range": [-2.0, 0.0], "closed": 0, "open": -np.pi / 2}
+    slide = {"type": "slide", "axis": [1, 0, 0], "point": [2, 0.5, 0.42], "range": [0, 0.4], "closed": 0.1}
+    body = file.mesh(np.array([-0.5, 0, 0]) + CUBE * [1, 1, 0.4])
+    leaf = file.mesh(np.array([-0.5, 0, 0.4]) + CUBE * [1, 1, 0.02])
+    for owner, joint, place in ((30, {"type": "hinge", **closed}, [6.5, 0, 0]), (31, slide, [2, 0, 0])):
+        scale = [1, 1, 1] if owner == 30 else [-2, 1, 1]
+        name, extras = f"wardrobe_{owner}", {"object_id": owner}
+        file.node(name=name, mesh=body, translation=place, scale=scale, extras=extras)
+        file.node(name=name, mesh=leaf, translation=place, scale=scale, extras={**extras, "joint": joint})
+    return file, {"hinge": closed, "slide": slide}
+
+
+def test_joints_of_exported_files_are_read_back_in_frames_of_their_models(tmp_path):
+    """Parts at the ends of their ranges are where the joint moves them, also in a mirrored, scaled model."""
+    file, stated = leaf_room(tmp_path)
+    dataset = open_dataset(file.write(tmp_path / "flat.glb"))
+    house = dataset.load_house("flat")
+    found = {o.joints[0].kind: o for o in house.levels[0].objects if o.joints}
+    assert [o.model_id for o in found.values()] == ["wardrobe_cabinet"] * 2
+    for kind, item in found.items():
+        (joint,), mesh = item.joints, house.models[item.model_key]
+        value = joint.open
+        moved = joint.move(mesh, value).vertices @ item.transform[:3, :3].T + item.transform[:3, 3]
+        shown = mesh.vertices @ item.transform[:3, :3].T + item.transform[:3, 3]
+        part = np.unique(mesh.faces[joint.faces])
+        point = np.array(stated[kind]["point"])
+        if kind == "hinge":  # by -90 degrees about +y: x becomes z
+            away = shown[part] - point
+            expected = point + np.stack([-away[:, 2], away[:, 1], away[:, 0]], axis=1)
+        else:
+            expected = shown[part] + [0.4, 0, 0]
+            assert joint.closed * 2 == pytest.approx(0.1)
+        assert np.allclose(moved[part], expected, atol=1e-6)
+        assert np.ptp(shown[part][:, 2]) == pytest.approx(0.02, abs=1e-6)  # the leaf alone
+
+
+@pytest.mark.parametrize(
+    "joint", [None, 3, {"type": "ball"}, {"type": "hinge", "axis": [0, 0, 0]}, {"type": "hinge", "axis": ["x", 1, 2]}]
+)
+def test_entries_of_other_programs_are_no_joints(tmp_path, joint):
+    file = two_rooms()
+    file.json["nodes"][-1]["extras"] = {"object_id": 3, "joint": joint}
+    dataset = open_dataset(file.write(tmp_path / "flat.glb"))
+    assert not any(o.joints for o in dataset.load_house("flat").levels[0].objects)
+
+
+def test_leaves_of_an_exported_house_are_leaves_of_the_house_that_is_read(tmp_path):
+    """Fronts of furniture open in both houses: same hinges, ranges and boxes."""
+    options = CompileOptions(articulation=ArticulationOptions(4))
+    dataset = open_dataset(leaf_room(tmp_path)[0].write(tmp_path / "flat.glb"))
+    first = compile_house(dataset.load_house("flat"), dataset.metadata, options)
+    dataset = open_dataset(export_gltf(first, tmp_path / "again.glb"))
+    second = compile_house(dataset.load_house("again"), dataset.metadata, options)
+    assert (len(first.doors.instance), first.doors.is_front.tolist()) == (1, second.doors.is_front.tolist())
+    for name in ("closed", "fully_open", "low", "high", "size"):
+        assert np.allclose(getattr(first.doors, name), getattr(second.doors, name), atol=1e-5), name
+    assert np.allclose(first.doors.pos, second.doors.pos - second.offset, atol=1e-5)
+    assert np.allclose(first.doors.pivot, second.doors.pivot - second.offset[:2], atol=1e-5)

@@ -9,7 +9,7 @@ from pathlib import Path
 from home_mjx.core.files import write_atomically
 from home_mjx.core.images import open_texture
 from home_mjx.datasets.gltf.decode.container import TEXTURE_EXTENSIONS, GltfDocument, refuse_extensions
-from home_mjx.datasets.suncg.formats.json_value import JsonValue
+from home_mjx.datasets.suncg.formats.json_value import JsonValue, printable
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.schema.house import Fallback
 from home_mjx.schema.material_kinds import TEXTURE_KINDS
@@ -130,8 +130,8 @@ def _image_name(image: JsonValue) -> str:
     """Return the name of an image, else the last part of its path; "" if it has neither."""
     name, uri = image.member("name").data, image.member("uri").data
     if isinstance(name, str):
-        return name[:100]
-    return uri.rpartition("/")[2][:100] if isinstance(uri, str) and not uri.startswith("data:") else ""
+        return printable(name[:100])
+    return printable(uri.rpartition("/")[2][:100]) if isinstance(uri, str) and not uri.startswith("data:") else ""
 
 
 def _image_bytes(document: GltfDocument, image: JsonValue) -> bytes:

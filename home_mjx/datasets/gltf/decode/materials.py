@@ -7,7 +7,7 @@ import numpy as np
 from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.images import ImageStore
-from home_mjx.datasets.suncg.formats.json_value import JsonValue
+from home_mjx.datasets.suncg.formats.json_value import JsonValue, printable
 from home_mjx.schema.house import Material
 
 DIELECTRIC = 0.04  # specular reflectance of materials that are not metal, at normal incidence
@@ -63,7 +63,7 @@ class MaterialReader:
     def _material(self, value: JsonValue, number: int) -> TexturedMaterial:
         """Read one material."""
         name = value.member("name").data
-        name = name[:100] if isinstance(name, str) and name else f"material_{number}"
+        name = printable(name[:100]) if isinstance(name, str) and name else f"material_{number}"
         gloss = _extension(value, "KHR_materials_pbrSpecularGlossiness")
         shade = _glossy(gloss) if gloss.has_value else _metallic(value.member("pbrMetallicRoughness"))
         texture = shade.texture

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
-from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue
+from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue, printable
 from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.schema.house import Mesh
 
@@ -25,11 +26,13 @@ class SceneNode:
         name: Its name; "" without one.
         element: Its element path.
         matrix: House from node.
+        extras: Its application-specific data as in the file, of any type.
     """
 
     name: str
     element: str
     matrix: Matrix
+    extras: Any = None
 
 
 @dataclass(frozen=True)
@@ -40,11 +43,13 @@ class PlacedMesh:
         mesh: The mesh in its own frame.
         name: Its name; "" without one.
         chain: Nodes from the root to that of the mesh.
+        source: Element path of the mesh; instances of a mesh have the same.
     """
 
     mesh: Mesh
     name: str
     chain: tuple[SceneNode, ...]
+    source: str = ""
 
     @property
     def matrix(self) -> Matrix:
@@ -77,7 +82,7 @@ def place_meshes(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> I
         if abs(np.linalg.det(matrix[:3, :3])) <= 1e-15 or abs(matrix).max() > MAX_COORDINATE:
             meshes.notes[value.element] = "transform without volume, or beyond all limits: node left out"
             continue
-        chain = (*chain, SceneNode(_name(value), value.element, matrix))
+        chain = (*chain, SceneNode(_name(value), value.element, matrix, value.member("extras").data))
         children = value.member("children")
         if children.has_value:
             stack += [(child, (*ancestors, number), chain) for child in reversed(children.entries())]
@@ -96,7 +101,8 @@ def _placed(
         meshes.notes[value.element] = "skin is not applied"
     mesh = meshes.mesh(index)
     if mesh is not None and len(mesh.faces):
-        yield PlacedMesh(mesh, _name(document.item("meshes", index)), chain[1:])
+        found = document.item("meshes", index)
+        yield PlacedMesh(mesh, _name(found), chain[1:], found.element)
 
 
 def _roots(document: GltfDocument) -> list[JsonValue]:
@@ -142,4 +148,4 @@ def _matrix(value: JsonValue) -> Matrix:
 def _name(value: JsonValue) -> str:
     """Return the name of an object, cut to 100 characters; "" if it has none."""
     name = value.member("name").data
-    return name[:100] if isinstance(name, str) else ""
+    return printable(name[:100]) if isinstance(name, str) else ""
