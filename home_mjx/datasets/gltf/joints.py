@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh
-from home_mjx.datasets.gltf.objects import FoundObject
+from home_mjx.datasets.gltf.objects import FoundObject, upright
 from home_mjx.datasets.gltf.scene_lights import to_vector
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE
 from home_mjx.datasets.taxonomy import part_kind
@@ -78,6 +78,14 @@ class JointedObject(FoundObject):
     """
 
     parts: tuple[tuple[SceneJoint, int], ...] = ()
+
+    @property
+    def matrix(self) -> Matrix:
+        """House from object: that of its node, or its origin alone if the node is stretched or has shear."""
+        found, plain = upright(self.node.matrix), np.eye(4)
+        square = found[:3, :3].T @ found[:3, :3]
+        plain[:3, 3] = found[:3, 3]
+        return found if np.allclose(square, square[0, 0] * np.eye(3), rtol=1e-6, atol=1e-9) else plain
 
     @property
     def joints(self) -> tuple[Joint, ...]:

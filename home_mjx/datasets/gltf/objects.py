@@ -12,6 +12,7 @@ from home_mjx.datasets.gltf.categories import ARCHITECTURE, find_category
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
 from home_mjx.schema.house import Joint, Mesh
 
+MIN_UPRIGHT = 0.999  # minimum vertical component of the unit axis of a node that points up
 MAX_OBJECT_SIZE = 6.0  # [m], maximum extent of an object; larger ones are architecture
 
 
@@ -38,8 +39,8 @@ class FoundObject:
 
     @property
     def matrix(self) -> np.ndarray:
-        """House from node."""
-        return self.node.matrix
+        """House from object: that of its node, with the y axis up where the node has another one up."""
+        return upright(self.node.matrix)
 
     @property
     def points(self) -> np.ndarray:
@@ -47,14 +48,14 @@ class FoundObject:
         return np.concatenate([m.mesh.vertices @ m.matrix[:3, :3].T + m.matrix[:3, 3] for m in self.meshes])
 
     def mesh(self) -> Mesh:
-        """Return the meshes joined in the node's frame; normals are dropped unless all meshes have them."""
-        back = np.linalg.inv(self.node.matrix)
+        """Return the meshes joined in the object's frame; normals are dropped unless all meshes have them."""
+        back = np.linalg.inv(self.matrix)
         return join_meshes([move_mesh(m.mesh, back @ m.matrix) for m in self.meshes])
 
     @property
     def key(self) -> str:
         """Name of the joined mesh, equal for copies: a digest of its parts and their places."""
-        back = np.linalg.inv(self.node.matrix)
+        back = np.linalg.inv(self.matrix)
         places = [(m.source, np.round(back @ m.matrix, 6).tolist()) for m in self.meshes]
         return f"{self.fine}_{hashlib.sha256(repr(places).encode()).hexdigest()[:12]}"
 
@@ -111,6 +112,24 @@ def split_objects(
     large = [o for o in found.values() if np.ptp(o.points, axis=0).max() > MAX_OBJECT_SIZE]
     architecture += [mesh for one in large for mesh in one.meshes]
     return [one for one in found.values() if not any(one is other for other in large)], architecture
+
+
+def upright(matrix: np.ndarray) -> np.ndarray:
+    """Return a transform after a turn by which its y axis points up; unchanged if no axis points up or down.
+
+    Example:
+        >>> upright(np.array([[1.0, 0, 0, 5], [0, 0, 1, 6], [0, -1, 0, 7], [0, 0, 0, 1]])).tolist()
+        [[1.0, 0.0, 0.0, 5.0], [0.0, 1.0, 0.0, 6.0], [0.0, 0.0, 1.0, 7.0], [0.0, 0.0, 0.0, 1.0]]
+    """
+    up = matrix[1, :3] / np.maximum(np.linalg.norm(matrix[:3, :3], axis=0), 1e-12)
+    axis = int(abs(up).argmax())
+    if abs(up[axis]) < MIN_UPRIGHT or (axis == 1 and up[1] > 0):
+        return matrix
+    turn = np.eye(4)
+    turn[:3, 1] = np.sign(up[axis]) * np.eye(3)[axis]
+    turn[:3, 0] = np.eye(3)[1 if axis == 0 else 0]
+    turn[:3, 2] = np.cross(turn[:3, 0], turn[:3, 1])
+    return matrix @ turn + 0.0
 
 
 def _category(item: PlacedMesh, stated: Mapping[str, str]) -> tuple[SceneNode, str]:

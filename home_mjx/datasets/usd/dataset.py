@@ -13,6 +13,7 @@ from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
 from home_mjx.datasets.gltf.objects import split_objects
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, RootedOptions, SceneDataset, parse_options, scene_id
 from home_mjx.datasets.gltf.scene_rooms import scene_rooms
+from home_mjx.datasets.usd.joints import attach_joints
 from home_mjx.datasets.usd.layers import UsdScene, open_scene
 from home_mjx.datasets.usd.prims import PrimReader
 from home_mjx.errors import DatasetError, MissingFileError
@@ -86,14 +87,16 @@ class UsdDataset(SceneDataset):
         missing = [note for note in scene.notes.values() if "missing" in note]
         if strict and (reader.fallbacks or missing):
             raise MissingFileError("scene lacks textures or layers", file=path, hint="Fetch them.")
-        objects, architecture = split_objects(placed, stated.objects)
+        objects, architecture, lost = attach_joints(*split_objects(placed, stated.objects), reader.joints)
         triangles, split = collect_triangles(architecture), self.options.rooms == "auto"
         rooms = scene_rooms(path, objects, triangles, stated.rooms, split, strict, "stage")
         parts = HouseParts(path, rooms.rooms)
         levels = parts.levels(rooms.triangles, self.wanted(objects, options))
         fallbacks = (*reader.fallbacks, *rooms.fallbacks)
         self.warn_fallbacks(house_id, fallbacks)
-        problems = (*(Problem(element, note) for element, note in scene.notes.items()), *rooms.problems)
+        fixed = "joint moves no part of an object, or a part that another one moves: fixed"
+        unkept = (Problem(joint.path, fixed) for joint in lost)
+        problems = (*(Problem(element, note) for element, note in scene.notes.items()), *rooms.problems, *unkept)
         return House(house_id, "usd@1.0", path, levels, parts.models, problems[:MAX_NOTES], fallbacks=fallbacks)
 
     def _open(self, path: Path) -> UsdScene:

@@ -13,6 +13,7 @@ from home_mjx.core.files import is_file
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
 from home_mjx.datasets.shapes import cone_triangles, cylinder_triangles, sphere_triangles
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location, printable
+from home_mjx.datasets.usd.joints import FIXED, KINDS, UsdJoint, read_joint, unit_of
 from home_mjx.datasets.usd.layers import UsdScene, below, layer_unit, pxr
 from home_mjx.geometry.meshes import Z_UP, box_triangles
 from home_mjx.schema.house import Fallback, Material, Mesh
@@ -31,10 +32,20 @@ class PrimReader:
     Attributes:
         scene: The scene.
         fallbacks: Textures that materials do without.
+        places: House from prim of the prims that were read, by path; that of the world is "".
     """
 
     scene: UsdScene
     fallbacks: list[Fallback] = field(default_factory=list)
+    places: dict[str, Float[np.ndarray, "4 4"]] = field(default_factory=dict)
+    _joints: list[Any] = field(default_factory=list)
+
+    @property
+    def joints(self) -> list[UsdJoint]:
+        """Joints of the prims that were read."""
+        unit = unit_of(self.scene.frame)
+        found = (read_joint(prim, self.places, unit) for prim in self._joints)
+        return [joint for joint in found if joint is not None]
 
     def read(self) -> Iterator[PlacedMesh]:
         """Yield the visible meshes with the prims above them; instances are shown once each.
@@ -42,7 +53,7 @@ class PrimReader:
         Raises:
             DatasetError: A mesh is broken, or prims are too many or too deep.
         """
-        root = self.scene.stage.GetPseudoRoot()
+        root, self.places[""] = self.scene.stage.GetPseudoRoot(), self.scene.frame
         unit = layer_unit(self.scene.stage.GetRootLayer())
         stack = [(root, self.scene.frame, (), unit)]
         for _ in range(MAX_PRIMS):
@@ -54,6 +65,9 @@ class PrimReader:
             matrix, own_unit = self._matrix(prim, above, unit)
             node = SceneNode(printable(prim.GetName()[:100]), str(prim.GetPath()), matrix)
             chain = (*chain, node)
+            self.places[node.element] = matrix
+            if prim.GetTypeName() in (*KINDS, FIXED):
+                self._joints.append(prim)
             if not self._is_shown(prim):
                 continue
             mesh = self._mesh(prim) if abs(np.linalg.det(matrix[:3, :3])) > 1e-15 else None

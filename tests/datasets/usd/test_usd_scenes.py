@@ -107,6 +107,60 @@ def test_references_of_other_units_are_scaled(tmp_path):
     assert [found.min(), found.max()] == pytest.approx([-0.01, 0.01])
 
 
+def cube(name: str, middle, half, inner: str = "") -> str:
+    """Return a cube of half extents `half` around `middle`."""
+    text = f'def Cube "{name}" {{\ndouble size = 2\ndouble3 xformOp:translate = {tuple(middle)}\n'
+    text += f"double3 xformOp:scale = {tuple(half)}\n"
+    return text + f'uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:scale"]\n{inner}}}\n'
+
+
+def joint(kind: str, name: str, carrier: str, moved: str, **values: str) -> str:
+    """Return a joint of UsdPhysics; values are attributes without their namespace."""
+    carried = f"rel physics:body0 = <{carrier}>\n" if carrier else ""
+    types = {"axis": "uniform token", "localRot0": "quatf", "localRot1": "quatf"}
+    types |= dict.fromkeys(("localPos0", "localPos1"), "point3f")
+    lines = "".join(f"{types.get(key, 'float')} physics:{key} = {text}\n" for key, text in values.items())
+    return f'def Physics{kind}Joint "{name}" {{\n{carried}rel physics:body1 = <{moved}>\n{lines}}}\n'
+
+
+def test_joints_of_physics_move_parts_of_their_objects(tmp_path):
+    """A cupboard with a door on z, its handle fixed to it, and a drawer; a door on the wall; centimetres, Z up."""
+    cupboard = cube("body", (0, 0, 50), (30, 20, 50)) + cube("leaf", (0, -21, 75), (30, 1, 25))
+    cupboard += cube("tray", (0, -21, 25), (28, 1, 20)) + cube("grip", (25, -23, 75), (1, 1, 3))
+    local = {"localPos0": "(-1, -1.05, 0.5)", "localPos1": "(-1, 0, 0)"}  # in units of the scaled cubes
+    cupboard += joint("Revolute", "hinge", "/c/body", "/c/leaf", axis='"Z"', lowerLimit="-100", upperLimit="0", **local)
+    cupboard += joint("Fixed", "grip_mount", "/c/leaf", "/c/grip")
+    local = {"localPos0": "(0, -1.05, -0.5)", "localPos1": "(0, 0, 0)", "localRot0": "(0.7071068, 0, 0, -0.7071068)"}
+    local["localRot1"] = local["localRot0"]
+    cupboard += joint("Prismatic", "rail", "/c/body", "/c/tray", axis='"X"', lowerLimit="0", upperLimit="30", **local)
+    body = 'def Xform "c" (kind = "component") {\ndouble3 xformOp:translate = (600, -30, 0)\n'
+    body += f'uniform token[] xformOpOrder = ["xformOp:translate"]\n{cupboard}}}\n'
+    body = body.replace('"c"', '"cupboard"').replace("/c/", "/cupboard/")
+    body += cube("door", (400, -195, 105), (2, 44, 104))
+    world = {"localPos0": "(400, -239, 0)", "localPos1": "(0, -1, 0)", "localRot1": "(0.9659258, 0, 0, -0.258819)"}
+    body += joint("Revolute", "way", "", "/door", axis='"Z"', lowerLimit="-90", upperLimit="30", **world)
+    house = read(write(tmp_path / "flat.usda", boxes(100, True) + body, 'upAxis = "Z"'))
+    found = {o.model_id: o for o in house.levels[0].objects if o.joints}
+    (item,) = [o for name, o in found.items() if name != "door"]
+    hinge, rail = item.joints
+    mesh = house.models[item.model_key]
+
+    def place(points):
+        return points @ item.transform[:3, :3].T + item.transform[:3, 3]
+
+    assert place(np.array(hinge.point)) == pytest.approx([5.7, 0.75, 0.51], abs=1e-5)
+    assert (hinge.axis, rail.axis) == (pytest.approx((0, 1, 0), abs=1e-6), pytest.approx((0, 0, 1), abs=1e-6))
+    assert (hinge.low, hinge.high, rail.high) == pytest.approx((np.deg2rad(-100), 0, 30))  # in units of the model
+    assert [len(faces) for faces in (hinge.faces, rail.faces, mesh.faces)] == [
+        24,
+        12,
+        48,
+    ]  # the grip moves with the leaf
+    (way,) = found["door"].joints  # it is shown 30 degrees before the zero of its file, which is shut
+    assert (way.low, way.high, way.closed) == pytest.approx(np.deg2rad([-60, 60, 30]), abs=1e-4)
+    assert not [problem for problem in house.problems if "joint" in problem.message]
+
+
 @pytest.mark.parametrize(
     ("body", "head", "message"),
     [

@@ -149,14 +149,14 @@ def test_files_of_other_formats_are_refused(house, tmp_path):
 
 
 def leaf_room(tmp_path) -> tuple[GltfFile, dict]:
-    """The two rooms, a cupboard whose door turns by a quarter to the room, and a mirrored copy with a sliding front."""
+    """The two rooms, a mirrored cupboard whose door turns by a quarter, and a copy twice as large that slides."""
     file = two_rooms()
     closed = {"axis": [0, 1, 0], "point": [6, 0, 0.42], "range": [-2.0, 0.0], "closed": 0, "open": -np.pi / 2}
     slide = {"type": "slide", "axis": [1, 0, 0], "point": [2, 0.5, 0.42], "range": [0, 0.4], "closed": 0.1}
     body = file.mesh(np.array([-0.5, 0, 0]) + CUBE * [1, 1, 0.4])
     leaf = file.mesh(np.array([-0.5, 0, 0.4]) + CUBE * [1, 1, 0.02])
     for owner, joint, place in ((30, {"type": "hinge", **closed}, [6.5, 0, 0]), (31, slide, [2, 0, 0])):
-        scale = [1, 1, 1] if owner == 30 else [-2, 1, 1]
+        scale = [-1, 1, 1] if owner == 30 else [-2, 2, 2]
         name, extras = f"wardrobe_{owner}", {"object_id": owner}
         file.node(name=name, mesh=body, translation=place, scale=scale, extras=extras)
         file.node(name=name, mesh=leaf, translation=place, scale=scale, extras={**extras, "joint": joint})
@@ -182,9 +182,9 @@ def test_joints_of_exported_files_are_read_back_in_frames_of_their_models(tmp_pa
             expected = point + np.stack([-away[:, 2], away[:, 1], away[:, 0]], axis=1)
         else:
             expected = shown[part] + [0.4, 0, 0]
-            assert joint.closed * 2 == pytest.approx(0.1)
+            assert joint.closed * 2 == pytest.approx(0.1)  # the model is half as large as its copy
         assert np.allclose(moved[part], expected, atol=1e-6)
-        assert np.ptp(shown[part][:, 2]) == pytest.approx(0.02, abs=1e-6)  # the leaf alone
+        assert np.ptp(shown[part][:, 2]) == pytest.approx(0.02 * item.transform[1, 1], abs=1e-6)  # the leaf alone
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from home_mjx.datasets.gltf.decode.scene import PlacedMesh
 from home_mjx.geometry.slabs import PlanPolygon, fan_triangles, keep_triangles, remove_triangles
 from home_mjx.schema.house import Material, Mesh
 
+MIN_RELATIVE_AREA = 1e-12  # minimum area of triangles that are cut, over the square of their largest coordinate
 MAX_UNCUT_EDGE = 0.3  # [m], triangles with a smaller extent belong to the outline around their centroid as a whole
 
 
@@ -161,18 +162,24 @@ def split_by_outlines(
 
 
 def _split(triangles: TriangleSet, pieces: Sequence[PlanPolygon]) -> tuple[TriangleSet, TriangleSet]:
-    """Return the parts of triangles inside and outside one outline."""
+    """Return the parts of triangles inside and outside one outline; slivers that cannot be cut are outside."""
     plan = triangles.corners[..., [0, 2]]
     low, high = (f([p for piece in pieces for p in piece], axis=0) for f in (np.min, np.max))
     near = np.flatnonzero(((plan.max(axis=1) > low) & (plan.min(axis=1) < high)).all(axis=1))
     small = triangles.extent[near] < MAX_UNCUT_EDGE
     tested = np.where(small[:, None, None], plan[near].mean(axis=1, keepdims=True), plan[near])
     within = np.any([_contains(piece, tested) for piece in pieces], axis=0)
-    whole, cut = near[within], near[~within & ~small].tolist()
+    whole, cut = near[within], near[~within & ~small & ~_is_sliver(plan[near])].tolist()
     inside = [_cut(triangles, row, keep_triangles([plan[row]], pieces)) for row in cut]
     outside = [_cut(triangles, row, remove_triangles([plan[row]], pieces)) for row in cut]
     rest = np.setdiff1d(np.arange(len(triangles)), [*whole.tolist(), *cut])
     return concat_triangles([triangles[whole], *inside]), concat_triangles([triangles[rest], *outside])
+
+
+def _is_sliver(plan: Float[np.ndarray, "t 3 2"]) -> Bool[np.ndarray, " t"]:
+    """Return a mask of the plan triangles whose area is lost in the rounding of their coordinates."""
+    (x0, z0), (x1, z1) = (np.moveaxis(plan[:, k] - plan[:, 0], -1, 0) for k in (1, 2))
+    return np.asarray(abs(x0 * z1 - x1 * z0) <= MIN_RELATIVE_AREA * abs(plan).max(axis=(1, 2), initial=0) ** 2)
 
 
 def _contains(piece: PlanPolygon, plan: Float[np.ndarray, "t 3 2"]) -> Bool[np.ndarray, " t"]:
