@@ -74,7 +74,7 @@ class GltfFile:
     def glb(self) -> bytes:
         document = {**self.json}
         if self.data:
-            document["buffers"] = [{"byteLength": len(self.data)}]
+            document.setdefault("buffers", [{"byteLength": len(self.data)}])
         text = json.dumps(document).encode()
         text += b" " * (-len(text) % 4)
         data = bytes(self.data) + bytes(-len(self.data) % 4)

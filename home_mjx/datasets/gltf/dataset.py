@@ -10,7 +10,14 @@ import numpy as np
 
 from home_mjx.core.files import NUM_HEAD_BYTES
 from home_mjx.datasets.base import DEFAULT_OPTIONS, ReadOptions
-from home_mjx.datasets.gltf.decode.container import GLB_MAGIC, TEXTURE_EXTENSIONS, GltfDocument, read_document, uri_path
+from home_mjx.datasets.gltf.decode.container import (
+    GLB_MAGIC,
+    IGNORED_EXTENSIONS,
+    TEXTURE_EXTENSIONS,
+    GltfDocument,
+    read_document,
+    uri_path,
+)
 from home_mjx.datasets.gltf.decode.images import ImageStore
 from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
@@ -183,6 +190,8 @@ def _problems(
     for key in ("animations", "skins"):
         if document.items(key):
             found.append(Problem(key, "not shown"))
+    for name in sorted({str(value.data) for value in document.items("extensionsUsed")} & IGNORED_EXTENSIONS):
+        found.append(Problem(f"extensionsUsed.{name}", "not kept"))
     extensions = document.root.member("extensions")
     if extensions.has_value and extensions.member("KHR_lights_punctual").has_value:
         found.append(Problem("extensions.KHR_lights_punctual", "lights of scenes are not kept"))

@@ -158,6 +158,53 @@ def test_nodes_apply_matrices_and_trs_from_the_root_down(read):
     assert np.allclose(second, [[-1, 5, 0], [0, 6, 0], [0, 5, 1]], atol=1e-6)
 
 
+def test_instances_of_a_node_are_turned_and_scaled_before_the_node_and_flat_ones_are_left_out(read):
+    file = GltfFile()
+    half = float(np.sqrt(0.5))
+    rows = {
+        "TRANSLATION": file.accessor([[0, 0, 0], [0, 0, 7], [0, 0, 0]]),
+        "ROTATION": file.accessor([[0, 0, 0, 1], [0, 0, half, half], [0, 0, 0, 1]]),
+        "SCALE": file.accessor([[1, 1, 1], [2, 2, 2], [1, 0, 1]]),
+    }
+    mesh = file.mesh([[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    many = {"EXT_mesh_gpu_instancing": {"attributes": rows}}
+    file.node(mesh=mesh, translation=[10, 0, 0], extensions=many)
+    file.json["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
+    first, second = triangles_of(read(file)[0])
+    assert np.allclose(first, [[11, 0, 0], [10, 1, 0], [10, 0, 1]])
+    assert np.allclose(second, [[10, 2, 7], [8, 0, 7], [10, 0, 9]], atol=1e-6)
+    rows["SCALE"] = file.accessor([[1, 1, 1]])
+    with pytest.raises(DatasetError, match="one length"):
+        read(file)
+
+
+def test_hidden_nodes_fallback_buffers_and_layers_of_materials(read):
+    """The first box is hidden with its child; the second is compressed by meshopt, and as it is in the buffer."""
+    file = GltfFile()
+    child = file.node(root=False, mesh=file.mesh(CUBE))
+    file.node(children=[child], extensions={"KHR_node_visibility": {"visible": False}})
+    file.node(mesh=file.mesh(CUBE))
+    file.json["extensionsRequired"] = ["KHR_node_visibility", "KHR_materials_clearcoat"]
+    file.json["bufferViews"][1]["extensions"] = {"EXT_meshopt_compression": {"buffer": 0}}
+    placed, reader = read(file)
+    assert len(triangles_of(placed)) == 12
+    assert reader.notes == {"nodes[1]": "node is not visible: left out"}
+
+
+def test_embedded_files_do_not_count_as_json(tmp_path, monkeypatch):
+    monkeypatch.setattr("home_mjx.datasets.gltf.decode.container.MAX_JSON_BYTES", 2000)
+    file = GltfFile()
+    file.node(mesh=file.mesh(np.tile(CUBE, (3, 1, 1))))
+    uri = "data:application/octet-stream;base64," + base64.b64encode(bytes(file.data)).decode()
+    file.json["buffers"] = [{"byteLength": len(file.data), "uri": uri}]
+    (tmp_path / "scene.gltf").write_text(json.dumps(file.json))
+    assert len(triangles_of(read_scene(tmp_path / "scene.gltf", tmp_path)[0])) == 36
+    file.json["asset"]["copyright"] = "x" * 2000
+    (tmp_path / "scene.gltf").write_text(json.dumps(file.json))
+    with pytest.raises(DatasetError, match="at most 2000"):
+        read_scene(tmp_path / "scene.gltf", tmp_path)
+
+
 def test_plain_scenes_are_as_trimesh_reads_them(tmp_path):
     """Instances at random rigid, scaled and mirrored poses, exported and read by trimesh."""
     rng = np.random.default_rng(3)
@@ -240,8 +287,9 @@ CHANGES = {
     "coordinates up to": lambda f: f.data.__setitem__(slice(0, 4), np.float32(1e9).tobytes()),
     "got version": lambda f: f.json["asset"].update(version="1.0"),
     "requires the extension `KHR_texture_basisu`": lambda f: f.json.update(extensionsRequired=["KHR_texture_basisu"]),
-    "`EXT_meshopt_compression` is not supported": lambda f: f.json["bufferViews"][0].update(
-        extensions={"EXT_meshopt_compression": {}}
+    "`EXT_meshopt_compression` is not supported": lambda f: (
+        f.json["bufferViews"][0].update(extensions={"EXT_meshopt_compression": {}}),
+        f.json.update(buffers=[{"byteLength": 36, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}]),
     ),
     "a stride of 4 to 252": lambda f: f.json["bufferViews"][0].update(byteStride=3),
     "OPAQUE, MASK or BLEND": lambda f: (

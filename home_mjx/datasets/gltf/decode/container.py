@@ -14,12 +14,15 @@ from home_mjx.datasets.suncg.formats.json_value import JsonValue, Location
 from home_mjx.errors import DatasetError
 
 MAX_FILE_BYTES = 1 << 30  # [bytes], maximum size of a GLB or of one buffer
-MAX_JSON_BYTES = 1 << 24  # [bytes], maximum size of the JSON part; its values take many times as much memory
+MAX_JSON_BYTES = (
+    1 << 24
+)  # [bytes], maximum size of the JSON part without embedded files; its values take many times as much memory
 GLB_MAGIC, JSON_CHUNK, BINARY_CHUNK = b"glTF", 0x4E4F534A, 0x004E4942
 URI_SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:")
 # Extensions that the reader decodes; a file that requires any other one is refused by name.
 SUPPORTED_EXTENSIONS = frozenset(
     {
+        "EXT_mesh_gpu_instancing",
         "KHR_draco_mesh_compression",
         "KHR_lights_punctual",
         "KHR_materials_emissive_strength",
@@ -29,14 +32,37 @@ SUPPORTED_EXTENSIONS = frozenset(
         "KHR_materials_transmission",
         "KHR_materials_unlit",
         "KHR_mesh_quantization",
+        "KHR_node_visibility",
         "KHR_texture_transform",
     }
 )
+# Extensions without which a scene has the same shapes and base colours; `inspect` lists those that a file uses.
+IGNORED_EXTENSIONS = frozenset(
+    {
+        "KHR_animation_pointer",
+        "KHR_materials_anisotropy",
+        "KHR_materials_clearcoat",
+        "KHR_materials_diffuse_transmission",
+        "KHR_materials_dispersion",
+        "KHR_materials_iridescence",
+        "KHR_materials_sheen",
+        "KHR_materials_variants",
+        "KHR_materials_volume",
+        "KHR_xmp_json_ld",
+    }
+)
 # Extensions for formats of images that are not decoded; the material's colour replaces such textures.
-TEXTURE_EXTENSIONS = frozenset({"EXT_texture_webp", "KHR_texture_basisu", "KHR_texture_ktx"})
+TEXTURE_EXTENSIONS = frozenset(
+    {"EXT_texture_avif", "EXT_texture_webp", "KHR_texture_basisu", "KHR_texture_ktx", "MSFT_texture_dds"}
+)
+MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
+DATA_TEXT = re.compile(rb'"data:[^"]*"')
 REMEDIES = {
-    "EXT_meshopt_compression": "Decompress it, such as with `gltf-transform dequantize` or `gltfpack -noq`.",
-    "EXT_texture_webp": "Convert its images to PNG, such as with `gltf-transform png`.",
+    **dict.fromkeys(MESHOPT, "Decompress it, such as with `gltf-transform dequantize` or `gltfpack -noq`."),
+    **dict.fromkeys(
+        ("EXT_texture_avif", "EXT_texture_webp", "MSFT_texture_dds"),
+        "Convert its images to PNG, such as with `gltf-transform png`.",
+    ),
     **dict.fromkeys(
         ("KHR_texture_basisu", "KHR_texture_ktx"),
         "Convert its images to PNG, such as with `gltf-transform ktxdecompress`.",
@@ -104,7 +130,8 @@ class GltfDocument:
             DatasetError: The view reaches beyond its buffer.
         """
         value = self.item("bufferViews", index)
-        refuse_extensions(value, "EXT_meshopt_compression")
+        if self._is_placeholder(value.member("buffer")):
+            refuse_extensions(value, *MESHOPT)
         data = self.buffer(value.member("buffer"))
         start, length = offset_of(value), value.member("byteLength").integer()
         if length < 0 or start + length > len(data):
@@ -113,6 +140,14 @@ class GltfDocument:
         if stride.has_value and not 4 <= stride.integer() <= 252:
             raise stride.error(f"expected a stride of 4 to 252 bytes, got {stride.integer()}")
         return memoryview(data)[start : start + length], stride.integer() if stride.has_value else None
+
+    def _is_placeholder(self, index: JsonValue) -> bool:
+        """Return whether a buffer may have no data, since its views are compressed by meshopt."""
+        if any(value.data in MESHOPT for value in self.items("extensionsRequired")):
+            return True
+        extensions = self.item("buffers", index).member("extensions")
+        stated = [extensions.member(name) for name in MESHOPT] if extensions.has_value else []
+        return any(value.has_value and value.member("fallback").flag() for value in stated)
 
     def read_uri(self, uri: JsonValue, max_bytes: int = MAX_FILE_BYTES) -> bytes:
         """Return the data of a `data:` URI, or of a file below the document's folder; errors as in `uri_path`."""
@@ -182,7 +217,7 @@ def read_document(path: Path, tolerated: frozenset[str] = frozenset()) -> GltfDo
     if version.text().split(".")[0] != "2":
         raise version.error(f"expected glTF 2, got version `{version.text()[:20]}`", "Export it as glTF 2.0.")
     for required in document.items("extensionsRequired"):
-        if required.text() not in SUPPORTED_EXTENSIONS | tolerated:
+        if required.text() not in SUPPORTED_EXTENSIONS | IGNORED_EXTENSIONS | tolerated:
             message = f"file requires the extension `{required.text()[:60]}`, which is not supported"
             raise required.error(message, REMEDIES.get(required.text(), "Export the file without it."))
     return document
@@ -206,8 +241,11 @@ def _split_glb(path: Path, data: bytes) -> tuple[bytes, bytes | None]:
 
 def _parse(path: Path, data: bytes) -> JsonValue:
     """Parse the JSON part of a document."""
-    if len(data) > MAX_JSON_BYTES:
-        raise DatasetError(f"JSON part has {len(data)} bytes, at most {MAX_JSON_BYTES} are read", file=path)
+    length = len(data) if len(data) <= MAX_JSON_BYTES else len(DATA_TEXT.sub(b"", data))
+    if length > MAX_JSON_BYTES:
+        raise DatasetError(
+            f"JSON part has {length} bytes without embedded files, at most {MAX_JSON_BYTES} are read", file=path
+        )
     try:
         return JsonValue(path, "", json.loads(data.decode("utf-8-sig")))
     except (ValueError, RecursionError) as error:

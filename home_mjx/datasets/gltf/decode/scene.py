@@ -1,13 +1,14 @@
 """Scene graph of a glTF document: meshes with their transforms, in metres and Y up."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from home_mjx.datasets.gltf.decode.container import GltfDocument
+from home_mjx.datasets.gltf.decode.instancing import read_instances
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue, printable
 from home_mjx.geometry.rotations import quat_matrix
@@ -79,8 +80,11 @@ def place_meshes(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> I
         if number in ancestors or len(ancestors) >= MAX_DEPTH:
             raise index.error(f"node {number} is its own ancestor, or more than {MAX_DEPTH} levels deep")
         matrix = chain[-1].matrix @ _matrix(value)
-        if abs(np.linalg.det(matrix[:3, :3])) <= 1e-15 or abs(matrix).max() > MAX_COORDINATE:
+        if not _is_usable(matrix):
             meshes.notes[value.element] = "transform without volume, or beyond all limits: node left out"
+            continue
+        if _is_hidden(value):
+            meshes.notes[value.element] = "node is not visible: left out"
             continue
         chain = (*chain, SceneNode(_name(value), value.element, matrix, value.member("extras").data))
         children = value.member("children")
@@ -93,7 +97,7 @@ def place_meshes(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> I
 def _placed(
     document: GltfDocument, meshes: MeshReader, value: JsonValue, chain: tuple[SceneNode, ...]
 ) -> Iterator[PlacedMesh]:
-    """Yield the mesh of a node, if it has one with triangles."""
+    """Yield the mesh of a node, if it has one with triangles, once for each of its instances."""
     index = value.member("mesh")
     if not index.has_value:
         return
@@ -102,7 +106,22 @@ def _placed(
     mesh = meshes.mesh(index)
     if mesh is not None and len(mesh.faces):
         found = document.item("meshes", index)
-        yield PlacedMesh(mesh, _name(found), chain[1:], found.element)
+        for matrix in read_instances(document, value):
+            node = replace(chain[-1], matrix=chain[-1].matrix @ matrix)
+            if _is_usable(node.matrix):
+                yield PlacedMesh(mesh, _name(found), (*chain[1:-1], node), found.element)
+
+
+def _is_usable(matrix: Matrix) -> bool:
+    """Return whether a transform has a volume and moves nothing beyond all limits."""
+    return bool(abs(np.linalg.det(matrix[:3, :3])) > 1e-15 and abs(matrix).max() <= MAX_COORDINATE)
+
+
+def _is_hidden(value: JsonValue) -> bool:
+    """Return whether a node and all below it are hidden by `KHR_node_visibility`."""
+    extensions = value.member("extensions")
+    shown = extensions.member("KHR_node_visibility") if extensions.has_value else extensions
+    return shown.has_value and shown.member("visible").data is False
 
 
 def _roots(document: GltfDocument) -> list[JsonValue]:
