@@ -79,14 +79,14 @@ def _rooms(document: JsonValue, walls: Sequence[ThorWall], ceiling: ThorMaterial
 
 
 def _room(entry: JsonValue, walls: Sequence[ThorWall], ceiling: ThorMaterial) -> ThorRoom:
-    name = text_or(entry.member("id"), entry.element)
+    name, kind = text_or(entry.member("id"), entry.element), entry.member("roomType")
     own = [wall for wall in walls if _same_room(wall.room, name)]
     inside = [wall.material for wall in own if not wall.is_exterior]
     outside = [wall.material for wall in own if wall.is_exterior]
     stated = [material(part.member("material"), ceiling) for part in listed(entry.member("ceilings"))]
     return ThorRoom(
         id=name,
-        type=entry.member("roomType").text(),
+        type=kind.text() if kind.has_value else "",
         corners=_corners(entry.member("floorPolygon")),
         floor=material(entry.member("floorMaterial"), ThorMaterial("WoodFloor")),
         walls=material(entry.member("wallMaterial"), inside[0] if inside else WHITE),

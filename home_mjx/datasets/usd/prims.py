@@ -1,7 +1,7 @@
 """Visible prims of a USD stage as placed meshes: polygon meshes and simple solids, with their materials."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from jaxtyping import Float, Int
 from home_mjx.core.color import encode_srgb
 from home_mjx.core.files import is_file
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
-from home_mjx.datasets.shapes import cone_triangles, cylinder_triangles, sphere_triangles
+from home_mjx.datasets.shapes import capsule_triangles, cone_triangles, cylinder_triangles, sphere_triangles
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location, printable
 from home_mjx.datasets.usd.joints import FIXED, KINDS, UsdJoint, read_joint, unit_of
 from home_mjx.datasets.usd.layers import UsdScene, below, layer_unit, pxr
@@ -120,13 +120,14 @@ class PrimReader:
         return self._joined(prim, solid, np.zeros((len(solid), 3, 2)))
 
     def _solid(self, prim: Any) -> Float[np.ndarray, "t 3 3"] | None:
-        """Return the triangles of a cube, sphere, cylinder or cone; None for other prims."""
+        """Return the triangles of a cube, sphere, cylinder, cone or capsule; None for other prims."""
         geometry = pxr("UsdGeom")
         if prim.IsA(geometry.Cube):
             return box_triangles(np.zeros(3), np.full(3, self._number(prim, "size") / 2))
         if prim.IsA(geometry.Sphere):
             return sphere_triangles(self._number(prim, "radius"))
-        for kind, shape in ((geometry.Cylinder, cylinder_triangles), (geometry.Cone, cone_triangles)):
+        shapes = ((geometry.Cylinder, cylinder_triangles), (geometry.Cone, cone_triangles))
+        for kind, shape in (*shapes, (geometry.Capsule, capsule_triangles)):
             if prim.IsA(kind):
                 found = shape(self._number(prim, "radius"), self._number(prim, "height") / 2)
                 return found @ AXES.get(str(prim.GetAttribute("axis").Get()), np.eye(3)).T
@@ -157,7 +158,21 @@ class PrimReader:
         corner = _fans(counts)
         if str(prim.GetAttribute("orientation").Get()) == "leftHanded":
             corner = corner[:, [0, 2, 1]]
-        return self._joined(prim, points[index[corner]], self._coordinates(prim, index, corner))
+        owner = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
+        slot, materials = self._slots(prim, len(counts))
+        mesh = self._joined(prim, points[index[corner]], self._coordinates(prim, index, corner))
+        return replace(mesh, slot=slot[owner], materials=materials)
+
+    def _slots(self, prim: Any, count: int) -> tuple[Int[np.ndarray, " f"], tuple[Material, ...]]:
+        """Return the slot of each face of a mesh, and its materials: its own, then those of its subsets."""
+        slot, materials = np.zeros(count, int), [self._material(prim)]
+        for subset in pxr("UsdShade").MaterialBindingAPI(prim).GetMaterialBindSubsets():
+            rows = np.array(subset.GetIndicesAttr().Get() or [], int)
+            if len(rows) and not 0 <= rows.min() <= rows.max() < count:
+                raise self._place(subset.GetPrim()).error(f"expected indices of the {count} faces")
+            slot[rows] = len(materials)
+            materials.append(self._material(subset.GetPrim()))
+        return slot, tuple(materials)
 
     def _coordinates(self, prim: Any, index: Int[np.ndarray, " c"], corner: Int[np.ndarray, "t 3"]) -> np.ndarray:
         """Return the texture coordinates of the corners of triangles; 0 without any."""
@@ -190,7 +205,8 @@ class PrimReader:
         bound = shade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
         shader = bound.ComputeSurfaceSource()[0] if bound else None
         if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
-            shown = pxr("UsdGeom").Gprim(prim).GetDisplayColorAttr().Get()
+            color = prim.GetAttribute("primvars:displayColor")
+            shown = color.Get() if color else None
             return GREY if not shown else Material("display", _color(shown[0]), None, 1.0)
         name = printable(bound.GetPrim().GetName()[:100])
         diffuse, opacity = shader.GetInput("diffuseColor"), shader.GetInput("opacity")

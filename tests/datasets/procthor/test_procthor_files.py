@@ -265,3 +265,11 @@ def test_every_model_of_the_sample_keeps_a_fine_category():
     fine = [node.model_id for node in nodes if "category" in node.extra]
     assert len(fine) == 52 + 102 + 89 + 54
     assert fine.count("unknown") == 0
+
+
+def test_rooms_without_a_type_are_rooms_of_no_type(tmp_path):
+    house = small_house()
+    for room in house["rooms"]:
+        room.pop("roomType")
+    dataset = open_dataset(f"procthor:{write_house(tmp_path, house)}")
+    assert [room.types for room in dataset.load_house("house").levels[0].rooms] == [(), ()]

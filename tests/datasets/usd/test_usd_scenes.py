@@ -100,6 +100,33 @@ def test_polygons_materials_hidden_prims_and_instances(tmp_path):
     assert second.matrix[:3, 3].tolist() == [5, 0, 0]
 
 
+def test_subsets_of_faces_have_materials_of_their_own_and_capsules_their_size(tmp_path):
+    mesh = """def Mesh "a" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+point3f[] points = [(0,0,0),(1,0,0),(1,1,0),(0,1,0),(2,0,0),(3,0,0),(2,1,0)]
+int[] faceVertexCounts = [4, 3]
+int[] faceVertexIndices = [0,1,2,3,4,5,6]
+color3f[] primvars:displayColor = [(0, 0, 1)]
+def GeomSubset "s" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+uniform token elementType = "face"
+uniform token familyName = "materialBind"
+int[] indices = [%d]
+rel material:binding = </oak>
+}
+}
+def Capsule "b" {
+double height = 2
+double radius = 0.5
+uniform token axis = "X"
+}
+"""
+    first, second = PrimReader(open_scene(write(tmp_path / "a.usda", LOOK + mesh % 1))).read()
+    assert first.mesh.slot.tolist() == [0, 0, 1]
+    assert [material.name for material in first.mesh.materials] == ["display", "oak"]
+    assert np.ptp(second.mesh.vertices, axis=0) == pytest.approx([3, 1, 1], abs=1e-3)
+    with pytest.raises(DatasetError, match="indices of the 2 faces"):
+        list(PrimReader(open_scene(write(tmp_path / "b.usda", LOOK + mesh % 2))).read())
+
+
 def test_references_of_other_units_are_scaled(tmp_path):
     write(tmp_path / "part.usda", 'def Cube "cube" {\ndouble size = 2\n}', 'defaultPrim = "cube"; metersPerUnit = 0.01')
     body = 'def "box" (prepend references = @./part.usda@) {}\n'
