@@ -17,7 +17,7 @@ from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.datasets.taxonomy import part_kind
 from home_mjx.errors import MissingFileError
 from home_mjx.geometry.meshes import box_triangles
-from home_mjx.schema.house import Fallback, Joint, JointKind, Mesh
+from home_mjx.schema.house import Fallback, Joint, JointKind, Material, Mesh
 
 MIN_RANGE = 1e-4  # [rad] or [m], minimum range of a joint that moves
 STRIP_WIDTH = 0.01  # [m], of the frame that doors without a frame get
@@ -165,8 +165,20 @@ class ArticulatedReader:
             if not all(shape.size):
                 raise shape.file.error("mesh is scaled by 0")
             mesh = self.assets.mesh(path_below(self.root, self.model.path.parent, shape.file))
-            return None if mesh is None else replace(mesh, path=self.model.path)
-        return plain_mesh(self.model.path, solid_triangles(shape), GREY) if min(shape.size) > 0 else None
+            return None if mesh is None else replace(mesh, path=self.model.path, materials=_painted(mesh, shape))
+        if min(shape.size) <= 0:
+            return None
+        mesh = plain_mesh(self.model.path, solid_triangles(shape), GREY)
+        return replace(mesh, materials=_painted(mesh, shape))
+
+
+def _painted(mesh: Mesh, shape: UrdfShape) -> tuple[Material, ...]:
+    """Return the materials of a mesh, with the colour of its shape in place of `GREY`."""
+    if shape.rgba is None:
+        return mesh.materials
+    red, green, blue, opacity = shape.rgba
+    paint = Material("paint", (red, green, blue), None, opacity)
+    return tuple(paint if material == GREY else material for material in mesh.materials)
 
 
 def wall_frame(mesh: Mesh, joints: Sequence[Joint]) -> Matrix:

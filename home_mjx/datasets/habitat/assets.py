@@ -11,8 +11,9 @@ from home_mjx.datasets.gltf.decode.container import TEXTURE_EXTENSIONS, GltfDocu
 from home_mjx.datasets.gltf.decode.images import ImageStore
 from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
-from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh, place_meshes
+from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh, SceneNode, place_meshes
 from home_mjx.datasets.gltf.objects import join_meshes, move_mesh
+from home_mjx.datasets.habitat.plain_assets import GREY, PLAIN_SUFFIXES, read_plain_asset
 from home_mjx.datasets.shapes import (
     Triangles,
     capsule_triangles,
@@ -34,7 +35,6 @@ PRIMITIVES = {  # by the start of Habitat's handles; unit sizes of Magnum, whose
     "conesolid": lambda: cone_triangles(1.0, 1.0) @ Z_UP,
     "capsule3dsolid": lambda: capsule_triangles(1.0, 0.5) @ Z_UP,
 }
-GREY = Material("grey", (0.6, 0.6, 0.6), None, 1.0)
 
 
 @dataclass
@@ -59,7 +59,7 @@ class AssetStore:
 
         Raises:
             MissingFileError: The file is missing.
-            DatasetError: It is broken, or of another format than glTF.
+            DatasetError: It is broken, or of another format than glTF, OBJ and STL.
         """
         if path not in self._meshes:
             placed = self.placed(path, np.eye(4))
@@ -68,6 +68,10 @@ class AssetStore:
 
     def placed(self, path: Path, frame: Matrix) -> list[PlacedMesh]:
         """Return the meshes of a file with their nodes, below a frame; errors as of `mesh`."""
+        if path.suffix.lower() in PLAIN_SUFFIXES and is_file(path):
+            plain = read_plain_asset(path, self.strict)
+            node = SceneNode("", path.name, frame)
+            return [PlacedMesh(plain, path.stem[:100], (node,), path.name)] if len(plain.faces) else []
         document = open_asset(path)
         images = ImageStore(document, self.images, self.strict)
         materials = MaterialReader(document, images)

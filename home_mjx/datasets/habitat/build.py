@@ -23,6 +23,7 @@ from home_mjx.datasets.gltf.scene_rooms import FoundRooms, scene_rooms
 from home_mjx.datasets.habitat.assets import AssetStore
 from home_mjx.datasets.habitat.lights import NO_LIGHTS, read_lights
 from home_mjx.datasets.habitat.objects import ObjectBuilder, kept_objects
+from home_mjx.datasets.habitat.plain_assets import OBJ
 from home_mjx.datasets.habitat.scans import ScanLabels, read_scan_labels
 from home_mjx.datasets.habitat.semantics import OBJECT_TABLE, SemanticDescriptor, read_descriptor, read_object_table
 from home_mjx.datasets.habitat.source import HabitatSource
@@ -263,6 +264,8 @@ class SceneBuilder:
             yield path
             if path.suffix in (".gltf", ".glb"):
                 yield from external_files(path)
+            elif path.suffix == OBJ:
+                yield path.with_suffix(".mtl")
             elif path.suffix == ".urdf" and is_file(path):
                 shapes = [s for link in read_urdf(path).links.values() for s in link.visuals if s.kind == "mesh"]
                 yield from (path_below(self.source.root, path.parent, shape.file) for shape in shapes)

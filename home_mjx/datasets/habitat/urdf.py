@@ -16,6 +16,7 @@ from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue
 from home_mjx.geometry.rotations import quat_matrix
 
 Matrix = Float[np.ndarray, "4 4"]
+Colors = Mapping[str, tuple[float, ...] | None]
 MAX_LINKS = 5_000  # maximum number of links and of joints
 MAX_DEPTH = 200  # maximum number of nested links
 HINGES, SLIDES, FIXED = ("revolute", "continuous"), ("prismatic",), ("fixed", "floating", "planar")
@@ -31,12 +32,14 @@ class UrdfShape:
         origin: Link from shape.
         size: Edges of a box, radius and length of round shapes, or factors of a mesh.
         file: File of a mesh; null for other shapes.
+        rgba: Colour and opacity of its material, 0..1; None if the file does not say.
     """
 
     kind: str
     origin: Matrix
     size: tuple[float, ...]
     file: JsonValue
+    rgba: tuple[float, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -124,11 +127,12 @@ def read_urdf(path: Path) -> UrdfModel:
         DatasetError: It is not URDF, a number is missing or not finite, or its links are no tree.
     """
     root = read_xml(path, ("robot",))
+    colors = {node.get("name", ""): _color(path, node, {}) for node in root.findall("material")}
     links: dict[str, UrdfLink] = {}
     joints: dict[str, UrdfJoint] = {}
     for node in root:
         if node.tag == "link":
-            link = _link(path, node)
+            link = _link(path, node, colors)
             if link.name in links:
                 raise _place(path, node).error("link is there twice", "Rename one of the two.")
             links[link.name] = link
@@ -166,29 +170,37 @@ def _check_tree(path: Path, links: Mapping[str, UrdfLink], joints: Mapping[str, 
         raise place.error("links carry each other in a circle", "Correct the parents of its joints.")
 
 
-def _link(path: Path, node: ET.Element) -> UrdfLink:
-    """Read a link."""
-    shapes = {tag: tuple(_shape(path, part) for part in node.findall(tag)) for tag in ("visual", "collision")}
+def _link(path: Path, node: ET.Element, colors: Colors) -> UrdfLink:
+    """Read a link, with the colours of named materials."""
+    shapes = {tag: tuple(_shape(path, part, colors) for part in node.findall(tag)) for tag in ("visual", "collision")}
     return UrdfLink(_name(path, node), shapes["visual"], shapes["collision"])
 
 
-def _shape(path: Path, node: ET.Element) -> UrdfShape:
+def _color(path: Path, node: ET.Element | None, colors: Colors) -> tuple[float, ...] | None:
+    """Return the colour of a `material`: its own, else that of the named one; None without any."""
+    own = None if node is None else node.find("color")
+    if own is None:
+        return None if node is None else colors.get(node.get("name", ""))
+    return tuple(min(max(value, 0.0), 1.0) for value in _numbers(path, own, "rgba", 4, None))
+
+
+def _shape(path: Path, node: ET.Element, colors: Colors) -> UrdfShape:
     """Read a visual or collision shape."""
     geometry = node.find("geometry")
     shape = next(iter(geometry), None) if geometry is not None else None
     place = _place(path, node)
     if shape is None or shape.tag not in SHAPES:
         raise place.error("expected a geometry of box, cylinder, sphere, capsule or mesh")
-    origin = _origin(path, node)
+    origin, rgba = _origin(path, node), _color(path, node.find("material"), colors)
     if shape.tag == "mesh":
         scale = _numbers(path, shape, "scale", 3, (1.0, 1.0, 1.0))
         name = shape.get("filename", "").removeprefix("package://").removeprefix("file://")
-        return UrdfShape("mesh", origin, scale, JsonValue(path, "mesh.filename", name))
+        return UrdfShape("mesh", origin, scale, JsonValue(path, "mesh.filename", name), rgba)
     counts = {"size": 3, "radius": 1, "length": 1}
     size = tuple(v for key in SHAPES[shape.tag].split() for v in _numbers(path, shape, key, counts[key], None))
     if min(size) < 0:
         raise place.error(f"size of the {shape.tag} is negative")
-    return UrdfShape(shape.tag, origin, size, JsonValue(path, "geometry"))
+    return UrdfShape(shape.tag, origin, size, JsonValue(path, "geometry"), rgba)
 
 
 def _joint(path: Path, node: ET.Element) -> UrdfJoint:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from habitat_files import CONFIG, write, write_dataset
+from habitat_files import CONFIG, CUPBOARD, write, write_dataset
 
 from home_mjx.datasets import ReadOptions, open_dataset
 from home_mjx.errors import DatasetError, MissingFileError
@@ -226,3 +226,29 @@ def test_the_test_dataset_of_habitat_has_the_counts_of_its_readme():
 def box_of_node(house: House, node) -> np.ndarray:
     points = house.models[node.model_key].vertices @ node.transform[:3, :3].T + node.transform[:3, 3]
     return np.array([points.min(axis=0), points.max(axis=0)])
+
+
+def test_assets_may_be_obj_and_stl_files_and_urdf_shapes_have_their_colours(root):
+    config = write_dataset(root)
+    write(root / "objects" / "chair_1.mtl", "newmtl red\nKd 1 0 0\n")
+    obj = "mtllib chair_1.mtl\nv 1 0 0\nv 1.5 0 0\nv 1 .9 .4\nusemtl red\nf 1 2 3\n"
+    write(root / "objects" / "chair_1.obj", obj)
+    write(root / "configs" / "chair_1.object_config.json", {"render_asset": "../objects/chair_1.obj"})
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(root / "urdf" / "cupboard" / "drawer.stl")
+    text = CUPBOARD.replace('<link name="door"><visual>', '<link name="door"><visual><material name="oak"/>')
+    text = text.replace("</robot>", '<material name="oak"><color rgba="0.5 0.25 0 1"/></material></robot>')
+    write(root / "urdf" / "cupboard" / "cupboard.urdf", text.replace("none.glb", "drawer.stl"))
+    house = read(config)
+    assert house.fallbacks == ()
+    assert np.ptp(box_of(house, "chair_1"), axis=0) == pytest.approx([0.5, 0.9, 0.4])
+    chair, cupboard = (house.models[things(house)[name].model_key] for name in ("chair_1", "cupboard"))
+    assert chair.materials[0].diffuse == (1, 0, 0)
+    door, drawer = things(house)["cupboard"].joints
+    colors = [{cupboard.materials[s].diffuse for s in cupboard.slot[joint.faces]} for joint in (door, drawer)]
+    assert colors == [{(0.5, 0.25, 0)}, {(0.6, 0.6, 0.6)}]
+    assert np.ptp(cupboard.vertices[np.unique(cupboard.faces[drawer.faces])], axis=0) == pytest.approx([0.1, 0.3, 0.2])
+    (root / "urdf" / "cupboard" / "drawer.stl").write_bytes(
+        bytes(80) + b"\x64\0\0\0"
+    )  # of 100 triangles, none is there
+    with pytest.raises(DatasetError, match="STL"):
+        read(config)
