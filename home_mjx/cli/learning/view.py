@@ -117,8 +117,9 @@ def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":
         return make(play_spec(args, args.checkpoint and Checkpoints(args.checkpoint).load_path()))
     args.house = args.target
     sensors = {"sensors": args.sensors or BLIND_SENSORS}
-    options = {**HOUSE_OPTIONS, **sensors, **parse_assignments(args.env)}
     bank = load_bank(selected_houses(args), texture_size=texture_size_for(args.size))
+    switches = {"switches": "initial"} if bank.switches.kind.shape[1] else {}  # so that clicks switch lamps
+    options = {**HOUSE_OPTIONS, **switches, **sensors, **parse_assignments(args.env)}
     return make(newest_version(HOUSE_TASK), bank, **options)
 
 

@@ -43,6 +43,7 @@ class Broadcast(Observer):
         env: The environment of the run.
         step: The last step.
         picture_seconds: Time to render and encode the last picture [s].
+        agent_of: Function that returns the agent whose picture a page shows, by the page's number.
         adapts: Whether pictures of steps are smaller if they are slow; `refine` must then be called between steps.
     """
 
@@ -53,6 +54,8 @@ class Broadcast(Observer):
         self.step: EpisodeStep | None = None
         self.picture_seconds, self.adapts = 0.0, False
         self.state: dict[str, Any] = {}
+        self.agent_of: Callable[[int], int] = lambda page: 0
+        self._ears: dict[int, int] = {}  # agents by page of sound
         self._picture: bytes | None = None
         self._free: Camera | None = None
         self._tile_camera: TileCamera | None = None
@@ -64,6 +67,7 @@ class Broadcast(Observer):
         assert start.env is not None
         env, self.name = start.env, start.name
         self.env, self.step, self._camera = env, None, LiveCamera(env)
+        self._cameras = {0: self._camera}
         self._camera.free, self._tile_camera = self._free, TileCamera(env)
         self._scene.on_run_start(start)
         has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
@@ -81,7 +85,7 @@ class Broadcast(Observer):
         self.step = step
         self._scene.on_episode_step(step)
         if self.has_sound and step.index and not is_repeated and self.server.sound.num_pages:
-            self.server.sound.publish(encode_sound(step.state.world.sensor_states[SOUND_STATE].frame))
+            self._publish_sound(step.state.world.sensor_states[SOUND_STATE].frame)
         self.draw(is_moving=step.index > 0)
         self.tell(status=format_status(self.env, step, self.name))
 
@@ -96,9 +100,50 @@ class Broadcast(Observer):
         self.picture_seconds = self._drawn_at - began
         if not is_first:  # that compiled
             self._pace.record(options.size, self.picture_seconds)
-        self.server.live.publish(self._picture)
+        pages = self._pages_by_agent()
+        self.server.live.publish(self._picture, pages.pop(0, ()) if pages else None)
+        for agent, others in pages.items():
+            self._draw_other(agent, others, options)
         shader = f", {options.shader}" if options.kind == "colours" else ""
         self.tell(caption=f"{options.viewpoint}: {options.kind}{shader}, {options.size} px")
+
+    def _pages_by_agent(self) -> dict[int, list[int]]:
+        """Return the pages that show each agent's picture; {} if all show the first one's."""
+        found: dict[int, list[int]] = {}
+        for page in self.server.live.pages:
+            found.setdefault(min(self.agent_of(page), self._num_agents - 1), []).append(page)
+        return found if set(found) != {0} else {}
+
+    def _draw_other(self, agent: int, pages: list[int], options: PictureOptions) -> None:
+        """Render another agent's picture, and send it to its pages."""
+        assert self.env is not None
+        assert self.step is not None
+        if agent not in self._cameras:
+            self._cameras[agent] = LiveCamera(self.env, agent)
+        camera = self._cameras[agent]
+        camera.free = self._free
+        self.server.live.publish(encode_jpeg(camera.capture(self.step.state, options)), pages)
+
+    def _publish_sound(self, frame: Any) -> None:
+        """Send each page the sound at the ears of its agent."""
+        pages = self.server.sound.pages
+        chosen = {page: min(self._ears.get(page, 0), len(frame) - 1) for page in pages}
+        for agent in sorted(set(chosen.values())):
+            own = [page for page in pages if chosen[page] == agent]
+            self.server.sound.publish(encode_sound(frame, agent), own)
+
+    def listen(self, message: dict[str, Any]) -> None:
+        """Handle a message of a page's sound: `listen` with an agent, or `leave`."""
+        if message.get("type") == "listen" and isinstance(message.get("agent"), int):
+            self._ears[message["page"]] = max(message["agent"], 0)
+        elif message.get("type") == "leave":
+            self._ears.pop(message["page"], None)
+
+    @property
+    def _num_agents(self) -> int:
+        """Number of acting agents."""
+        assert self.env is not None
+        return self.env.core.num_agents
 
     def prepare(self) -> None:
         """Compile the program of pictures in a thread, before the first page opens."""
@@ -150,6 +195,10 @@ class Broadcast(Observer):
         if changed:
             self.server.live.publish(json.dumps(changed))
 
+    def tell_page(self, page: int, **state: Any) -> None:
+        """Send entries to one page, which others do not get."""
+        self.server.live.publish(json.dumps(state), (page,))
+
     def warn(self, text: str) -> None:
         """Show an error on all pages, and on stderr."""
         say(text)
@@ -162,11 +211,11 @@ class Broadcast(Observer):
         return json.dumps({"rate": rate, "delay": SOUND_DELAY})
 
 
-def encode_sound(frame: Any) -> bytes:
-    """Return the first agent's sound, (A, 2, n), as interleaved float32 samples, left first.
+def encode_sound(frame: Any, agent: int = 0) -> bytes:
+    """Return an agent's part of the sound, (A, 2, n), as interleaved float32 samples, left first.
 
     Example:
         >>> np.frombuffer(encode_sound(np.array([[[1, 2], [3, 4]]])), "<f4").tolist()
         [1.0, 3.0, 2.0, 4.0]
     """
-    return np.asarray(frame, "<f4")[0, :2].T.tobytes()
+    return np.asarray(frame, "<f4")[agent, :2].T.tobytes()

@@ -1,4 +1,4 @@
-"""Lines of overlays that physics and sound yield in each step: contacts with their forces, and early sound paths."""
+"""Lines of overlays that change with each step: contacts with their forces, sound paths, portals and lamps."""
 
 from typing import Any
 
@@ -10,8 +10,11 @@ from jaxtyping import Array, Float, UInt8
 from home_mjx.audio_jax.base.endpoints import Listener, SoundSource
 from home_mjx.audio_jax.propagation.early import select_producers
 from home_mjx.core.transforms import camera_quat
+from home_mjx.navigation import passable_portals
 from home_mjx.raycast_render.casting.cast import cast
+from home_mjx.raycast_render.lighting.lights import place_lights
 from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.sensors.cameras import agent_ids, eye_position
@@ -20,6 +23,10 @@ from home_mjx.tasks.sensors.hearing import all_sources
 METRES_PER_NEWTON, MAX_BAR = 1 / 500, 1.0  # length of a contact's bar, and the longest one [m]
 MIN_BAR = 0.05  # [m]
 MIN_LEVEL = -60.0  # [dB] re the source at 1 m; quieter paths are not drawn
+PORTAL_HEIGHT = 2.0  # [m], of the bar in a portal
+OPEN_COLOUR, CLOSED_COLOUR = (60, 200, 110), (235, 60, 60)
+LAMP_REACH = 0.15  # [m], from a lamp to the ends of its cross
+LIT_COLOUR, DARK_COLOUR = (255, 220, 60), (110, 110, 110)
 SECOND_LEG_ORDER = 1  # order of reflection up to which a path has one bend, so that its legs are known
 
 Lines = tuple[Float[np.ndarray, "n 2 3"], UInt8[np.ndarray, "n 2 3"]]  # ends [m] and colours
@@ -35,6 +42,7 @@ class LiveLines:
     def __init__(self, env: Env[HouseholdEnv]) -> None:
         self._env = env
         self._contacts = jax.jit(lambda params, state: env.core.snapshot(params, state).body_contacts)
+        self._portals, self._lamps = jax.jit(self._find_portals), jax.jit(self._find_lamps)
         self._paths = jax.jit(lambda params, state: trace_bends(env, env.core.snapshot(params, state)))
 
     def contacts(self, state: Any) -> Lines:
@@ -44,6 +52,36 @@ class LiveLines:
         place, force = place[impulse > 0], impulse[impulse > 0] / self._env.dt
         top = place + np.clip(force * METRES_PER_NEWTON, MIN_BAR, MAX_BAR)[:, None] * np.array([0.0, 0.0, 1.0])
         return np.stack([place, top], axis=1), np.full((len(place), 2, 3), (235, 60, 60), np.uint8)
+
+    def portals(self, state: State) -> Lines:
+        """Return an upright bar in each portal between rooms: green if agents can pass now, red if not."""
+        place, is_open = (np.asarray(x) for x in self._portals(self._env.params, state))
+        house = int(state.world.house)
+        known = np.asarray(self._env.bank.navigation.portal_kind[house]) >= 0
+        colours = np.where(is_open[known][:, None, None], OPEN_COLOUR, CLOSED_COLOUR).astype(np.uint8)
+        top = place[known] + np.array([0.0, 0.0, PORTAL_HEIGHT])
+        return np.stack([place[known], top], axis=1), np.broadcast_to(colours, (len(colours), 2, 3))
+
+    def lamps(self, state: State) -> Lines:
+        """Return a cross at each light of a lamp: yellow if it is on, grey if off."""
+        place, power = (np.asarray(x) for x in self._lamps(self._env.params, state))
+        house, lights = int(state.world.house), self._env.bank.lights
+        known = np.asarray((lights.instance[house] >= 0) & ~lights.daylight[house])
+        ends = LAMP_REACH * np.stack([-np.eye(3), np.eye(3)], axis=1)
+        lines = (place[known][:, None, None] + ends).reshape(-1, 2, 3)
+        colours = np.where(power[known][:, None] > 0, LIT_COLOUR, DARK_COLOUR).astype(np.uint8)
+        return lines, np.broadcast_to(np.repeat(colours, 3, axis=0)[:, None], (len(lines), 2, 3))
+
+    def _find_portals(self, params: EnvParams, state: State) -> tuple[Array, Array]:
+        """Return place and passability of all portals; to be jitted."""
+        snapshot = self._env.core.snapshot(params, state)
+        portal_pos = params.bank.navigation.portal_pos[snapshot.house]
+        return portal_pos, passable_portals(params.bank, snapshot.house, snapshot.door_angle)
+
+    def _find_lamps(self, params: EnvParams, state: State) -> tuple[Array, Array]:
+        """Return place and luminous power of all lights; to be jitted."""
+        placed = place_lights(self._env.core.snapshot(params, state).scene, 1.0)
+        return jnp.stack([placed.pos.x, placed.pos.y, placed.pos.z], axis=-1), placed.power
 
     def sound_paths(self, state: Any) -> Lines:
         """Return the legs of all audible paths from sources to the agent's head, louder ones brighter."""

@@ -1,29 +1,33 @@
-"""Card of a clicked object, from the bank's semantics, and doors that a click opens or closes."""
+"""Card of a clicked object, from the bank's semantics and materials."""
 
-import jax.numpy as jnp
+from collections.abc import Mapping
+
 import numpy as np
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.scene_compile import decode_row
+from home_mjx.schema.categories import FINE
 from home_mjx.schema.semantic import Semantic
-from home_mjx.tasks.base.state import State
-from home_mjx.tasks.env.env import Env
-from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.viewer.browser.scene.house_scene import MOVING, InstanceGroup
+from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
+from home_mjx.viewer.browser.scene.models import find_triangles
 
 COLOUR_COLUMNS = ("css", "css_2", "css_3")
+SHOWN_BANDS, FIRST_OCTAVE = (0, 3, 6), 125  # octaves of absorption that are shown; centre of the first one [Hz]
 UNNAMED = ("empty", "unknown")  # fine categories that are called "object"
 SUPPORT_PHRASES = {"floor": "stands on the floor", "wall": "is on the wall", "ceiling": "hangs from the ceiling"}
 
 
-def format_card(bank: HouseBank, house: int, group: InstanceGroup, index: int) -> str:
-    """Format category, size, colours, material, mass, place and a sentence of an instance as Markdown.
+def format_card(
+    bank: HouseBank, house: int, group: InstanceGroup, index: int, condition: Mapping[str, str] | None = None
+) -> str:
+    """Format category, size, colours, material, mass, absorption, place and a sentence of an instance as Markdown.
 
     Args:
         bank: The houses.
         house: Index of the house.
         group: Group of the instance.
         index: Number of the instance in the group.
+        condition: Further lines by name, such as those of `describe_condition`; None: none.
     """
     known = decode_row(np.asarray(bank.semantics)[group.semantic[index]])
     colours = [str(known[name]) for name in COLOUR_COLUMNS if name in known]
@@ -37,9 +41,12 @@ def format_card(bank: HouseBank, house: int, group: InstanceGroup, index: int) -
         "material": known.get("material"),
         "size": f"{known.get('size', '')} {size}".strip(),
         "mass": "fixed" if mass is None else f"{mass:.2f} kg",
+        "absorption": describe_absorption(bank, house, int(group.objects[index])),
+        "support": known.get("support"),
         "room": room,
         "storey": known.get("level"),
         "object id": int(group.objects[index]),
+        **(condition or {}),
     }
     look = " ".join([*([colours[0]] if colours else ()), category])
     made = f" of {known['material']}" if "material" in known else ""
@@ -49,30 +56,24 @@ def format_card(bank: HouseBank, house: int, group: InstanceGroup, index: int) -
     return "\n".join([f"**{category}**", "", sentence, "", "| | |", "|---|---|", *table])
 
 
-def find_door(bank: HouseBank, house: int, group: InstanceGroup, index: int) -> int | None:
-    """Return the row in the bank's doors of an instance that is a door leaf; None for others.
-
-    Dynamic instances are the movable bodies, then the doors, then the agents.
-    """
-    door = int(group.entries[index]) - bank.spec.num_bodies
-    is_door = group.layer == MOVING and 0 <= door < bank.spec.num_doors
-    return door if is_door and bool(bank.physics.door_valid[house, door]) else None
+def name_object(fine: int) -> str:
+    """Return the words of a fine category, by its index; "object" if it is unknown."""
+    return _words(FINE[fine] if fine >= 0 else "object")
 
 
-def toggle_door(env: Env[HouseholdEnv], state: State, door: int) -> State:
-    """Return a state of one environment with a door fully open, or closed if it is nearer to open; at rest.
-
-    Observations stay those before, until the next step. An object in the way is pushed by physics.
-    """
-    house, physics = int(state.world.house), env.bank.physics
-    layout = env.core.template(env.bank).layout
-    place = int(np.arange(len(state.physics.qpos))[layout.door_qpos][door])
-    closed, wide = float(physics.door_closed[house, door]), float(physics.door_fully_open[house, door])
-    angle = float(state.physics.qpos[place])
-    target = wide if abs(angle - closed) <= abs(angle - wide) else closed
-    qpos = state.physics.qpos.at[place].set(jnp.float32(target))
-    speed = int(np.arange(len(state.physics.qvel))[layout.door_qvel][door])
-    return state.replace(physics=state.physics.replace(qpos=qpos, qvel=state.physics.qvel.at[speed].set(0.0)))
+def describe_absorption(bank: HouseBank, house: int, object_id: int) -> str:
+    """Return the energy fractions that an object's surfaces absorb, by area; "" for agents."""
+    rows = np.flatnonzero(np.asarray(bank.geometry.instance_object[house]) == object_id)
+    if not len(rows):
+        return ""
+    model, first = (int(x[house, rows[0]]) for x in (bank.geometry.instance_model, bank.geometry.instance_material))
+    triangle = find_triangles(bank, model)
+    corners = np.asarray(bank.geometry.triangle)[triangle]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    absorbed = np.asarray(bank.materials.absorption)[first + np.asarray(bank.geometry.triangle_slot)[triangle]]
+    mean = np.average(absorbed, axis=0, weights=np.maximum(area, 1e-12))
+    shares = " / ".join(f"{100 * mean[band]:.0f}" for band in SHOWN_BANDS)
+    return f"{shares} % at {' / '.join(str(FIRST_OCTAVE * 2**band) for band in SHOWN_BANDS)} Hz"
 
 
 def _size(bank: HouseBank, house: int, object_id: int) -> str:

@@ -1,4 +1,4 @@
-"""Overlays of the 3D scene: paths of agent and sound, the goal, contacts, and the cells of the navigation grid."""
+"""Overlays of the 3D scene: paths, goal, distances, contacts, portals, lamps, object ids, and the navigation grid."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.rules.features import current_boxes
 from home_mjx.viewer.browser.live_overlays import LiveLines
+from home_mjx.viewer.browser.scene.house_layers import draw_distances, draw_ids
 from home_mjx.viewer.episodes.goal_markers import get_goal_markers
 from home_mjx.viewer.episodes.state_report import shortest_path
 
@@ -17,7 +18,9 @@ if TYPE_CHECKING:
     import viser
 
 PATH, SHORTEST, GOAL, GRID = "path", "shortest path", "goal", "navigation grid"
-CONTACTS, SOUND_PATHS = "contacts", "sound paths"
+DISTANCES, IDS = "distances to the goal", "object ids"
+CONTACTS, SOUND_PATHS, PORTALS, LAMPS = "contacts", "sound paths", "portals", "lamps"
+HIDDEN = (GRID, DISTANCES, IDS, CONTACTS, SOUND_PATHS, PORTALS, LAMPS)  # at first
 PATH_COLOUR, GOAL_COLOUR, GRID_COLOUR = (250, 170, 60), (60, 200, 110), (90, 150, 250)
 PATH_WIDTH = 4.0  # [px]
 LIFT = np.array([0.0, 0.0, 0.04])  # [m], of lines and points above the floor
@@ -38,10 +41,11 @@ class Overlays(Observer):
 
     def __init__(self, server: "viser.ViserServer") -> None:
         self._server = server
-        self.is_shown = {PATH: True, SHORTEST: True, GOAL: True, GRID: False, CONTACTS: False, SOUND_PATHS: False}
+        self.is_shown = {name: name not in HIDDEN for name in (PATH, SHORTEST, GOAL, *HIDDEN)}
         self._path: list[np.ndarray] = []
         self._is_new = True  # whether the episode's shortest path is not drawn yet
         self._handles: dict[str, Any] = {}
+        self._layers: dict[str, list[Any]] = {}
         self._grid_house, self._places, self._markers = -1, np.zeros((0, 3)), []
 
     def on_run_start(self, start: RunStart) -> None:
@@ -60,6 +64,8 @@ class Overlays(Observer):
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Clear the path."""
         self._path, self._is_new = [], True
+        for name in (DISTANCES, IDS):
+            self._remove(name)
 
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Draw path and goal of a step, and the grid of another house."""
@@ -73,8 +79,9 @@ class Overlays(Observer):
             self._is_new = False
             shortest = shortest_path(self._env.bank, house, feet, goals)
             self._draw_line(SHORTEST, np.reshape(shortest, (-1, 3)) + LIFT, GOAL_COLOUR)
-        self._step = step
+        self._step, self._boxes, self._goals = step, boxes, goals
         self._draw_live()
+        self._draw_layers()
         if house != self._grid_house:
             self._grid_house = house
             self._draw_grid(grid_points(self._env.bank, house))
@@ -87,16 +94,34 @@ class Overlays(Observer):
     def show(self, name: str, is_shown: bool) -> None:
         """Show or hide an overlay, now and in later episodes."""
         self.is_shown[name] = is_shown
-        if name in (CONTACTS, SOUND_PATHS):
+        if name in (CONTACTS, SOUND_PATHS, PORTALS, LAMPS):
             self._draw_live()
-        if name in self._handles:
+        if name in (DISTANCES, IDS):
+            self._remove(name)
+            self._draw_layers()
+        elif name in self._handles:
             self._handles[name].visible = is_shown
 
     def _draw_live(self) -> None:
         """Draw contacts and sound paths of the last step, those of them that are shown."""
-        for name, find in ((CONTACTS, self._lines.contacts), (SOUND_PATHS, self._lines.sound_paths)):
+        lines = self._lines
+        found = {CONTACTS: lines.contacts, SOUND_PATHS: lines.sound_paths, PORTALS: lines.portals, LAMPS: lines.lamps}
+        for name, find in found.items():
             if self.is_shown[name] and self._step is not None:
                 self._draw_lines(name, *find(self._step.state))
+
+    def _draw_layers(self) -> None:
+        """Draw distances and ids, if they are shown and not drawn yet in this episode."""
+        bank, house = self._env.bank, -1 if self._step is None else int(self._step.state.world.house)
+        if self._step is not None and self.is_shown[DISTANCES] and DISTANCES not in self._layers:
+            self._layers[DISTANCES] = [draw_distances(self._server, bank, house, self._goals)]
+        if self._step is not None and self.is_shown[IDS] and IDS not in self._layers:
+            self._layers[IDS] = draw_ids(self._server, bank, house, self._boxes)
+
+    def _remove(self, name: str) -> None:
+        """Remove a layer from the scene."""
+        for handle in self._layers.pop(name, ()):
+            handle.remove()
 
     def _draw_line(self, name: str, points: Float[np.ndarray, "n 3"], colour: tuple[int, int, int]) -> None:
         """Draw an overlay as lines between successive points; nothing for fewer than two."""

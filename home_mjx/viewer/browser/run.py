@@ -11,20 +11,20 @@ from home_mjx.env_factory import make
 from home_mjx.registry import find_spec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.env.observers import EpisodeStep, Observer, ObserverGroup, RunStart
+from home_mjx.tasks.env.observers import EpisodeStep, Observer, ObserverGroup
 from home_mjx.viewer.browser.broadcast import Broadcast
+from home_mjx.viewer.browser.clicks import describe_condition, find_door, find_switch, toggle_door, toggle_switch
 from home_mjx.viewer.browser.live_camera import PictureOptions
-from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
+from home_mjx.viewer.browser.object_card import format_card
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.panels import Panels
 from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
+from home_mjx.viewer.browser.serving.drivers import Drivers
 from home_mjx.viewer.browser.serving.server import DEFAULT_PORT, LOCAL_NAMES, ViewServer
 from home_mjx.viewer.browser.session import Session
 from home_mjx.viewer.browser.tiles import choose_tiles, stack_states
 from home_mjx.viewer.episodes.command_loop import CommandLoop
-from home_mjx.viewer.episodes.held_keys import HeldKeys
-from home_mjx.viewer.episodes.keyboard import key_help
 from home_mjx.viewer.episodes.policies import check_agent
 from home_mjx.viewer.episodes.run import AGENT_NAMES, HUMAN, default_sensors
 
@@ -122,21 +122,24 @@ class Viewer(PageViewer):
 
     def __init__(self, env: Env[HouseholdEnv], options: ViewOptions | None = None) -> None:
         self.options = options or ViewOptions()
-        self.keys = HeldKeys()
-        self.server = ViewServer(self.options.host, self.options.port, self._handle, self._greet, self._greet_sound)
+        self.server = ViewServer(
+            self.options.host, self.options.port, self._handle, self._greet, self._greet_sound, self._listen
+        )
         try:
             tree = SceneTree(self.server.scene, self._show_object)
             self.broadcast = Broadcast(self.server, tree, self.options.picture)
+            self.drivers = Drivers(self.broadcast.tell, self.broadcast.tell_page)
+            self.broadcast.agent_of = self.drivers.agent_of
             agents = tuple(name for name in AGENT_NAMES if name != "trained" or self.options.checkpoint is not None)
             self.panels = Panels(self.server.scene, self.broadcast, agents, self._load_task)
             overlays = Overlays(self.server.scene)
             self._tiles = _Tiles(self)
-            own = (self.broadcast, self._tiles, overlays, _Drivers(self.broadcast), self.panels)
+            own = (self.broadcast, self._tiles, overlays, self.drivers, self.panels)
             self.session = Session(
                 env,
                 self.options.agent,
                 ObserverGroup(own),
-                self.keys,
+                self.drivers.keys,
                 self.options.checkpoint,
                 self.options.seed,
                 self.broadcast.warn,
@@ -148,12 +151,20 @@ class Viewer(PageViewer):
             raise
 
     def _handle(self, message: dict[str, Any]) -> None:
-        """Handle a message of a page: a click on a tile, or a key; on the server's thread."""
+        """Handle a message of a page: a click on a tile, a key or a stick; on the server's thread."""
         number = message.get("number")
         if message.get("type") == "watch" and isinstance(number, int):
             self.session.post(lambda: self.session.watch(number))
-        else:
-            self.keys.handle(message)
+        elif hasattr(self, "drivers"):
+            before = self.drivers.agent_of(message["page"])
+            self.drivers.handle(message)
+            if self.drivers.agent_of(message["page"]) != before and hasattr(self, "session"):
+                self.session.post(self.broadcast.draw)
+
+    def _listen(self, message: dict[str, Any]) -> None:
+        """Choose the agent at whose ears a page listens; on the server's thread."""
+        if hasattr(self, "broadcast"):
+            self.broadcast.listen(message)
 
     def _redraw(self) -> None:
         """Draw picture and grid of the last step again, for a new page."""
@@ -170,17 +181,22 @@ class Viewer(PageViewer):
         self.session.load(env, HUMAN if self.session.agent == "trained" else self.session.agent)
 
     def _show_object(self, group: InstanceGroup, index: int) -> None:
-        """Show the card of a clicked object, and open or close it if it is a door; on a viser thread."""
+        """Show the card of a clicked object, and open, close or switch it if that is possible; on a viser thread."""
         self.session.post(lambda: self._handle_click(group, index))
 
     def _handle_click(self, group: InstanceGroup, index: int) -> None:
         """Handle a click on the session's thread."""
         session, state = self.session, self.session.episode.step.state
         house = int(state.world.house)
-        self.panels.show_card(format_card(session.env.bank, house, group, index))
-        door = find_door(session.env.bank, house, group, index)
+        env, bank = session.env, session.env.bank
+        door, switch = find_door(bank, house, group, index), find_switch(bank, house, int(group.objects[index]))
         if door is not None and not state.done:
-            session.replace_state(toggle_door(session.env, state, door))
+            state = toggle_door(env, state, door)
+        elif switch is not None and state.world.switch_on is not None and not state.done:
+            state = toggle_switch(state, switch)
+        self.panels.show_card(format_card(bank, house, group, index, describe_condition(env, state, group, index)))
+        if state is not session.episode.step.state:
+            session.replace_state(state)
 
 
 class _Tiles(Observer):
@@ -196,20 +212,6 @@ class _Tiles(Observer):
             numbers = choose_tiles(session.watched, session.num_envs)
             states = [session.episodes[n].step.state for n in numbers]
             self._viewer.broadcast.draw_tiles(numbers.tolist(), session.watched, lambda: stack_states(states))
-
-
-class _Drivers(Observer):
-    """Observer that tells pages whether a person drives, and by which keys."""
-
-    def __init__(self, broadcast: Broadcast) -> None:
-        self._broadcast = broadcast
-
-    def on_run_start(self, start: RunStart) -> None:
-        """Send the key bindings of a human agent; of others none."""
-        assert start.env is not None
-        drives = start.name == HUMAN
-        keys = f"Keys: {key_help(start.env.core.acting_config).removesuffix(', q quit')}; arrows" if drives else ""
-        self._broadcast.tell(drives=drives, keys=keys)
 
 
 def run_view(env: Env[HouseholdEnv], options: ViewOptions, print_line: Callable[[str], Any]) -> None:

@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import jax
@@ -36,7 +36,7 @@ class Session(CommandLoop):
         env: The environment.
         agent: `expert`, `random`, `trained` or `human`.
         observer: Observer of all episodes.
-        keys: Keys of a human agent.
+        keys: Keys of human agents, one person each.
         checkpoint: Checkpoint of `trained`, or a folder, whose newest one is loaded again at each reset.
         seed: Seed of the first episode and of actions; each further episode adds 1.
         on_error: Callback with the message of a command that failed.
@@ -58,7 +58,7 @@ class Session(CommandLoop):
         env: Env[HouseholdEnv],
         agent: str,
         observer: Observer,
-        keys: HeldKeys,
+        keys: Sequence[HeldKeys],
         checkpoint: Path | None = None,
         seed: int = 0,
         on_error: Callable[[str], None] = lambda text: None,

@@ -125,13 +125,19 @@ def shortest_path(
     points (0, 3) without a goal or a path. `feet` is the agent's lowest point [m].
     """
     graph = CellGraph(bank, house)
+    ends = find_goal_cells(graph, goals)
+    return np.zeros((0, 3)) if ends is None else graph.shortest_path(feet, ends)
+
+
+def find_goal_cells(graph: CellGraph, goals: GoalMarkers) -> EndCells | None:
+    """Return the cells of goal rooms, else those nearest to goal points, for paths to them; None without a goal."""
     if goals.rooms.any():
-        return graph.shortest_path(feet, graph.cells_in_rooms(goals.rooms))
+        return graph.cells_in_rooms(goals.rooms)
     ends = [_cells_at(graph, np.asarray(place, np.float64)) for place in goals.places]
     if not ends:
-        return np.zeros((0, 3))
+        return None
     cells, lengths = (np.concatenate(part) for part in zip(*ends, strict=True))
-    return graph.shortest_path(feet, (cells, lengths))
+    return cells, lengths
 
 
 def _cells_at(graph: CellGraph, place: Float[np.ndarray, " 3"]) -> EndCells:

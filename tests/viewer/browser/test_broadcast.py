@@ -34,7 +34,7 @@ def test_a_slow_picture_is_refined_once_nothing_moves(server: ViewServer, monkey
     state = jax.jit(env.core.reset)(env.params, jax.random.key(0))
     sent, clock = [], [0.0]
     monkeypatch.setattr(Channel, "num_pages", 1)
-    monkeypatch.setattr(server.live, "publish", sent.append)
+    monkeypatch.setattr(server.live, "publish", lambda message, pages=None: sent.append(message))
     monkeypatch.setattr(broadcast, "time", SimpleNamespace(perf_counter=lambda: clock[0]))
     shown = broadcast.Broadcast(server, SceneTree(server.scene, lambda group, index: None), PictureOptions(size=64))
     shown.env, shown.step, shown._camera = env, EpisodeStep(5, state, None, 0.0), LiveCamera(env)

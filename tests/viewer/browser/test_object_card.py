@@ -12,7 +12,8 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.navigation.grid import cell_position
 from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.tasks.base.config import EnvConfig
-from home_mjx.viewer.browser.object_card import find_door, format_card, toggle_door
+from home_mjx.viewer.browser.clicks import find_door, toggle_door
+from home_mjx.viewer.browser.object_card import format_card
 from home_mjx.viewer.browser.overlays import LIFT, grid_points
 from home_mjx.viewer.browser.scene.house_scene import MOVING, HouseScene
 from home_mjx.viewer.episodes.held_keys import HeldKeys, HeldKeysPlayer
@@ -48,7 +49,7 @@ def test_grid_points_are_the_cells_of_the_navigation_grid():
 
 def test_held_keys_add_up_and_short_presses_count():
     keys = HeldKeys()
-    player = HeldKeysPlayer(EnvConfig(), keys)
+    player = HeldKeysPlayer(EnvConfig(), (keys,))
     assert player.act(None).tolist() == [0, 0, 0, 0]
     for key in "wa":
         keys.handle({"type": "keydown", "key": key})
@@ -68,7 +69,7 @@ def test_held_keys_add_up_and_short_presses_count():
 
 def test_discrete_actions_wait_for_a_press():
     keys = HeldKeys()
-    player = HeldKeysPlayer(EnvConfig(actions="discrete"), keys)
+    player = HeldKeysPlayer(EnvConfig(actions="discrete"), (keys,))
     assert player.act(None) is None
     keys.handle({"type": "keydown", "key": "w"})
     keys.handle({"type": "keyup", "key": "w"})

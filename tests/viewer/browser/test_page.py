@@ -1,8 +1,6 @@
 """The viewer's page in a real browser: picture, scene, keys and sound."""
 
-import contextlib
 import io
-import shutil
 import threading
 import time
 from collections.abc import Iterator
@@ -15,8 +13,8 @@ from PIL import Image
 pytest.importorskip("viser", reason="needs the extra `view`")
 pytest.importorskip("playwright", reason="needs Playwright")
 
+from browser_pages import CHROMIUM, open_browser, run_viewer, wait_until
 from handmade import Furniture, shoebox
-from playwright.sync_api import sync_playwright
 
 import home_mjx
 from home_mjx.bank.bank import HouseBank
@@ -29,13 +27,7 @@ from home_mjx.viewer.replay.page import PageRecorder
 from home_mjx.viewer.replay.recorder import ReplayRecorder
 from home_mjx.viewer.replay.run import ReplayViewer
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
-FLAGS = (
-    *("--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking"),
-    *("--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader"),
-    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
-)
 RATE = 16_000
 
 
@@ -44,35 +36,14 @@ def viewer() -> Iterator[Viewer]:
     red = Furniture((1.0, 0.0), (0.6, 0.6, 0.8), color=(0.9, 0.1, 0.1))
     bank = HouseBank.from_compiled([shoebox(furniture=(red,))])
     env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic", episode_length=100_000)
-    with Viewer(env, ViewOptions(port=0, picture=PictureOptions(size=64))) as viewer:
-        thread = threading.Thread(target=viewer.run, daemon=True)
-        thread.start()
+    with run_viewer(Viewer(env, ViewOptions(port=0, picture=PictureOptions(size=64)))) as viewer:
         yield viewer
-        viewer.stop()
-        thread.join(30)
-        assert not thread.is_alive()
 
 
 @pytest.fixture(scope="module")
 def page(viewer: Viewer) -> Iterator[object]:
-    with contextlib.ExitStack() as stack:
-        player = stack.enter_context(sync_playwright())
-        browser = player.chromium.launch(executable_path=CHROMIUM, args=list(FLAGS))
-        stack.callback(browser.close)
-        page = browser.new_page(viewport={"width": 1000, "height": 600})
-        page.set_default_timeout(60_000)
-        page.errors = []
-        page.on("pageerror", lambda error: page.errors.append(str(error)))
-        page.goto(viewer.server.address)
-        wait_until(lambda: page.evaluate("window.viewer?.frames ?? 0") > 0)
-        yield page
-
-
-def wait_until(condition, seconds: float = 60.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    with open_browser() as open_page:
+        yield open_page(viewer.server.address)
 
 
 def shot(page, selector: str) -> bytes:
@@ -106,7 +77,7 @@ def test_keys_move_the_agent_and_its_picture(viewer: Viewer, page):
     wait_until(lambda: np.linalg.norm(pose()[:2] - before[:2]) > 0.3)
     page.keyboard.up("w")
     assert page.evaluate("window.viewer.frames") > frames
-    wait_until(lambda: not viewer.keys.held())
+    wait_until(lambda: not viewer.drivers.keys[0].held())
 
 
 def test_the_worklet_plays_the_sound_that_is_sent(viewer: Viewer, page):

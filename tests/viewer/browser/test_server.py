@@ -47,7 +47,7 @@ def test_the_page_loads_without_anything_from_elsewhere(server: ViewServer):
     names = [part.split(b'"')[0].decode() for part in page.split(b'href="')[1:] + page.split(b'src="')[1:]]
     files = [name for name in names if not name.startswith("data:")]
     assert len(files) >= 2
-    for name in [*files, "sound.js", "worklet.js"]:
+    for name in [*files, "sound.js", "gamepads.js", "worklet.js"]:
         status, data = get(server, f"/{name}")
         assert status == 200
         assert b"://" not in data.replace(b"http://www.w3.org", b"")
@@ -65,8 +65,9 @@ def test_channels_carry_messages_both_ways(server: ViewServer, pressed: list[obj
         live.send('["no object"]')
         live.send(json.dumps({"type": "keydown", "key": "w"}))
         wait_until(lambda: pressed)
-    assert pressed == [{"type": "keydown", "key": "w"}]
+        assert pressed == [{"type": "keydown", "key": "w", "page": server.live.pages[0]}]
     wait_until(lambda: server.live.num_pages == 0)
+    assert pressed[1] == {"type": "leave", "page": pressed[0]["page"]}
 
 
 def test_viser_s_scene_is_behind_the_same_port(server: ViewServer):

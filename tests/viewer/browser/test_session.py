@@ -51,7 +51,7 @@ def folder(env, tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def session(env, folder) -> Session:
     errors = []
-    session = Session(env, "trained", ObserverGroup(()), HeldKeys(), folder, 0, errors.append, NUM_ENVS)
+    session = Session(env, "trained", ObserverGroup(()), (HeldKeys(),), folder, 0, errors.append, NUM_ENVS)
     session.errors = errors
     return session
 

@@ -12,7 +12,7 @@ export function frequencyBin(row, rows, bins, rate) {
 export class Sound {
   constructor({ url, button, gain, meter, spectrum, state }) {
     Object.assign(this, { url, button, gain, meter: meter.getContext("2d"), spectrum: spectrum.getContext("2d"), state,
-      stats: null, isOn: false });
+      stats: null, isOn: false, agent: 0 });
     button.addEventListener("click", () => (this.isOn ? this.stop() : this.start()));
     gain.addEventListener("input", () => this.setGain());
     this.setAvailable(false);
@@ -34,8 +34,14 @@ export class Sound {
     this.button.classList.add("on");
     this.socket = new WebSocket(this.url);
     this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => this.listen(this.agent);
     this.socket.onmessage = ({ data }) => this.receive(data);
     this.socket.onclose = () => this.isOn && setTimeout(() => this.isOn && this.restart(), 1000);
+  }
+
+  listen(agent) {  // at the ears of this agent
+    this.agent = agent;
+    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify({ type: "listen", agent }));
   }
 
   restart() { this.stop(); this.start(); }

@@ -1,4 +1,5 @@
 // Page around viser's scene: the simulator's own picture, keys of a human agent, and sound.
+import { Gamepads } from "./gamepads.js";
 import { Sound } from "./sound.js";
 
 const $ = (id) => document.getElementById(id);
@@ -9,6 +10,8 @@ const frames = [];
 let tiles = { numbers: [], columns: 1, watched: 0 };
 let live = null;
 let drives = false;
+let agents = 1;
+let seat = null;  // agent that this page drives
 window.viewer = { frames: 0, grids: 0, sound: null };  // figures for tests and bug reports
 
 function connect() {
@@ -20,7 +23,9 @@ function connect() {
     else if (new Uint8Array(data, 0, 1)[0] === 1) showTiles(data.slice(1));  // the server's TILE_MARK
     else showFrame(data);
   };
-  live.onclose = () => { $("status").textContent = "connection lost; trying again"; setTimeout(connect, 1000); };
+  live.onclose = () => {
+    takeSeat(null);  // the server has freed it
+    $("status").textContent = "connection lost; trying again"; setTimeout(connect, 1000); };
 }
 
 async function showFrame(data) {
@@ -70,7 +75,24 @@ function showState(state) {
   if ("tiles" in state) tiles = state.tiles;
   for (const id of ["instruction", "status", "caption", "keys"]) if (id in state) $(id).textContent = state[id];
   if ("drives" in state) drives = state.drives;
+  if ("agents" in state) agents = state.agents;
+  if ("notice" in state) $("notice").textContent = state.notice;
+  if ("drives" in state || "agents" in state) showSeats();
+  if ("seat" in state) takeSeat(state.seat);
   if ("sound" in state) sound.setAvailable(state.sound);
+}
+
+function showSeats() {
+  const names = ["not driving", ...Array.from({ length: agents }, (_, n) => `drive agent ${n + 1}`)];
+  $("seat").replaceChildren(...names.map((name, n) => new Option(name, n - 1)));
+  $("seat").hidden = !drives;
+  takeSeat(seat);
+}
+
+function takeSeat(agent) {
+  seat = agent;
+  $("seat").value = seat ?? -1;
+  sound.listen(seat ?? 0);
 }
 
 // Keys go to the agent while a human drives it, wherever the focus is; else viser moves its camera by them.
@@ -92,6 +114,13 @@ function listen(target) {
 const sound = new Sound({ url: socketUrl("sound"), button: $("sound"), gain: $("gain"), meter: $("meter"), spectrum: $("spectrum"),
   state: $("sound-state") });
 window.viewer.sound = sound;
+window.viewer.gamepads = new Gamepads((message) => drives && send(message));
+$("seat").addEventListener("change", () => {
+  const agent = Number($("seat").value);
+  $("notice").textContent = "";
+  send({ type: "drive", agent: agent < 0 ? null : agent });
+  $("seat").blur();
+});
 $("tiles").addEventListener("click", watchTile);
 listen(window);
 $("scene").addEventListener("load", () => listen($("scene").contentWindow));

@@ -30,8 +30,8 @@ class ModelLibrary:
     """
 
     def __init__(self, bank: HouseBank, texture_edge: int = VIEW_TEXTURE_EDGE) -> None:
-        geometry, materials = bank.geometry, bank.materials
-        names = ("triangle", "triangle_uv", "triangle_slot", "triangle_part", "model_root", "node_child")
+        geometry, materials, self._bank = bank.geometry, bank.materials, bank
+        names = ("triangle", "triangle_uv", "triangle_slot", "triangle_part")
         self._arrays = {name: np.asarray(getattr(geometry, name)) for name in names}
         self._normal = np.asarray(bank.finish.normal)
         self._albedo, self._texture = np.asarray(materials.albedo), np.asarray(materials.texture)
@@ -81,14 +81,7 @@ class ModelLibrary:
 
     def _find_triangles(self, model: int) -> Int[np.ndarray, " t"]:
         """Return the bank's triangles of a library model, in order, from the leaves of its tree."""
-        node, found = self._arrays["model_root"][[model]], [np.zeros(0, np.int64)]
-        while len(node):
-            code = self._arrays["node_child"][node].reshape(-1)
-            leaf = ~code[code < 0].astype(np.int64)
-            first, count = leaf >> LEAF_BITS, leaf & ((1 << LEAF_BITS) - 1)
-            found.append(np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum()))
-            node = code[code >= 0]
-        return np.unique(np.concatenate(found))
+        return find_triangles(self._bank, model)
 
     def _mesh(
         self, triangle: Int[np.ndarray, " t"], material: int, stretch: Float[np.ndarray, "3 3"] | None
@@ -129,6 +122,19 @@ class ModelLibrary:
         else:
             Image.fromarray(pixels[..., :3]).save(data, "JPEG", quality=JPEG_QUALITY)
         return Image.open(data)
+
+
+def find_triangles(bank: HouseBank, model: int) -> Int[np.ndarray, " t"]:
+    """Return the bank's triangles of a model, in order, from the leaves of its tree."""
+    child = np.asarray(bank.geometry.node_child)
+    node, found = np.asarray(bank.geometry.model_root)[[model]], [np.zeros(0, np.int64)]
+    while len(node):
+        code = child[node].reshape(-1)
+        leaf = ~code[code < 0].astype(np.int64)
+        first, count = leaf >> LEAF_BITS, leaf & ((1 << LEAF_BITS) - 1)
+        found.append(np.repeat(first - np.cumsum(count) + count, count) + np.arange(count.sum()))
+        node = code[code >= 0]
+    return np.unique(np.concatenate(found))
 
 
 def texture_pixels(textures: UInt32[np.ndarray, "l p"], layer: int, edge: int) -> UInt8[np.ndarray, "e e 4"]:

@@ -1,1 +1,1 @@
-"""Serving the viewer: the page, its channels and viser behind one port."""
+"""Serving the viewer: the page, its channels, viser behind one port, and which page drives which agent."""

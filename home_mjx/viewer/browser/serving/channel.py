@@ -3,7 +3,7 @@
 import asyncio
 import json
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 Message = bytes | str
@@ -11,8 +11,9 @@ MAX_KEY_BYTES = 4096  # [bytes] maximum size of a page's message
 
 
 class _Page(NamedTuple):
-    """Queue of one page, and the event that wakes its sender."""
+    """Number of one page, its queue, and the event that wakes its sender."""
 
+    number: int
     queue: deque[Message]
     event: asyncio.Event
 
@@ -22,7 +23,8 @@ class Channel:
 
     Args:
         capacity: Maximum number of binary messages that wait for one page; older ones are dropped. Text is kept.
-        on_message: Callback for each message of a page, parsed from JSON; it runs on the server's thread.
+        on_message: Callback for each message of a page, parsed from JSON, with the page's number as `page`; the last
+            one has the type `leave`. It runs on the server's thread.
         greeting: Function that returns the first message of each page; None: no message.
     """
 
@@ -34,6 +36,7 @@ class Channel:
     ) -> None:
         self.capacity, self._on_message, self._greeting = capacity, on_message, greeting
         self._pages: list[_Page] = []
+        self._count = 0
         self._loop: asyncio.AbstractEventLoop | None = None
 
     @property
@@ -41,16 +44,22 @@ class Channel:
         """Number of connected pages."""
         return len(self._pages)
 
-    def publish(self, message: Message) -> None:
-        """Send a message to all connected pages, without waiting; from any thread."""
+    @property
+    def pages(self) -> tuple[int, ...]:
+        """Numbers of the connected pages."""
+        return tuple(page.number for page in self._pages)
+
+    def publish(self, message: Message, pages: Collection[int] | None = None) -> None:
+        """Send a message to some connected pages, None: to all, without waiting; from any thread."""
         loop = self._loop
         if loop is not None and self._pages and not loop.is_closed():
-            loop.call_soon_threadsafe(self._put, message)
+            loop.call_soon_threadsafe(self._put, message, pages)
 
     async def serve(self, connection: Any) -> None:
         """Serve one page until it closes the connection."""
         self._loop = asyncio.get_running_loop()
-        page = _Page(deque(), asyncio.Event())
+        self._count += 1
+        page = _Page(self._count, deque(), asyncio.Event())
         self._pages.append(page)  # before the greeting, which may ask for a picture
         greeting = self._greeting()
         if greeting is not None:
@@ -59,22 +68,25 @@ class Channel:
         sender = asyncio.create_task(_send(connection, page))
         try:
             async for text in connection:
-                self._receive(text)
+                self._receive(text, page.number)
         finally:
             self._pages.remove(page)
+            self._on_message({"type": "leave", "page": page.number})
             sender.cancel()
             await asyncio.gather(sender, return_exceptions=True)
 
-    def _put(self, message: Message) -> None:
-        """Append a message to the queue of every page; drop the oldest binary one if too many wait."""
+    def _put(self, message: Message, pages: Collection[int] | None) -> None:
+        """Append a message to the queues of pages, None: of all; drop the oldest binary one if too many wait."""
         for page in self._pages:
+            if pages is not None and page.number not in pages:
+                continue
             waiting = [queued for queued in page.queue if isinstance(queued, bytes)]
             if isinstance(message, bytes) and len(waiting) >= self.capacity:
                 page.queue.remove(waiting[0])
             page.queue.append(message)
             page.event.set()
 
-    def _receive(self, text: Message) -> None:
+    def _receive(self, text: Message, page: int) -> None:
         """Pass a page's message on; anything but a small JSON object is ignored."""
         if len(text) > MAX_KEY_BYTES:
             return
@@ -83,7 +95,7 @@ class Channel:
         except ValueError:
             return
         if isinstance(message, dict):
-            self._on_message(message)
+            self._on_message({**message, "page": page})
 
 
 async def _send(connection: Any, page: _Page) -> None:

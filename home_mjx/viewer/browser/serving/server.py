@@ -54,7 +54,8 @@ class ViewServer:
     Args:
         host: Name or address to bind; other machines can reach any but localhost, with the token of `address`.
         port: Port; the next free one is used if it is taken, any free one for 0.
-        on_key: Callback for messages of the page, on the server's thread.
+        on_key: Callback for messages of the pages, see `Channel`, on the server's thread.
+        on_listen: Callback for messages of the pages' sound, on the server's thread.
         greeting: Function that returns the state that a page shows first, as JSON.
         sound_greeting: Function that returns the format of the sound, as JSON.
 
@@ -76,6 +77,7 @@ class ViewServer:
         on_key: Callable[[Any], None] = lambda message: None,
         greeting: Callable[[], Message | None] = lambda: None,
         sound_greeting: Callable[[], Message | None] = lambda: None,
+        on_listen: Callable[[Any], None] = lambda message: None,
     ) -> None:
         self._viser = load_viser()
         self._socket = open_port(host, port)
@@ -83,7 +85,7 @@ class ViewServer:
         self.token = None if host in LOCAL_NAMES else secrets.token_urlsafe(16)
         self.address = f"http://{host}:{self.port}/" + (f"?token={self.token}" if self.token else "")
         self.live = Channel(FRAME_CAPACITY, on_key, greeting)
-        self.sound = Channel(SOUND_CAPACITY, greeting=sound_greeting)
+        self.sound = Channel(SOUND_CAPACITY, on_listen, sound_greeting)
         with contextlib.redirect_stdout(io.StringIO()):  # viser prints its own address
             self.scene: viser.ViserServer = self._viser.ViserServer("127.0.0.1", 0, verbose=False)
         self._loop = asyncio.new_event_loop()
