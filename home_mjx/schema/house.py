@@ -50,6 +50,10 @@ class Mesh:
     normal: Float[np.ndarray, "f 3 3"] | None = None  # unit, per corner; None if the file lacks normals or all are flat
     part: Int[np.ndarray, " f"] | None = None  # of a mesh of walls: wall of each face; None: all faces are one wall
 
+    def plan(self) -> Float[np.ndarray, "f 3 2"]:
+        """Return the corners of the faces from above: x to the right and -z up [m]."""
+        return self.vertices[self.faces][..., [0, 2]] * np.array([1.0, -1.0])
+
     def faces_by_part(self) -> list[Int[np.ndarray, " _"]]:
         """Return the face indices of each part with faces, in ascending order; all faces as one if `part` is None.
 
@@ -296,6 +300,22 @@ class House:
     problems: tuple[Problem, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)  # as of a node
     fallbacks: tuple[Fallback, ...] = ()  # fallbacks for missing parts of the dataset
+
+    def _repr_html_(self) -> str:
+        """Return counts, rooms with their objects, and the plan of each level, for notebooks."""
+        from home_mjx.core.notebook_html import format_floors, format_table
+
+        counts = {"version": self.version, "models": len(self.models), "problems": len(self.problems)}
+        rooms = {
+            f"level {number}, room {n}": f"{', '.join(room.types) or 'unknown'}: {len(room.members)} objects"
+            for number, level in enumerate(self.levels)
+            for n, room in enumerate(level.rooms)
+        }
+        plans = (
+            format_floors([room.floor.plan() for room in level.rooms if room.floor is not None], f"level {number}")
+            for number, level in enumerate(self.levels)
+        )
+        return format_table(f"House {self.id}", counts | rooms) + "".join(plans)
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,13 @@ import re
 
 import numpy as np
 import pytest
+from generated import flat_id, generate_flats
 from handmade import two_rooms
 from PIL import Image
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.notebook_html import format_curves, format_plan, format_table
+from home_mjx.datasets.registry import open_dataset
 from home_mjx.viewer.pictures.response_view import ResponseView
 
 
@@ -65,3 +67,18 @@ def test_the_decay_of_exponential_noise_is_its_own():
     html = view._repr_html_()
     assert html.count("<polyline") == 4
     assert np.isnan(ResponseView(np.ones((1, 100)), rate).t20).all()
+
+
+def test_a_house_shows_its_rooms_and_plan(tmp_path):
+    generate_flats(tmp_path, [0])
+    house = open_dataset(tmp_path).load_house(flat_id(0))
+    html = house._repr_html_()
+    assert f"<b>House {house.id}</b>" in html
+    for level in house.levels:
+        assert html.count("objects</td>") == sum(len(level.rooms) for level in house.levels)
+        floors = [room.floor for room in level.rooms if room.floor is not None]
+        assert html.count("<path") >= len(floors) > 1
+        assert html.count("M") >= sum(len(floor.faces) for floor in floors)
+    widths = [float(text.split('"')[0]) for text in html.split('<svg width="')[1:]]
+    assert widths
+    assert max(widths) <= 180

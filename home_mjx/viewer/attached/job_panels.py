@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from home_mjx.tasks.base.status import Status
-from home_mjx.tasks.env.observers import EpisodeStep
+from home_mjx.tasks.env.observers import EpisodeStep, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.controls import ViewControls
+from home_mjx.viewer.browser.curves import EpisodeCurves, Plot
 from home_mjx.viewer.browser.overlays import Overlays
 
 if TYPE_CHECKING:
@@ -42,7 +43,10 @@ class JobPanels:
             number = server.gui.add_number("environment", 0, min=0, max=MAX_ENVIRONMENT, step=1)
             tiles = server.gui.add_dropdown("grid", TILES, initial_value=TILES[0])
             self._figures = server.gui.add_markdown("")
-        self.num_tiles = 0
+            self._watched = Plot(server, None, "watched environment, at each picture")
+        self.num_tiles, self._rows = 0, list[dict[str, float]]()
+        self._terms = EpisodeCurves(server, broadcast)
+        self._terms.add_folder()
         tiles.on_update(lambda event: setattr(self, "num_tiles", 0 if tiles.value == TILES[0] else int(tiles.value)))
         number.on_update(lambda event: watch(int(number.value)))
         self._curves, self._plots = server.gui.add_folder("Training", visible=False), {}
@@ -50,9 +54,31 @@ class JobPanels:
         self._controls.add_folders()
         self._house = -1
 
+    def begin_run(self, start: RunStart) -> None:
+        """Clear the curves, and make the program for the reward's terms."""
+        assert start.env is not None
+        self._terms.begin_run(start.env)
+
+    def begin_episode(self) -> None:
+        """Clear the curves of an episode."""
+        self._terms.begin_episode()
+
+    def forget_watched(self) -> None:
+        """Clear the curves of the watched environment, as another one is watched."""
+        self._rows = []
+
+    def add_step(self, step: EpisodeStep) -> None:
+        """Add a step to the curves; terms of the reward are known if it follows the one before."""
+        self._terms.add_step(step, None)
+
     def show(self, step: EpisodeStep) -> None:
-        """Show the figures of a step."""
+        """Show the figures of a step, and the curves up to it."""
         state = step.state
+        row = {"reward": float(np.mean(state.reward)), **{name: float(x) for name, x in state.metrics.items()}}
+        self._rows = [*self._rows, row][-MAX_LINES:]
+        curves = {name: np.array([known.get(name, np.nan) for known in self._rows]) for name in row}
+        self._watched.show(np.arange(len(self._rows)), curves)
+        self._terms.show()
         rows = {
             "step": step.index,
             "reward": f"{float(np.mean(state.reward)):+.3f}",

@@ -62,15 +62,19 @@ class JobViewer(Observer):
         self._start = start
         self.broadcast.on_run_start(start)
         self.overlays.on_run_start(start)
+        self.panels.begin_run(start)
         self.broadcast.has_sound = False
         self.broadcast.tell(sound=False, status=f"{start.name}: waiting for the first step")
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Show the instruction."""
         self.broadcast.on_episode_start(start)
+        self.panels.begin_episode()
 
     def on_episode_step(self, step: EpisodeStep) -> None:
-        """Draw the step, if a page is open and a drawing is due."""
+        """Draw the step, if a page is open and a drawing is due; its reward's terms are plotted in any case."""
+        if self.server.live.num_pages:
+            self.panels.add_step(step)
         if self._is_due():
             with self._lock, self._budget.spend():
                 self._draw(step)
@@ -92,6 +96,7 @@ class JobViewer(Observer):
         """Watch another environment of the batch, at once; from any thread."""
         with self._lock:
             self.watched = number
+            self.panels.forget_watched()
             if self._states is not None:
                 self._draw_watched()
 

@@ -36,14 +36,14 @@ class EpisodeCurves:
         self._server, self._broadcast = server, broadcast
         self._rows: list[dict[str, float]] = []
         self._results: list[tuple[float, ...]] = []
-        self._plots: dict[str, _Plot] = {}
+        self._plots: dict[str, Plot] = {}
         self._last: EpisodeStep | None = None
 
     def add_folder(self) -> None:
         """Add the folder with the plots."""
         with self._server.gui.add_folder("Curves", expand_by_default=True) as folder:
             for name in ("reward", "return and value", "past episodes"):
-                self._plots[name] = _Plot(self._server, folder, name)
+                self._plots[name] = Plot(self._server, folder, name)
 
     def begin_run(self, env: Env[HouseholdEnv]) -> None:
         """Clear the results of another environment or agent, and make the program for its reward's terms."""
@@ -91,11 +91,18 @@ class EpisodeCurves:
         return {name: _first(term) for name, term in self._terms(self._env.params, before, after).items()}
 
 
-class _Plot:
-    """Plot whose curves are replaced when their names change."""
+class Plot:
+    """Plot whose curves are replaced when their names change.
+
+    Args:
+        server: viser's server.
+        folder: Folder of the plot; None: the one that is open now.
+        title: Title of the plot.
+    """
 
     def __init__(self, server: "viser.ViserServer", folder: Any, title: str) -> None:
-        self._server, self._folder, self._title = server, folder, title
+        self._server, self._title = server, title
+        self._folder = server.gui.add_folder(title) if folder is None else folder
         self._names: tuple[str, ...] = ()
         self._handle: Any = None
 

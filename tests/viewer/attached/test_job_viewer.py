@@ -23,6 +23,7 @@ from home_mjx.viewer.attached.job_viewer import JobViewer
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
 from home_mjx.viewer.browser.run import ViewOptions
 from home_mjx.viewer.browser.tiles import TILE_MARK
+from home_mjx.viewer.episodes.episode import EpisodeRunner
 
 OPTIONS = PictureOptions(size=32)
 NUM_ENVS = 64
@@ -90,6 +91,27 @@ def test_the_watched_environment_is_shown_and_changed_at_once(env, states):
     viewer.on_log({"steps": 10.0, "success": 0.5, "return": 1.0})
     viewer.close()
     assert lines == [f"View at http://localhost:{viewer.server.port}/"]
+
+
+def test_terms_of_rewards_are_plotted_step_by_step(env):
+    viewer = JobViewer(ViewOptions(port=0, picture=OPTIONS), lambda line: None)
+    viewer.on_run_start(RunStart("expert", env, "episodes", 1))
+    runner = EpisodeRunner(env)
+    episode = runner.begin(1, jax.random.key(0), None, 0)
+    with connect(f"ws://localhost:{viewer.server.port}/live"):
+        while not viewer.server.live.num_pages:
+            time.sleep(0.01)
+        viewer.on_episode_start(episode.start)
+        viewer.on_episode_step(episode.step)
+        for _ in range(3):
+            viewer.on_episode_step(episode.advance(np.array([1, 0, 0, 0], np.float32)))
+    rows = viewer.panels._terms._rows
+    viewer.close()
+    assert [row["step"] for row in rows] == [1, 2, 3]
+    for row in rows:
+        terms = {name: x for name, x in row.items() if name not in ("step", "reward", "return")}
+        assert len(terms) >= 2
+        assert sum(terms.values()) == pytest.approx(row["reward"], abs=1e-5)
 
 
 def test_an_environment_opens_itself_and_a_notebook_shows_it(env):
