@@ -1,9 +1,10 @@
 """Open a task or a house in a web browser: 3D scene, the agent's view, sound and controls; you can drive the agent."""
 
 import argparse
+import dataclasses
 from typing import TYPE_CHECKING
 
-from home_mjx.cli.houses import add_dataset_option, is_dataset_root, selected_houses
+from home_mjx.cli.houses import add_dataset_option, is_dataset_root, open_selected_dataset, selected_houses
 from home_mjx.cli.learning.arguments import (
     CHECKPOINT_HELP,
     MAX_PORT,
@@ -19,11 +20,13 @@ from home_mjx.cli.learning.play import BLIND_SENSORS, play_spec
 from home_mjx.cli.parsing import house_count_type, image_side_type, parse_path, parse_seed, whole_number_type
 from home_mjx.core.jsonable import parse_assignments
 from home_mjx.datasets.registry import has_scheme
+from home_mjx.errors import ConfigError
 from home_mjx.registry import list_envs
 
 if TYPE_CHECKING:
     from home_mjx.tasks.env.env import Env
     from home_mjx.tasks.env.household import HouseholdEnv
+    from home_mjx.viewer.browser.run import ViewOptions
 
 HOUSE_TASK = "PointNav"  # task of a house without one: it adds nothing to see but a goal
 MAX_ENVS = 64
@@ -35,9 +38,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the optional `TARGET`, a task or a house, and the options of `home-mjx view`.
 
     `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`, `--replay` a path or None.
-    `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast),
-    `--camera` one of `CAMERAS` (first), `--seed` from 0 (0), `--num-envs` from 1 (1), `--houses` from 1 (4). `--split`,
-    `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are as in `home-mjx play`.
+    `--gallery` and `--validate` are flags. `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels
+    (512), `--shader` a name (fast), `--camera` one of `CAMERAS` (first), `--seed` from 0 (0), `--num-envs` from 1 (1),
+    `--houses` from 1 (4). `--split`, `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are as in
+    `home-mjx play`.
     """
     parser.add_argument(
         "target", nargs="?", metavar="TASK | HOUSE",
@@ -65,8 +69,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--num-envs", type=whole_number_type(MAX_ENVS), default=1,
         help="number of environments, of which a grid shows up to nine; click on one to watch it (default: 1)",
     )  # fmt: skip
-    parser.add_argument("--houses", type=house_count_type, default=4, help="number of houses of a task (default: 4)")
+    parser.add_argument(
+        "--houses", type=house_count_type, default=4, help="number of houses of a task or a gallery (default: 4)"
+    )
     parser.add_argument("--split", choices=("train", "val", "test"), help="split of the dataset (default: as of play)")
+    parser.add_argument(
+        "--gallery", action="store_true", help="show all houses side by side, without an agent, to look through them"
+    )
+    parser.add_argument(
+        "--validate", action="store_true", help="with --gallery: mark the validator's findings where they are"
+    )
     add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
@@ -92,13 +104,34 @@ def run(args: argparse.Namespace) -> int:
         port=args.port,
         num_envs=args.num_envs,
     )
-    if args.replay is not None:
+    if args.validate and not args.gallery:
+        raise ConfigError("--validate marks findings in --gallery", hint="Add --gallery, or use home-mjx inspect.")
+    if args.gallery:
+        _run_gallery(args, options)
+    elif args.replay is not None:
         from home_mjx.viewer.replay.run import run_replay
 
         run_replay(args.replay, options, print_now)
     else:
         run_view(_make_env(args), options, print_now)
     return 0
+
+
+def _run_gallery(args: argparse.Namespace, options: "ViewOptions") -> None:
+    """Serve the houses of the target side by side, with `--validate` also their findings."""
+    from home_mjx.bank.bank import HouseBank
+    from home_mjx.bank.packing.texture_layers import texture_size_for
+    from home_mjx.datasets import validate_house
+    from home_mjx.viewer.gallery.findings import place_findings
+    from home_mjx.viewer.gallery.viewer import run_gallery
+
+    args.house = args.target
+    dataset = open_selected_dataset(args)
+    compiled, findings = dataclasses.replace(selected_houses(args), num_houses=args.houses).load(), {}
+    for house in compiled if args.validate else ():
+        found = validate_house(dataset, house.id)
+        findings[house.id] = place_findings(dataset.load_house(house.id), found, house.offset)
+    run_gallery(HouseBank.from_compiled(compiled, texture_size_for(args.size)), options, print_now, findings)
 
 
 def _make_env(args: argparse.Namespace) -> "Env[HouseholdEnv]":

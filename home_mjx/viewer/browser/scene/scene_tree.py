@@ -28,10 +28,13 @@ class SceneTree:
     Args:
         server: viser's server.
         on_object: Callback with the group and the index in it of an instance that was clicked, on a viser thread.
+        root: Path of the house in the scene; several trees need different ones.
     """
 
-    def __init__(self, server: "viser.ViserServer", on_object: Callable[[InstanceGroup, int], None]) -> None:
-        self._server, self._on_object = server, on_object
+    def __init__(
+        self, server: "viser.ViserServer", on_object: Callable[[InstanceGroup, int], None], root: str = "/house"
+    ) -> None:
+        self._server, self._on_object, self._root = server, on_object, root
         self._levels: dict[int, Any] = {}
         self._layers: dict[tuple[int, str], Any] = {}
         self._moving: list[tuple[InstanceGroup, list[Any]]] = []
@@ -79,7 +82,7 @@ class SceneTree:
 
     def _add(self, number: int, group: InstanceGroup) -> list[Any]:
         """Add a group to the scene; return its handles."""
-        scene, level = self._server.scene, f"/house/level{group.level}"
+        scene, level = self._server.scene, f"{self._root}/level{group.level}"
         if group.level not in self._levels:
             self._levels[group.level] = scene.add_frame(level, show_axes=False)
         place = group.level, group.layer
