@@ -49,31 +49,6 @@ def format_plan(rooms: Int[np.ndarray, "rows columns"], caption: str) -> str:
     return f'<span style="display:inline-block;margin:4px">{figure}<br>{escape(caption)}</span>'
 
 
-def format_floors(floors: Sequence[Float[np.ndarray, "f 3 2"]], caption: str) -> str:
-    """Return the plan of a storey from the triangles of its floors: each room in a colour, +y up; "" without rooms.
-
-    Args:
-        floors: Corners of each room's triangles in plan, x to the right and y up [m].
-        caption: Text below the plan.
-    """
-    corners = np.concatenate([floor.reshape(-1, 2) for floor in floors] or [np.zeros((0, 2))])
-    if not len(corners):
-        return ""
-    low, size = corners.min(axis=0), np.maximum(np.ptp(corners, axis=0), 1e-6)
-    scale = PLAN_SIDE / size.max()
-    paths = [
-        f'<path fill="rgb({",".join(map(str, ROOM_PALETTE[n % len(ROOM_PALETTE)]))})" d="{_triangles(floor)}"/>'
-        for n, floor in enumerate(((floor - low) * [1, -1] + [0, size[1]]) * scale for floor in floors)
-    ]
-    drawing = f'<svg width="{size[0] * scale:.0f}" height="{size[1] * scale:.0f}">{"".join(paths)}</svg>'
-    return f'<span style="display:inline-block;margin:4px">{drawing}<br>{escape(caption)}</span>'
-
-
-def _triangles(corners: Float[np.ndarray, "f 3 2"]) -> str:
-    """Return triangles as the data of an SVG path."""
-    return "".join(f"M{'L'.join(f'{x:.1f} {y:.1f}' for x, y in triangle)}Z" for triangle in corners.tolist())
-
-
 def format_houses(
     names: Sequence[str],
     rooms: Int[np.ndarray, "h rows columns"],

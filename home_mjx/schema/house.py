@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.errors import ConfigError
+from home_mjx.schema.house_html import format_house
 
 
 @dataclass(frozen=True)
@@ -49,10 +50,6 @@ class Mesh:
     groups: tuple[str, ...] = ()  # names of the groups, such as the `o` lines of an OBJ; nothing is derived from them
     normal: Float[np.ndarray, "f 3 3"] | None = None  # unit, per corner; None if the file lacks normals or all are flat
     part: Int[np.ndarray, " f"] | None = None  # of a mesh of walls: wall of each face; None: all faces are one wall
-
-    def plan(self) -> Float[np.ndarray, "f 3 2"]:
-        """Return the corners of the faces from above: x to the right and -z up [m]."""
-        return self.vertices[self.faces][..., [0, 2]] * np.array([1.0, -1.0])
 
     def faces_by_part(self) -> list[Int[np.ndarray, " _"]]:
         """Return the face indices of each part with faces, in ascending order; all faces as one if `part` is None.
@@ -303,19 +300,15 @@ class House:
 
     def _repr_html_(self) -> str:
         """Return counts, rooms with their objects, and the plan of each level, for notebooks."""
-        from home_mjx.core.notebook_html import format_floors, format_table
-
-        counts = {"version": self.version, "models": len(self.models), "problems": len(self.problems)}
+        rows = {"version": self.version, "models": len(self.models), "problems": len(self.problems)}
         rooms = {
             f"level {number}, room {n}": f"{', '.join(room.types) or 'unknown'}: {len(room.members)} objects"
             for number, level in enumerate(self.levels)
             for n, room in enumerate(level.rooms)
         }
-        plans = (
-            format_floors([room.floor.plan() for room in level.rooms if room.floor is not None], f"level {number}")
-            for number, level in enumerate(self.levels)
-        )
-        return format_table(f"House {self.id}", counts | rooms) + "".join(plans)
+        meshes = [[room.floor for room in level.rooms if room.floor is not None] for level in self.levels]
+        plans = [[m.vertices[m.faces][..., [0, 2]] * np.array([1.0, -1.0]) for m in floors] for floors in meshes]
+        return format_house(self.id, rows | rooms, plans)
 
 
 @dataclass(frozen=True)

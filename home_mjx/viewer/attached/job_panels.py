@@ -9,7 +9,7 @@ from home_mjx.tasks.base.status import Status
 from home_mjx.tasks.env.observers import EpisodeStep, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.controls import ViewControls
-from home_mjx.viewer.browser.curves import EpisodeCurves, Plot
+from home_mjx.viewer.browser.curves import CurvePlot, EpisodeCurves
 from home_mjx.viewer.browser.overlays import Overlays
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class JobPanels:
             number = server.gui.add_number("environment", 0, min=0, max=MAX_ENVIRONMENT, step=1)
             tiles = server.gui.add_dropdown("grid", TILES, initial_value=TILES[0])
             self._figures = server.gui.add_markdown("")
-            self._watched = Plot(server, None, "watched environment, at each picture")
+            self._watched = CurvePlot(server, None, "watched environment, at each picture")
         self.num_tiles, self._rows = 0, list[dict[str, float]]()
         self._terms = EpisodeCurves(server, broadcast)
         self._terms.add_folder()

@@ -36,14 +36,14 @@ class EpisodeCurves:
         self._server, self._broadcast = server, broadcast
         self._rows: list[dict[str, float]] = []
         self._results: list[tuple[float, ...]] = []
-        self._plots: dict[str, Plot] = {}
+        self._plots: dict[str, CurvePlot] = {}
         self._last: EpisodeStep | None = None
 
     def add_folder(self) -> None:
         """Add the folder with the plots."""
         with self._server.gui.add_folder("Curves", expand_by_default=True) as folder:
             for name in ("reward", "return and value", "past episodes"):
-                self._plots[name] = Plot(self._server, folder, name)
+                self._plots[name] = CurvePlot(self._server, folder, name)
 
     def begin_run(self, env: Env[HouseholdEnv]) -> None:
         """Clear the results of another environment or agent, and make the program for its reward's terms."""
@@ -91,7 +91,7 @@ class EpisodeCurves:
         return {name: _first(term) for name, term in self._terms(self._env.params, before, after).items()}
 
 
-class Plot:
+class CurvePlot:
     """Plot whose curves are replaced when their names change.
 
     Args:

@@ -5,7 +5,28 @@ import math
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.bank.bank import HouseBank
+from home_mjx.viewer.pictures.top_view import frame_house
+
 GAP = 3.0  # [m], between two houses
+OVERVIEW = np.array([-0.1, -0.7, 0.9])  # from the middle of what is looked at to the camera, in its size
+
+
+def find_boxes(bank: HouseBank) -> Float[np.ndarray, "n 2 2"]:
+    """Return the bounds (low, high) of each house's lowest storey in plan [m]."""
+    frames = [frame_house(bank, house) for house in range(bank.num_houses)]
+    return np.stack([np.stack([low, low + size]) for low, size, _ in frames])
+
+
+def look_at(box: Float[np.ndarray, "2 2"]) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+    """Return place and target of a camera that sees a box in plan (low, high) from above [m].
+
+    Example:
+        >>> look_at(np.array([[0.0, 0.0], [3.0, 4.0]]))[1].tolist()
+        [1.5, 2.0, 0.0]
+    """
+    middle, size = np.append(box.mean(axis=0), 0.0), float(np.linalg.norm(box[1] - box[0]))
+    return middle + OVERVIEW * size, middle
 
 
 def place_side_by_side(boxes: Float[np.ndarray, "n 2 2"]) -> Float[np.ndarray, "n 2"]:

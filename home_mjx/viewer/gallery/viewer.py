@@ -62,8 +62,8 @@ class GalleryViewer:
         self._shifts = place_side_by_side(self._boxes)
         library = ModelLibrary(bank)
         self._trees = [self._add_house(house, library) for house in range(bank.num_houses)]
-        self._frame(np.stack([(self._boxes + self._shifts[:, None]).min((0, 1)),
-                              (self._boxes + self._shifts[:, None]).max((0, 1))]))  # fmt: skip
+        moved = self._boxes + self._shifts[:, None]
+        self._frame(np.stack([moved.min((0, 1)), moved.max((0, 1))]))
         self._add_panels()
 
     def __enter__(self) -> "GalleryViewer":
