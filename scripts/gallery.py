@@ -17,7 +17,7 @@ from PIL import Image
 from home_mjx.core.transforms import camera_quat, quat_matrix
 from home_mjx.houses import load_bank
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
-from home_mjx.raycast_render.images.noise import kinect_depth
+from home_mjx.raycast_render.images.noise import kinect_depth, stereo_depth
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.shaders.lit import LitShader
@@ -32,7 +32,7 @@ EYE = 1.5  # [m] camera height above the floor
 SIZE = (320, 240)
 FINE = LitShader(ao_radius=0.8, max_specular_depth=3)
 FAR = 8.0  # [m] depth that is drawn darkest
-PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation")
+PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation", "sensors")
 
 
 class Studio:
@@ -126,6 +126,34 @@ def kinds(studio, samples):
     return panels(items[:4], items[4:8], items[8:12])
 
 
+def sensors(studio, samples):
+    """Draw noise of depth cameras, tone curves, and faults of lenses in one view."""
+    view = studio.views(1)[0]
+    depth = jnp.asarray(studio.draw(view, Lens(*SIZE), ("depth",))["depth"])
+    key = jax.random.key(0)
+    read = {"Kinect": kinect_depth(key, depth), "stereo camera": stereo_depth(key, depth, view.fovy)}
+    shown = [("depth", pictures.colour_depth(np.minimum(np.asarray(depth)[..., 0], FAR), FAR))]
+    for name, image in read.items():
+        image = np.asarray(image)[..., 0]
+        colored = pictures.colour_depth(np.minimum(image, FAR), FAR)
+        shown.append((name, np.where(np.isinf(image)[..., None], np.uint8(0), colored)))
+    curves = [
+        (curve, studio.draw(view, Lens(*SIZE, samples=samples), shader=LitShader(tone_curve=curve))["rgb"])
+        for curve in ("reinhard", "agx")
+    ]
+    lens = Lens(*SIZE, samples=16, vignette=1.0, shutter=0.5, readout=0.5)
+    turned = camera(view.pos, heading(view)[0] - 0.25, heading(view)[1])
+    moving = jax.jit(functools.partial(render, lens=lens, kinds=("rgb",), shader="lit"))
+    image = np.asarray(moving(studio.scene(), view, before=turned)["rgb"])
+    return panels(shown, [*curves, ("vignette, turn of 14 degrees a step", image)])
+
+
+def heading(view):
+    """Return yaw and pitch of a camera [rad]."""
+    turn = np.array(quat_matrix(view.quat))
+    return np.arctan2(-turn[1, 2], -turn[0, 2]), np.arcsin(-turn[2, 2])
+
+
 def cameras(studio, samples):
     """Draw the lenses: panorama, cube map, plan, lidar."""
     pos = np.asarray(studio.views(1)[0].pos)
@@ -217,8 +245,7 @@ def varied(studio, samples):
         drawn = sample_variation(Variation.of(**ranges), jax.random.key(seed), num_rooms)
         mount = drawn.camera_offsets or CameraOffsets()
         rise, tilt, wider = (0.0 if x is None else float(x) for x in (mount.height, mount.pitch, mount.fovy))
-        turn = np.array(quat_matrix(view.quat))
-        yaw, pitch = np.arctan2(-turn[1, 2], -turn[0, 2]), np.arcsin(-turn[2, 2])
+        yaw, pitch = heading(view)
         own = camera(np.asarray(view.pos) + np.array([0, 0, rise]), yaw, pitch + tilt, float(view.fovy) + wider)
         shown.append((name, studio.draw(own, lens, shader=FINE, drawn=drawn)["rgb"]))
     return panels(shown[:3], shown[3:6], shown[6:])
@@ -255,6 +282,7 @@ def main():
         "rooms": lambda: rooms(studios, args.samples),
         "arrangements": lambda: arrangements(studios, args.samples),
         "variation": lambda: varied(studios[0], args.samples),
+        "sensors": lambda: sensors(studios[0], args.samples),
     }
     args.out.mkdir(parents=True, exist_ok=True)
     for name in args.only:

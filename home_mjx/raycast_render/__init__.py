@@ -12,7 +12,7 @@ from home_mjx.raycast_render.cameras.projection import project
 from home_mjx.raycast_render.cameras.schedule import render_every, render_some
 from home_mjx.raycast_render.casting.cast import cast, occluded
 from home_mjx.raycast_render.images.flow import optical_flow
-from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
+from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb, stereo_depth
 from home_mjx.raycast_render.images.render import KINDS, render
 from home_mjx.raycast_render.lighting.texture import albedo
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -61,6 +61,7 @@ __all__ = [
     "resolve_shader",
     "sensor_rgb",
     "shader_names",
+    "stereo_depth",
     "unit_normals",
     "world_from_camera",
 ]

@@ -70,6 +70,11 @@ class Lens:
         elevation: Lowest and highest beam of a lidar [degrees].
         distortion: Coefficients k1 to k4 of a fisheye (as of OpenCV's module fisheye), or of the radial distortion of a
             pinhole, whose focal length remains that of `fovy`.
+        vignette: Darkening of a pinhole's colour images towards their corners; 1: by the cosine to the fourth power.
+        shutter: Time of exposure of colour images, as a fraction of the time since the earlier camera that `render`
+            gets: motion blur, for which `samples` must be above 1. 0: none.
+        readout: Time from the first row's exposure to the last one's, in the same unit: a rolling shutter. The sum of
+            both is at most 1.
 
     Raises:
         ConfigError: The model is unknown, or a number is invalid.
@@ -85,6 +90,9 @@ class Lens:
     samples: int = 1
     elevation: tuple[float, float] = (-15.0, 15.0)
     distortion: tuple[float, ...] = ()
+    vignette: float = 0.0
+    shutter: float = 0.0
+    readout: float = 0.0
 
     def __post_init__(self) -> None:
         check_known("camera model", [self.model], MODELS)
@@ -97,8 +105,20 @@ class Lens:
         if self.model == "cube" and self.width != self.height:
             raise ConfigError(f"the faces of a cube map must be square, got {self.width} x {self.height}")
         is_pair = isinstance(self.elevation, tuple) and len(self.elevation) == 2
+        self._check_exposure()
         if not (is_pair and -90 <= self.elevation[0] <= self.elevation[1] <= 90):
             raise ConfigError(f"`elevation` must be (lowest, highest) in [-90, 90] degrees, got {self.elevation}")
+
+    def _check_exposure(self) -> None:
+        """Raise `ConfigError` for impossible values of vignette, shutter and readout."""
+        check_number("vignette of a camera", self.vignette, 0, 10)
+        check_number("shutter of a camera", self.shutter, 0, 1)
+        check_number("readout of a camera", self.readout, 0, 1 - self.shutter)
+        if self.vignette and self.model != "pinhole":
+            raise ConfigError(f"only a pinhole may have `vignette`, got the model `{self.model}`")
+        if self.shutter and self.samples == 1:
+            hint = "Write Lens(samples=8, shutter=0.5)."
+            raise ConfigError("motion blur needs several samples per pixel, got `samples` 1", hint=hint)
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -8,6 +8,8 @@ from home_mjx.raycast_render.lighting.texture import SRGB_TO_LINEAR, encode_srgb
 
 DISPARITY_SCALE = 351.3  # [m], disparity times depth; the published model has 35130 with centimetres
 SHIFT_STD = 0.5  # [px], standard deviation of the shift of a reading
+STEREO_BASELINE, STEREO_FOCAL = 0.05, 645.0  # [m]; [px], of 848 x 480 pixels of a RealSense D435
+SUBPIXEL_STD, SUBPIXEL_STEP = 0.08, 1 / 32  # [px], error of its disparities on textured walls, and their resolution
 DISPARITY_STD = 1 / 6  # [step], standard deviation of a disparity
 
 
@@ -53,6 +55,51 @@ def kinect_depth(
     disparity = DISPARITY_SCALE / jnp.where(inside, seen, 1.0)
     disparity = jnp.round(disparity + DISPARITY_STD * strength * jax.random.normal(jitter_key, seen.shape, jnp.float32))
     return jnp.where(inside, DISPARITY_SCALE / jnp.maximum(disparity, 1.0), jnp.inf)
+
+
+def stereo_depth(
+    key: Array,
+    depth: Float[Array, "h w 1"],
+    fovy: Float[Array, ""] | float,
+    near: float = 0.28,
+    far: float = 10.0,
+    strength: Float[Array, ""] | float = 1.0,
+) -> Float[Array, "h w 1"]:
+    """Apply the noise of a stereo depth camera: noisy, quantised disparities, and shadows beside what is near.
+
+    The disparity of a RealSense D435 is `STEREO_BASELINE` times its focal length over the depth. It gets Gaussian noise
+    of `SUBPIXEL_STD` pixels of that camera, and is rounded to `SUBPIXEL_STEP`. Errors therefore grow with the square
+    of the distance. Points that the right camera cannot see, left of nearer surfaces, have no reading.
+
+    Source: Intel, "Best known methods for tuning RealSense D400 depth cameras", 2019: the error of depth is its square
+    times the error of the disparity, over focal length and baseline.
+
+    Args:
+        key: Random key.
+        depth: [m], along the optical axis of a pinhole camera, not clipped, of any size.
+        fovy: Vertical field of view of the image [rad].
+        near: Minimum distance of a reading [m].
+        far: Maximum distance of a reading [m].
+        strength: Factor of the noise; disparities are rounded, and shadows are there, for any value.
+
+    Returns:
+        Depth [m]; inf where there is no reading.
+
+    Example:
+        >>> noisy = stereo_depth(jax.random.key(0), jnp.full((4, 64, 1), 2.0), fovy=1.0)
+        >>> bool((abs(noisy - 2) < 0.05).all())
+        True
+    """
+    height, width, _ = depth.shape
+    inside = (depth >= near) & (depth <= far)
+    reach = STEREO_BASELINE / jnp.where(inside, depth, jnp.inf)
+    # Columns at which the right camera sees each point; a nearer one further right hides those that are not left of it.
+    column = jnp.arange(width, dtype=jnp.float32)[:, None] - reach * (height / 2 / jnp.tan(fovy / 2))
+    first = jax.lax.cummin(column, axis=1, reverse=True)
+    beyond = jnp.concatenate([first[:, 1:], jnp.full_like(first[:, :1], jnp.inf)], axis=1)
+    disparity = reach * STEREO_FOCAL + SUBPIXEL_STD * strength * jax.random.normal(key, depth.shape, jnp.float32)
+    disparity = jnp.maximum(jnp.round(disparity / SUBPIXEL_STEP), 1.0) * SUBPIXEL_STEP
+    return jnp.where(inside & (column < beyond), STEREO_BASELINE * STEREO_FOCAL / disparity, jnp.inf)
 
 
 def sensor_rgb(

@@ -37,6 +37,7 @@ def render(
     exclude: Int[Array, ""] | int = -1,
     depth_max: float | None = 10.0,
     cut_height: Float[Array, ""] | float | None = None,
+    before: Camera | None = None,
 ) -> dict[str, Array]:
     """Render images of one camera; only the requested kinds are computed, all from one cast.
 
@@ -67,6 +68,9 @@ def render(
         exclude: Object id hidden from the camera, such as its own agent; -1 none.
         depth_max: Maximum value of depth and distance images [m]; None disables clipping.
         cut_height: Height above which nothing is seen, such as ceilings [m]; None: all is seen.
+        before: Camera at the last control step, from which it moves evenly while a lens with `shutter` or `readout`
+            takes its colour image. What is in the scene rests. Other kinds of images show the instant of `camera`, and
+            other lenses ignore it. None: the camera rests.
 
     Raises:
         ConfigError: A kind, the shader or the scene's backend is unknown, `depth_max` is negative, or the bank does
@@ -83,7 +87,7 @@ def render(
         check_number("depth_max", depth_max, 0)
     check_camera(camera, lens)
     scene = scene.replace(house=scene.bank.clip_house_index(scene.house))
-    view = View(scene, camera, lens, resolve_shader(shader), exclude, cut_height)
+    view = View(scene, camera, lens, resolve_shader(shader), exclude, cut_height, before)
     images = _LazyImages(view, depth_max)
     return {kind: images.of(kind) for kind in kinds}
 

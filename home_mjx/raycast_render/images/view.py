@@ -13,6 +13,7 @@ from home_mjx.core.checks import shorten
 from home_mjx.errors import ConfigError
 from home_mjx.raycast_render.cameras import sampling
 from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, is_valid_camera
+from home_mjx.raycast_render.cameras.shutter import is_instant, moving_rays, vignette
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.lighting.texture import encode_srgb
 from home_mjx.raycast_render.scene.types import Scene
@@ -31,24 +32,39 @@ class View:
     shader: Shader
     exclude: Int[Array, ""] | int
     cut_height: Float[Array, ""] | float | None = None  # [m]; None: nothing is cut
+    before: Camera | None = None  # pose at the last control step; None: the camera rests
 
     @cached_property
     def valid(self) -> Bool[Array, ""]:
-        """Scalar flag: the camera is valid (`is_valid_camera`), and the poses of all moving instances are finite."""
-        return is_valid_camera(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
+        """Scalar flag: the cameras are valid (`is_valid_camera`), and the poses of all moving instances are finite."""
+        own = is_valid_camera(self.camera, self.lens) & jnp.all(jnp.isfinite(self.scene.moving.pose))
+        return own if self._moving is None else own & is_valid_camera(self._moving, self.lens)
+
+    @property
+    def _moving(self) -> Camera | None:
+        """Earlier camera from which this one moves while a colour image is taken; None if that is instant."""
+        if self.before is None or is_instant(self.lens):
+            return None
+        return self.before.replace(fovy=self.camera.fovy)
 
     @cached_property
     def center_rays(self) -> CameraRays:
         """Rays through the centre of every pixel with their first hits, cast once; all miss unless `valid`."""
         return self.cast(0)
 
-    def cast(self, sample: Int[Array, ""] | int) -> CameraRays:
-        """Cast one ray per pixel, through its point of sample `sample` (0: centre); all miss unless `valid`."""
-        origin, direction = camera_rays(self.camera, self.lens, sampling.sample_point(sample))
+    def cast(self, sample: Int[Array, ""] | int, before: Camera | None = None) -> CameraRays:
+        """Cast one ray per pixel, through its point of sample `sample` (0: centre); all miss unless `valid`.
+
+        Rays of a camera that moves from `before` are at the instants of its shutter.
+        """
+        if before is None:
+            origin, direction = camera_rays(self.camera, self.lens, sampling.sample_point(sample))
+        else:
+            origin, direction = moving_rays(before, self.camera, self.lens, sample)
         start, end = (0.0, jnp.inf) if self.cut_height is None else interval_below(self.cut_height, origin, direction)
         found = cast(
             self.scene,
-            origin if self.lens.model == "orthographic" else self.camera.pos,
+            origin if self.lens.model == "orthographic" or before is not None else self.camera.pos,
             direction,
             t_min=start,
             t_max=jnp.where(self.valid, end, -1.0),
@@ -74,20 +90,24 @@ class View:
     def _mean(self, shade: Callable[[CameraRays], Vec]) -> Vec:
         """Return the mean of `shade` over each pixel's samples."""
         check_shader_bakes(self.shader, self.scene.bank)
-        first = shade(self.center_rays)
+        first = shade(self.center_rays if self._moving is None else self.cast(0, self._moving))
         if self.lens.samples == 1:
             return first
 
         def add(total: Vec, sample: Int[Array, ""]) -> tuple[Vec, None]:
             """Add one sample of all pixels."""
-            return total + shade(self.cast(sample)), None
+            return total + shade(self.cast(sample, self._moving)), None
 
         total, _ = jax.lax.scan(add, first, jnp.arange(1, self.lens.samples, dtype=jnp.int32))
         return total * (1 / self.lens.samples)
 
     def _display(self, rays: CameraRays) -> Vec:
         """Return the linear display light of one sample of each pixel, by the shader's `radiance` and `display`."""
-        return self._checked("display", self.shader.display(self.scene, self._light(rays)), rays)
+        light = self._light(rays)
+        if self.lens.vignette:
+            center = camera_rays(self.camera, self.lens, sampling.sample_point(rays.sample))[1]
+            light = light * vignette(self.lens, center)
+        return self._checked("display", self.shader.display(self.scene, light), rays)
 
     def _light(self, rays: CameraRays) -> Vec:
         """Return the light of one sample of each pixel, by the shader's `radiance`."""

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import LIGHT_PROBES, NUM_KEY_LAMPS, LightProbes
-from home_mjx.core.checks import check_number
+from home_mjx.core.checks import check_known, check_number
 from home_mjx.core.native.platforms import with_fallback_gradient
 from home_mjx.core.pytree import Pytree
 from home_mjx.raycast_render.cameras.camera import pixel_footprint
@@ -23,7 +23,7 @@ from home_mjx.raycast_render.casting.cast import occluded
 from home_mjx.raycast_render.light_kernel import cuda
 from home_mjx.raycast_render.light_kernel import surface_light as native
 from home_mjx.raycast_render.light_kernel.operands import LightInputs
-from home_mjx.raycast_render.lighting import lights, texture
+from home_mjx.raycast_render.lighting import lights, outside, texture
 from home_mjx.raycast_render.lighting.gloss import edge_factor, reflect_view, uniform_gloss
 from home_mjx.raycast_render.lighting.probes import (
     Daylight,
@@ -37,8 +37,9 @@ from home_mjx.raycast_render.lighting.probes import (
     varies,
 )
 from home_mjx.raycast_render.lighting.specular import PathState, start_path, trace_specular
-from home_mjx.raycast_render.lighting.sun_and_sky import sky_share, sun_position, sun_redness, sun_share
+from home_mjx.raycast_render.lighting.sun_and_sky import MIN_SKY_SHARE, sky_share, sun_position, sun_redness, sun_share
 from home_mjx.raycast_render.lighting.texels import MixedTexels, find_chart, mix_texels, texel_irradiance
+from home_mjx.raycast_render.lighting.tone_curves import TONE_CURVES
 from home_mjx.raycast_render.scene.appearance import (
     AppearanceOverrides,
     instance_glow,
@@ -62,7 +63,6 @@ from home_mjx.raycast_render.shaders.base import CameraRays, Shader, find_prepar
 from home_mjx.schema.lighting import MEAN_REFLECTANCE
 from home_mjx.schema.semantic import Semantic
 
-WHITE_LUMINANCE = 5.0  # luminance after exposure that is mapped to white
 MEAN_LUMINANCE_TARGET = 0.5  # target of the mean luminance after exposure; `tone_map` maps it to 0.34
 MIN_METERED_LUMINANCE = 1e-4  # [W/m^2/sr], minimum luminance in auto exposure
 ZENITH_COLOR, HORIZON_COLOR, GROUND_COLOR = (0.45, 0.68, 1.0), (0.9, 0.96, 1.0), (0.2, 0.21, 0.16)  # times sky radiance
@@ -99,6 +99,11 @@ class LitShader(Shader):
         reflections: Glossy surfaces reflect the light of probes, blurred; without probes no effect.
         exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
             image to middle grey.
+        clouds: Share of the sky that clouds cover, 0 to 1, as cameras see it; they neither light nor shade.
+        haze: Extinction of the air [1/m], as cameras see it: 0.004 is a light haze, in which 500 m keep 14 % of
+            contrast.
+        grass: Blades and tufts of lawns, as cameras see them.
+        tone_curve: Tone curve: "reinhard", or "agx", in which bright colours fade to white as on film.
 
     Raises:
         ConfigError: A value is invalid.
@@ -118,10 +123,16 @@ class LitShader(Shader):
     ao_radius: float = 0.0
     exposure: float | None = 2.3
     reflections: bool = False
+    clouds: float = 0.0
+    haze: float = 0.0
+    grass: bool = False
+    tone_curve: str = "reinhard"
 
     def __post_init__(self) -> None:
+        check_known("tone curve", [self.tone_curve], TONE_CURVES)
+        check_number("clouds", self.clouds, 0, 1)
         for option in fields(self):
-            if isinstance(option.default, bool) or (option.name == "exposure" and self.exposure is None):
+            if isinstance(option.default, bool | str) or (option.name == "exposure" and self.exposure is None):
                 continue
             least = -math.inf if option.name.startswith("sun_") else 0
             check_number(option.name, getattr(self, option.name), least, integer=isinstance(option.default, int))
@@ -166,7 +177,8 @@ class LitShader(Shader):
             inputs = self._light_inputs(scene, probes)
             return cuda.path_radiance(scene, probes, path, growth, exclude, self.max_specular_depth, inputs).pack()
 
-        kernels = {"cuda": fuse} if self._has_kernel(scene, sample, "cuda") else {}
+        simple = not (self.clouds or self.haze or self.grass)
+        kernels = {"cuda": fuse} if simple and self._has_kernel(scene, sample, "cuda") else {}
         given = scene, path, growth, jnp.asarray(rays.exclude, jnp.int32)
         return Vec.unpack(with_fallback_gradient(compose, kernels)(*given) if kernels else compose(*given))
 
@@ -186,8 +198,17 @@ class LitShader(Shader):
         """Compute `radiance` by operations of JAX."""
         path = trace_specular(scene, path, growth, self.max_specular_depth, exclude)
         light = _add_glow(scene, path.hit, self._surface_light(scene, path, growth, sample))
+        if self.grass:
+            light = light * outside.grass_detail(scene, path, growth)
         above = scale_daylight(scene.appearance, sky_radiance(path.direction, self))
-        return path.throughput * select(path.hit.instance < 0, above, light)
+        return path.throughput * self._hazy(scene, path, select(path.hit.instance < 0, above, light))
+
+    def _hazy(self, scene: Scene, path: PathState, light: Vec) -> Vec:
+        """Return light behind haze, if there is any."""
+        if self.haze == 0:
+            return light
+        horizon = lights.mix_colors(HORIZON_COLOR, DUSK_COLOR, sun_redness(self.sun_elevation)) * self.sky
+        return outside.add_haze(path, light, scale_daylight(scene.appearance, horizon), self.haze)
 
     def _surface_light(
         self, scene: Scene, path: PathState, growth: Float[Array, ""], sample: lights.LightSample
@@ -248,9 +269,9 @@ class LitShader(Shader):
         return False
 
     def display(self, scene: Scene, light: Vec) -> Vec:
-        """Map radiance to display light by `tone_map`; auto exposure is computed before the episode's exposure."""
+        """Map radiance to display light by the tone curve; auto exposure is computed before the episode's exposure."""
         exposure = auto_exposure(light) if self.exposure is None else self.exposure
-        return tone_map(scale_exposure(scene.appearance, light), exposure)
+        return TONE_CURVES[self.tone_curve](scale_exposure(scene.appearance, light), exposure)
 
     def incident(
         self, scene: Scene, hit: Hit, point: lights.ShadingPoint, sample: lights.LightSample
@@ -349,28 +370,28 @@ class LitShader(Shader):
         return 2 * sample_points(rays.sample, rays.hit.t.shape, seed=1) - 1
 
 
+@register_shader
+@dataclass(frozen=True)
+class NightShader(LitShader):
+    """`lit` without the sun and under a dark sky, with an exposure for lamplight; no rays go to the sun."""
+
+    name: ClassVar[str] = "night"
+
+    sun: float = 0.0
+    sky: float = LitShader.sky * MIN_SKY_SHARE
+    exposure: float | None = 3.2
+
+
 def _add_glow(scene: Scene, hit: Hit, light: Vec) -> Vec:
     """Add the radiance of surfaces that are switched on [W/m^2/sr]; unchanged if the episode has none."""
     glow = instance_glow(scene.appearance, hit.instance)
     return light if glow is None else light + Vec(*GLOW_COLOR) * (GLOW_RADIANCE * glow)
 
 
-def tone_map(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
-    """Map light of any strength, times `exposure`, to linear display light in [0, 1].
-
-    The luminance `WHITE_LUMINANCE`, after exposure, becomes 1; colours keep their hue until a channel saturates.
-
-    Source: E. Reinhard et al., "Photographic tone reproduction for digital images", SIGGRAPH 2002, equation 4.
-    """
-    light = light * exposure
-    luminance = light.dot(Vec(*lights.LUMINANCE))
-    return (light * ((1 + luminance / WHITE_LUMINANCE**2) / (1 + luminance))).map(lambda x: jnp.clip(x, 0.0, 1.0))
-
-
 def auto_exposure(light: Vec) -> Float[Array, ""]:
     """Return the factor that maps an image's geometric mean luminance to `MEAN_LUMINANCE_TARGET`.
 
-    Luminances are at least `MIN_METERED_LUMINANCE`. Source: equation 1 of the source of `tone_map`.
+    Luminances are at least `MIN_METERED_LUMINANCE`. Source: equation 1 of the source of `tone_curves.tone_map`.
     """
     luminance = jnp.maximum(light.dot(Vec(*lights.LUMINANCE)), MIN_METERED_LUMINANCE)
     return MEAN_LUMINANCE_TARGET / jnp.exp(jnp.log(luminance).mean())
@@ -385,7 +406,8 @@ def sky_radiance(direction: Vec, options: LitShader) -> Vec:
     high = jnp.sqrt(jnp.clip(up, 0.0, 1.0))
     horizon = lights.mix_colors(HORIZON_COLOR, DUSK_COLOR, sun_redness(options.sun_elevation))
     above = horizon + (Vec(*ZENITH_COLOR) - horizon) * high
-    return select(up >= 0, above, Vec(*GROUND_COLOR)) * options.sky
+    plain = select(up >= 0, above, Vec(*GROUND_COLOR)) * options.sky
+    return outside.add_clouds(plain, direction, options.clouds, options.sky) if options.clouds else plain
 
 
 def _hit_frame(scene: Scene, path: PathState) -> HitFrame:

@@ -16,14 +16,15 @@ from jaxtyping import Array, Float
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import camera_quat
 from home_mjx.raycast_render.cameras.camera import Camera, intrinsics, world_from_camera
+from home_mjx.raycast_render.cameras.shutter import is_instant
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.tasks.base.config import CAMERA_KINDS, PIXEL_KINDS, AgentCamera, EnvConfig
 from home_mjx.tasks.base.sensor import Sensor
 from home_mjx.tasks.base.snapshot import AgentPose, Snapshot, map_agents
 from home_mjx.tasks.base.specs import ArraySpec, Specs
-from home_mjx.tasks.variation.noise import add_depth_noise, add_rgb_noise
-from home_mjx.tasks.variation.sample import IMAGE_NOISE, CameraOffsets, VariationSample
+from home_mjx.tasks.variation.noise import add_depth_noise, add_rgb_noise, add_stereo_noise
+from home_mjx.tasks.variation.sample import IMAGE_NOISE, STEREO_NOISE, CameraOffsets, VariationSample
 
 MAX_ID = float(np.iinfo(np.int32).max)
 
@@ -44,7 +45,9 @@ class Cameras(Sensor):
 
     def observe(self, config: EnvConfig, snapshot: Snapshot, state: tuple) -> dict[str, Array]:
         """Render all kinds of every camera from one cast, by observation name; with noise if the episode has any."""
-        seen = render_images(config, snapshot.scene, snapshot.pose, snapshot.camera_offsets)
+        moving = not all(is_instant(view.lens) for view in config.all_cameras)
+        before = earlier_pose(snapshot.pose, snapshot.velocity, config.timing.ctrl_dt) if moving else None
+        seen = render_images(config, snapshot.scene, snapshot.pose, snapshot.camera_offsets, before)
         return seen if snapshot.variation is None else _add_noise(config, snapshot, snapshot.variation, seen)
 
 
@@ -74,19 +77,38 @@ def agent_ids(bank: HouseBank, num_agents: int) -> Array:
     return bank.spec.num_instances + jnp.arange(num_agents, dtype=jnp.int32)
 
 
+def earlier_pose(pose: AgentPose, velocity: Float[Array, "a 3"], dt: float) -> AgentPose:
+    """Return where agents were `dt` [s] ago at their present velocity: forward and left [m/s], yaw rate [rad/s].
+
+    The pitch is that of now.
+    """
+    cos, sin = jnp.cos(pose.yaw), jnp.sin(pose.yaw)
+    forward, left = velocity[:, 0], velocity[:, 1]
+    way = jnp.stack([forward * cos - left * sin, forward * sin + left * cos, jnp.zeros_like(cos)], axis=-1)
+    return pose.replace(pos=pose.pos - way * dt, yaw=pose.yaw - velocity[:, 2] * dt)
+
+
 def render_images(
-    config: EnvConfig, scene: Scene, pose: AgentPose, mount: CameraOffsets | None = None
+    config: EnvConfig,
+    scene: Scene,
+    pose: AgentPose,
+    mount: CameraOffsets | None = None,
+    before: AgentPose | None = None,
 ) -> dict[str, Array]:
-    """Render the images of every agent's cameras without noise, by observation name, with an agent axis first."""
+    """Render the images of every agent's cameras without noise, by observation name, with an agent axis first.
+
+    Cameras whose lens has a `shutter` or `readout` move from the pose `before`; None: they rest.
+    """
     own = agent_ids(scene.bank, config.num_agents)
     obs: dict[str, Array] = {}
     for view in config.all_cameras:
 
-        def look(camera: Camera, own: Array, view: AgentCamera = view) -> dict[str, Array]:
+        def look(own: Array, camera: Camera, *before: Camera, view: AgentCamera = view) -> dict[str, Array]:
             """Render one agent's camera."""
-            return _render_camera(config, view, scene, camera, own)
+            return _render_camera(config, view, scene, camera, own, *before)
 
-        obs |= map_agents(look, place_cameras(config, view, pose, mount), own)
+        poses = [pose] if before is None or is_instant(view.lens) else [pose, before]
+        obs |= map_agents(look, own, *(place_cameras(config, view, at, mount) for at in poses))
     return obs
 
 
@@ -104,7 +126,24 @@ def _add_noise(
         (level, noise), name = noises[kind], observation_name(view.name, kind)
         if level is not None and name in seen and view.lens.model == "pinhole":
             keys = jax.random.split(jax.random.fold_in(key, number), config.num_agents)
-            noisy[name] = jax.vmap(functools.partial(noise, level))(keys, seen[name])
+            noisy[name] = jax.vmap(functools.partial(noise, level))(keys, noisy[name])
+    if drawn.stereo_noise is None:
+        return noisy
+    return _add_stereo_noise(config, snapshot, drawn.noise_key(snapshot.step, STEREO_NOISE), drawn.stereo_noise, noisy)
+
+
+def _add_stereo_noise(
+    config: EnvConfig, snapshot: Snapshot, key: Array, level: Float[Array, ""], seen: dict[str, Array]
+) -> dict[str, Array]:
+    """Return images by name, with noise of a stereo camera in depth of pinhole cameras; others unchanged."""
+    noisy = dict(seen)
+    for number, view in enumerate(config.all_cameras):
+        name = observation_name(view.name, "depth")
+        if name in seen and view.lens.model == "pinhole":
+            keys = jax.random.split(jax.random.fold_in(key, number), config.num_agents)
+            fovy = place_cameras(config, view, snapshot.pose, snapshot.camera_offsets).fovy
+            add = functools.partial(add_stereo_noise, level, depth_max=config.max_depth)
+            noisy[name] = jax.vmap(lambda key, depth, fovy, add=add: add(key, depth, fovy))(keys, noisy[name], fovy)
     return noisy
 
 
@@ -135,7 +174,9 @@ def place_cameras(config: EnvConfig, view: AgentCamera, pose: AgentPose, mount: 
     return jax.vmap(Camera)(eye_position(config, pose) + shift, jax.vmap(camera_quat)(yaw, pitch), fovy)
 
 
-def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array) -> dict[str, Array]:
+def _render_camera(
+    config: EnvConfig, view: AgentCamera, scene: Scene, camera: Camera, own: Array, before: Camera | None = None
+) -> dict[str, Array]:
     """Render one camera of one agent, whose object id `own` rays ignore; by observation name, without agent axis."""
     images = render(
         scene,
@@ -145,6 +186,7 @@ def _render_camera(config: EnvConfig, view: AgentCamera, scene: Scene, camera: C
         shader=view.shader,
         exclude=own,
         depth_max=config.max_depth,
+        before=before,
     )
     if "intrinsics" in view.kinds:
         images["intrinsics"] = intrinsics(camera, view.lens)

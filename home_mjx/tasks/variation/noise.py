@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, UInt8
 
-from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb
+from home_mjx.raycast_render.images.noise import kinect_depth, sensor_rgb, stereo_depth
 
 # LoCoBot with the ILQR controller: mean and variance of the errors forward, to the right [m] and in yaw [rad]; first
 # row of moves, second row of turns. A. Murali et al., "PyRobot", 2019 (arXiv:1906.08236), as measured for Habitat.
@@ -59,6 +59,22 @@ def add_depth_noise(
     Values from `depth_max` on stay; noisy ones are at most `depth_max`.
     """
     read = kinect_depth(key, depth, near=0.0, far=depth_max, strength=level)
+    read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
+    return jnp.where(level > 0, read, depth)
+
+
+def add_stereo_noise(
+    level: Float[Array, ""],
+    key: Array,
+    depth: Float[Array, "h w 1"],
+    fovy: Float[Array, ""] | float,
+    depth_max: float,
+) -> Float[Array, "h w 1"]:
+    """Add the noise of a stereo camera (`stereo_depth`) of strength `level` to depth [m]; unchanged for level 0.
+
+    Values from `depth_max` on stay; noisy ones are at most `depth_max`, which is also that of missing readings.
+    """
+    read = stereo_depth(key, depth, fovy, near=0.0, far=depth_max, strength=level)
     read = jnp.where(depth < depth_max, jnp.minimum(read, depth_max), depth)
     return jnp.where(level > 0, read, depth)
 

@@ -36,6 +36,7 @@ RANGE_LIMITS = {
     "footstep_distance": STEP_LENGTH_RANGE,  # [m]
     "equalizer": (-60.0, 60.0),  # [dB]
     "playback_rate": (0.25, 4.0),
+    "stereo_noise": (0.0, 100.0),
 }
 
 
@@ -71,6 +72,8 @@ class Variation(Pytree):
             walking.
         equalizer: Gain of each octave of the clips' pressure [dB], sampled for every octave on its own.
         playback_rate: Factor of pitch and tempo of all clips.
+        stereo_noise: Level of noise of a stereo camera in depth images of pinhole cameras; 1: a RealSense D435. With
+            `depth_noise`, both are added.
 
     Example:
         >>> ranges = Variation.of(lamps=0.5, daylight=(0, 1.5), camera_height=(-0.2, 0.2))
@@ -100,6 +103,7 @@ class Variation(Pytree):
     footstep_distance: Float[Array, "2"] | None = None
     equalizer: Float[Array, "2"] | None = None
     playback_rate: Float[Array, "2"] | None = None
+    stereo_noise: Float[Array, "2"] | None = None
 
     @classmethod
     def of(cls, **ranges: Any) -> "Variation":

@@ -35,6 +35,7 @@ class VariationSample(Pytree):
     footstep_distance: Float[Array, ""] | None = None  # [m]
     equalizer: Float[Array, " bands"] | None = None  # [dB], gain of each octave of the clips
     playback_rate: Float[Array, ""] | None = None
+    stereo_noise: Float[Array, ""] | None = None
 
     def noise_key(self, step: Int[Array, ""], kind: int) -> Array:
         """Return a typed key that differs per episode, step and kind of noise, such as `MOVE_NOISE`."""
@@ -42,7 +43,7 @@ class VariationSample(Pytree):
         return jax.random.fold_in(jax.random.fold_in(own, kind), step)
 
 
-MOVE_NOISE, IMAGE_NOISE = range(2)  # kinds of noise, for `VariationSample.noise_key`
+MOVE_NOISE, IMAGE_NOISE, STEREO_NOISE = range(3)  # kinds of noise, for `VariationSample.noise_key`
 
 
 def sample_variation(variation: Variation | None, key: Array, num_lamps: int) -> VariationSample | None:
@@ -94,6 +95,7 @@ def sample_variation(variation: Variation | None, key: Array, num_lamps: int) ->
         footstep_distance=number("footstep_distance"),
         equalizer=number("equalizer", shape=(len(BANDS),)),
         playback_rate=number("playback_rate"),
+        stereo_noise=number("stereo_noise"),
     )
 
 

@@ -18,7 +18,7 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens, camera_rays, pi
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.images.view import View
-from home_mjx.raycast_render.lighting import specular, texture
+from home_mjx.raycast_render.lighting import specular, texture, tone_curves
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.raycast_render.shaders import lit
@@ -210,17 +210,21 @@ def test_an_image_is_what_the_formulas_say():
     irradiance = 2 * 2.5 / np.linalg.norm(offset, axis=-1) ** 3
     floor = np.asarray(bank.materials.albedo)[2 + 4, :3]  # after the agent's two rows and the four walls
     light = floor * irradiance[..., None] / np.pi
-    expected = np.asarray(texture.encode_srgb(lit.tone_map(Vec.unpack(jnp.asarray(light, jnp.float32)), 3.0).pack()))
+    expected = np.asarray(
+        texture.encode_srgb(tone_curves.tone_map(Vec.unpack(jnp.asarray(light, jnp.float32)), 3.0).pack())
+    )
     assert abs(image.astype(int) - expected.astype(int)).max() <= 1
 
 
 def test_tone_mapping_keeps_order_and_ends():
-    light = jnp.broadcast_to(jnp.linspace(0, 2 * lit.WHITE_LUMINANCE, 100)[:, None], (100, 3))
-    shown = np.asarray(lit.tone_map(Vec.unpack(light), 1.0).pack())
+    light = jnp.broadcast_to(jnp.linspace(0, 2 * tone_curves.WHITE_LUMINANCE, 100)[:, None], (100, 3))
+    shown = np.asarray(tone_curves.tone_map(Vec.unpack(light), 1.0).pack())
     assert shown[0].tolist() == [0, 0, 0]
     assert (np.diff(shown[:, 0]) >= 0).all()
     np.testing.assert_allclose(
-        np.asarray(lit.tone_map(Vec.unpack(jnp.full((1, 3), lit.WHITE_LUMINANCE)), 1.0).pack()), 1, rtol=1e-6
+        np.asarray(tone_curves.tone_map(Vec.unpack(jnp.full((1, 3), tone_curves.WHITE_LUMINANCE)), 1.0).pack()),
+        1,
+        rtol=1e-6,
     )
 
 

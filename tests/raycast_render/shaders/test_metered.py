@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from home_mjx.errors import ConfigError
+from home_mjx.raycast_render.lighting.tone_curves import tone_map
 from home_mjx.raycast_render.scene.vec import Vec
-from home_mjx.raycast_render.shaders.lit import LitShader, auto_exposure, tone_map
+from home_mjx.raycast_render.shaders.lit import LitShader, auto_exposure
 
 
 def shown(light: np.ndarray) -> np.ndarray:

@@ -60,10 +60,10 @@ def test_names_and_instances_resolve():
     assert resolve_shader("fast") == FastShader()
     assert resolve_shader("lit") == LitShader()
     assert resolve_shader(LitShader(num_lights=1)).num_lights == 1
-    assert shader_names() == ("baked", "fast", "lit")
+    assert shader_names() == ("baked", "fast", "lit", "night")
     assert register_shader(Flat) is Flat
     assert resolve_shader("flat") == Flat()
-    assert shader_names() == ("baked", "fast", "flat", "lit")
+    assert shader_names() == ("baked", "fast", "flat", "lit", "night")
 
 
 @pytest.mark.parametrize("samples", [1, 3])
@@ -94,7 +94,7 @@ def test_a_shader_of_a_distribution_is_found_by_its_entry_point(monkeypatch):
             return Flat
 
     monkeypatch.setattr(base, "installed", lambda group: {"flat": Point()})
-    assert shader_names() == ("baked", "fast", "flat", "lit")
+    assert shader_names() == ("baked", "fast", "flat", "lit", "night")
     assert resolve_shader("flat") == Flat()
 
 
@@ -144,7 +144,7 @@ class Blind:
 def test_classes_that_are_not_shaders_are_refused(shader, words):
     with pytest.raises(ConfigError, match=words):
         register_shader(shader)
-    assert shader_names() == ("baked", "fast", "lit")
+    assert shader_names() == ("baked", "fast", "lit", "night")
 
 
 @pytest.mark.parametrize(

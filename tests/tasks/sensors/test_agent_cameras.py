@@ -5,6 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 from handmade import Furniture, shoebox
+from lit_scenes import scene_of
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError
@@ -14,7 +15,7 @@ from home_mjx.raycast_render.shaders.lit import LitShader
 from home_mjx.tasks.base.config import AgentCamera
 from home_mjx.tasks.base.options import make_config
 from home_mjx.tasks.base.snapshot import AgentPose
-from home_mjx.tasks.sensors.cameras import render_images
+from home_mjx.tasks.sensors.cameras import earlier_pose, render_images
 
 CAMERAS = (
     AgentCamera("back", ("depth", "instance"), Lens(9, 9), yaw=180.0),
@@ -81,6 +82,24 @@ def test_only_cameras_that_look_follow_the_head(bank):
     turned = observe(bank, yaw=np.pi / 2)
     assert turned["pixels/head_depth"][4, 4, 0] == pytest.approx(2.5, abs=1e-5)
     np.testing.assert_allclose(turned["camera/plan_pose"][:3, 3], [0, 0.5, 1.5], atol=1e-6)
+
+
+def test_cameras_with_a_shutter_move_as_their_agent_did(bank):
+    """The lower edge of a rolling picture is that of now, the upper one that of a step earlier."""
+    lens = Lens(9, 9, readout=1.0)
+    config = make_config(sensors=("depth",), width=9, height=9, cameras=(AgentCamera("eye", ("rgb",), lens),))
+    pose = AgentPose(jnp.array([[0.0, 0.0, 0.8]]), jnp.array([0.6]), jnp.array([-0.7]))
+    velocity, dt = jnp.array([[1.0, 0.5, 2.0]]), 0.1
+    before = earlier_pose(pose, velocity, dt)
+    np.testing.assert_allclose(before.yaw, 0.4, rtol=1e-6)
+    way = np.array([np.cos(0.6) - 0.5 * np.sin(0.6), np.sin(0.6) + 0.5 * np.cos(0.6), 0]) * dt
+    np.testing.assert_allclose(before.pos[0], pose.pos[0] - way, atol=1e-6)
+    scene = scene_of(bank)
+    look = jax.jit(lambda *poses: render_images(config, scene, poses[0], None, *poses[1:])["pixels/eye_rgb"][0])
+    rolling, now, then = look(pose, before), look(pose), look(before)
+    np.testing.assert_array_equal(rolling[-1], now[-1])
+    np.testing.assert_array_equal(rolling[0], then[0])
+    assert (now[0] != then[0]).any()
 
 
 def test_environments_draw_with_the_preset_of_their_choice(bank):

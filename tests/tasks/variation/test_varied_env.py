@@ -44,6 +44,7 @@ NEUTRAL = {
     "move_noise": 0.0,
     "depth_noise": 0.0,
     "color_noise": 0.0,
+    "stereo_noise": 0.0,
 }
 OPTIONS = {
     "sensors": ("rgb", "depth", "pose", "intrinsics", "audio", "state"),
@@ -187,7 +188,11 @@ def test_moves_have_errors_and_starts_have_none(played, neutral):
 
 
 def test_images_have_noise_of_each_step(env, played, neutral):
-    noisy = played(depth_noise=3.0, color_noise=3.0)
+    noisy, stereo = played(depth_noise=3.0, color_noise=3.0), played(stereo_noise=3.0)
+    assert_array_equal(obs(stereo[0], "pixels/head_rgb"), obs(neutral[0], "pixels/head_rgb"))
+    errors = [obs(a, "pixels/head_depth") - obs(b, "pixels/head_depth") for a, b in zip(stereo, neutral, strict=True)]
+    assert all(0 < np.abs(x).mean() < 3 for x in errors)
+    assert not np.array_equal(*errors)
     for name in ("pixels/head_depth", "pixels/head_rgb"):
         off = [obs(a, name).astype(float) - obs(b, name) for a, b in zip(noisy, neutral, strict=True)]
         assert all(0 < np.abs(x).mean() < 30 for x in off)
