@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.packing.capacity import check_fits
 from home_mjx.bank.records.lights import LIGHT_PROBES, LightProbes
-from home_mjx.light_probes.emitters import texture_digest
+from home_mjx.light_probes.emitters import check_sources, texture_digest
 from home_mjx.light_probes.field import ProbeField, padded_lengths, stack_fields
 from home_mjx.light_probes.options import ProbeOptions
 from home_mjx.schema.compiled import CompiledHouse
@@ -42,7 +42,12 @@ class LightProbeBake:
     )
 
     def extra_key(self, house: CompiledHouse) -> bytes:
-        """Return a digest of the textures' colours and cut-outs; files of one texture differ between encoders."""
+        """Return a digest of the textures' colours and cut-outs; files of one texture differ between encoders.
+
+        Raises:
+            DatasetError: The light of a material or lamp is not a number or negative.
+        """
+        check_sources(house)
         return texture_digest(house)
 
     def bake_house(self, bank: HouseBank, index: int, house: CompiledHouse) -> ProbeField:

@@ -13,6 +13,7 @@ from home_mjx.bank.records.lights import SUN_AZIMUTHS, SUN_ELEVATION
 from home_mjx.core.color import decode_srgb
 from home_mjx.core.images import read_texture
 from home_mjx.core.paths import cache_folder
+from home_mjx.errors import DatasetError
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
 
 MIN_SURFACE_DISTANCE, MIN_PROBE_DISTANCE = 0.1, 0.2  # [m], assumed at least between a lamp and a surface
@@ -166,11 +167,27 @@ def _through(x: Float[np.ndarray, "n 1"], middle: float, end: float) -> Float[np
 
 
 def mean_colors(house: CompiledHouse) -> Float[np.ndarray, "r 3"]:
-    """Return the mean diffuse reflectance of each material row: its colour times the mean of its texture."""
+    """Return the mean diffuse reflectance of each material row, at most 1: its colour times its texture's mean."""
     table = house.materials
     white = np.full(3, 1 / COLOR_UNIT)
     texture = np.array([_summarize(*_stamp(path))[:3] if path else white for path in table.texture]) * COLOR_UNIT
-    return (decode_srgb(table.albedo[:, :3]) * texture.reshape(-1, 3)).astype(np.float32)
+    return np.minimum(decode_srgb(table.albedo[:, :3]) * texture.reshape(-1, 3), 1).astype(np.float32)
+
+
+def check_sources(house: CompiledHouse) -> None:
+    """Raise `DatasetError` for the first material, lamp or window whose light is not a number or negative."""
+    table, rows = house.lights, house.materials.albedo[:, :3]
+    wrong = [
+        ("material", "reflectance", rows, ~(rows >= 0) | np.isinf(rows)),
+        ("light", "intensity [W/sr]", table.intensity, ~(table.intensity >= 0) | np.isinf(table.intensity)),
+        ("light", "position [m]", table.pos, ~np.isfinite(table.pos)),
+    ]
+    for what, quantity, values, bad in wrong:
+        if bad.any():
+            row = int(np.argmax(bad.any(axis=1)))
+            message = f"the {quantity} of {what} {row} is {values[row].tolist()}, from which no light can be baked"
+            hint = "Correct it in the dataset, or render with `fast` or with `lit` without a bake."
+            raise DatasetError(message, element=f"house {house.id}, {what} {row}", hint=hint)
 
 
 def texture_digest(house: CompiledHouse) -> bytes:
