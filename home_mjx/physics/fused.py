@@ -18,7 +18,7 @@ from home_mjx.core.native.fork_guard import check_not_forked
 from home_mjx.core.native.kernel import Kernel, call_native, compile_sources, launch_ptx
 from home_mjx.core.native.vmap_call import Step, batch_kernel, forbid_gradient, traced_constant
 from home_mjx.physics.base.config import PhysicsSetup
-from home_mjx.physics.base.doors import DoorLeaves, door_table
+from home_mjx.physics.base.doors import TRAY_ROWS, DoorLeaves, door_table, tray_table
 from home_mjx.physics.base.state import BodyScale, PhysicsState
 from home_mjx.physics.base.surfaces import body_surfaces
 from home_mjx.physics.mjx.contact_slots import half_above_floor
@@ -31,6 +31,7 @@ from home_mjx.physics.numba.params import (
     BODY_VALID,
     COLLIDER_POS,
     DOOR,
+    GOAL,
     MAX_NEAR_BOXES,
     NUM_RESULTS,
     NUM_SHARED,
@@ -60,12 +61,13 @@ def step_cuda(operands: Sequence[Array], results: Sequence[jax.ShapeDtypeStruct]
     There must be at least one environment and one agent, see `_run`. Indices of houses and held bodies must be valid.
     """
     houses, statics = operands[COLLIDER_POS].shape[:2]
-    bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, DOOR, RAMP))
+    bodies, doors, ramps = (operands[i].shape[1] for i in (BODY_VALID, GOAL, RAMP))
+    trays = (operands[DOOR].shape[1] - doors) // TRAY_ROWS
     envs, agents = operands[ACTION].shape[:2]
     mobiles = agents + bodies + doors
     words = SCRATCH_WORDS * mobiles + _newton_words(mobiles)
     scratch = jax.ShapeDtypeStruct((envs, words), jnp.float32)
-    sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words)
+    sizes = (envs, houses, statics, bodies, agents, doors, ramps, 4 * words, trays)
     common = _newton_words(SMALL_ISLAND) + CONTACT_WORDS * SHARED_CONTACTS + NUM_COUNTS
     shared = SHARED_BYTES * mobiles + 4 * common
     given = *operands, _start_order(operands[QVEL], operands[QACC]), traced_constant(sizes)
@@ -188,14 +190,16 @@ def _is_asleep(template: Template, qvel: Array, qacc: Array) -> Array:
 def _house_arrays(config: PhysicsSetup, physics: Physics) -> tuple[Array, ...]:
     """Return the arrays of all houses, ordered as `numba.params`; boxes not above the floor get half extents of -1.
 
-    That is the ground floor. Padding is included: bodies are not parked, doors have half extents of -1. Factors of
-    `BodyScale` are not applied.
+    That is the ground floor. Padding is included: bodies are not parked, doors have half extents of -1. Rows of
+    trays, if any, follow those of the doors. Factors of `BodyScale` are not applied.
     """
     half = half_above_floor(physics)
     valid = physics.body_valid.astype(jnp.int32)
     bodies = (valid, physics.body_size, physics.body_mass, physics.body_inertia)
     surfaces = reference_surfaces(body_surfaces(config, physics))
     doors = door_table(DoorLeaves.from_physics(physics))
+    if physics.tray_size.shape[2]:
+        doors = jnp.concatenate([doors, tray_table(physics)], axis=1)
     return (physics.collider_pos, physics.collider_quat, half, *bodies, surfaces, doors, physics.ramp, physics.floor)
 
 

@@ -115,6 +115,9 @@ class Doors:
     Each leaf has one joint coordinate q, 0 as authored. For a hinged leaf q is an angle about +z: its box and its
     instance are rotated by q about the vertical line through `pivot`. A sliding leaf is translated by q along `slide`.
     Leaves of exterior doors are closed and static, and have no row here.
+
+    A drawer is a leaf whose box is its front, with a tray: more boxes that move with it, in the frame of its box. Its
+    boxes are bottom, sides and back. Of leaves without a tray they have negative half extents.
     """
 
     instance: Int[np.ndarray, " h"]
@@ -129,6 +132,13 @@ class Doors:
     mass: Float[np.ndarray, " h"]  # [kg]
     slide: Float[np.ndarray, "h 2"]  # unit direction of sliding; 0: hinged
     is_front: Bool[np.ndarray, " h"]  # of a piece of furniture, not between rooms
+    tray_pos: Float[np.ndarray, "_ t 3"] = field(default_factory=lambda: np.zeros((0, 0, 3)))  # [m], centres, per leaf
+    tray_size: Float[np.ndarray, "_ t 3"] = field(default_factory=lambda: np.zeros((0, 0, 3)))  # [m], half extents
+
+    @property
+    def num_tray_boxes(self) -> int:
+        """Number of boxes of a tray; 0 if no leaf has one, and `tray_pos` and `tray_size` may then lack rows."""
+        return self.tray_size.shape[1]
 
     @property
     def is_sliding(self) -> Bool[np.ndarray, " h"]:

@@ -149,7 +149,7 @@ def add_piece(parent: ET.Element, name: str, mesh: str, **more: str) -> None:
 def add_leaf(
     world: ET.Element, doors: Doors, row: int, name: str, inertia: Float[np.ndarray, "3"]
 ) -> tuple[ET.Element, Float[np.ndarray, "3"]]:
-    """Add the body of a door leaf with its inertia and box geom, on a hinge through its origin or on a rail.
+    """Add the body of a door leaf with its inertia and box geoms, on a hinge through its origin or on a rail.
 
     The joint is limited to the leaf's range and damped. The geom collides with agents and movable objects, not with
     static geoms and other leaves.
@@ -180,4 +180,17 @@ def add_leaf(
     place = {"pos": numbers(arm), "quat": numbers(doors.quat[row])}
     ET.SubElement(element, "inertial", place, mass=f"{doors.mass[row]:.9g}", diaginertia=numbers(inertia))
     add_box(element, name, doors.size[row], **COLLIDES_WITH_MOVABLES, **place)
+    _add_tray(element, doors, row, name, arm)
     return element, origin
+
+
+def _add_tray(element: ET.Element, doors: Doors, row: int, name: str, arm: Float[np.ndarray, "3"]) -> None:
+    """Add the boxes `<name>_tray<t>` of a drawer to its body; none for other leaves. `arm` is its box's centre [m]."""
+    if not doors.num_tray_boxes:
+        return
+    w, _, _, z = doors.quat[row]  # about z only
+    turn = np.array([[w * w - z * z, -2 * w * z, 0], [2 * w * z, w * w - z * z, 0], [0, 0, 1]])
+    for t, (pos, size) in enumerate(zip(doors.tray_pos[row], doors.tray_size[row], strict=True)):
+        if size[0] >= 0:
+            place = {"pos": numbers(arm + turn @ pos), "quat": numbers(doors.quat[row])}
+            add_box(element, f"{name}_tray{t}", size, **COLLIDES_WITH_MOVABLES, **place)

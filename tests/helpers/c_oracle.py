@@ -8,6 +8,7 @@ import numpy as np
 from numba import njit, types
 
 from home_mjx.core.native.memory import pointer_to
+from home_mjx.geometry.rotations import plane_matrix
 from home_mjx.physics import PhysicsSetup
 from home_mjx.physics.base import servo
 from home_mjx.physics.base.control import YAW_INERTIA, agent_table
@@ -41,6 +42,7 @@ class Leaves(NamedTuple):
     mass: np.ndarray
     range: np.ndarray
     slide: np.ndarray  # direction; 0: it turns
+    tray: np.ndarray = np.zeros((0, 0, 6))  # of those that slide: centre and half extents in the leaf's frame
 
     @property
     def turns(self) -> np.ndarray:
@@ -93,7 +95,7 @@ class Oracle:
     ):
         self.config, self.agents, self.doors = config, config.num_agents, doors
         slots, slides = len(static.pos), int((~doors.turns).sum())
-        self.layout = Layout(config.num_agents, len(mass), len(doors.mass), slots, slots, slides)
+        self.layout = Layout(config.num_agents, len(mass), len(doors.mass), slots, slots, slides, doors.tray.shape[1])
         self.inertia = mass[:, None] / 3 * (bodies.half[:, [1, 0, 0]] ** 2 + bodies.half[:, [2, 2, 1]] ** 2)
         self.static, self.bodies, self.mass = static, bodies, mass
         self.surfaces = np.tile(default_surface(config), (len(mass), 1)) if surfaces is None else surfaces
@@ -151,6 +153,17 @@ class Oracle:
             joint = model.body_jntadr[body]
             model.jnt_range[joint], model.jnt_axis[joint] = doors.range[h], [*doors.slide[h], doors.turns[h]]
             _resize(model, geom, doors.half[h])
+            for t, (x, y, z, *half) in enumerate(self._tray(h), 1):
+                turn = plane_matrix(doors.yaw[h])
+                model.geom_pos[geom + t], model.geom_quat[geom + t] = [*(doors.arm[h] + turn @ [x, y]), z], turned
+                _resize(model, geom + t, np.array(half))
+
+    def _tray(self, h: int) -> np.ndarray:
+        return (
+            self.doors.tray[h - len(self.doors.mass)]
+            if len(self.doors.tray) and not self.doors.turns[h]
+            else np.zeros((0, 6))
+        )
 
     def accelerations(self, qpos, qvel, action) -> tuple[np.ndarray, int]:
         """Of C MuJoCo, and how many contacts and joints at a limit it has."""
@@ -181,7 +194,8 @@ class Oracle:
         touched, lost = np.zeros(self.agents, np.int64), np.zeros(2, np.int64)
         # All of one type, so that Numba compiles once.
         numbers = type(self.numbers)(*map(float, self.numbers._replace(substeps=substeps)))
-        sizes = self.agents, len(self.mass), len(self.doors.mass), len(self.static.pos)
+        trays = len(self.doors.tray)
+        sizes = self.agents, len(self.mass), len(self.doors.mass), len(self.static.pos), trays
         table, door = self.table.ravel(), self.door_rows.ravel()
         held, grip, goal = self.driven
         control, ramps = (action.ravel(), held, grip.ravel(), goal), np.ascontiguousarray(self.ramps)
@@ -207,7 +221,10 @@ class Oracle:
         inertia = model.dof_M0[self.layout.door_qvel]
         weight = model.body_invweight0[self.layout.doors, 0]
         box = np.c_[doors.pivot, doors.arm, doors.height, doors.yaw, doors.half]
-        return np.c_[box, inertia, weight, doors.range, doors.slide, doors.turns]
+        rows = np.c_[box, inertia, weight, doors.range, doors.slide, doors.turns]
+        flat = doors.tray.reshape(len(doors.tray), 6 * doors.tray.shape[1])
+        padded = np.pad(flat, ((0, 0), (0, 32 - flat.shape[1])))
+        return np.concatenate([rows, padded.reshape(-1, 16)])
 
 
 def _resize(model, geom, half) -> None:
@@ -221,7 +238,7 @@ def _compiled():
     @njit(cache=True)
     def fused(numbers, sizes, house, state, control, out, report):
         _ = digest
-        work = allocate_workspace(sizes[0], sizes[1], sizes[2], sizes[3])
+        work = allocate_workspace(sizes[0], sizes[1], sizes[2], sizes[3], sizes[4])
         (pos, quat, half), (valid, size, mass, inertia, surface), table, door, ramps = house
         load_agents(work, _at(table))
         bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia), _at(surface)

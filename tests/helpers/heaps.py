@@ -4,6 +4,7 @@ import numpy as np
 from c_oracle import Boxes, Leaves, Oracle
 
 from home_mjx.physics import PhysicsSetup
+from home_mjx.physics.base.doors import TRAY_BOXES
 from home_mjx.schema.contact_materials import damping_ratio
 from home_mjx.schema.mjcf import contact_parameters
 
@@ -15,8 +16,11 @@ def unit(quats: np.ndarray) -> np.ndarray:
     return quats / np.linalg.norm(quats, axis=-1, keepdims=True)
 
 
-def heap(rng, num_bodies: int = BODIES) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
-    """Agents, bodies and doors in one heap with static boxes, moving: all touch several others, many deeply."""
+def heap(rng, num_bodies: int = BODIES, trays: bool = False) -> tuple[Oracle, np.ndarray, np.ndarray, np.ndarray]:
+    """Agents, bodies and doors in one heap with static boxes, moving: all touch several others, many deeply.
+
+    The sliding door may have a tray.
+    """
     static = Boxes(
         rng.uniform(-1.2, 1.2, (STATIC, 3)), rng.normal(size=(STATIC, 4)), rng.uniform(0.05, 0.8, (STATIC, 3))
     )
@@ -29,7 +33,9 @@ def heap(rng, num_bodies: int = BODIES) -> tuple[Oracle, np.ndarray, np.ndarray,
     static, bodies = static._replace(quat=unit(static.quat)), bodies._replace(quat=unit(bodies.quat))
     config = PhysicsSetup(num_agents=AGENTS)
     mass = rng.uniform(1, 60, num_bodies)
-    oracle = Oracle(config, static, bodies, mass, leaves(rng), surfaces(rng, config, num_bodies))
+    doors = leaves(rng)
+    doors = doors._replace(tray=tray(rng)) if trays else doors
+    oracle = Oracle(config, static, bodies, mass, doors, surfaces(rng, config, num_bodies))
     agents = np.c_[rng.uniform(-1, 1, (AGENTS, 2)), rng.uniform(0.75, 0.82, AGENTS), rng.uniform(-3, 3, AGENTS)]
     low, high = oracle.doors.range.T  # some beyond the ends of their ways
     qpos = np.r_[agents.ravel(), np.c_[bodies.pos, bodies.quat].ravel(), rng.uniform(low - 0.1, high + 0.1)]
@@ -42,6 +48,11 @@ def surfaces(rng, config, num_bodies: int) -> np.ndarray:
     return np.stack(
         [rng.uniform(0.1, 1, num_bodies), *contact_parameters(np.array(ratio), config.timing.sim_dt)], axis=1
     )
+
+
+def tray(rng) -> np.ndarray:
+    """Boxes of a sliding door besides its own, all about it."""
+    return np.c_[rng.uniform(-0.5, 0.5, (TRAY_BOXES, 3)), rng.uniform(0.02, 0.3, (TRAY_BOXES, 3))][None]
 
 
 def leaves(rng) -> Leaves:

@@ -118,6 +118,8 @@ def _doors(house: TinyHouse, slides: bool) -> dict[str, np.ndarray]:
         "door_quat": table([d.quat for d in house.doors], (0.0, 0.0, 0.0, 0.0)),
         "door_size": table([d.size for d in house.doors], nothing),
         "door_mass": table([d.mass for d in house.doors], 0.0),
+        "tray_pos": np.zeros((int(slides), 0, 3), np.float32),
+        "tray_size": np.zeros((int(slides), 0, 3), np.float32),
     }
 
 

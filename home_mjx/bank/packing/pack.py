@@ -39,7 +39,7 @@ COMMON_OPTIONS: Mapping[str, Callable[[CompiledHouse], float]] = {
 }
 OPTION_LABELS = {"cell": "navigation cell size", "agent_radius": "agent radius", "agent_height": "agent height"}
 # Axes whose lengths `BankSpec` stores.
-SPEC_AXES = ("instances", "bodies", "doors", "slides", "starts", "goals")
+SPEC_AXES = ("instances", "bodies", "doors", "slides", "tray_boxes", "starts", "goals")
 
 
 @dataclass(frozen=True)

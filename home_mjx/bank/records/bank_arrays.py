@@ -47,6 +47,7 @@ class BankSpec(Pytree):
     agent_radius: float = static()  # [m], of the agents that the houses were compiled for
     agent_height: float = static()  # [m]
     num_slides: int = static(default=0)  # number of sliding doors, the last ones
+    num_tray_boxes: int = static(default=0)  # boxes that each sliding leaf may have besides its own, as drawers do
 
 
 class BankArrays(Pytree):

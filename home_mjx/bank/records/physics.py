@@ -86,6 +86,25 @@ def door_source(field: str, fill: Any = 0) -> Callable[[HouseOwner], np.ndarray]
     return rows
 
 
+def tray_source(field: str, fill: float) -> Callable[[HouseOwner], np.ndarray]:
+    """Return a function of an owner that lists a field of its leaves' trays along the house's padded `slides` axis.
+
+    Rows are those of `HouseOwner.door_row`, less the hinged ones; what is missing is `fill`.
+    """
+
+    def rows(at: HouseOwner) -> Float[np.ndarray, "slides tray_boxes 3"]:
+        """Return the field along the house's padded `slides` axis."""
+        doors, slides = at.house.doors, at.sizes["slides"]
+        padded = np.full((slides, at.sizes["tray_boxes"], 3), float(fill))
+        if doors.num_tray_boxes:
+            row, own = at.door_row - (at.sizes["doors"] - slides), doors.is_sliding
+            padded[row[own], : doors.num_tray_boxes] = getattr(doors, field)[own]
+        return padded
+
+    rows.__name__ = field
+    return rows
+
+
 def front_rows(at: HouseOwner) -> Int[np.ndarray, " fronts"]:
     """Return the rows, along the house's padded `doors` axis, of fronts of furniture."""
     return at.door_row[at.house.doors.is_front]
@@ -149,6 +168,13 @@ class Physics(Pytree):
         "[m], half extents", source=door_source("size", PADDING_SIZE), fill=PADDING_SIZE
     )
     door_mass: Float[Array, "h doors"] = array("[kg]", source=door_source("mass", 1), fill=1)
+    tray_pos: Float[Array, "h slides tray_boxes 3"] = array(
+        "[m], boxes of drawers besides their fronts, in the frame of the sliding leaf's box",
+        source=tray_source("tray_pos", 0),
+    )
+    tray_size: Float[Array, "h slides tray_boxes 3"] = array(
+        "[m], half extents; negative: no box", source=tray_source("tray_size", -1), fill=-1
+    )
     ramp: Float[Array, "h ramps 8"] = array(
         "centre of its top in plan (2) [m], uphill direction (2), half length and width in plan [m], height of the "
         "centre [m], slope (rise / run); padding has a negative length",

@@ -46,7 +46,7 @@ class PhysicsConfig:
         agent_slots: Maximum number of static boxes that an agent can touch at once, of MJX.
         body_slots: Maximum number of static boxes that a movable body can touch at once, of MJX.
         max_geom_pairs: Maximum number of geom pairs of one kind (box-box, capsule-box) that MJX tests, nearest bounding
-            spheres first. None: two per body plus one per door; at least four per agent, and 8.
+            spheres first. None: two per body plus one per box of a door; at least four per agent, and 8.
         max_contact_points: Maximum number of contact points of agents, and of bodies, in MJX, deepest first. None: six
             per body; at least eight per agent, and 16.
         sleep: Whether the fused step skips bodies at rest until an awake body touches them.

@@ -1,10 +1,15 @@
-"""Doors in the physics: leaves that turn about a vertical axis or slide, packed as one row each."""
+"""Doors in the physics: leaves that turn about a vertical axis or slide, packed as one row each, and their trays."""
 
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
+from home_mjx.errors import ConfigError
+
+DOOR_COLUMNS = 16  # of `door_table`
+TRAY_BOXES, TRAY_ROWS = 4, 2  # boxes of a drawer besides its front, and the rows of `door_table` that hold them
 
 
 class DoorLeaves(Pytree):
@@ -106,6 +111,50 @@ class DoorLeaves(Pytree):
         half, zero = (angle + self.yaw) / 2, jnp.zeros_like(angle)
         quat = jnp.stack([jnp.cos(half), zero, zero, jnp.sin(half)], axis=-1)
         return jnp.stack([x, y, jnp.broadcast_to(self.height, x.shape)], axis=-1), quat
+
+
+def tray_table(physics: Physics) -> Float[Array, "h rows 16"]:
+    """Pack the trays of all houses' sliding leaves as `TRAY_ROWS` more rows of `door_table` each; none without trays.
+
+    They have centre and half extents of one box after the other, in the frame of the leaf's box, then zeros.
+
+    Raises:
+        ConfigError: A tray has more boxes than fit.
+    """
+    boxes = jnp.concatenate([physics.tray_pos, physics.tray_size], axis=-1)
+    houses, slides, count = boxes.shape[:3]
+    if not count:
+        return jnp.zeros((houses, 0, DOOR_COLUMNS), jnp.float32)
+    if count != TRAY_BOXES:
+        raise ConfigError(f"trays have {TRAY_BOXES} boxes, the bank's have {count}", element="bank.physics.tray_pos")
+    flat = boxes.reshape(houses, slides, 6 * TRAY_BOXES)
+    padding = np.zeros((houses, slides, DOOR_COLUMNS * TRAY_ROWS - 6 * TRAY_BOXES), np.float32)
+    return jnp.concatenate([flat, padding], axis=-1).reshape(houses, slides * TRAY_ROWS, DOOR_COLUMNS)
+
+
+def with_trays(leaves: DoorLeaves, physics: Physics) -> DoorLeaves:
+    """Return leaves of `DoorLeaves.from_physics` in which the box of a drawer encloses its tray.
+
+    Their arm is then not 0, and masses are unchanged. Without trays, the leaves are returned as they are.
+    """
+    slides, count = physics.tray_size.shape[1:3]
+    if not count:
+        return leaves
+    first = leaves.mass.shape[1] - slides
+    own = leaves.size[:, first:, None]
+    pos, size = physics.tray_pos, physics.tray_size
+    there = size >= 0
+    low = jnp.minimum(-own, jnp.where(there, pos - size, 0.0)).min(axis=2)
+    high = jnp.maximum(own, jnp.where(there, pos + size, 0.0)).max(axis=2)
+    used = there[:, :, :1, 0]
+    middle, half = jnp.where(used, (low + high) / 2, 0.0), jnp.where(used, (high - low) / 2, own[:, :, 0])
+    cos, sin = jnp.cos(leaves.yaw[:, first:]), jnp.sin(leaves.yaw[:, first:])
+    x, y = cos * middle[..., 0] - sin * middle[..., 1], sin * middle[..., 0] + cos * middle[..., 1]
+    return leaves.replace(
+        arm=leaves.arm.at[:, first:].add(jnp.stack([x, y], axis=-1)),
+        height=leaves.height.at[:, first:].add(middle[..., 2]),
+        size=leaves.size.at[:, first:].set(half),
+    )
 
 
 def door_table(leaves: DoorLeaves) -> Float[Array, "*h 16"]:

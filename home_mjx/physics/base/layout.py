@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+from jaxtyping import Int
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -11,7 +14,7 @@ class Layout:
     Order of bodies: world, agents, movable bodies, doors. All except the world are dynamic bodies, which are counted
     from 0.
     Order of geoms: floor, slots of the agents, slots of the bodies, then two per agent (capsule, foot), nine per body
-    (box, corners) and one per door.
+    (box, corners) and one per door. Each sliding leaf has `num_tray_boxes` more, which follow its own.
     An agent has 4 numbers in `qpos` and in `qvel` (x, y, z, yaw), a body 7 and 6, and a door 1 and 1. A door's
     coordinate is the angle of a hinged leaf or the displacement of a sliding one.
     Sliding leaves are the last doors.
@@ -23,6 +26,7 @@ class Layout:
     agent_slots: int
     body_slots: int
     num_slides: int = 0
+    num_tray_boxes: int = 0
 
     @property
     def num_slots(self) -> int:
@@ -88,7 +92,13 @@ class Layout:
         return slice(first, first + 9 * self.num_bodies)
 
     @property
-    def door_geoms(self) -> slice:
-        """Slice of the geoms of the doors, one per door."""
-        first = self.body_geoms.stop
-        return slice(first, first + self.num_doors)
+    def door_geoms(self) -> Int[np.ndarray, " h"]:
+        """Indices of the geoms of the doors' own boxes, one per door."""
+        slide = np.maximum(np.arange(self.num_doors) - (self.num_doors - self.num_slides), 0)
+        return self.body_geoms.stop + np.arange(self.num_doors) + self.num_tray_boxes * slide
+
+    @property
+    def tray_geoms(self) -> Int[np.ndarray, " t"]:
+        """Indices of the geoms of trays, `num_tray_boxes` per sliding leaf."""
+        own = self.door_geoms[self.num_doors - self.num_slides :]
+        return (own[:, None] + 1 + np.arange(self.num_tray_boxes)).reshape(-1)

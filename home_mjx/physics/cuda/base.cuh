@@ -49,6 +49,7 @@ constexpr int JOINT_LIMIT = -1, FLOOR = -2, STATIC = -3;
 constexpr real MIN_SUPPORT_NORMAL = real(0.5);  // as in base/state.py
 // Columns of the tables, see numba/params.py
 constexpr int AGENT_COLUMNS = 8, DOOR_COLUMNS = 16, RAMP_COLUMNS = 8, SURFACE_COLUMNS = 5;
+constexpr int TRAY_BOXES = 4, TRAY_ROWS = 2;  // see base/doors.py
 constexpr int NOT_DRIVEN = 1000000000;  // goal of a door that is not driven
 constexpr real WAKE_DISTANCE = 0.01;  // [m], see numba/sleep.py
 constexpr real MIN_AWAKE_ACCELERATION = 1e-6;  // acceleration that marks a woken dynamic body; sleeping ones have 0

@@ -21,6 +21,7 @@ static_assert(sizeof(Contact) <= CONTACT_WORDS * sizeof(real), "fused.py allocat
 struct Env {
   int agents, free, mobiles, statics;  // free: agents + bodies, index of the first door; mobiles: up to the last one
   int room, pair_room;                 // maximum numbers of contacts and of pairs of dynamic bodies
+  int first_tray;                      // index of the first leaf that may have a tray; that of no body without trays
   // Element 0 of quat is an agent's yaw or a door's coordinate. All dynamic bodies have six velocities; a door's rate is
   // the last, and HEAVY masses keep the others at zero.
   real *pos, *quat, *rot, *vel, *acc, *smooth, *half, *mass, *inverse, *radius, *impulse;
@@ -30,6 +31,7 @@ struct Env {
   int *counts, *pairs;                                           // pairs: dynamic bodies near each other
   real *near, *near_from, *small, *large;  // small and large: memory for Newton's method, small is shared memory
   const float *agent, *door, *surface;  // tables of the agents, the house's doors and its bodies
+  const float* tray;                    // TRAY_ROWS rows of each leaf that may have a tray
   real rougher;                         // friction factor of bodies
   Contact *first_contacts, *contacts;  // the first few are in shared memory
   Numbers numbers;

@@ -23,13 +23,27 @@ __device__ int write_contacts(const Env& e, int count, int first, int second, co
   return count + total;
 }
 
-INLINE Box mobile_box(const Env& e, int m) {
+// Returns centre and half extents of box `part`, from 1 on, of a drawer, in the frame of its front.
+INLINE const float* tray_box(const Env& e, int m, int part) {
+  return e.tray + DOOR_COLUMNS * TRAY_ROWS * (m - e.first_tray) + 6 * (part - 1);
+}
+
+// Returns the number of boxes of a dynamic body: 1, and more for a drawer, whose first one is its front.
+INLINE int num_parts(const Env& e, int m) {
+  return m >= e.first_tray && tray_box(e, m, 1)[3] >= 0 ? 1 + TRAY_BOXES : 1;
+}
+
+INLINE Box mobile_box(const Env& e, int m, int part = 0) {
   Box box;
   const real* rot = e.rot + 9 * m;
   box.pos = {e.pos[3 * m], e.pos[3 * m + 1], e.pos[3 * m + 2]};
   for (int k = 0; k < 3; ++k) {
     box.axis[k] = {rot[k], rot[3 + k], rot[6 + k]};
     box.half[k] = e.half[3 * m + k];
+  }
+  if (part > 0) {
+    const float* own = tray_box(e, m, part);
+    for (int k = 0; k < 3; ++k) box.pos = box.pos + real(own[k]) * box.axis[k], box.half[k] = own[3 + k];
   }
   return box;
 }
@@ -161,8 +175,8 @@ INLINE void on_floor(const Env& e, int m, real floor, Points& points) {
   }
 }
 
-INLINE void with_box(const Env& e, int m, const Box& box, Points& points) {
-  const Box own = mobile_box(e, m);
+INLINE void with_box(const Env& e, int m, int part, const Box& box, Points& points) {
+  const Box own = mobile_box(e, m, part);
   if (m >= e.agents) {
     box_box(own, box, points);
   } else if (!apart(own, box, 0)) {
@@ -204,8 +218,9 @@ INLINE bool spheres_meet(const Env& e, int a, int b, real reach) {
   return square <= far * far;
 }
 
-// Lists pairs of dynamic bodies whose bounding spheres overlap, as first + second * mobiles; returns their number. The
-// first is awake. Of two awake bodies, the first has the lower index. Doors do not collide with each other.
+// Lists pairs of dynamic bodies whose bounding spheres overlap, as first + (second + part * mobiles) * mobiles; returns
+// their number. The first is awake. Of two awake bodies, the first has the lower index. Doors do not collide with each
+// other; a drawer has a pair for each of its boxes.
 __device__ int list_pairs(const Env& e, int awake) {
   int count = 0;
   for (int base = 0; base < awake * e.mobiles; base += WARP_SIZE) {
@@ -213,11 +228,15 @@ __device__ int list_pairs(const Env& e, int awake) {
     bool near = pair < awake * e.mobiles && e.exists[other] && other != m && (m < e.free || other < e.free);
     near = near && (!e.awake[other] || other < m);
     near = near && spheres_meet(e, m, other, 0);
-    const unsigned mask = warp_ballot(near);
-    const int place = count + count_bits(mask & ((1u << LANE) - 1));
-    if (near && place < e.pair_room)
-      e.pairs[place] = e.awake[other] ? other + m * e.mobiles : m + other * e.mobiles;
-    count += count_bits(mask);
+    const int both = near && e.awake[other] ? other + m * e.mobiles : m + other * e.mobiles;
+    const int parts = near ? num_parts(e, m > other ? m : other) : 0;
+    for (int part = 0; part <= TRAY_BOXES; ++part) {
+      const unsigned mask = warp_ballot(part < parts);
+      if (mask == 0) break;
+      const int place = count + count_bits(mask & ((1u << LANE) - 1));
+      if (part < parts && place < e.pair_room) e.pairs[place] = both + part * e.mobiles * e.mobiles;
+      count += count_bits(mask);
+    }
   }
   sync_warp();
   if (count <= e.pair_room) return count;
@@ -235,7 +254,7 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
   const int total = awake + statics + pairs;
   int count = 0;
   for (int base = 0; base < total; base += WARP_SIZE) {
-    int pair = base + LANE, first = -1, second = STATIC;
+    int pair = base + LANE, first = -1, second = STATIC, part = 0;
     Points points;
     points.count = 0;
     if (pair < awake) {
@@ -252,15 +271,16 @@ __device__ int find_contacts(const Env& e, const House& house, real floor) {
         first = m, second = STATIC - number, box = static_box(house, number);
       } else {
         const int both = e.pairs[pair - statics];
-        first = both % e.mobiles, second = both / e.mobiles;
-        if (second >= e.agents) box = mobile_box(e, second);
+        first = both % e.mobiles, second = both / e.mobiles % e.mobiles, part = both / e.mobiles / e.mobiles;
+        if (second >= e.agents) box = mobile_box(e, second, second >= e.free ? part : 0);
+        if (first < e.free) part = 0;  // that of the first body
       }
       if (second >= 0 && second < e.agents) {
         const Vec a = {e.pos[3 * first], e.pos[3 * first + 1], e.pos[3 * first + 2]};
         const Vec b = {e.pos[3 * second], e.pos[3 * second + 1], e.pos[3 * second + 2]};
         capsule_capsule(a, b, e.agent + AGENT_COLUMNS * first, e.agent + AGENT_COLUMNS * second, points);
       } else {
-        with_box(e, first, box, points);
+        with_box(e, first, part, box, points);
       }
       if (second >= 0 && !e.awake[second]) {
         if (points.count) e.wakes[second] = 1;

@@ -30,7 +30,11 @@ __device__ void wake_near(const Env& e) {
     const real *vel = e.vel + 6 * m, fast = m < e.free ? length_of(vel) + length_of(vel + 3) * e.radius[m]
                                                        : 2 * absolute(vel[5]) * e.radius[m];
     const real near = WAKE_DISTANCE + 2 * e.numbers.sim_dt * fast;
-    if (spheres_meet(e, m, other, near) && !apart(mobile_box(e, m), mobile_box(e, other), near)) e.wakes[other] = 1;
+    if (!spheres_meet(e, m, other, near)) continue;
+    for (int part = num_parts(e, m > other ? m : other) - 1; part >= 0; --part) {
+      const Box one = mobile_box(e, m, m >= e.free ? part : 0), two = mobile_box(e, other, other >= e.free ? part : 0);
+      if (!apart(one, two, near)) e.wakes[other] = 1;
+    }
   }
   sync_warp();
   for (int m = e.agents + LANE; m < e.mobiles; m += WARP_SIZE)

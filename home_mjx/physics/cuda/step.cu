@@ -42,6 +42,12 @@ INLINE void load(const Env& e, int m, const float* qpos, const float* qvel, cons
     vel[5] = qvel[v], acc[5] = qacc[v], mass[5] = door[9];
   }
   for (int k = 0; k < 3; ++k) square += half[k] * half[k];
+  for (int part = num_parts(e, m) - 1; part > 0; --part) {
+    const float* box = tray_box(e, m, part);
+    real far = 0;
+    for (int k = 0; k < 3; ++k) far += (absolute(box[k]) + box[3 + k]) * (absolute(box[k]) + box[3 + k]);
+    square = fmax(square, far);
+  }
   e.radius[m] = sqrt(square);
 }
 
@@ -116,7 +122,7 @@ INLINE void note_pushes(const Env& e, int count, float* push, int* other) {
 }
 
 // `order`: environments in the order of their start. `sizes`: environments, houses, static boxes, bodies, agents, doors,
-// ramps, bytes of scratch per environment.
+// ramps, bytes of scratch per environment, leaves that may have a tray. Rows of trays follow those of a house's doors.
 extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* collider_pos, const float* collider_quat, const float* collider_half, const int* body_valid,
     const float* body_size, const float* body_mass, const float* body_inertia, const float* body_surface,
@@ -125,7 +131,7 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
     const float* grip, const float* goal, const float* scale, const int* order, const int* sizes, float* new_qpos,
     float* new_qvel, float* new_qacc, int* touched, int* lost, float* push, int* other, char* scratch) {
   const int env = order[blockIdx.x], num_houses = sizes[1];
-  const int bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6];
+  const int bodies = sizes[3], num_doors = sizes[5], num_ramps = sizes[6], num_trays = sizes[8];
   Env e;
   e.statics = sizes[2], e.agents = sizes[4], e.free = e.agents + bodies, e.mobiles = e.free + num_doors;
   e.room = POINTS_PER_BODY * e.mobiles, e.pair_room = PAIRS_PER_BODY * e.mobiles;
@@ -151,7 +157,8 @@ extern "C" __global__ void __launch_bounds__(WARP_SIZE, BLOCKS) step_physics(
                        collider_half + size_t(house) * e.statics * 3};
   e.rougher = scale[2 * env];
   e.agent = agents, e.surface = body_surface + size_t(house) * bodies * SURFACE_COLUMNS;
-  e.door = doors + size_t(house) * num_doors * DOOR_COLUMNS;
+  e.door = doors + size_t(house) * (num_doors + TRAY_ROWS * num_trays) * DOOR_COLUMNS;
+  e.tray = e.door + num_doors * DOOR_COLUMNS, e.first_tray = e.mobiles - num_trays;
   ramps += size_t(house) * num_ramps * RAMP_COLUMNS;
   const int nq = 4 * e.agents + 7 * bodies + num_doors, nv = 4 * e.agents + 6 * bodies + num_doors;
   qpos += size_t(env) * nq, qvel += size_t(env) * nv, qacc += size_t(env) * nv;

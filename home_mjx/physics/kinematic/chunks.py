@@ -12,6 +12,7 @@ from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.numba_cache import verify_cache
 from home_mjx.physics.base import control, servo
+from home_mjx.physics.base import doors as base_doors
 from home_mjx.physics.kinematic import doors, footprints, kinematic_step, numba_step, support
 from home_mjx.physics.kinematic.numba_step import HouseBoxes, allocate_memory, free_memory, step_env
 from home_mjx.physics.mjx import template_mjcf
@@ -30,7 +31,7 @@ compiled = compile_inner()
 def compile_chunks() -> tuple[Any, Any]:
     """Compile the functions `count` and `work` of `handler.build_handler`, or load them from Numba's cache on disk."""
     # Numba's cache checks this file only. The functions refer to the digest, so that a change of others invalidates it.
-    parts: Any = (ffi, memory, control, servo, physics_record, template_mjcf, params)
+    parts: Any = (ffi, memory, control, servo, base_doors, physics_record, template_mjcf, params)
     parts += (doors, footprints, kinematic_step, numba_step, support)
     digest = ffi.hash_sources(*(part.__file__ for part in parts))
 

@@ -37,13 +37,14 @@ def step_in_jax(
     `control`, forces, masses, friction and `state.scale` are ignored. `house` must be a valid index, as it is not
     clipped.
 
-    Doors are driven first and then pushed by agents, which move in substeps; see `num_substeps`. Held bodies are set
-    to their grips and released ones dropped at the end. Velocities are displacements divided by the step's length; only
-    agents have one. `qacc` is 0. `num_contacts` is the maximum over substeps of the obstacles that an agent touches at
-    once. Contacts have no impulses: these fields are unchanged. Nothing overflows.
+    Drawers are boxes around front and tray. Doors are driven first and then pushed by agents, which move in substeps;
+    see `num_substeps`. Held bodies are set to their grips and released ones dropped at the end. Velocities are
+    displacements divided by the step's length; only agents have one. `qacc` is 0. `num_contacts` is the maximum over
+    substeps of the obstacles that an agent touches at once. Contacts have no impulses: these fields are unchanged.
+    Nothing overflows.
     """
     config, layout = template.config, template.layout
-    agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house)
+    agents, leaves = state.qpos[layout.agent_qpos].reshape(-1, 4), house_doors(physics, house, trays=True)
     angle = drive_doors(leaves, state.qpos[layout.door_qpos], state.door_goal, config.timing.ctrl_dt)
     fixed, steps = _obstacles(template, physics, house, state), num_substeps(config)
     table = jnp.asarray(template.agents, jnp.float32)

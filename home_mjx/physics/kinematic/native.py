@@ -11,7 +11,7 @@ from home_mjx.bank.records import Physics
 from home_mjx.core.native.fork_guard import check_not_forked
 from home_mjx.core.native.kernel import Kernel, call_native
 from home_mjx.core.native.vmap_call import Step, batch_kernel
-from home_mjx.physics.base.doors import DoorLeaves, door_table
+from home_mjx.physics.base.doors import DoorLeaves, door_table, with_trays
 from home_mjx.physics.base.state import PhysicsState
 from home_mjx.physics.kinematic.kinematic_step import num_substeps, step_in_jax
 from home_mjx.physics.mjx.overflow import Overflow
@@ -52,7 +52,8 @@ def _step_native(
     held = jnp.where(state.held < bodies, state.held, -1)
     static = physics.collider_pos, physics.collider_quat, physics.collider_size
     shared = (*static, physics.ramp_collider, physics.ramp, physics.floor, physics.body_size)
-    shared = (*shared, door_table(DoorLeaves.from_physics(physics)), jnp.asarray(template.agents, jnp.float32), times)
+    leaves = with_trays(DoorLeaves.from_physics(physics), physics)
+    shared = (*shared, door_table(leaves), jnp.asarray(template.agents, jnp.float32), times)
     own = (house, state.qpos, state.qvel, action, held, state.grip, state.door_goal)
     qpos, qvel, touched = (x[0] for x in _batched()(*shared, *(x[None] for x in own)))
     no = jnp.zeros((), bool)

@@ -14,6 +14,7 @@ from home_mjx.core.native.ffi import WORD, allocate, release
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, offset_pointer, pointer_to
 from home_mjx.physics.base.control import FORWARD_SPEED, HALF_LENGTH, RADIUS, STRAFE_SPEED, TURN_RATE
+from home_mjx.physics.base.doors import DOOR_COLUMNS
 from home_mjx.physics.base.servo import MAX_DOOR_SPEED, MAX_RAMP_GAP, NOT_DRIVEN
 from home_mjx.physics.kinematic.contact_stop import ADVANCES, CONTACT_DISTANCE, MIN_APPROACH
 from home_mjx.physics.kinematic.doors import MIN_PUSH_LEVER
@@ -21,7 +22,7 @@ from home_mjx.physics.kinematic.footprints import DEPENETRATION_ITERATIONS, MAX_
 from home_mjx.physics.kinematic.kinematic_step import MAX_STEP_HEIGHT
 from home_mjx.physics.kinematic.support import MAX_SUPPORT_OVERLAP, MAX_SUPPORT_REACH
 from home_mjx.physics.mjx.template_mjcf import PARKED_RANGE
-from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS
+from home_mjx.physics.numba.params import AGENT_COLUMNS, RAMP_COLUMNS
 
 BOX_COLUMNS = 8  # centre (2), cosine and sine of u's heading, half extents along u and v, bottom, top
 NEAR_SLACK = 0.5  # [m], by which a point may move until boxes near it are listed again

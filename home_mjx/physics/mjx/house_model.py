@@ -11,7 +11,7 @@ from mujoco import mjx
 from home_mjx.bank.records import Physics
 from home_mjx.core.pytree import Pytree
 from home_mjx.physics.base.config import PhysicsSetup
-from home_mjx.physics.base.doors import DoorLeaves
+from home_mjx.physics.base.doors import DoorLeaves, with_trays
 from home_mjx.physics.base.layout import Layout
 from home_mjx.physics.base.state import BodyScale
 from home_mjx.physics.base.surfaces import FRICTION, IMPEDANCE_LOW, body_surfaces, default_surface
@@ -178,13 +178,15 @@ def with_surfaces(
     )
 
 
-def house_doors(physics: Physics, house: Int[Array, ""]) -> DoorLeaves:
+def house_doors(physics: Physics, house: Int[Array, ""], trays: bool = False) -> DoorLeaves:
     """Return the door leaves of a house; padding is parked at `PARKED_HEIGHT` [m] with valid sizes, mass and range.
 
     Padding keeps its slide direction, which is 0 for hinged rows. Its `valid` is True: only a `height` below
-    `PARKED_HEIGHT` identifies real leaves. `house` must be a valid index; the caller clips it.
+    `PARKED_HEIGHT` identifies real leaves. `house` must be a valid index; the caller clips it. With `trays`, boxes of
+    drawers enclose their trays, see `with_trays`.
     """
-    leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
+    every = DoorLeaves.from_physics(physics)
+    leaves = jax.tree.map(lambda x: x[house], with_trays(every, physics) if trays else every)
     row = jnp.arange(leaves.mass.shape[0], dtype=jnp.float32)
     one = jnp.ones_like(row)
     low, high = PARKED_RANGE
@@ -230,6 +232,28 @@ def with_doors(model: mjx.Model, layout: Layout, leaves: DoorLeaves) -> mjx.Mode
     model = _set_rows(model, dof, dof_invweight0=1 / inertia, dof_M0=inertia, dof_damping=damping * inertia)
     model = _set_rows(model, joint, jnt_axis=axis, jnt_range=limits)
     return _set_boxes(model, geom, arm, turned, leaves.size)
+
+
+def with_tray_boxes(
+    model: mjx.Model, layout: Layout, physics: Physics, house: Int[Array, ""], leaves: DoorLeaves
+) -> mjx.Model:
+    """Return the model with the boxes of a house's trays; missing ones are parked below the house.
+
+    `leaves` are those of `house_doors`, without trays. If the bank has no trays, the model is unchanged.
+    """
+    if not layout.num_tray_boxes:
+        return model
+    pos, size = physics.tray_pos[house], physics.tray_size[house]
+    there, yaw = size[..., :1] >= 0, leaves.yaw[layout.num_doors - layout.num_slides :, None]
+    cos, sin = jnp.cos(yaw), jnp.sin(yaw)
+    arm = leaves.arm[layout.num_doors - layout.num_slides :, None]
+    x, y = cos * pos[..., 0] - sin * pos[..., 1] + arm[..., 0], sin * pos[..., 0] + cos * pos[..., 1] + arm[..., 1]
+    parked = jnp.array([*PARKED_ARM, -2 * PARKED_HEIGHT], jnp.float32)
+    pos = jnp.where(there, jnp.stack([x, y, pos[..., 2]], axis=-1), parked)
+    size = jnp.where(there, size, jnp.float32(PARKED_SIZE))
+    half = jnp.broadcast_to(yaw / 2, size.shape[:2])
+    turned = jnp.stack([jnp.cos(half), jnp.zeros_like(half), jnp.zeros_like(half), jnp.sin(half)], axis=-1)
+    return _set_boxes(model, layout.tray_geoms, *(x.reshape(-1, x.shape[-1]) for x in (pos, turned, size)))
 
 
 def _set_boxes(

@@ -23,6 +23,7 @@ from home_mjx.physics.mjx.house_model import (
     with_doors,
     with_slots,
     with_surfaces,
+    with_tray_boxes,
 )
 from home_mjx.physics.mjx.overflow import GeomSizes, Overflow, are_points_full
 from home_mjx.physics.mjx.template import Template
@@ -42,6 +43,7 @@ def step_mjx(
     parts = bodies, leaves, physics.ramp[house]
     model = house_model(template.model, template.layout, bodies, physics.floor[house])
     model = with_doors(model, template.layout, leaves)
+    model = with_tray_boxes(model, template.layout, physics, house, leaves)
     surfaces = house_surfaces(template.config, physics, house, state.scale)
     model = with_surfaces(model, template.layout, template.pair_bodies, surfaces)
 

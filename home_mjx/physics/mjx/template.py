@@ -47,6 +47,7 @@ class Template:
             config.agent_slots,
             config.body_slots,
             spec.num_slides,
+            spec.num_tray_boxes,
         )
         xml = template_mjcf(config, self.layout, _jacobian(config))
         host = mujoco.MjModel.from_xml_string(xml)  # pyright: ignore[reportAttributeAccessIssue]

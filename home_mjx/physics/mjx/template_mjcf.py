@@ -48,7 +48,7 @@ def template_mjcf(config: PhysicsSetup, layout: Layout, jacobian: str) -> str:
     for k in range(layout.num_bodies):
         _add_body(world, k)
     for h in range(layout.num_doors):
-        _add_door(world, h, slides=h >= layout.num_doors - layout.num_slides)
+        _add_door(world, h, layout.num_tray_boxes, slides=_slides(layout, h))
     _add_pairs(ET.SubElement(root, "contact"), config, layout)
     actuator = ET.SubElement(root, "actuator")
     for a in range(layout.num_agents):
@@ -97,7 +97,8 @@ def _add_options(root: ET.Element, config: PhysicsSetup, layout: Layout, jacobia
     )
     ET.SubElement(option, "flag", eulerdamp="disable")  # door damping is explicit; else MJX would factor M twice
     custom = ET.SubElement(root, "custom")
-    pairs = config.max_geom_pairs or max(2 * layout.num_bodies + layout.num_doors, 4 * layout.num_agents, 8)
+    boxes = 2 * layout.num_bodies + layout.num_doors + layout.num_slides * layout.num_tray_boxes
+    pairs = config.max_geom_pairs or max(boxes, 4 * layout.num_agents, 8)
     points = config.max_contact_points or max(6 * layout.num_bodies, 8 * layout.num_agents, 16)
     ET.SubElement(custom, "numeric", name="max_geom_pairs", data=str(pairs))
     ET.SubElement(custom, "numeric", name="max_contact_points", data=str(points))
@@ -122,8 +123,16 @@ def _add_body(world: ET.Element, k: int) -> None:
         ET.SubElement(body, "geom", _no_mask(name), type="sphere", size=str(CORNER_RADIUS), pos=pos)
 
 
-def _add_door(world: ET.Element, h: int, slides: bool) -> None:
-    """Add the parked door leaf `door<h>` with one limited joint: it slides along x if `slides`, else turns about z."""
+def _slides(layout: Layout, h: int) -> bool:
+    """Return whether leaf `h` slides."""
+    return h >= layout.num_doors - layout.num_slides
+
+
+def _add_door(world: ET.Element, h: int, num_tray_boxes: int, slides: bool) -> None:
+    """Add the parked door leaf `door<h>` with one limited joint: it slides along x if `slides`, else turns about z.
+
+    Sliding ones have further boxes `door<h>_tray<t>`, parked below the house.
+    """
     body = ET.SubElement(world, "body", name=f"door{h}", pos=f"{2 * h} 4 {PARKED_HEIGHT}")
     low, high = PARKED_RANGE
     kind, axis = ("slide", "1 0 0") if slides else ("hinge", "0 0 1")
@@ -137,6 +146,9 @@ def _add_door(world: ET.Element, h: int, slides: bool) -> None:
     diagonal = f"{inertia} {inertia} {inertia}"
     ET.SubElement(body, "inertial", at, mass=str(PARKED_MASS), diaginertia=diagonal)
     ET.SubElement(body, "geom", _no_mask(f"door{h}") | at, type="box", size=_parked_size())
+    below = at | {"pos": f"{x} {y} {-2 * PARKED_HEIGHT}"}
+    for t in range(num_tray_boxes if slides else 0):
+        ET.SubElement(body, "geom", _no_mask(f"door{h}_tray{t}") | below, type="box", size=_parked_size())
 
 
 def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> None:
@@ -159,10 +171,12 @@ def _add_pairs(contact: ET.Element, config: PhysicsSetup, layout: Layout) -> Non
         for other in others:
             _add_pair(contact, config, f"body{k}", other, agent=False)
     for h in range(layout.num_doors):
-        for a in range(layout.num_agents):
-            _add_pair(contact, config, f"agent{a}", f"door{h}", agent=True)
-        for k in range(layout.num_bodies):
-            _add_pair(contact, config, f"body{k}", f"door{h}", agent=False)
+        trays = [f"door{h}_tray{t}" for t in range(layout.num_tray_boxes if _slides(layout, h) else 0)]
+        for name in (f"door{h}", *trays):
+            for a in range(layout.num_agents):
+                _add_pair(contact, config, f"agent{a}", name, agent=True)
+            for k in range(layout.num_bodies):
+                _add_pair(contact, config, f"body{k}", name, agent=False)
 
 
 def _no_mask(name: str) -> dict[str, str]:

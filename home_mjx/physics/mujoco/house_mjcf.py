@@ -50,6 +50,8 @@ class HouseRows(NamedTuple):
     door_low: Float[np.ndarray, " h"]
     door_high: Float[np.ndarray, " h"]
     door_slide: Float[np.ndarray, "h 2"]
+    tray_pos: Float[np.ndarray, "s t 3"]  # of the sliding leaves, the last ones
+    tray_size: Float[np.ndarray, "s t 3"]
 
 
 def house_mjcf(config: PhysicsSetup, rows: HouseRows) -> str:
@@ -120,4 +122,7 @@ def _doors(rows: HouseRows) -> Doors:
     place = {name: getattr(rows, f"door_{name}") for name in names}
     count = len(rows.door_valid)
     place["is_front"] = np.zeros(count, bool)  # leaves of both kinds are the same there
+    for name, fill in (("tray_pos", 0.0), ("tray_size", -1.0)):
+        own = getattr(rows, name)
+        place[name] = np.concatenate([np.full((count - len(own), *own.shape[1:]), fill), own])
     return Doors(instance=np.arange(count), closed=rows.door_low, fully_open=rows.door_high, **place)

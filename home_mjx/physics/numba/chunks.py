@@ -12,7 +12,9 @@ from home_mjx.core.native.ffi import float_result, float_row, int_result, int_ro
 from home_mjx.core.native.handler import WORD_FUNCTION
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.numba_cache import verify_cache
+from home_mjx.physics.base import doors as base_doors
 from home_mjx.physics.base import servo, state
+from home_mjx.physics.base.doors import TRAY_ROWS
 from home_mjx.physics.numba import (
     box_box,
     capsule,
@@ -87,6 +89,7 @@ def sources_digest() -> int:
         solver,
         step,
         workspace,
+        base_doors,
         servo,
         state,
     )
@@ -126,10 +129,11 @@ def _step_chunk(frame, chunk):
     """
     houses, colliders = operand_dim(frame, COLLIDER_POS, 0), operand_dim(frame, COLLIDER_POS, 1)
     bodies, agents = operand_dim(frame, BODY_VALID, 1), operand_dim(frame, ACTION, 1)
-    doors, ramps = operand_dim(frame, DOOR, 1), operand_dim(frame, RAMP, 1)
+    doors, ramps = operand_dim(frame, GOAL, 1), operand_dim(frame, RAMP, 1)
+    trays = (operand_dim(frame, DOOR, 1) - doors) // TRAY_ROWS
     house = int_row(frame, HOUSE, 0)
     given, floor = _numbers(float_row(frame, PARAMS, 0)), float_row(frame, FLOOR, 0)
-    work = allocate_workspace(agents, bodies, doors, colliders)
+    work = allocate_workspace(agents, bodies, doors, colliders, trays)
     load_agents(work, float_row(frame, AGENT, 0))
     loaded = -1
     for env in range(chunk * CHUNK, min((chunk + 1) * CHUNK, operand_dim(frame, HOUSE, 0))):

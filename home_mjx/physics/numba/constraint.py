@@ -10,7 +10,8 @@ from typing import no_type_check
 
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.numba.params import DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
+from home_mjx.physics.base.doors import DOOR_COLUMNS
+from home_mjx.physics.numba.params import JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.workspace import NUM_CONTACTS
 
 TINY = 1e-15  # MuJoCo's mjMINVAL

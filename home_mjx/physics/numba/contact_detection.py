@@ -6,10 +6,11 @@ from typing import no_type_check
 
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.doors import DOOR_COLUMNS, TRAY_BOXES, TRAY_ROWS
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.physics.numba.box_box import box_box
 from home_mjx.physics.numba.capsule import capsule_box, capsule_capsule
-from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, JOINT_LIMIT, MAX_NEAR_BOXES, SLEEPING_BODY
+from home_mjx.physics.numba.params import AGENT_COLUMNS, JOINT_LIMIT, MAX_NEAR_BOXES, SLEEPING_BODY
 from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 
 NEAR_DISTANCE = 0.1  # [m], maximum distance of listed static boxes, and displacement after which the list is rebuilt
@@ -205,6 +206,49 @@ def _add_body_floor_contacts(work, numbers, m, floor):
 
 @compiled
 @no_type_check
+def num_parts(work, m):
+    """Return the number of boxes of dynamic body `m`: 1, and more for a drawer, whose first one is its front."""
+    tray = m - (work.num_dynamic - work.num_trays)
+    if tray < 0:
+        return 1
+    first = DOOR_COLUMNS * (work.num_dynamic - work.num_free + TRAY_ROWS * tray)
+    return 1 + TRAY_BOXES if work.door[first + 3] >= 0 else 1
+
+
+@compiled
+@no_type_check
+def tray_box(work, m, part):
+    """Return centre and half extents (6) of box `part`, from 1 on, of drawer `m` in the frame of its front."""
+    tray = m - (work.num_dynamic - work.num_trays)
+    first = DOOR_COLUMNS * (work.num_dynamic - work.num_free + TRAY_ROWS * tray)
+    return offset_pointer(work.door, first + 6 * (part - 1))
+
+
+@compiled
+@no_type_check
+def part_center(work, m, part):
+    """Return the centre (3) of box `part` of body `m` in the world [m]; that of a tray is overwritten by the next."""
+    if part == 0:
+        return offset_pointer(work.pos, 3 * m)
+    box = tray_box(work, m, part)
+    for k in range(3):
+        work.center[k] = work.pos[3 * m + k]
+        for j in range(3):
+            work.center[k] += work.rot[9 * m + 3 * k + j] * box[j]
+    return work.center
+
+
+@compiled
+@no_type_check
+def part_half(work, m, part):
+    """Return the half extents (3) of box `part` of body `m` [m]."""
+    if part == 0:
+        return offset_pointer(work.half, 3 * m)
+    return offset_pointer(tray_box(work, m, part), 3)
+
+
+@compiled
+@no_type_check
 def do_spheres_overlap(work, a, b, reach):
     """Return whether the bounding spheres of two dynamic bodies are at most `reach` [m] apart."""
     square = 0.0
@@ -235,12 +279,17 @@ def _add_static_contacts(work, m, c):
 @compiled
 @no_type_check
 def _add_body_contacts(work, a, b):
-    """Add contacts, if any, of two awake bodies, `a` < `b`: agents are capsules, bodies and door leaves a box each."""
+    """Add contacts, if any, of two awake bodies, `a` < `b`: agents are capsules, bodies a box, door leaves a box each.
+
+    Drawers have further boxes.
+    """
     if not do_spheres_overlap(work, a, b, 0.0):
         return
     pos = offset_pointer(work.pos, 3 * b)
     if b >= work.num_agents:
-        _add_box_contacts(work, a, b, pos, offset_pointer(work.rot, 9 * b), offset_pointer(work.half, 3 * b))
+        for part in range(num_parts(work, b)):
+            rot = offset_pointer(work.rot, 9 * b)
+            _add_box_contacts(work, a, b, part_center(work, b, part), rot, part_half(work, b, part))
         return
     one, two = offset_pointer(work.agent, AGENT_COLUMNS * a), offset_pointer(work.agent, AGENT_COLUMNS * b)
     own = offset_pointer(work.pos, 3 * a)
@@ -257,12 +306,15 @@ def _add_sleeping_contacts(work, m, other):
     """
     if do_spheres_overlap(work, m, other, 0.0):
         before = work.counts[NUM_CONTACTS]
-        pos, rot, half = (
-            offset_pointer(work.pos, 3 * other),
-            offset_pointer(work.rot, 9 * other),
-            offset_pointer(work.half, 3 * other),
-        )
-        _add_box_contacts(work, m, SLEEPING_BODY - other, pos, rot, half)
+        rot, code = offset_pointer(work.rot, 9 * other), SLEEPING_BODY - other
+        if m < work.num_free:
+            for part in range(num_parts(work, other)):
+                _add_box_contacts(work, m, code, part_center(work, other, part), rot, part_half(work, other, part))
+        else:
+            pos, half = offset_pointer(work.pos, 3 * other), offset_pointer(work.half, 3 * other)
+            for part in range(num_parts(work, m)):
+                center, axes = part_center(work, m, part), offset_pointer(work.rot, 9 * m)
+                _add_two_boxes(work, m, code, (center, axes, part_half(work, m, part)), (pos, rot, half))
         if work.counts[NUM_CONTACTS] > before:
             work.wakes[other] = 1
 
@@ -281,8 +333,16 @@ def _add_box_contacts(work, m, other, pos, rot, half):
         _add_agent_contacts(work, m, other, capsule_box(own, size[0], size[1], pos, rot, half, points, normals))
     else:
         axes, size = offset_pointer(work.rot, 9 * m), offset_pointer(work.half, 3 * m)
-        for i in range(box_box(own, axes, size, pos, rot, half, points, normals)):
-            _add_contact(work, m, other, offset_pointer(points, 4 * i), normals)
+        _add_two_boxes(work, m, other, (own, axes, size), (pos, rot, half))
+
+
+@compiled
+@no_type_check
+def _add_two_boxes(work, m, other, own, box):
+    """Add contacts, if any, of a box of dynamic body `m` with one of `other`; boxes are centre, axes, half extents."""
+    points, normals = work.points, work.normals
+    for i in range(box_box(own[0], own[1], own[2], box[0], box[1], box[2], points, normals)):
+        _add_contact(work, m, other, offset_pointer(points, 4 * i), normals)
 
 
 @compiled

@@ -6,7 +6,7 @@ from typing import no_type_check
 
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
-from home_mjx.physics.numba.params import DOOR_COLUMNS
+from home_mjx.physics.base.doors import DOOR_COLUMNS
 
 compiled = compile_inner()
 

@@ -33,7 +33,7 @@ JOINT_LIMIT = NOTHING  # code of a contact's second side if a door is at its joi
 SLEEPING_BODY = -1_000_000  # code of a contact's second body m if that sleeps: SLEEPING_BODY - m
 MAX_NEAR_BOXES = 24  # maximum number of listed static boxes per dynamic body
 POINTS_PER_BODY = 24  # contact points per dynamic body that the buffer holds
-AGENT_COLUMNS, DOOR_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 16, 8, 5
+AGENT_COLUMNS, RAMP_COLUMNS, SURFACE_COLUMNS = 8, 8, 5
 
 
 class StepParams(NamedTuple):

@@ -13,7 +13,13 @@ from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION
-from home_mjx.physics.numba.contact_detection import are_boxes_apart, do_spheres_overlap
+from home_mjx.physics.numba.contact_detection import (
+    are_boxes_apart,
+    do_spheres_overlap,
+    num_parts,
+    part_center,
+    part_half,
+)
 from home_mjx.physics.numba.workspace import num_contact_dofs
 
 WAKE_DISTANCE = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
@@ -109,12 +115,14 @@ def wake_near_bodies(work, numbers):
 @no_type_check
 def _is_near(work, m, other, reach):
     """Return whether body `other` may be within `reach` [m] of body `m`: bounding spheres, then face axes of boxes."""
-    pos, rot, half = (
-        offset_pointer(work.pos, 3 * other),
-        offset_pointer(work.rot, 9 * other),
-        offset_pointer(work.half, 3 * other),
-    )
-    return do_spheres_overlap(work, m, other, reach) and not are_boxes_apart(work, m, pos, rot, half, reach)
+    if not do_spheres_overlap(work, m, other, reach):
+        return False
+    one, door = (m, other) if m < work.num_free else (other, m)  # doors do not wake doors
+    rot, near = offset_pointer(work.rot, 9 * door), False
+    for part in range(num_parts(work, door)):
+        center, half = part_center(work, door, part), part_half(work, door, part)
+        near = near or not are_boxes_apart(work, one, center, rot, half, reach)
+    return near
 
 
 @compiled

@@ -6,8 +6,9 @@ from typing import no_type_check
 
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.doors import DOOR_COLUMNS
 from home_mjx.physics.base.servo import NOT_DRIVEN
-from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, FORCE_CONTROL, RAMP_COLUMNS
+from home_mjx.physics.numba.params import AGENT_COLUMNS, FORCE_CONTROL, RAMP_COLUMNS
 
 compiled = compile_inner()
 

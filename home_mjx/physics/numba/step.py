@@ -6,11 +6,12 @@ from typing import no_type_check
 
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import offset_pointer
+from home_mjx.physics.base.doors import DOOR_COLUMNS, TRAY_ROWS
 from home_mjx.physics.base.state import FLOOR, MIN_SUPPORT_NORMAL, STATIC
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
-from home_mjx.physics.numba.contact_detection import find_contacts, invalidate_near_boxes
+from home_mjx.physics.numba.contact_detection import find_contacts, invalidate_near_boxes, num_parts, tray_box
 from home_mjx.physics.numba.integration import integrate, update_poses, write_rotation
-from home_mjx.physics.numba.params import AGENT_COLUMNS, DOOR_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
+from home_mjx.physics.numba.params import AGENT_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.sleep import mark_moving, mark_sleeping, put_to_sleep, wake_near_bodies, wake_touched_bodies
 from home_mjx.physics.numba.smooth_acceleration import compute_smooth_accelerations
 from home_mjx.physics.numba.solver import solve
@@ -25,8 +26,9 @@ def load_house(work, static, bodies, door):
     """Copy a house's static boxes, bodies and doors to `work`; negative half extents mark missing boxes and doors.
 
     `static` is position, unit quaternion and half extents of the static boxes; `bodies` validity, half extents, mass,
-    inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`. Rotations, bounding radii
-    and inverse masses are derived; rotations of missing boxes are not written. Factors of `scale_bodies` are undone.
+    inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`, then of `tray_table`.
+    Rotations, bounding radii and inverse masses are derived; rotations of missing boxes are not written. Factors of
+    `scale_bodies` are undone.
     """
     collider_pos, collider_quat, collider_half = static
     body_valid, body_size, body_mass, body_inertia, body_surface = bodies
@@ -48,7 +50,7 @@ def load_house(work, static, bodies, door):
         work.radius[m], work.inverse[m] = sqrt(square), 1 / work.mass[6 * m]
         for k in range(SURFACE_COLUMNS):
             work.surface[SURFACE_COLUMNS * m + k] = body_surface[SURFACE_COLUMNS * b + k]
-    for i in range(DOOR_COLUMNS * (work.num_dynamic - work.num_free)):
+    for i in range(DOOR_COLUMNS * (work.num_dynamic - work.num_free + TRAY_ROWS * work.num_trays)):
         work.door[i] = door[i]
     for m in range(work.num_free, work.num_dynamic):
         _load_door(work, m, offset_pointer(door, DOOR_COLUMNS * (m - work.num_free)))
@@ -76,6 +78,8 @@ def scale_bodies(work, mass, inertia, surface, scale):
 def _load_door(work, m, door):
     """Copy size, inertia, inverse weight and validity of leaf row `door` to body `m`; see `doors.door_table`.
 
+    The bounding sphere encloses the tray, whose rows must be in `work.door`.
+
     Only element 0 of `mass` is written: inertia about the hinge [kg m^2], or the mass [kg] of a sliding leaf.
     """
     work.exists[m] = 1 if door[6] >= 0 else 0
@@ -83,7 +87,13 @@ def _load_door(work, m, door):
     for k in range(3):
         work.half[3 * m + k] = door[6 + k]
         square += door[6 + k] * door[6 + k]
-    work.mass[6 * m], work.inverse[m], work.radius[m] = door[9], door[10], sqrt(square)
+    work.mass[6 * m], work.inverse[m] = door[9], door[10]
+    for part in range(1, num_parts(work, m)):
+        box, far = tray_box(work, m, part), 0.0
+        for k in range(3):
+            far += (abs(box[k]) + box[3 + k]) ** 2
+        square = max(square, far)
+    work.radius[m] = sqrt(square)
 
 
 @compiled

@@ -12,12 +12,12 @@ from numba import types
 from home_mjx.core.native.ffi import WORD, allocate, release
 from home_mjx.core.native.inner import compile_inner
 from home_mjx.core.native.memory import address_of, pointer_to
+from home_mjx.physics.base.doors import DOOR_COLUMNS, TRAY_ROWS
 from home_mjx.physics.numba.box_box import MAX_PAIR_POINTS
 from home_mjx.physics.numba.params import (
     AGENT_COLUMNS,
     AGENT_DOFS,
     BODY_DOFS,
-    DOOR_COLUMNS,
     DOOR_DOFS,
     MAX_NEAR_BOXES,
     POINTS_PER_BODY,
@@ -42,6 +42,7 @@ class Workspace(NamedTuple):
     num_free: int  # number of agents and bodies; also the index of the first door
     num_dynamic: int  # m
     num_static: int  # c
+    num_trays: int  # leaves, the last ones, that may have a tray
     most_points: int  # n
     pos: Pointer  # (m, 3) centres
     quat: Pointer  # (m, 4) wxyz; element 0 is the yaw of an agent, or the coordinate of a door
@@ -58,7 +59,7 @@ class Workspace(NamedTuple):
     inverse: Pointer  # (m) MuJoCo's translational `body_invweight0`, the inverse mass at the centre
     radius: Pointer  # (m) of the bounding sphere
     agent: Pointer  # (a, AGENT_COLUMNS), see `control.agent_table`
-    door: Pointer  # (h, DOOR_COLUMNS), see `doors.door_table`
+    door: Pointer  # (h + trays * TRAY_ROWS, DOOR_COLUMNS), see `doors.door_table` and `doors.tray_table`
     surface: Pointer  # (m, SURFACE_COLUMNS) see `params.reference_surfaces`; unused except for bodies
     push: Pointer  # (m, 2) contact impulses in a control step: sum, and maximum of one contact in a physics step
     static_pos: Pointer  # (c, 3)
@@ -87,23 +88,24 @@ class Workspace(NamedTuple):
     search: Pointer  # (d)
     points: Pointer  # (MAX_PAIR_POINTS, 4) contact points of the current pair
     normals: Pointer  # (2, 3) their normals
+    center: Pointer  # (3) centre of the current box of a tray
     counts: Pointer  # (4) number of contacts, overflow flags, Newton steps; see the names above
 
 
 @compile_inner()
 @no_type_check
-def allocate_workspace(num_agents, num_bodies, num_doors, num_static):
+def allocate_workspace(num_agents, num_bodies, num_doors, num_static, num_trays):
     """Allocate zeroed memory for environments of these sizes; release it with `free_workspace`.
 
     `num_bodies` counts movable bodies only. Failure of the allocation is not checked. Zeroed lists of nearby boxes are
     valid and empty, so that `invalidate_near_boxes` must precede `find_contacts`, as in `step_env`.
     """
-    _, size = _lay_out(0, num_agents, num_bodies, num_doors, num_static)  # from address 0: the total size
+    _, size = _lay_out(0, num_agents, num_bodies, num_doors, num_static, num_trays)  # from address 0: the total size
     block = allocate(size)
     zeros = ints(block)
     for i in range(size // WORD):
         zeros[i] = 0
-    work, _ = _lay_out(block, num_agents, num_bodies, num_doors, num_static)
+    work, _ = _lay_out(block, num_agents, num_bodies, num_doors, num_static, num_trays)
     return work
 
 
@@ -118,7 +120,7 @@ def num_contact_dofs(work, m):
 
 @compile_inner()
 @no_type_check
-def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
+def _lay_out(at, num_agents, num_bodies, num_doors, num_static, num_trays):
     """Assign consecutive addresses from `at` on to all arrays; return the workspace and the address behind it.
 
     No memory is read or written. Sizes are those of `allocate_workspace`.
@@ -140,7 +142,7 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     inverse, at = floats(at), at + WORD * m
     radius, at = floats(at), at + WORD * m
     agent, at = floats(at), at + WORD * (AGENT_COLUMNS * num_agents)
-    door, at = floats(at), at + WORD * (DOOR_COLUMNS * num_doors)
+    door, at = floats(at), at + WORD * (DOOR_COLUMNS * (num_doors + TRAY_ROWS * num_trays))
     surface, at = floats(at), at + WORD * (SURFACE_COLUMNS * m)
     push, at = floats(at), at + WORD * (2 * m)
     static_pos, at = floats(at), at + WORD * (3 * c)
@@ -169,12 +171,13 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static):
     search, at = floats(at), at + WORD * d
     points, at = floats(at), at + WORD * (4 * MAX_PAIR_POINTS)
     normals, at = floats(at), at + WORD * 6
+    center, at = floats(at), at + WORD * 3
     counts, at = ints(at), at + WORD * 4
     work = Workspace(
-        num_agents, num_agents + num_bodies, m, c, n, pos, quat, rot, vel, acc, smooth, half, mass, awake, exists, calm,
-        wakes, inverse, radius, agent, door, surface, push, static_pos, static_rot, static_half, near, num_near,
-        near_from, first, second, place, frame, friction, jacobian, weight, target, active, residual, slope, island,
-        offset, members, rows, hessian, gradient, search, points, normals, counts,
+        num_agents, num_agents + num_bodies, m, c, num_trays, n, pos, quat, rot, vel, acc, smooth, half, mass, awake,
+        exists, calm, wakes, inverse, radius, agent, door, surface, push, static_pos, static_rot, static_half, near,
+        num_near, near_from, first, second, place, frame, friction, jacobian, weight, target, active, residual, slope,
+        island, offset, members, rows, hessian, gradient, search, points, normals, center, counts,
     )  # fmt: skip
     return work, at
 

@@ -1,6 +1,6 @@
 """Compartments of furniture: hollows in a closed body behind its fronts, with shelves between them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -62,7 +62,9 @@ class _Face:
     triangles: Bool[np.ndarray, " t"]
 
 
-def cut_pockets(body: Model, fronts: Sequence[Model]) -> tuple[Model, tuple[Pocket, ...]]:
+def cut_pockets(
+    body: Model, fronts: Sequence[Model], drawers: Collection[int] = ()
+) -> tuple[Model, tuple[Pocket, ...]]:
     """Return a body with compartments behind its fronts, and the compartments.
 
     Behind a front, the piece whose flat and rectangular face it covers is hollowed: the compartment is as large as the
@@ -72,17 +74,18 @@ def cut_pockets(body: Model, fronts: Sequence[Model]) -> tuple[Model, tuple[Pock
     Args:
         body: Furniture without its fronts, front along x or y of its frame.
         fronts: Its fronts, shut.
+        drawers: Indices of fronts whose compartments have no shelves.
     """
     triangles = body.triangle.astype(np.float64)
     piece = triangle_components(triangles)
     pockets: dict[tuple[int, int, int], list[Pocket]] = {}
     faces: dict[tuple[int, int, int], _Face] = {}
-    for front in fronts:
+    for number, front in enumerate(fronts):
         face = _find_face(triangles, piece, front.box.astype(np.float64))
         if face is not None:
             key = face.piece, face.axis, face.side
             faces[key] = face
-            pockets.setdefault(key, []).extend(_pockets(face, front.box.astype(np.float64)))
+            pockets.setdefault(key, []).extend(_pockets(face, front.box.astype(np.float64), number in drawers))
     found = [(faces[key], own) for key, own in pockets.items() if own]
     if not found:
         return body, ()
@@ -137,15 +140,18 @@ def _cover(box: Corners, front: Corners, axis: int) -> float:
     return float(np.prod(np.delete(np.maximum(shared, 0) / np.maximum(np.ptp(front, axis=0), 1e-9), axis)))
 
 
-def _pockets(face: _Face, front: Corners) -> Iterator[Pocket]:
-    """Yield the compartments behind a front, the lowest first; none if they would be too small."""
+def _pockets(face: _Face, front: Corners, is_drawer: bool) -> Iterator[Pocket]:
+    """Yield the compartments behind a front, the lowest first; none if they would be too small.
+
+    That of a drawer has no shelves.
+    """
     low = np.maximum(face.extent[0], front[0]) + BOARD
     high = np.minimum(face.extent[1], front[1]) - BOARD
     near, far = face.plane, face.plane - face.side * (face.depth - BOARD)
     low[face.axis], high[face.axis] = min(near, far), max(near, far)
     if (high - low).min() < MIN_POCKET:
         return
-    count = int(np.ceil((high[2] - low[2]) / MAX_POCKET_HEIGHT))
+    count = 1 if is_drawer else int(np.ceil((high[2] - low[2]) / MAX_POCKET_HEIGHT))
     each = (high[2] - low[2] - (count - 1) * BOARD) / count
     for i in range(count):
         bottom = low[2] + i * (each + BOARD)

@@ -9,7 +9,15 @@ from jaxtyping import Bool, Float
 
 from home_mjx.datasets.kept_results import find_model
 from home_mjx.geometry.box_fit import narrowest_box, triangle_components
-from home_mjx.geometry.boxes import BoxSet, bounding_box, make_boxes, rotate_boxes, thicken_boxes
+from home_mjx.geometry.boxes import (
+    BoxSet,
+    bounding_box,
+    concat_boxes,
+    empty_boxes,
+    make_boxes,
+    rotate_boxes,
+    thicken_boxes,
+)
 from home_mjx.geometry.meshes import compose, make_model, transform, tree_order, triangles_z_up
 from home_mjx.geometry.rotations import yaw_matrix
 from home_mjx.schema.compiled import Model
@@ -29,6 +37,8 @@ class LeafPart:
     wide_open: float  # [rad] or [m], wide open, relative to the pose shown
     slide: Float[np.ndarray, "2"]  # unit direction; 0: the leaf turns
     is_front: bool = False  # of a piece of furniture
+    board: Model | None = None  # of a drawer: its front alone
+    tray: Float[np.ndarray, "n 2 3"] | None = None  # [m], minimum and maximum of the boxes of a drawer behind its front
 
 
 @dataclass(frozen=True)
@@ -110,6 +120,7 @@ class PlacedLeaf:
     box: BoxSet  # in the initial pose
     slide: Float[np.ndarray, "2"] = field(default_factory=lambda: np.zeros(2))  # unit direction; 0: the leaf turns
     is_front: bool = False  # of a piece of furniture
+    tray: BoxSet = field(default_factory=empty_boxes)  # of a drawer, in the initial pose, with the yaw of `box`
 
     @property
     def slides(self) -> bool:
@@ -145,14 +156,22 @@ def place_leaf(leaf: LeafPart, pose: Float[np.ndarray, "3 4"], instance: int) ->
 
     Mirrored poses reverse its rotation, and scaled ones scale its sliding distance.
     """
-    box, slide = (_front_box if leaf.is_front else _leaf_box)(leaf.model, pose), pose[:2, :2] @ leaf.slide
+    box, slide = (_front_box if leaf.is_front else _leaf_box)(leaf.board or leaf.model, pose), pose[:2, :2] @ leaf.slide
     if leaf.slide.any():
         scale = float(np.linalg.norm(slide))
-        return PlacedLeaf(instance, box.center[0, :2], scale * leaf.closed, scale * leaf.wide_open, box, slide / scale)
+        tray = empty_boxes() if leaf.tray is None else place_boxes(leaf.tray, pose, float(box.yaw[0]))
+        ends, way = (scale * leaf.closed, scale * leaf.wide_open), slide / scale
+        return PlacedLeaf(instance, box.center[0, :2], *ends, box, way, is_front=leaf.is_front, tray=tray)
     turn = float(np.sign(np.linalg.det(pose[:2, :2])))
     pivot = transform(pose, np.array([*leaf.pivot, 0.0]))[:2]
     closed, wide = turn * leaf.closed, turn * leaf.wide_open
     return PlacedLeaf(instance, pivot, closed, wide, box, is_front=leaf.is_front)
+
+
+def place_boxes(boxes: Float[np.ndarray, "n 2 3"], pose: Float[np.ndarray, "3 4"], yaw: float) -> BoxSet:
+    """Return boxes of yaw `yaw` [rad] around boxes of a model (minimum, maximum [m]), placed in the world by `pose`."""
+    corner = np.indices((2, 2, 2)).reshape(3, -1).T
+    return concat_boxes(bounding_box(transform(pose, box[corner, np.arange(3)]), yaw) for box in boxes)
 
 
 def _leaf_box(leaf: Model, pose: Float[np.ndarray, "3 4"]) -> BoxSet:

@@ -1,4 +1,4 @@
-"""Fronts of furniture: hinged doors of fridges, wardrobes and cabinets that open, as leaves between rooms do."""
+"""Fronts of furniture: doors of fridges, wardrobes and cabinets, and drawers, that open as leaves between rooms do."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -9,14 +9,15 @@ import numpy as np
 from home_mjx.core.checks import check_number
 from home_mjx.geometry.meshes import tree_order, triangles_z_up
 from home_mjx.scene_compile.objects.compartments import Pocket, cut_pockets
-from home_mjx.scene_compile.objects.doors import JointedDoor, LeafPart, cut_leaves
+from home_mjx.scene_compile.objects.doors import JointedDoor, LeafPart, cut_leaves, moves_in_plan
+from home_mjx.scene_compile.objects.trays import add_tray, find_pocket
 from home_mjx.schema.compiled import Model
 from home_mjx.schema.house import House, Joint, Level, Metadata, ObjectNode
 
 MAX_FRONTS = 256
 BUILDING_CATEGORIES = ("door", "garage_door", "arch", "window", "stairs")  # coarse categories that have no fronts
-MAX_HINGE_TILT = 1e-3  # maximum tilt of the hinge of a front
 CONTROL_PARTS = ("burner", "button", "handle", "knob", "lever", "light", "spout", "switch")  # parts that close nothing
+MIN_TRAVEL = 0.05  # [m], minimum travel of a drawer
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class ArticulationOptions:
 
     Attributes:
         max_fronts: Maximum number of fronts per house that open, the largest ones; all others are shut for good. 0:
-            furniture is rigid. Only vertical hinges count: drawers, flaps, lids and knobs stay as they are.
+            furniture is rigid. Vertical hinges and drawers count: flaps, lids and knobs stay as they are.
 
     Raises:
         ConfigError: The number is out of range.
@@ -59,7 +60,7 @@ class JointedFurniture:
 
 
 def keep_largest_fronts(house: House, metadata: Metadata, max_fronts: int) -> tuple[House, int]:
-    """Return the house with joints of doors and of the largest fronts only, and the number of other joints.
+    """Return the house with joints of doors and of the largest fronts only, and the number of all joints of furniture.
 
     Area is that of a front's bounding rectangle in the house; ties are kept in file order.
     """
@@ -73,14 +74,14 @@ def keep_largest_fronts(house: House, metadata: Metadata, max_fronts: int) -> tu
     kept = {row[1:] for row in sorted(rows)[:max_fronts]}
     levels = tuple(_with_fronts(level, number, kept, metadata) for number, level in enumerate(house.levels))
     total = sum(len(node.joints) for level in house.levels for node in _furniture(level, metadata))
-    return replace(house, levels=levels), total - len(kept)
+    return replace(house, levels=levels), total
 
 
 def is_front(joint: Joint) -> bool:
-    """Return whether a joint is a vertical hinge of a part that closes something."""
+    """Return whether a joint is a vertical hinge, or a slide of at least `MIN_TRAVEL`, of a part that closes something."""
     if joint.part.partition("_")[0] in CONTROL_PARTS:
         return False
-    return joint.kind == "hinge" and abs(joint.axis[1]) >= 1 - MAX_HINGE_TILT
+    return moves_in_plan(joint) and (joint.kind == "hinge" or abs(joint.open - joint.closed) >= MIN_TRAVEL)
 
 
 def _furniture(level: Level, metadata: Metadata) -> Iterator[ObjectNode]:
@@ -111,11 +112,23 @@ def _with_fronts(level: Level, number: int, kept: set[tuple[int, int, int]], met
 
 @lru_cache(maxsize=256)
 def split_furniture(furniture: JointedDoor) -> JointedFurniture:
-    """Return the body and the fronts of a piece of furniture; without fronts if all triangles belong to them."""
+    """Return the body and the fronts of a piece of furniture; without fronts if all triangles belong to them.
+
+    Drawers get trays. Those that do not slide out of a compartment stay in the body.
+    """
+    if not furniture.joints:
+        return JointedFurniture(furniture.model, furniture.model, ())
     order = tree_order(triangles_z_up(furniture.mesh))
     faces = [np.isin(order, joint.faces) for joint in furniture.joints]
     if all(np.any(faces, axis=0)):
         return JointedFurniture(furniture.model, furniture.model, ())
     solid, leaves = cut_leaves(furniture.model, furniture.joints, faces)
-    body, pockets = cut_pockets(solid, [leaf.model for leaf in leaves])
-    return JointedFurniture(body, solid, tuple(replace(leaf, is_front=True) for leaf in leaves), pockets)
+    sliding = {i for i, leaf in enumerate(leaves) if leaf.slide.any()}
+    body, pockets = cut_pockets(solid, [leaf.model for leaf in leaves], sliding)
+    behind = {i: find_pocket(leaves[i], pockets) for i in sliding}
+    shut = {i for i, pocket in behind.items() if pocket is None}
+    if shut:
+        rest = tuple(joint for i, joint in enumerate(furniture.joints) if i not in shut)
+        return split_furniture(replace(furniture, joints=rest))
+    fronts = (add_tray(leaf, pocket) if (pocket := behind.get(i)) else leaf for i, leaf in enumerate(leaves))
+    return JointedFurniture(body, solid, tuple(replace(leaf, is_front=True) for leaf in fronts), pockets)

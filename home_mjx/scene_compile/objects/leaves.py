@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 from home_mjx.geometry.boxes import BoxSet, concat_boxes, footprint, footprint_distance, penetration_depth
 from home_mjx.geometry.rotations import yaw_quat
 from home_mjx.scene_compile.objects.doors import PlacedLeaf
+from home_mjx.scene_compile.objects.trays import tray_columns
 from home_mjx.schema.compiled import Doors
 
 LEAF_AREAL_DENSITY = 8.0  # [kg/m^2], mass per leaf area: a hollow-core interior door of 0.8 x 2 m weighs 10 to 15 kg
@@ -20,6 +21,7 @@ RANGE_TOLERANCE = 1e-6  # [rad] or [m], tolerance of the maximum range
 MAX_OPEN_ANGLE = np.pi  # [rad], maximum opening angle
 MIN_OPEN_ANGLE = np.deg2rad(60.0)  # minimum opening angle of a leaf that leaves the way free
 MIN_SLIDE_OPENING = 0.5  # [m], the same for a sliding leaf
+MIN_DRAWER_OPENING = 0.1  # [m], minimum opening of a drawer that does not count as blocked
 
 
 def make_doors(
@@ -48,7 +50,7 @@ def make_doors(
     ranges = [find_motion_range(leaf, own, walls, movable) for leaf, own in zip(leaves, around, strict=True)]
     low, high = np.array(ranges).T
     box = concat_boxes(leaf.box for leaf in leaves)
-    area = 4 * np.sort(box.half, axis=1)[:, 1:].prod(axis=1)
+    area = np.array([_board_area(concat_boxes([leaf.box, leaf.tray])) for leaf in leaves])
     is_front = np.array([leaf.is_front for leaf in leaves])
     lightest = np.where(is_front, MIN_FRONT_MASS, LEAF_MASS_RANGE[0])
     return Doors(
@@ -64,7 +66,13 @@ def make_doors(
         mass=np.clip(area * LEAF_AREAL_DENSITY, lightest, LEAF_MASS_RANGE[1]),
         slide=np.array([leaf.slide for leaf in leaves]),
         is_front=is_front,
+        **tray_columns(leaves),
     )
+
+
+def _board_area(boxes: BoxSet) -> float:
+    """Return the total area of boards [m^2]: of each box the largest face."""
+    return float((4 * np.sort(boxes.half, axis=1)[:, 1:].prod(axis=1)).sum())
 
 
 def _without(boxes: BoxSet, others: BoxSet) -> BoxSet:
@@ -80,12 +88,13 @@ def find_motion_range(
     """Return the range of motion of a leaf, from closed to the first obstacle, in steps of `TURN_STEP` or `SLIDE_STEP`.
 
     When closed, a leaf has the frame and the wall beside it within its clearance. Compared to the closed pose, it may
-    penetrate such boxes further by its own thickness, since turning about a hinge at its edge requires it. If the leaf
-    is free in its initial pose, the range includes that pose, regardless of obstacles in between. A sliding leaf moves
-    at most as far as in its model's open variant. Neither walls nor boxes that it touches when closed, such as its
-    frame, stop it. Movable objects are pushed away until the leaf is wide open. Beyond that, the range ends at the
-    first one, since it would stop the leaf. The range also must not depend on the selection of bodies. Fronts of
-    furniture never open farther than their joints do, and by one step even if blocked: no joint of MuJoCo has no range.
+    penetrate such boxes further by its own thickness, since turning about a hinge at its edge requires it; a drawer may
+    not. If the leaf is free in its initial pose, the range includes that pose, regardless of obstacles in between. A
+    sliding leaf moves at most as far as in its model's open variant. Neither walls nor boxes that it touches when
+    closed, such as its frame, stop it, unless it is a drawer. Movable objects are pushed away until the leaf is wide
+    open. Beyond that, the range ends at the first one, since it would stop the leaf. The range also must not depend on
+    the selection of bodies. Fronts of furniture never open farther than their joints do, and by one step even if
+    blocked: no joint of MuJoCo has no range.
 
     Args:
         leaf: The leaf; its initial pose is coordinate 0.
@@ -96,10 +105,11 @@ def find_motion_range(
     Returns:
         Minimum and maximum angle [rad] or distance [m]; one of them is the closed pose.
     """
-    around = static if leaf.slides or walls is None else concat_boxes([static, walls])
+    is_rail = leaf.slides and not leaf.is_front
+    around = static if is_rail or walls is None else concat_boxes([static, walls])
     near = around[_within_reach(leaf, around)]
     closed = penetration_depth(leaf.box_at(leaf.closed), near)[0]
-    further = np.inf if leaf.slides else 2 * float(leaf.box.half[0, :2].min())
+    further = np.inf if is_rail else 0.0 if leaf.slides else 2 * float(leaf.box.half[0, :2].min())
     allowed = np.where(closed > -CLEARANCE, np.maximum(closed, 0) + further, -CLEARANCE)
 
     def is_free(ways: Float[np.ndarray, " w"]) -> Bool[np.ndarray, " w"]:

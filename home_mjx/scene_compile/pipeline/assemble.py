@@ -15,7 +15,7 @@ from home_mjx.scene_compile.collision.barriers import lot_bounds
 from home_mjx.scene_compile.lighting.gloss import gloss_table
 from home_mjx.scene_compile.materials.surface import SurfaceMaterial, SurfaceRows, material_table
 from home_mjx.scene_compile.navigation.reach import find_unreachable_storeys
-from home_mjx.scene_compile.objects.leaves import MIN_OPEN_ANGLE
+from home_mjx.scene_compile.objects.leaves import MIN_DRAWER_OPENING, MIN_OPEN_ANGLE
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.pipeline.levels import LevelGeometry
 from home_mjx.schema.compiled import Bodies, CompiledHouse, HouseNavigation, Instances, MaterialTable, Model, Planes
@@ -136,6 +136,7 @@ def _report(
     """Return counts by name of the input and of the compiled house, such as `rooms` and `colliders`."""
     house = frame.house
     ranges = (levels.doors.high - levels.doors.low)[levels.doors.is_front]
+    slides = levels.doors.is_sliding[levels.doors.is_front]
     lost = find_unreachable_storeys(levels.spaces, navigation.region, levels.stairs, navigation.cell)
     return {
         "levels": len(house.levels),
@@ -151,7 +152,8 @@ def _report(
         "bodies": len(levels.bodies.mass),
         "hinged_leaves": sum(len(o.leaves) for o in objects),
         "fronts": len(ranges),
-        "blocked_fronts": int((ranges < MIN_OPEN_ANGLE).sum()),
+        "drawers": int(slides.sum()),
+        "blocked_fronts": int((ranges < np.where(slides, MIN_DRAWER_OPENING, MIN_OPEN_ANGLE)).sum()),
         "compartments": sum(len(o.pockets) for o in objects),
         "shut_leaves": sum(len(o.shut_leaves) for o in objects),
         "problems": len(house.problems),

@@ -102,12 +102,12 @@ def _geometry(
     house: House, metadata: Metadata, options: CompileOptions
 ) -> tuple[HouseFrame, BuildingShell, list[PlacedObject], LevelGeometry, HouseNavigation]:
     """Run the stages up to navigation data."""
-    house, num_shut = keep_largest_fronts(house, metadata, options.articulation.max_fronts)
+    house, num_joints = keep_largest_fronts(house, metadata, options.articulation.max_fronts)
     frame = find_frame(house)
     shell = build_shell(frame)
     objects = shut_outer_doors(place_objects(frame, metadata), frame.rooms)
     levels = build_levels(frame, shell, objects, options.colliders, options.movables, options.navigation)
-    levels = replace(levels, report={**levels.report, "shut_joints": num_shut})
+    levels = replace(levels, report={**levels.report, "shut_joints": num_joints - int(levels.doors.is_front.sum())})
     navigation = build_navigation(
         house.id,
         frame.rooms,

@@ -113,7 +113,7 @@ class EnvConfig:
             and a word of the tasks' language, such as "say:yes". See `Snapshot.spoken_token`.
         doors: Door angles at reset: "open" (wide), "closed", "initial" (as in the file) or "random" (each open or
             closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
-        fronts: The same for doors of fridges, wardrobes and cabinets, where the houses have any that open, see
+        fronts: The same for doors and drawers of furniture, where the houses have any that open, see
             `ArticulationOptions`.
         switches: States of lamps and appliances at reset: "initial" (lamps on, appliances off), "on", "off" or "random"
             (each by key). Hands toggle them. None: they have no states, lamps are lit and appliances silent.

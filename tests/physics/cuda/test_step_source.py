@@ -13,6 +13,7 @@ from odd_numbers import garbled
 from sanitized import Program
 
 from home_mjx.physics import fused
+from home_mjx.physics.base import doors
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.physics.fused import (
@@ -75,13 +76,14 @@ def operands(oracle: Oracle, qpos, qvel, action, substeps: int, scale=(1.0, 1.0)
     agents, bodies, static = oracle.agents, len(oracle.mass), len(oracle.static.pos)
     numbers, doors = oracle.numbers._replace(substeps=float(substeps)), oracle.door_rows
     valid, house = np.ones(bodies), np.zeros(1)
-    sizes = np.array([1, 1, static, bodies, agents, len(doors), len(oracle.ramps), 0])
+    num_doors, trays = len(oracle.doors.mass), len(oracle.doors.tray)
+    sizes = np.array([1, 1, static, bodies, agents, num_doors, len(oracle.ramps), 0, trays])
     inputs = [*oracle.static, valid, oracle.bodies.half, oracle.mass, oracle.inertia]
     inputs += [reference_surfaces(oracle.surfaces), doors, oracle.ramps, np.zeros(1)]
     inputs += [oracle.table, numbers, house, qpos, qvel, np.zeros(len(qvel)), action, *oracle.driven]
     inputs += [np.array(scale), np.zeros(1), sizes]
     inputs = [np.ascontiguousarray(x, np.int32 if i in WHOLE else np.float32) for i, x in enumerate(inputs)]
-    mobiles = agents + bodies + len(doors)
+    mobiles = agents + bodies + num_doors
     outputs = [np.zeros(len(x), np.float32) for x in (qpos, qvel, qvel)]
     outputs += [np.zeros(agents, np.int32), np.zeros(2, np.int32), np.zeros((mobiles, 4), np.float32)]
     words = SCRATCH_WORDS * mobiles + fused._newton_words(mobiles)
@@ -93,7 +95,7 @@ def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
     source = Path(library._name).with_name("main.cpp").read_text()
     program, rng = Program(tmp_path, source, "run(p)"), np.random.default_rng(17)
     for number in range(CALLS):
-        oracle, *state = heap(rng)
+        oracle, *state = heap(rng, trays=number % 2 == 1)
         in_single(oracle)
         oracle.drive(rng)
         oracle.ramps = RAMPS.astype(np.float32).astype(float)
@@ -108,8 +110,8 @@ def test_garbage_in_every_array_stays_within_the_arrays(library, tmp_path):
 @pytest.mark.parametrize("substeps", [1, 5])
 def test_a_heap_moves_as_on_a_cpu(library, substeps):
     rng = np.random.default_rng(11)
-    for _ in range(20):
-        oracle, *state = heap(rng)
+    for number in range(20):
+        oracle, *state = heap(rng, trays=number % 2 == 1)
         in_single(oracle)
         oracle.drive(rng)
         oracle.ramps = RAMPS.astype(np.float32).astype(float)
@@ -142,7 +144,7 @@ def test_what_sleeps_wakes_as_on_a_cpu(library):
     rng, woken, asleep = np.random.default_rng(12), 0, 0
     for number in range(20):
         substeps = 1 + 4 * (number % 2)
-        oracle, *state = heap(rng)
+        oracle, *state = heap(rng, trays=number % 4 > 1)
         in_single(oracle)
         oracle.numbers = oracle.numbers._replace(sleep=1.0)
         qpos, qvel, action = (np.asarray(x, np.float32).astype(float) for x in state)
@@ -163,9 +165,9 @@ def test_what_sleeps_wakes_as_on_a_cpu(library):
 def test_sizes_and_numbers_are_those_of_the_other_step():
     text = SOURCES[0].read_text()
     found = {name: int(value) for name, value in re.findall(r"(\w+) = (-?\d+)[,;]", text)}
-    columns = ("AGENT_COLUMNS", "DOOR_COLUMNS", "RAMP_COLUMNS", "SURFACE_COLUMNS")
+    columns = ("AGENT_COLUMNS", "DOOR_COLUMNS", "RAMP_COLUMNS", "SURFACE_COLUMNS", "TRAY_BOXES", "TRAY_ROWS")
     sizes = ("JOINT_LIMIT", "SLEEPING_BODY", "MAX_NEAR_BOXES", "POINTS_PER_BODY", *columns)
-    own = {name: getattr(params, name) for name in sizes}
+    own = {name: getattr(params, name, None) or getattr(doors, name) for name in sizes}
     own |= {"FLOOR": FLOOR, "STATIC": STATIC, "NOT_DRIVEN": NOT_DRIVEN, "MAX_PAIR_POINTS": MAX_PAIR_POINTS}
     own |= {
         "CONTACT_WORDS": CONTACT_WORDS,

@@ -8,11 +8,12 @@ from heaps import AGENTS, BODIES, heap
 from home_mjx.physics import PhysicsSetup
 
 
+@pytest.mark.parametrize("trays", [False, True])
 @pytest.mark.parametrize("seed", range(4))
-def test_a_heap_accelerates_as_in_c(seed):
+def test_a_heap_accelerates_as_in_c(seed, trays):
     rng, contacts = np.random.default_rng(seed), 0
     for _ in range(10):
-        oracle, qpos, qvel, action = heap(rng)
+        oracle, qpos, qvel, action = heap(rng, trays=trays)
         truth, count = oracle.accelerations(qpos, qvel, action)
         _, _, found, own_count, lost = oracle.fused(qpos, qvel, action)
         assert own_count == count
