@@ -78,7 +78,7 @@ def keep_largest_fronts(house: House, metadata: Metadata, max_fronts: int) -> tu
 
 
 def is_front(joint: Joint) -> bool:
-    """Return whether a joint is a vertical hinge, or a slide of at least `MIN_TRAVEL`, of a part that closes something."""
+    """Return whether a joint closes something, by a vertical hinge or a level slide of at least `MIN_TRAVEL`."""
     if joint.part.partition("_")[0] in CONTROL_PARTS:
         return False
     return moves_in_plan(joint) and (joint.kind == "hinge" or abs(joint.open - joint.closed) >= MIN_TRAVEL)
