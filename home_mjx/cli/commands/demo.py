@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     `--out` is the path of a folder (`demo`), and `--dataset` is as in `add_dataset_option`. Whole numbers from 1 are
     `--houses` (8), `--envs` (8) and `--steps` (150, of 0.1 s each). `--seed` is from 0 to 2**32 - 1 (12, which shows
-    stairs and a short search).
+    stairs and two searches that succeed).
     """
     parser.add_argument("--out", type=parse_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)

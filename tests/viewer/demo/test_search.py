@@ -34,7 +34,7 @@ def test_the_agent_in_the_box_searches_for_kinds_of_sounds_that_it_has_not_heard
 
 def test_the_demo_says_which_clips_it_played():
     clips = ClipNames()
-    for index, name in ((0, "talking_0"), (1, "beeping_0"), (0, "beeping_0")):
+    for index, name in ((0, "talking_0"), (1, "whistling_0"), (0, "whistling_0")):
         sounds = SimpleNamespace(clip=np.array([CLIPS.index(name)]))
         clips.on_episode_step(EpisodeStep(index, SimpleNamespace(world=SimpleNamespace(sounds=sounds)), None, 0.0))
-    assert clips.names == ["talking_0", "beeping_0"]
+    assert clips.names == ["talking_0", "whistling_0"]
