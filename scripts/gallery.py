@@ -5,6 +5,7 @@ python scripts/gallery.py --dataset ROOT --out local/gallery  images of another 
 """
 
 import argparse
+import dataclasses
 import functools
 import tempfile
 from pathlib import Path
@@ -32,7 +33,7 @@ EYE = 1.5  # [m] camera height above the floor
 SIZE = (320, 240)
 FINE = LitShader(ao_radius=0.8, max_specular_depth=3)
 FAR = 8.0  # [m] depth that is drawn darkest
-PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation", "sensors")
+PICTURES = ("presets", "kinds", "cameras", "moved", "rooms", "arrangements", "variation", "sensors", "outside")
 
 
 class Studio:
@@ -146,6 +147,29 @@ def sensors(studio, samples):
     moving = jax.jit(functools.partial(render, lens=lens, kinds=("rgb",), shader="lit"))
     image = np.asarray(moving(studio.scene(), view, before=turned)["rgb"])
     return panels(shown, [*curves, ("vignette, turn of 14 degrees a step", image)])
+
+
+def outside(studio):
+    """Draw a house and its lawn from outdoors, plain and with clouds, haze and grass, and a room at night."""
+    low, high = extent(studio)
+    corner, middle = low - np.array([2.0, 9.0]), (low + high) / 2
+    yaw = float(np.arctan2(*(middle - corner)[::-1]))
+    view, lawn = (camera([*corner, EYE], yaw + turn, pitch) for turn, pitch in ((0.35, 0.12), (0.5, -0.25)))
+    plain, room = LitShader(exposure=0.8), studio.views(1)[0]  # exposed for daylight
+    full = dataclasses.replace(plain, clouds=0.45, haze=0.0015, grass=True)
+    draw = functools.partial(studio.draw, lens=Lens(*SIZE, samples=4))
+    shown = [
+        (name, draw(where, shader=shader)["rgb"])
+        for name, where, shader in (
+            ("lit", view, plain),
+            ("clouds, haze and grass", view, full),
+            ("night", room, "night"),
+            ("lit", lawn, plain),
+            ("clouds, haze and grass", lawn, full),
+            ("night, outdoors", view, "night"),
+        )
+    ]
+    return panels(shown[:3], shown[3:])
 
 
 def heading(view):
@@ -283,6 +307,7 @@ def main():
         "arrangements": lambda: arrangements(studios, args.samples),
         "variation": lambda: varied(studios[0], args.samples),
         "sensors": lambda: sensors(studios[0], args.samples),
+        "outside": lambda: outside(studios[0]),
     }
     args.out.mkdir(parents=True, exist_ok=True)
     for name in args.only:

@@ -100,7 +100,7 @@ class LitShader(Shader):
         exposure: Factor of all light before tone mapping. None: auto exposure, which maps the mean luminance of each
             image to middle grey.
         clouds: Share of the sky that clouds cover, 0 to 1, as cameras see it; they neither light nor shade.
-        haze: Extinction of the air [1/m], as cameras see it: 0.004 is a light haze, in which 500 m keep 14 % of
+        haze: Extinction of the air [1/m], as cameras see it: 0.001 is a light haze, in which 1 km keeps 37 % of
             contrast.
         grass: Blades and tufts of lawns, as cameras see them.
         tone_curve: Tone curve: "reinhard", or "agx", in which bright colours fade to white as on film.
