@@ -39,7 +39,7 @@ def agx(light: Vec, exposure: float | Float[Array, ""]) -> Vec:
     Source: T. Sobotka, "AgX", 2022: base look, whose mixing of channels is rounded to `INSET`.
 
     Example:
-        >>> float(agx(Vec(*[jnp.float32(0.18)] * 3), 1.0).x.round(3))
+        >>> round(float(agx(Vec(*[jnp.float32(0.18)] * 3), 1.0).x), 3)
         0.218
     """
     share, weights = INSET
