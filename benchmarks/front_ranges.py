@@ -58,6 +58,7 @@ def sweep(house: CompiledHouse) -> dict[str, float]:
         name = instance_name(house, int(house.doors.instance[row]))
         own = np.array([n == name or n.startswith(f"{name}_tray") for n in names])
         model.geom_contype[:], model.geom_conaffinity[:] = np.where(own, LEAF, 0), np.where(static, LEAF, 0)
+        model.body_contype[:] = model.body_conaffinity[:] = LEAF  # the broad phase's own masks
         ways = np.linspace(house.doors.closed[row], house.doors.fully_open[row], STEPS)
         depths = [_depths(model, data, model.joint(name).qposadr[0], way) for way in ways]
         kind = "drawers_deeper" if house.doors.is_sliding[row] else "hinges"

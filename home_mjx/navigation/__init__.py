@@ -1,5 +1,6 @@
 """Navigation grids, geodesic distances, rooms and free positions on the device."""
 
+from home_mjx.navigation.compartments import compartment_at, store_bodies
 from home_mjx.navigation.distance_fields import distance_field, goal_fields
 from home_mjx.navigation.doors import connected_rooms, door_angles, passable_portals
 from home_mjx.navigation.grid import (
@@ -17,6 +18,7 @@ from home_mjx.navigation.spawn import random_source, random_yaw, sample_starts
 __all__ = [
     "cell_at_feet",
     "cell_below",
+    "compartment_at",
     "connected_rooms",
     "distance_field",
     "door_angles",
@@ -31,4 +33,5 @@ __all__ = [
     "room_at_feet",
     "room_below",
     "sample_starts",
+    "store_bodies",
 ]

@@ -164,6 +164,21 @@ class Doors:
 
 
 @dataclass(frozen=True)
+class Compartments:
+    """Free boxes behind fronts of furniture, in which things can be; those of drawers move with their leaf."""
+
+    leaf: Int[np.ndarray, " n"]  # row of Doors: the front
+    pos: Float[np.ndarray, "n 3"]  # [m], centre with the front shut
+    quat: Float[np.ndarray, "n 4"]  # wxyz, about z only
+    size: Float[np.ndarray, "n 3"]  # [m], half extents
+
+    @staticmethod
+    def empty() -> "Compartments":
+        """Return a table of compartments without rows."""
+        return Compartments(np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros((0, 4)), np.zeros((0, 3)))
+
+
+@dataclass(frozen=True)
 class Ramps:
     """Ramps that replace flights of stairs: static boxes whose upper sides connect two floors."""
 
@@ -320,6 +335,7 @@ class CompiledHouse:
     gloss: Gloss = field(default_factory=lambda: Gloss.matt(0))  # of the first rows of `materials`; the others are matt
     # Ids of objects that would be movable if they did not intersect other geometry.
     blocked_objects: Int[np.ndarray, " n"] = field(default_factory=lambda: np.zeros(0, np.int32))
+    compartments: Compartments = field(default_factory=Compartments.empty)
 
 
 TextureArray = UInt8[np.ndarray, "l p 4"]  # layers, texels of all mip levels

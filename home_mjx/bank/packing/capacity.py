@@ -56,6 +56,7 @@ AXES: Mapping[str, CapacityAxis] = {
     "hinged_leaves": CapacityAxis(lambda h: int((~h.doors.is_sliding).sum()), 8, optional=True),
     "slides": CapacityAxis(lambda h: int(h.doors.is_sliding.sum()), 2, optional=True),
     "fronts": CapacityAxis(lambda h: int(h.doors.is_front.sum()), 8, optional=True),
+    "compartments": CapacityAxis(lambda h: len(h.compartments.leaf), 8, optional=True),
     "tray_boxes": CapacityAxis(lambda h: h.doors.num_tray_boxes, optional=True),
     "ramps": CapacityAxis(lambda h: len(h.ramps.slope), 1),
     "colliders": CapacityAxis(lambda h: len(h.colliders.pos), 64),

@@ -10,12 +10,13 @@ from home_mjx.bank.records.bank_arrays import (
     replace_arrays,
 )
 from home_mjx.bank.records.declaration import Declaration
+from home_mjx.bank.records.fronts import CompartmentArrays, Fronts
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.gpu_geometry import GpuGeometry
 from home_mjx.bank.records.lights import Lights
 from home_mjx.bank.records.materials import Finish, Materials
 from home_mjx.bank.records.navigation import NavigationArrays
-from home_mjx.bank.records.physics import Fronts, Physics
+from home_mjx.bank.records.physics import Physics
 from home_mjx.bank.records.switches import SWITCH_KINDS, Switches
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Acoustics",
     "BankArrays",
     "BankSpec",
+    "CompartmentArrays",
     "Declaration",
     "Finish",
     "Fronts",

@@ -10,12 +10,13 @@ from jaxtyping import Array, Int, UInt8
 
 from home_mjx.bank.records.acoustics import Acoustics
 from home_mjx.bank.records.declaration import Declaration, Key
+from home_mjx.bank.records.fronts import CompartmentArrays, Fronts
 from home_mjx.bank.records.geometry import Geometry
 from home_mjx.bank.records.lights import Lights
 from home_mjx.bank.records.materials import Finish, Materials
 from home_mjx.bank.records.navigation import NavigationArrays
 from home_mjx.bank.records.owners import HouseOwner
-from home_mjx.bank.records.physics import Fronts, Physics
+from home_mjx.bank.records.physics import Physics
 from home_mjx.bank.records.switches import Switches
 from home_mjx.core.pytree import Pytree, array, declared_arrays, static
 from home_mjx.errors import ConfigError
@@ -63,6 +64,7 @@ class BankArrays(Pytree):
     lights: Lights
     switches: Switches
     fronts: Fronts
+    compartments: CompartmentArrays
     reset_houses: Int[Array, " h"]  # house indices that resets draw from, each active house equally often
     house_id: UInt8[Array, "h id_bytes"] = array("ASCII of the dataset's house id", source=ascii_id)
     spec: BankSpec = static()
@@ -83,6 +85,7 @@ RECORDS: dict[str, type] = {
     "lights": Lights,
     "switches": Switches,
     "fronts": Fronts,
+    "compartments": CompartmentArrays,
 }
 
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
@@ -105,11 +104,6 @@ def tray_source(field: str, fill: float) -> Callable[[HouseOwner], np.ndarray]:
     return rows
 
 
-def front_rows(at: HouseOwner) -> Int[np.ndarray, " fronts"]:
-    """Return the rows, along the house's padded `doors` axis, of fronts of furniture."""
-    return at.door_row[at.house.doors.is_front]
-
-
 class Physics(Pytree):
     """Static boxes, movable bodies, door leaves and ramps over stairs of every house."""
 
@@ -184,24 +178,3 @@ class Physics(Pytree):
     ramp_collider: Int[Array, "h ramps"] = array(
         "static box with the same top; -1 padding", source="ramps.collider", fill=-1
     )
-
-
-class Fronts(Pytree):
-    """Fronts of furniture: rows of `Physics`' doors that are not between rooms."""
-
-    leaf: Int[Array, "h fronts"] = array("row along the axis `doors`; -1 padding", source=front_rows, fill=-1)
-
-    @property
-    def is_empty(self) -> bool:
-        """True if no house has fronts; programs then contain no code for them."""
-        return self.leaf.shape[-1] == 0
-
-    def mask(self, physics: Physics, house: Int[Array, ""] | int) -> Bool[Array, " doors"]:
-        """Return which leaves of a house, by its index, are fronts of furniture."""
-        count = physics.door_valid.shape[1]
-        return jnp.any(self.leaf[house][:, None] == jnp.arange(count, dtype=jnp.int32)[None], axis=0)
-
-    def open_doors(self, physics: Physics, house: Int[Array, ""] | int) -> Float[Array, " doors"]:
-        """Return joint coordinates of a house with all doors fully open, but fronts of furniture closed."""
-        wide = jnp.asarray(physics.door_fully_open[house])
-        return wide if self.is_empty else jnp.where(self.mask(physics, house), physics.door_closed[house], wide)

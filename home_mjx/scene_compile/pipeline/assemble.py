@@ -100,6 +100,7 @@ def assemble(
         lights=lights,
         gloss=surfaces.gloss,
         blocked_objects=levels.stuck_objects,
+        compartments=levels.compartments,
     )
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Int
 
-from home_mjx.geometry.boxes import BoxSet, bounding_box, concat_boxes, unique_boxes
-from home_mjx.geometry.meshes import bounds, transform
+from home_mjx.geometry.boxes import BoxSet, concat_boxes, unique_boxes
+from home_mjx.geometry.meshes import bounds
 from home_mjx.scene_compile.architecture.rooms import HouseFrame
 from home_mjx.scene_compile.architecture.shell import BuildingShell
 from home_mjx.scene_compile.collision.barriers import build_fence, find_barriers, is_within_lot
@@ -32,11 +32,12 @@ from home_mjx.scene_compile.navigation.free_space import (
     no_free_space_error,
 )
 from home_mjx.scene_compile.objects.doorways import Doorway, find_doorways
+from home_mjx.scene_compile.objects.insides import find_compartments, find_insides
 from home_mjx.scene_compile.objects.leaves import find_blocking_leaves, make_doors
 from home_mjx.scene_compile.objects.placed_objects import PlacedObject
 from home_mjx.scene_compile.objects.stairs import STAIRS_CATEGORY, Staircase, find_stairs
 from home_mjx.scene_compile.pipeline.limits import check_levels
-from home_mjx.schema.compiled import Bodies, Colliders, Doors, Ramps, RoomTable
+from home_mjx.schema.compiled import Bodies, Colliders, Compartments, Doors, Ramps, RoomTable
 
 
 @dataclass(frozen=True)
@@ -87,6 +88,7 @@ class LevelGeometry:
         ramps: Slopes of the stairs.
         bodies: Movable objects.
         doors: Leaves that turn or slide, of all levels.
+        compartments: Free boxes behind those of furniture.
         stuck_objects: Ids of objects of movable categories that are not free to move.
         report: Counts.
     """
@@ -100,6 +102,7 @@ class LevelGeometry:
     ramps: Ramps
     bodies: Bodies
     doors: Doors
+    compartments: Compartments
     stuck_objects: Int[np.ndarray, " n"]
     report: Mapping[str, int]
 
@@ -146,7 +149,7 @@ def build_levels(
         leaf.instance: own[o.object_id] for o in objects for leaf in o.leaves if leaf.is_front and o.object_id in own
     }
     doors = make_doors(leaves, *around, concat_boxes(candidate.box for candidate in moving), bodies)
-    blocked = concat_boxes([sides, rails, find_blocking_leaves(leaves, *around), *_insides(objects)])
+    blocked = concat_boxes([sides, rails, find_blocking_leaves(leaves, *around), *find_insides(objects)])
     return LevelGeometry(
         spaces=_spaces(sites, found, blocked, rooms, colliders, navigation),
         doorways=[site.doorways for site in sites],
@@ -157,6 +160,7 @@ def build_levels(
         ramps=ramps,
         bodies=make_bodies(moving),
         doors=doors,
+        compartments=find_compartments(objects),
         stuck_objects=np.array(stuck, np.int32),
         report={
             "movable_but_stuck": len(stuck),
@@ -271,11 +275,3 @@ def _leaf_boxes(objects: Sequence[PlacedObject], doors: Doors, level: int, all_a
     return concat_boxes(
         leaf.box_at(float(a)) for (at, leaf), *three in angles if at == level and not leaf.is_front for a in three[used]
     )
-
-
-def _insides(objects: Sequence[PlacedObject]) -> list[BoxSet]:
-    """Return shut fronts of furniture and the compartments behind them, in which agents cannot stand."""
-    fronts = [leaf.box_at(leaf.closed) for o in objects for leaf in o.leaves if leaf.is_front]
-    corners = [transform(o.pose, pocket.box) for o in objects for pocket in o.pockets]
-    yaws = [o.yaw for o in objects for _ in o.pockets]
-    return fronts + [bounding_box(points, yaw) for points, yaw in zip(corners, yaws, strict=True)]

@@ -31,6 +31,7 @@ SWITCH_STATES = ("initial", "on", "off", "random")
 ARRANGEMENTS = ("initial", "random")
 SENSORS = VIEW_KINDS + VECTOR_SENSORS
 ACTION_KINDS = ("continuous", "discrete")
+MAX_STORED = 64  # maximum number of bodies that are put into compartments at reset
 MAX_SOURCES = 256  # maximum number of sound sources; each is traced for every agent
 DISCRETE_CTRL_DT = 0.3  # [s], length of a step of discrete actions; a multiple of the default `sim_dt`
 DEFAULT_SENSORS = ("rgb", "depth", "instance", "fine", "audio", "state")  # the task's own are added
@@ -115,6 +116,8 @@ class EnvConfig:
             closed, by key). Agents can push every leaf, whatever is before it, or turn it with their hands.
         fronts: The same for doors and drawers of furniture, where the houses have any that open, see
             `ArticulationOptions`.
+        stored_bodies: Maximum number of movable bodies that are put into compartments at reset, random ones that fit,
+            each into one of its own; see `navigation.store_bodies`.
         switches: States of lamps and appliances at reset: "initial" (lamps on, appliances off), "on", "off" or "random"
             (each by key). Hands toggle them. None: they have no states, lamps are lit and appliances silent.
         num_switch_sounds: Maximum number of appliances that are heard at once; each is traced for every agent.
@@ -155,6 +158,7 @@ class EnvConfig:
     speech: tuple[str, ...] = ()
     doors: str = "open"
     fronts: str = "closed"
+    stored_bodies: int = 0
     switches: str | None = None
     num_switch_sounds: int = 4
     arrangement: str = "initial"
@@ -181,6 +185,7 @@ class EnvConfig:
         check_known("clip", [self.clip, *self.clips], CLIPS)
         check_known("state of doors", [self.doors], DOOR_STATES)
         check_known("state of fronts", [self.fronts], DOOR_STATES)
+        check_number("stored_bodies", self.stored_bodies, 0, MAX_STORED, integer=True)
         if self.switches is not None:
             check_known("state of switches", [self.switches], SWITCH_STATES)
         check_known("arrangement", [self.arrangement], ARRANGEMENTS)

@@ -16,13 +16,14 @@ from home_mjx.tasks.variation.ranges import Variation
 from home_mjx.tasks.variation.sample import VariationSample
 
 MAX_FLOOR_OFFSET = 0.3  # [m], maximum height difference between an episode's start and the floor
-SOUND_TAG, RENEW_TAG, DOORS_TAG, ARRANGEMENT_TAG, VARIATION_TAG, SWITCH_TAG = (
+SOUND_TAG, RENEW_TAG, DOORS_TAG, ARRANGEMENT_TAG, VARIATION_TAG, SWITCH_TAG, STORE_TAG = (
     1,
     2,
     3,
     4,
     5,
     6,
+    7,
 )  # tags of `fold_key`, one per use
 
 

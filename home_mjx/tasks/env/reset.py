@@ -13,6 +13,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import BankSpec
 from home_mjx.core.transforms import yaw_quat
 from home_mjx.errors import ConfigError
+from home_mjx.navigation.compartments import store_bodies
 from home_mjx.navigation.doors import door_angles
 from home_mjx.navigation.spawn import random_arrangement, random_yaw, sample_starts
 from home_mjx.physics import PhysicsState
@@ -23,6 +24,7 @@ from home_mjx.tasks.base.snapshot import AgentPose, BodyContacts, Snapshot
 from home_mjx.tasks.base.state import (
     ARRANGEMENT_TAG,
     DOORS_TAG,
+    STORE_TAG,
     SWITCH_TAG,
     VARIATION_TAG,
     EnvParams,
@@ -99,8 +101,27 @@ def init_physics_and_world(
     angle = door_angles(bank, house, config.doors, fold_key(to_raw_key(key), DOORS_TAG), config.fronts)
     arrangement = _pick_arrangement(config, bank, house, pos, world.source, fold_key(to_raw_key(key), ARRANGEMENT_TAG))
     scale = None if drawn is None else drawn.body_scale
-    data = physics.reset(physics_template(config, bank.spec), bank, house, pos, yaw, angle, arrangement, scale)
+    template = physics_template(config, bank.spec)
+    data = physics.reset(template, bank, house, pos, yaw, angle, arrangement, scale)
+    if config.stored_bodies:
+        data = _store(config, bank, house, data, fold_key(to_raw_key(key), STORE_TAG))
     return data, world, row, goal_key
+
+
+def _store(config: EnvConfig, bank: HouseBank, house: Int[Array, ""], data: PhysicsState, key: Array) -> PhysicsState:
+    """Return the state with random bodies in compartments.
+
+    Raises:
+        ConfigError: No house of the bank has compartments.
+    """
+    if bank.compartments.is_empty:
+        hint = "Give max_fronts=24, and houses whose furniture has joints."
+        raise ConfigError("`stored_bodies` needs compartments, and no house has any", hint=hint)
+    template = physics_template(config, bank.spec)
+    angle, poses = physics.door_angle(template, data), physics.body_pose(template, data)
+    pos, quat = store_bodies(bank, house, angle, poses, config.stored_bodies, key)
+    rows = jnp.concatenate([pos, quat], axis=-1).reshape(-1)
+    return data.replace(qpos=data.qpos.at[template.layout.body_qpos].set(rows))
 
 
 def prepare_light(

@@ -12,8 +12,9 @@ from numpy.testing import assert_allclose
 
 from home_mjx import HouseBank, physics
 from home_mjx.datasets.outlines import RoomOutline, outline_house
+from home_mjx.errors import ConfigError
 from home_mjx.geometry.meshes import box_triangles
-from home_mjx.navigation import door_angles
+from home_mjx.navigation import compartment_at, door_angles
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.hand_control import HandCommands, apply_hand_commands, update_hands
 from home_mjx.raycast_render import cast, make_scene
@@ -23,6 +24,8 @@ from home_mjx.scene_compile.objects.leaves import CLEARANCE
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.house import Joint, Material, Mesh, Metadata, ModelInfo, ObjectNode
+from home_mjx.tasks import EnvConfig, HouseholdEnv
+from home_mjx.tasks.env.reset import physics_template
 
 HOUSE = jnp.int32(0)
 WIDTH, HEIGHT, DEPTH, TRAVEL = 0.8, 0.8, 0.45, 0.36  # [m], of the chest; of its drawers
@@ -228,6 +231,53 @@ def test_a_drawer_carries_what_is_in_it_as_in_c(house, bank):
     moved = (mine[-1, :3] - mine[4, :3]) @ way
     assert 0.5 * TRAVEL < moved < 1.2 * TRAVEL + 0.2
     assert_allclose(mine[:, 2], bottom + CUP / 2, atol=2e-3)
+
+
+def test_compartments_are_the_free_boxes_of_trays(house):
+    own = house.compartments
+    assert sorted(own.leaf.tolist()) == np.flatnonzero(house.doors.is_front).tolist()
+    for row in drawers(house)[0]:
+        low, high = world_boxes(house, row)
+        (at,) = np.flatnonzero(own.leaf == row)
+        yaw = 2 * np.arctan2(own.quat[at, 3], own.quat[at, 0])
+        half = own.size[at] if abs(np.sin(yaw)) < 0.5 else own.size[at, [1, 0, 2]]
+        free = own.pos[at] - half, own.pos[at] + half
+        assert not ((low < free[1] - 1e-6) & (high > free[0] + 1e-6)).all(axis=1).any()
+        assert free[0][2] == pytest.approx(high[1, 2], abs=1e-6)
+        volume = np.prod(free[1] - free[0])
+        assert volume > 0.8 * np.prod(high[1:].max(axis=0) - low[1:].min(axis=0))
+
+
+@pytest.mark.parametrize("fronts", ["closed", "open"])
+def test_stored_bodies_are_in_compartments_and_move_with_drawers(house, bank, fronts):
+    config = EnvConfig(sensors=("state",), stored_bodies=2, fronts=fronts, hands=True)
+    env = HouseholdEnv(config).bind(bank)
+    template, reset = physics_template(config, bank.spec), jax.jit(env.reset)
+    seen = set()
+    for seed in range(12):
+        state = reset(jax.random.key(seed))
+        angle, pos = physics.door_angle(template, state.physics), physics.body_pose(template, state.physics)[0]
+        inside = np.asarray(compartment_at(bank, HOUSE, angle, pos))
+        assert inside[0] >= 0
+        assert (inside[1:] == -1).all()
+        seen.add(int(inside[0]))
+        row = house.compartments.leaf[inside[0]]
+        low, high = world_boxes(house, row)
+        shift = (house.doors.high[row] if fronts == "open" else 0.0) * np.array([*house.doors.slide[row], 0.0])
+        body = np.asarray(pos[0])
+        half = np.array([CUP / 2] * 3)
+        assert not ((low + shift < body + half) & (high + shift > body - half)).all(axis=1).any()
+        assert 0 < body[2] - CUP / 2 - high[1, 2] < 2e-3
+    assert len(seen) == 4
+
+
+def test_nothing_is_stored_where_there_is_no_compartment():
+    bank = HouseBank.from_compiled([compile_house(*home())])
+    assert bank.compartments.is_empty
+    with pytest.raises(ConfigError, match="compartments"):
+        HouseholdEnv(EnvConfig(sensors=("state",), stored_bodies=1)).bind(bank).reset(jax.random.key(0))
+    with pytest.raises(ConfigError, match="stored_bodies"):
+        EnvConfig(stored_bodies=-1)
 
 
 def test_exported_drawers_slide_and_have_the_boxes_of_their_trays(house):

@@ -1,0 +1,99 @@
+"""Containment: the compartment that a point is in, and bodies put into compartments."""
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Bool, Float, Int
+
+from home_mjx.bank.bank import HouseBank
+from home_mjx.core.transforms import quat_matrix
+
+STORE_CLEARANCE = 0.005  # [m], minimum distance of a stored body from the sides of its compartment
+STORE_HEIGHT = 1e-3  # [m], height of a stored body above the bottom
+MAX_LEAN = 1e-3  # maximum of |x| and |y| of the quaternion of a body that is stored as it stands
+
+
+def compartment_at(
+    bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"], points: Float[Array, "k 3"]
+) -> Int[Array, " k"]:
+    """Return the compartment that contains each point; -1 if none. Drawers are at their joint coordinates.
+
+    Args:
+        bank: The houses.
+        house: Index of the house, clipped to the bank.
+        door_angle: Joint coordinate of each leaf [rad], of sliding ones [m].
+        points: In the world [m].
+
+    Example:
+        >>> compartment_at(bank, house, snapshot.door_angle, body_pos)  # doctest: +SKIP
+    """
+    house, boxes = bank.clip_house_index(house), bank.compartments
+    if boxes.is_empty:
+        return jnp.full(points.shape[0], -1, jnp.int32)
+    away = points[:, None] - boxes.centers(bank.physics, house, door_angle)[None]
+    local = jnp.einsum("kci,cij->kcj", away, jax.vmap(quat_matrix)(boxes.quat[house]), precision="highest")
+    inside = jnp.all(jnp.abs(local) <= boxes.size[house][None], axis=-1)
+    return jnp.where(jnp.any(inside, axis=1), jnp.argmax(inside, axis=1), -1).astype(jnp.int32)
+
+
+def store_bodies(
+    bank: HouseBank,
+    house: Int[Array, ""],
+    door_angle: Float[Array, " h"],
+    poses: tuple[Float[Array, "k 3"], Float[Array, "k 4"]],
+    count: int,
+    key: Array,
+) -> tuple[Float[Array, "k 3"], Float[Array, "k 4"]]:
+    """Return poses of a house's bodies with up to `count` random ones put into compartments, each into one of its own.
+
+    Stored bodies stand on the bottom, as they stood before, at a random place with a yaw along the sides. Only bodies
+    that are upright and fit are stored; fewer than `count` if there are not as many, or too few compartments. What lay
+    on a stored body falls.
+
+    Args:
+        bank: The houses.
+        house: Index of the house, clipped to the bank.
+        door_angle: Joint coordinate of each leaf [rad], of sliding ones [m].
+        poses: Positions [m] and orientations (wxyz) of all bodies, also unused ones.
+        count: Maximum number of bodies to store.
+        key: Random key.
+    """
+    house, (pos, quat) = bank.clip_house_index(house), poses
+    if bank.compartments.is_empty or not pos.shape[0]:
+        return poses
+    fits = _fits(bank, house, quat)
+    for own in jax.random.split(key, count):
+        pos, quat, fits = _store_one(bank, house, door_angle, (pos, quat, fits), own)
+    return pos, quat
+
+
+def _fits(bank: HouseBank, house: Int[Array, ""], quat: Float[Array, "k 4"]) -> Bool[Array, "c k"]:
+    """Return which compartments have room for which bodies of a house; False in padding and for bodies that lean."""
+    room = bank.compartments.size[house] - jnp.float32(STORE_CLEARANCE)
+    upright = jnp.all(jnp.abs(quat[:, 1:3]) < jnp.float32(MAX_LEAN), axis=-1) & bank.physics.body_valid[house]
+    return jnp.all(bank.physics.body_size[house][None] <= room[:, None], axis=-1) & upright[None]
+
+
+def _store_one(
+    bank: HouseBank,
+    house: Int[Array, ""],
+    door_angle: Float[Array, " h"],
+    now: tuple[Float[Array, "k 3"], Float[Array, "k 4"], Bool[Array, "c k"]],
+    key: Array,
+) -> tuple[Float[Array, "k 3"], Float[Array, "k 4"], Bool[Array, "c k"]]:
+    """Put a random body into a random compartment that it fits in; both then fit no other. Unchanged if none fits."""
+    (pos, quat, fits), (pick, place) = now, jax.random.split(key)
+    chance = jnp.where(fits, jax.random.uniform(pick, fits.shape, jnp.float32), -1.0)
+    best = jnp.argmax(chance)
+    slot, body = best // fits.shape[1], best % fits.shape[1]
+    half, own = bank.compartments.size[house, slot], bank.physics.body_size[house, body]
+    slack = jnp.maximum(half - own - jnp.float32(STORE_CLEARANCE), 0.0)
+    shift = slack * jax.random.uniform(place, (3,), jnp.float32, -1.0, 1.0)
+    shift = shift.at[2].set(own[2] - half[2] + jnp.float32(STORE_HEIGHT))
+    turned = bank.compartments.quat[house, slot]
+    center = bank.compartments.centers(bank.physics, house, door_angle)[slot]
+    there = center + jnp.matmul(quat_matrix(turned), shift, precision="highest")
+    found = jnp.any(fits)
+    pos = pos.at[body].set(jnp.where(found, there, pos[body]))
+    quat = quat.at[body].set(jnp.where(found, turned, quat[body]))
+    free = fits.at[slot].set(False).at[:, body].set(False)
+    return pos, quat, jnp.where(found, free, fits)
