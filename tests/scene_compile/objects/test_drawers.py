@@ -233,6 +233,33 @@ def test_a_drawer_carries_what_is_in_it_as_in_c(house, bank):
     assert_allclose(mine[:, 2], bottom + CUP / 2, atol=2e-3)
 
 
+@pytest.mark.slow
+def test_a_drawer_carries_what_is_in_it_in_mjx_as_in_c(house, bank):
+    (mine, _, _), (truth, _, _) = (carried(house, bank, impl, 30) for impl in ("jax", "c"))
+    assert_allclose(mine, truth, atol=2e-3)
+    assert_allclose(mine[:8], truth[:8], atol=1e-4)
+
+
+@pytest.mark.parametrize("state", ["closed", "open"])
+def test_a_tray_stops_a_kinematic_agent_from_the_side(house, bank, state):
+    template, row = Template(PhysicsConfig(impl="kinematic"), bank.spec), drawers(house)[0][0]
+    shift = house.doors.high[row] * np.array([*house.doors.slide[row], 0.0])
+    low, high = world_boxes(house, row)
+    assert abs(house.doors.slide[row] @ [0.0, 1.0]) < 1e-6
+    feet = np.array([(high[1, 0] + shift[0] + high[1, 0]) / 2, high[0, 1] + 0.5])  # beside the middle of what is out
+    angle = door_angles(bank, HOUSE, "open", jax.random.key(0), state)
+    start = jnp.array([[*feet, 0.0]], jnp.float32), jnp.array([-np.pi / 2], jnp.float32)
+    walked = physics.reset(template, bank, HOUSE, *start, angle)
+    step = jax.jit(lambda s: physics.step(template, bank, HOUSE, s, jnp.array([[1.0, 0.0, 0.0]])))
+    for _ in range(20):
+        walked = step(walked)
+    y, radius = float(physics.agent_pose(template, walked)[0][0, 1]), AgentBody().radius
+    if state == "closed":
+        assert y < low[0, 1]
+    else:
+        assert y == pytest.approx(high[1:, 1].max() + radius, abs=0.03)
+
+
 def test_compartments_are_the_free_boxes_of_trays(house):
     own = house.compartments
     assert sorted(own.leaf.tolist()) == np.flatnonzero(house.doors.is_front).tolist()
