@@ -92,13 +92,16 @@ class Layout:
         return slice(first, first + 9 * self.num_bodies)
 
     @property
-    def door_geoms(self) -> Int[np.ndarray, " h"]:
-        """Indices of the geoms of the doors' own boxes, one per door."""
+    def door_geoms(self) -> slice | Int[np.ndarray, " h"]:
+        """Slice of the geoms of the doors' own boxes, one per door; their indices if sliding leaves have trays."""
+        if not self.num_tray_boxes:
+            return slice(self.body_geoms.stop, self.body_geoms.stop + self.num_doors)
         slide = np.maximum(np.arange(self.num_doors) - (self.num_doors - self.num_slides), 0)
         return self.body_geoms.stop + np.arange(self.num_doors) + self.num_tray_boxes * slide
 
     @property
     def tray_geoms(self) -> Int[np.ndarray, " t"]:
         """Indices of the geoms of trays, `num_tray_boxes` per sliding leaf."""
-        own = self.door_geoms[self.num_doors - self.num_slides :]
+        first, box = self.num_doors - self.num_slides, 1 + self.num_tray_boxes
+        own = self.body_geoms.stop + first + box * np.arange(self.num_slides)
         return (own[:, None] + 1 + np.arange(self.num_tray_boxes)).reshape(-1)
