@@ -1,10 +1,11 @@
 """Draw houses of six sources, rendered as one batch by one program, for the pages of household datasets.
 
-python scripts/format_pictures.py [--out docs/images] [--samples 9]
+python scripts/format_pictures.py [--out docs/images] [--samples 9] [--others]
 
 All houses may be published: generated homes, as they are, as SUNCG's files, and exported to glTF, MJCF and Habitat and
 read back; and the house in ProcTHOR's format of the tests, in our furniture. Each page gets its own view and the sheet
-has all of them.
+has all of them. With `--others`, the pages of USD and 3D-FRONT get theirs instead, of generated homes that
+`format_houses.py` writes in these formats; USD needs usd-core.
 """
 
 import argparse
@@ -16,6 +17,7 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+from format_houses import write_front, write_usd
 from gallery import FINE, SIZE, Studio
 from PIL import Image
 
@@ -33,7 +35,7 @@ from home_mjx.viewer.pictures import pictures
 from home_procgen import generate_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
-SEEDS = {"procedural": 3, "suncg": 11, "gltf": 20, "habitat": 42, "mjcf": 7}
+SEEDS = {"procedural": 3, "suncg": 11, "gltf": 20, "habitat": 42, "mjcf": 7, "usd": 13, "front": 5}
 PAGES = ("gltf", "habitat", "mjcf")  # formats that have pictures of their own
 QUALITY = 80  # of JPEG
 
@@ -87,7 +89,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "images")
     parser.add_argument("--samples", type=int, default=9, help="rays per pixel")
+    parser.add_argument("--others", action="store_true", help="only pictures of USD and 3D-FRONT")
     args = parser.parse_args()
+    if args.others:
+        draw_others(args.out, args.samples)
+        return
     with tempfile.TemporaryDirectory() as folder:
         names = write_houses(Path(folder))
         bank = HouseBank.from_compiled([first_house(name) for name in names.values()])
@@ -97,6 +103,21 @@ def main() -> None:
     write(args.out / "formats.jpg", pictures.compose_sheet([tiles[:3], tiles[3:]]))
     for name in PAGES:
         write(args.out / f"format_{name}.jpg", images[name])
+
+
+def draw_others(out: Path, samples: int) -> None:
+    """Draw and write the pictures of USD and 3D-FRONT."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "front").mkdir()
+        paths = {
+            "usd": write_usd(home(SEEDS["usd"]), folder / "house.usda"),
+            "front": write_front(home(SEEDS["front"]), folder / "front"),
+        }
+        bank = HouseBank.from_compiled([first_house(f"{key}:{path}") for key, path in paths.items()])
+    cameras = [Studio(bank, house).views(1)[0] for house in range(bank.num_houses)]
+    for key, image in zip(paths, draw_batch(bank, cameras, samples), strict=True):
+        write(out / f"format_{key}.jpg", image)
 
 
 def write(path: Path, image: np.ndarray) -> None:
