@@ -59,6 +59,7 @@ types: $(DEV_STAMP)  ## pyright
 # Not --quiet: it would hide warnings from --strict as well.
 docs: $(DEV_STAMP)  ## build the documentation into site/, warnings are errors
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict
+	$(BIN)/home-mjx play AudioNav --dataset "procedural:1?seed=40" --episodes 1 --html --out site/demo
 
 bench: $(DEV_STAMP)  ## measure; one JSON object a line into benchmarks/latest.jsonl
 	$(BIN)/home-mjx bench all --json $(ARGS) | tee benchmarks/latest.jsonl
