@@ -120,7 +120,7 @@ def test_an_option_of_a_shader_belongs_into_the_shader():
     for options, text in (
         (
             {"shader": "lit", "density": 1.0},
-            r"^unknown option `density`.*num_lights, .*exposure, reflections, as in shader=LitShader\(num_lights=",
+            r"^unknown option `density`.*num_lights, .*exposure, reflections, .*as in shader=LitShader\(num_lights=",
         ),
         ({"shader": LitShader(ambient=0.1), "num_lights": 2}, r"option of the shader: shader=LitShader\(num_lights="),
         ({"shader": "fog", "density": 1.0}, r"^unknown shader `fog`.*Known: baked, fast, lit"),

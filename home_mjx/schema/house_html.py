@@ -23,7 +23,7 @@ def format_house(name: str, rows: Mapping[str, object], levels: Sequence[Sequenc
     return f"<b>House {escape(name)}</b><table>{cells}</table>{''.join(plans)}"
 
 
-def format_floors(floors: Sequence[Float[np.ndarray, "f 3 2"]], caption: str) -> str:
+def format_floors(floors: Sequence[Float[np.ndarray, "_ 3 2"]], caption: str) -> str:
     """Return a plan from the triangles of floors, each floor in a colour; "" without floors.
 
     Args:

@@ -53,7 +53,7 @@ def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
     """
     half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
     arrays = {NET_PREFIX + name: x for name, x in _arrays_by_path(half).items()}
-    _save(as_path(path, "a checkpoint"), arrays, config, np.savez_compressed)
+    _save(as_path(path, "a checkpoint"), arrays, config, is_compressed=True)
 
 
 def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
@@ -61,8 +61,9 @@ def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
     return {jax.tree_util.keystr(place): np.asarray(x) for place, x in jax.tree_util.tree_leaves_with_path(tree)}
 
 
-def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig, write: Callable[..., None] = np.savez) -> None:
-    """Write arrays by name and the configuration, durably, with `write`; raises as `save_checkpoint`."""
+def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig, is_compressed: bool = False) -> None:
+    """Write arrays by name and the configuration, durably; raises as `save_checkpoint`."""
+    write = np.savez_compressed if is_compressed else np.savez
     text = np.array(to_json(config))
     with write_durably(path, "checkpoint", FREE_SPACE_HINT) as file:
         write(file, **{CONFIG_KEY: text}, **arrays)

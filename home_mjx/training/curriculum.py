@@ -23,7 +23,7 @@ def easy_share(updates: Float[Array, ""], fraction: float, num_updates: int) -> 
 def row_difficulty(params: EnvParams) -> Float[Array, " t"]:
     """Return the rank of each row of the tasks from 0, the easiest, up to below 1, by length and clutter alike.
 
-    The length is that of the shortest path, the clutter the number of objects of the row's house.
+    The length is that of the shortest path, the clutter the number of instances of the row's house.
 
     Raises:
         ConfigError: The task has no rows.
@@ -36,9 +36,16 @@ def row_difficulty(params: EnvParams) -> Float[Array, " t"]:
 
 
 def draw_easy_rows(params: EnvParams, share: Float[Array, ""]) -> EnvParams:
-    """Return parameters of which resets draw only the easiest rows, a `share` of all; raises as `row_difficulty`."""
-    weights = (row_difficulty(params) <= share).astype(jnp.float32)
-    return params.replace(tasks=params.tasks.with_weights(weights))
+    """Return parameters of which resets draw only the easiest rows, a `share` of all; raises as `row_difficulty`.
+
+    Weights of the tasks stay: rows of weight 0 are never drawn, and do not count among the easiest.
+    """
+    difficulty, own = row_difficulty(params), params.tasks.weights
+    if own is None:
+        return params.replace(tasks=params.tasks.with_weights((difficulty <= share).astype(jnp.float32)))
+    drawn = own > 0
+    rank = jnp.argsort(jnp.argsort(jnp.where(drawn, difficulty, 2.0))) / jnp.maximum(jnp.sum(drawn), 1)
+    return params.replace(tasks=params.tasks.with_weights(jnp.where(rank <= share, own, 0.0)))
 
 
 def scheduled_params(params: EnvParams, fraction: float, updates: Int[Array, ""], num_updates: int) -> EnvParams:

@@ -23,7 +23,8 @@ class HeldOutRollout:
     """Environments in held-out houses that take as many steps as those of training, with the latest network.
 
     Training never waits for a whole episode. An episode may thus begin with one network and end with another, and
-    short episodes are counted first: the final evaluation is `evaluate`. Training does not depend on it.
+    short episodes are counted first: the final evaluation is `evaluate`. Training does not depend on it, but
+    its time counts towards a time limit.
 
     Args:
         env: The environment in held-out houses, with the observations of training.

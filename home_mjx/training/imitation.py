@@ -50,8 +50,9 @@ class AdvisedPPO(PPO):
         )
 
     def current_loss(self, state: TrainState) -> LossFunction:
-        """Return PPO's losses plus the cloning loss; its weight falls linearly to 0 at 70 % of the run's updates."""
-        left = 1 - state.updates.astype(jnp.float32) / (ADVICE_DECAY_FRACTION * self.config.num_updates)
+        """Return PPO's losses plus the cloning loss; its weight falls linearly to 0 at 70 % of its updates."""
+        done = (state.updates - self.first_update).astype(jnp.float32)
+        left = 1 - done / (ADVICE_DECAY_FRACTION * self.config.num_updates)
         weight = self.config.advice_cost * jnp.clip(left, 0, 1)
 
         def loss(net: Any, batch: TrainBatch) -> tuple[Array, dict[str, Array]]:
@@ -98,7 +99,7 @@ class BehaviorCloning(AdvisedPPO):
         `MIN_EXPERT_SHARE`. From `STUDENT_ONLY_AFTER` of the updates on it is 0.
         """
         student = self.policy(state.net)
-        done = state.updates.astype(jnp.float32) / self.config.num_updates
+        done = (state.updates - self.first_update).astype(jnp.float32) / self.config.num_updates
         led = jnp.where(done < STUDENT_ONLY_AFTER, jnp.clip(1 - done / EXPERT_DECAY_FRACTION, MIN_EXPERT_SHARE, 1), 0.0)
 
         def act(memory: Array, obs: dict[str, Array], begins: Array, keys: Array) -> tuple[Array, Array, dict]:

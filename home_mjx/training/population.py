@@ -65,7 +65,8 @@ class Population:
     def init(self, params: EnvParams, key: Array) -> TrainState:
         """Return a state with fresh parameters and an optimizer for each seed, and reset environments."""
         state = self._whole.init(params, key)
-        keys = jax.random.key_data(jax.random.split(jax.random.wrap_key_data(to_raw_key(key)), 2 * self.num_seeds))
+        own = jax.random.fold_in(jax.random.wrap_key_data(to_raw_key(key)), 1)  # `init` of the whole splits the key
+        keys = jax.random.key_data(jax.random.split(own, 2 * self.num_seeds))
         net = jax.vmap(self.member.agent.init_net)(keys[: self.num_seeds])
         opt = jax.vmap(self.member.optimizer.init)(net)
         return self._whole.to_devices(state.replace(net=net, opt=opt, key=keys[self.num_seeds :]))

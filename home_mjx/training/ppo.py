@@ -80,6 +80,7 @@ class PPO:
         update: Compiled function from `(params, state)` to the next state and metrics. On several devices, `params`
             should first be put there: `ppo.sharding.put_params(params)`.
         sharding: Environments and parameters over the devices.
+        first_update: Updates of the run before this learner's first one; schedules count from there.
 
     Raises:
         ConfigError: Batch sizes do not divide evenly, or the environment's observations or actions have no network.
@@ -89,6 +90,7 @@ class PPO:
         self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
     ) -> None:
         self.config = config or PPOConfig()
+        self.first_update = 0
         self.core = core = add_sensors(core, TARGET_SENSORS[self.config.auxiliary])
         devices = list(devices or jax.devices())
         self.config.check_devices(len(devices), core.num_agents)
@@ -143,7 +145,7 @@ class PPO:
         Without weights, rows of the tasks are taken in order, each device beginning at its own.
         """
         num, config = keys.shape[0], self.core.config
-        params = self._drawn_params(params, jnp.zeros((), jnp.int32))
+        params = self._drawn_params(params, jnp.int32(self.first_update))
         env_keys, time_keys, row_keys = jnp.unstack(jax.vmap(lambda key: jax.random.split(key, 3))(keys), axis=1)
         first = env_index(num)  # each device starts at different rows
         episodes = first + jnp.arange(num, dtype=jnp.int32) if is_sequential(params.tasks) else None
@@ -163,7 +165,7 @@ class PPO:
 
     def _drawn_params(self, params: EnvParams, updates: Int[Array, ""]) -> EnvParams:
         """Return parameters with the rows of the curriculum after some updates; the same without a curriculum."""
-        return scheduled_params(params, self.config.curriculum, updates, self.config.num_updates)
+        return scheduled_params(params, self.config.curriculum, updates - self.first_update, self.config.num_updates)
 
     def _update_local(self, params: EnvParams, state: TrainState) -> tuple[TrainState, dict[str, Array]]:
         """Compute one update with this device's environments; return the next state, metrics (sums in `episode/`)."""

@@ -166,6 +166,7 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
             if done >= last and number < len(config.stages) - 1:
                 continue
             ppo = LEARNERS[algorithm](env.core, options)
+            ppo.first_update = first
             params = ppo.sharding.put_params(env.params)
             reset, update = (pool.submit(program.compile, compiler_options()) for program in ppo.lower(params))
             found.append((_Stage(number, ppo, params, update, first, last), reset))

@@ -78,7 +78,7 @@ def run(args: argparse.Namespace) -> int:
     problems = [f"{problem.element}: {problem.message}" for problem in house.problems]
     taken = bank_usage([compiled])
     table, unknown = selected_house(args)[0].joints, unknown_material_share(compiled)
-    fixed = fixed_joints(house, table, metadata, compiled)
+    fixed = fixed_joints(house, table, metadata, compiled, compile_options(args).articulation.max_fronts)
     jointed = sum(map(len, object_joints(house, table).values()))
     fields = compiled.navigation.field.nbytes + compiled.navigation.extrapolated.field.nbytes
     if args.json:

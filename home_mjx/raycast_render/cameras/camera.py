@@ -113,7 +113,9 @@ class Lens:
         """Raise `ConfigError` for impossible values of vignette, shutter and readout."""
         check_number("vignette of a camera", self.vignette, 0, 10)
         check_number("shutter of a camera", self.shutter, 0, 1)
-        check_number("readout of a camera", self.readout, 0, 1 - self.shutter)
+        check_number("readout of a camera", self.readout, 0, 1)
+        if self.shutter + self.readout > 1 + 1e-9:
+            raise ConfigError(f"`shutter` and `readout` are together at most 1, got {self.shutter} and {self.readout}")
         if self.vignette and self.model != "pinhole":
             raise ConfigError(f"only a pinhole may have `vignette`, got the model `{self.model}`")
         if self.shutter and self.samples == 1:

@@ -9,10 +9,9 @@ import numpy as np
 
 from home_mjx.core.progress.counts import plural
 from home_mjx.datasets.furniture import attach_joints
-from home_mjx.scene_compile.objects.doors import moves_in_plan
 from home_mjx.scene_compile.objects.fronts import keep_largest_fronts
-from home_mjx.scene_compile.objects.leaves import MIN_OPEN_ANGLE
-from home_mjx.scene_compile.objects.placed_objects import num_nodes
+from home_mjx.scene_compile.objects.leaves import MIN_DRAWER_OPENING, MIN_OPEN_ANGLE
+from home_mjx.scene_compile.objects.placed_objects import leaf_joints, num_nodes
 from home_mjx.schema.categories import FINE
 from home_mjx.schema.compiled import CompiledHouse
 from home_mjx.schema.house import House, Joint, Joints, Metadata
@@ -41,24 +40,28 @@ def object_joints(house: House, table: Joints) -> JointsByObject:
 
 @dataclass(frozen=True)
 class FixedJoint:
-    """A joint that stays in its pose in a compiled house, or opens less than `MIN_OPEN_ANGLE`."""
+    """A joint that stays in its pose in a compiled house, or hardly opens, see `fixed_joints`."""
 
     joint: Joint
     is_blocked: bool = False  # it is a front that something stops
 
 
-def fixed_joints(house: House, table: Joints, metadata: Metadata, compiled: CompiledHouse) -> FixedByObject:
+def fixed_joints(
+    house: House, table: Joints, metadata: Metadata, compiled: CompiledHouse, max_fronts: int = 0
+) -> FixedByObject:
     """Return the joints that do not move in a compiled house, by object id.
 
-    These are joints without a row in its table of leaves, and fronts whose range there is below `MIN_OPEN_ANGLE`.
+    These are joints without a row in its table of leaves, and fronts that hardly open there: hinged ones less than
+    `MIN_OPEN_ANGLE`, drawers less than `MIN_DRAWER_OPENING`.
 
     Args:
         house: The house as read.
         table: `Dataset.joints`.
         metadata: The dataset's metadata.
         compiled: The house as compiled.
+        max_fronts: `ArticulationOptions.max_fronts` with which it was compiled.
     """
-    leaves = _leaf_joints(house, table, metadata, compiled)
+    leaves = _leaf_joints(house, table, metadata, max_fronts)
     fixed = {}
     for object_id, joints in object_joints(house, table).items():
         moving = _moving_rows(compiled, object_id, leaves.get(object_id, ()))
@@ -72,19 +75,10 @@ def fixed_joints(house: House, table: Joints, metadata: Metadata, compiled: Comp
     return fixed
 
 
-def _leaf_joints(house: House, table: Joints, metadata: Metadata, compiled: CompiledHouse) -> JointsByObject:
-    """Return, by object id, the joints whose parts the compiler cuts out, in the order of their instances.
-
-    Of furniture these are the largest fronts; their number is that of all its joints without those that the report
-    counts as shut.
-    """
-    report, jointed = compiled.report, attach_joints(house, table)
-    if not report["fronts"]:
-        kept, _ = keep_largest_fronts(house, metadata, 0)
-    else:
-        _, total = keep_largest_fronts(jointed, metadata, 0)
-        kept, _ = keep_largest_fronts(jointed, metadata, total - report["shut_joints"])
-    return {object_id: tuple(filter(moves_in_plan, own)) for object_id, own in object_joints(kept, {}).items()}
+def _leaf_joints(house: House, table: Joints, metadata: Metadata, max_fronts: int) -> JointsByObject:
+    """Return, by object id, the joints whose parts the compiler cuts out, in the order of their instances."""
+    kept, _ = keep_largest_fronts(attach_joints(house, table) if max_fronts else house, metadata, max_fronts)
+    return leaf_joints(kept, metadata)
 
 
 def _moving_rows(compiled: CompiledHouse, object_id: int, joints: Sequence[Joint]) -> dict[Joint, int]:
@@ -95,9 +89,10 @@ def _moving_rows(compiled: CompiledHouse, object_id: int, joints: Sequence[Joint
 
 
 def _is_blocked(compiled: CompiledHouse, row: int) -> bool:
-    """Return whether a leaf is a front of furniture that opens less than `MIN_OPEN_ANGLE`."""
+    """Return whether a leaf is a front of furniture that hardly opens, see `fixed_joints`."""
     doors = compiled.doors
-    return bool(doors.is_front[row] and doors.high[row] - doors.low[row] < MIN_OPEN_ANGLE)
+    least = MIN_DRAWER_OPENING if doors.is_sliding[row] else MIN_OPEN_ANGLE
+    return bool(doors.is_front[row] and doors.high[row] - doors.low[row] < least)
 
 
 def object_category(house: CompiledHouse, object_id: int) -> str:

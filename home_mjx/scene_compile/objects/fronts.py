@@ -26,7 +26,8 @@ class ArticulationOptions:
 
     Attributes:
         max_fronts: Maximum number of fronts per house that open, the largest ones; all others are shut for good. 0:
-            furniture is rigid. Vertical hinges and drawers count: flaps, lids and knobs stay as they are.
+            furniture is rigid. Vertical hinges and drawers count: flaps, lids and knobs stay as they are. Drawers
+            that have no compartment stay shut too, and no other front takes their place.
 
     Raises:
         ConfigError: The number is out of range.
@@ -51,12 +52,14 @@ class JointedFurniture:
         solid: The same without compartments.
         fronts: Its fronts.
         pockets: Compartments behind the fronts.
+        joints: Joints of the fronts.
     """
 
     body: Model
     solid: Model
     fronts: tuple[LeafPart, ...]
     pockets: tuple[Pocket, ...] = ()
+    joints: tuple[Joint, ...] = ()
 
 
 def keep_largest_fronts(house: House, metadata: Metadata, max_fronts: int) -> tuple[House, int]:
@@ -131,4 +134,5 @@ def split_furniture(furniture: JointedDoor) -> JointedFurniture:
         rest = tuple(joint for i, joint in enumerate(furniture.joints) if i not in shut)
         return split_furniture(replace(furniture, joints=rest))
     fronts = (add_tray(leaf, pocket) if (pocket := behind.get(i)) else leaf for i, leaf in enumerate(leaves))
-    return JointedFurniture(body, solid, tuple(replace(leaf, is_front=True) for leaf in fronts), pockets)
+    opening = tuple(replace(leaf, is_front=True) for leaf in fronts)
+    return JointedFurniture(body, solid, opening, pockets, furniture.joints)

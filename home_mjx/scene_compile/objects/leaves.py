@@ -109,7 +109,7 @@ def find_motion_range(
     around = static if is_rail or walls is None else concat_boxes([static, walls])
     near = around[_within_reach(leaf, around)]
     closed = penetration_depth(leaf.box_at(leaf.closed), near)[0]
-    further = np.inf if is_rail else 0.0 if leaf.slides else 2 * float(leaf.box.half[0, :2].min())
+    further = np.inf if is_rail else RANGE_TOLERANCE if leaf.slides else 2 * float(leaf.box.half[0, :2].min())
     allowed = np.where(closed > -CLEARANCE, np.maximum(closed, 0) + further, -CLEARANCE)
 
     def is_free(ways: Float[np.ndarray, " w"]) -> Bool[np.ndarray, " w"]:

@@ -19,12 +19,13 @@ from home_mjx.scene_compile.objects.doors import (
     LeafPart,
     PlacedLeaf,
     is_hinge_preserving,
+    moves_in_plan,
     place_leaf,
     split_door,
 )
 from home_mjx.scene_compile.objects.fronts import JointedFurniture, split_furniture
 from home_mjx.schema.compiled import ARCHITECTURE, Model, RoomTable
-from home_mjx.schema.house import BoxNode, Level, Material, Mesh, Metadata, ModelInfo, ObjectNode
+from home_mjx.schema.house import BoxNode, House, Joint, Level, Material, Mesh, Metadata, ModelInfo, ObjectNode
 
 MAX_TILT = 1e-3  # maximum tilt of an object that counts as rotated about the vertical axis only
 MAX_ROOM_DISTANCE = 1.0  # [m], maximum distance of an object from a room that lists it
@@ -171,7 +172,20 @@ def _parts(
     if info.coarse != "door":
         return split_furniture(jointed)
     frame, leaves = split_door(jointed)
-    return JointedFurniture(frame, frame, leaves)
+    return JointedFurniture(frame, frame, leaves, joints=tuple(filter(moves_in_plan, node.joints)) if leaves else ())
+
+
+def leaf_joints(house: House, metadata: Metadata) -> dict[int, tuple[Joint, ...]]:
+    """Return, by object id, the joints whose parts `place_objects` cuts out, in the order of their instances."""
+    found: dict[int, tuple[Joint, ...]] = {}
+    first = 0
+    for level in house.levels:
+        for node in filter(lambda node: node.joints, level.objects):
+            key, info = node.model_key, metadata.info(node.model_id)
+            parts = _parts(node, info, library_model(key, house.models[key]), _pose(node, np.zeros(3)), house.models)
+            found[first + node.index] = parts.joints
+        first += num_nodes(level)
+    return found
 
 
 def num_nodes(level: Level) -> int:

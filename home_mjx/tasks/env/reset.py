@@ -112,11 +112,13 @@ def _store(config: EnvConfig, bank: HouseBank, house: Int[Array, ""], data: Phys
     """Return the state with random bodies in compartments.
 
     Raises:
-        ConfigError: No house of the bank has compartments.
+        ConfigError: No house of the bank has compartments, or none has movable bodies.
     """
     if bank.compartments.is_empty:
         hint = "Give max_fronts=24, and houses whose furniture has joints."
         raise ConfigError("`stored_bodies` needs compartments, and no house has any", hint=hint)
+    if not bank.spec.num_bodies:
+        raise ConfigError("`stored_bodies` needs movable bodies, and the bank has none", hint="Raise `max_bodies`.")
     template = physics_template(config, bank.spec)
     angle, poses = physics.door_angle(template, data), physics.body_pose(template, data)
     pos, quat = store_bodies(bank, house, angle, poses, config.stored_bodies, key)

@@ -27,12 +27,16 @@ TARGET_SPEC = replace(
 def observe_target(snapshot: Snapshot, state: RowState) -> Float[Array, "a 5"]:
     """Return the middle of the nearest target of each agent's present stage, relative to the agent, see `TARGET_SPEC`.
 
-    The target may move: it is the present position of an object. Targets that are rooms have no position: all are 0.
+    The target may move: it is the present position of an object. All are 0 for rooms, which have no position, without a
+    target, and for agents that are not instructed.
     """
     box = nearest_targets(snapshot, state.program, state.targets, current_boxes(snapshot))[1][:, state.goal]
     kind = state.program.descriptor[state.goal, Attribute.KIND]
     middle = jnp.where(jnp.isfinite(box), box, 0.0).mean(axis=1)
-    known = (kind != TargetKind.ROOM) & jnp.all(jnp.isfinite(box), axis=(1, 2))
+    is_point = (kind == TargetKind.PLACE) | (kind == TargetKind.AGENT)
+    known = is_point | jnp.any(state.targets.instance[state.goal], axis=-1)  # else the box is arbitrary
+    known &= (kind != TargetKind.ROOM) & jnp.all(jnp.isfinite(box), axis=(1, 2))
+    known &= is_instructed(state.speech, len(middle))
     seen = jax.vmap(lambda point: observe_goal(snapshot, point))(middle)
     agents = jnp.arange(len(middle))
     offset = middle - eye_position(snapshot.config, snapshot.pose)

@@ -111,7 +111,7 @@ def test_ranges_end_at_a_quarter_turn_or_before(house):
 def test_surplus_and_blocked_fronts_are_listed_as_fixed(source, house):
     """Of one cabinet, one door may open and another stay shut; a leaf's pivot in the plan tells which one moves."""
     home, dataset = source
-    fixed = fixed_joints(home, dataset.joints, dataset.metadata, house)
+    fixed = fixed_joints(home, dataset.joints, dataset.metadata, house, MAX_FRONTS)
     parts = fixed_records(house, fixed)
     shut = house.report["shut_joints"] + house.report["shut_leaves"]  # the leaves of the outer door
     assert sum(not one["is_blocked"] for one in parts) == shut

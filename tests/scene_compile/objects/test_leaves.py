@@ -146,6 +146,26 @@ def test_a_leaf_slides_as_far_as_its_model_beside_and_into_the_wall(placed, face
     np.testing.assert_allclose(doors.pivot, doors.pos[:, :2])
 
 
+def drawer(yaw: float, overlap: float) -> tuple[PlacedLeaf, BoxSet]:
+    """The front of a drawer of 0.4 m travel, beside a cabinet whose side it touches or overlaps."""
+    ahead, across = np.array([np.cos(yaw), np.sin(yaw), 0]), np.array([-np.sin(yaw), np.cos(yaw), 0])
+    middle = np.array([1.3, 0.4, 0.5])
+    box = BoxSet(middle[None], np.array([[0.01, 0.2, 0.1]]), np.array([yaw]))
+    beside = BoxSet(
+        (middle + 0.5 * ahead + (0.5 - overlap) * across)[None], np.array([[0.6, 0.3, 0.4]]), np.array([yaw])
+    )
+    return PlacedLeaf(5, middle[:2], 0.0, 0.4, box, ahead[:2], is_front=True), beside
+
+
+@pytest.mark.parametrize("overlap", [0.0, 0.004])
+def test_a_drawer_opens_along_a_flush_side_at_any_yaw(overlap):
+    """Depths beside it are equal all the way but for rounding."""
+    for yaw in np.linspace(0, np.pi, 37):
+        front, beside = drawer(yaw, overlap)
+        low, high = find_motion_range(front, beside)
+        assert (low, high) == pytest.approx((0, 0.4), abs=0.011), yaw
+
+
 def test_a_leaf_that_slides_stops_a_centimetre_before_what_stands_in_its_way():
     thing = make_boxes((LENGTH + 0.5, 0.0, 0.4), (0.2, 0.2, 0.4))
     low, high = find_motion_range(sliding(0.0), thing)
