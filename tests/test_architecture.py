@@ -44,7 +44,7 @@ WITHOUT_JAX = ("schema", "geometry", "datasets", "scene_compile")
 # Lines of this distribution that an import loads, at most: engines stand alone, without datasets and generators.
 CLOSURES = {
     "home_mjx": 1_500,
-    "home_mjx.bank": 5_900,
+    "home_mjx.bank": 6_000,
     "home_mjx.raycast_render": 12_200,
     "home_mjx.physics": 16_000,
     "home_mjx.audio_jax": 22_500,
