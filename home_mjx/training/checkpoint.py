@@ -63,7 +63,7 @@ def _arrays_by_path(tree: Any) -> dict[str, np.ndarray]:
 
 def _save(path: Path, arrays: dict[str, np.ndarray], config: RunConfig, is_compressed: bool = False) -> None:
     """Write arrays by name and the configuration, durably; raises as `save_checkpoint`."""
-    write = np.savez_compressed if is_compressed else np.savez
+    write: Callable[..., None] = np.savez_compressed if is_compressed else np.savez
     text = np.array(to_json(config))
     with write_durably(path, "checkpoint", FREE_SPACE_HINT) as file:
         write(file, **{CONFIG_KEY: text}, **arrays)

@@ -56,6 +56,26 @@ def test_the_share_grows_with_the_updates_of_the_run(env):
     assert plain._drawn_params(env.params, jnp.int32(0)) is env.params
 
 
+def test_rows_of_weight_zero_are_never_drawn(env):
+    own = jnp.arange(len(env.params.tasks), dtype=jnp.float32) % 3
+    params = env.params.replace(tasks=env.params.tasks.with_weights(own))
+    for share in (0.3, 1.0):
+        weights = np.asarray(draw_easy_rows(params, jnp.float32(share)).tasks.weights)
+        assert (weights[own == 0] == 0).all()
+        kept = weights > 0
+        assert 0 < kept.sum() <= (own > 0).sum()
+        difficulty = np.asarray(row_difficulty(env.params))
+        assert difficulty[kept].max() <= difficulty[(own > 0) & ~kept].min(initial=2)
+    np.testing.assert_array_equal(weights > 0, own > 0)
+
+
+def test_a_stage_after_cloning_begins_with_the_easiest_rows(env):
+    ppo = PPO(env.core, SMALL, jax.devices()[:1])
+    first = ppo._drawn_params(env.params, jnp.int32(0)).tasks.weights
+    ppo.first_update = 40
+    np.testing.assert_array_equal(ppo._drawn_params(env.params, jnp.int32(40)).tasks.weights, first)
+
+
 def test_tasks_without_rows_have_no_curriculum(env):
     with pytest.raises(ConfigError, match="episodes are rows"):
         row_difficulty(EnvParams(env.bank))

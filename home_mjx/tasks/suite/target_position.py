@@ -11,6 +11,7 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.rules.enums import Attribute, TargetKind
 from home_mjx.tasks.rules.features import current_boxes, nearest_targets
 from home_mjx.tasks.rules.row_task import RowState
+from home_mjx.tasks.rules.speech import is_instructed
 from home_mjx.tasks.sensors.cameras import eye_position
 
 TARGET_POSITION = "target_position"  # name of the observation
