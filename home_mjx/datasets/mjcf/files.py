@@ -14,6 +14,7 @@ from home_mjx.errors import DatasetError, MissingFileError
 
 MAX_XML_BYTES = 1 << 26  # [bytes], maximum size of one XML file
 MAX_TOTAL_BYTES = 1 << 30  # [bytes], maximum size of all files of a scene
+MAX_HEIGHTS = 1_000_000  # maximum number of heights of a field, and of all that a scene shows
 MAX_COPIES = 20_000  # maximum number of copies that `replicate` and grids of deformable bodies make
 MAX_ELEMENTS = 1_000_000  # maximum number of elements, each counted as often as it is replicated
 MAX_DEPTH = 200  # maximum number of nested elements; MuJoCo reads them by recursion
@@ -200,8 +201,9 @@ def _check_counts(element: XmlElement) -> None:
         raise element.error(f"makes {max(grid, element.copies)} copies, at most {MAX_COPIES} are read")
     for first, second in (("width", "height"), ("nrow", "ncol")):
         size = _whole(node.get(first, "0")) * _whole(node.get(second, "0"))
-        if tag in ("texture", "hfield") and size > MAX_PIXELS:
-            raise element.error(f"has {size} texels or heights, at most {MAX_PIXELS} are read")
+        limit = MAX_HEIGHTS if tag == "hfield" else MAX_PIXELS
+        if tag in ("texture", "hfield") and size > limit:
+            raise element.error(f"has {size} texels or heights, at most {limit} are read")
     if tag == "mesh" and any(_whole(text) > 1000 for text in node.get("params", "").split()):
         raise element.error("mesh has more than 1000 segments")
 

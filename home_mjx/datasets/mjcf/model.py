@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from home_mjx.datasets.mjcf.files import MAX_HEIGHTS
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.meshes import Z_UP
 
 MIN_INERTIA = 1e-6  # [kg], [kg m^2], of moving bodies whose mass the file leaves out
 MAX_SHOWN_GROUP = 2  # groups above it are hidden by default in MuJoCo's viewer
+HEIGHTS = 1  # `mujoco.mjtGeom.mjGEOM_HFIELD`
 LEVEL_LINEAR = Z_UP.T  # house (Y up) from world (Z up)
 
 
@@ -100,7 +102,8 @@ def compile_scene(path: Path) -> MjcfScene:
     Masses of moving bodies that the file leaves out, and volumes of flat meshes, are no errors.
 
     Raises:
-        DatasetError: MuJoCo refuses the file, or a pose or size is not finite or larger than all houses.
+        DatasetError: MuJoCo refuses the file, or a pose or size is not finite or larger than all houses, or geoms
+            have more than `MAX_HEIGHTS` heights together.
     """
     with warnings.catch_warnings(record=True) as found, _warnings_kept():
         warnings.simplefilter("always")
@@ -115,7 +118,17 @@ def compile_scene(path: Path) -> MjcfScene:
         if len(bad):
             message = "pose or size is not finite, or beyond 1,000 km"
             raise DatasetError(message, file=path, element=f"{name}[{int(bad[0])}]", hint="Correct it.")
+    _check_heights(path, model)
     return MjcfScene(path, model, data, tuple(dict.fromkeys(str(warning.message) for warning in found)))
+
+
+def _check_heights(path: Path, model: Any) -> None:
+    """Raise `DatasetError` if the geoms of height fields, also those read from images, have too many heights."""
+    fields = model.geom_dataid[model.geom_type == HEIGHTS]
+    count = int((model.hfield_nrow[fields].astype(int) * model.hfield_ncol[fields]).sum())
+    if count > MAX_HEIGHTS:
+        message = f"geoms show {count} heights of fields, at most {MAX_HEIGHTS} are read"
+        raise DatasetError(message, file=path, element="hfield", hint="Use fewer rows, columns or geoms.")
 
 
 def _mujoco() -> Any:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from home_mjx.datasets.mjcf.model import MjcfScene
+from home_mjx.datasets.mjcf.model import HEIGHTS, MjcfScene
 from home_mjx.datasets.shapes import (
     Triangles,
     capsule_triangles,
@@ -12,7 +12,7 @@ from home_mjx.datasets.shapes import (
 )
 from home_mjx.geometry.meshes import box_triangles
 
-PLANE, HEIGHTS, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)  # `mujoco.mjtGeom`
+PLANE, _, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH = range(8)  # `mujoco.mjtGeom`
 
 
 def geom_triangles(scene: MjcfScene, geom: int, reach: float) -> Triangles:

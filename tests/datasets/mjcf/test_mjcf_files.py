@@ -32,6 +32,7 @@ def scene(folder: Path, *, head: str = "", assets: str = "", world: str = "", ta
     return path
 
 
+HILLS = '<hfield name="x" nrow="800" ncol="800" size="1 1 1 1"/>'
 BIG = '<replicate count="1000"><replicate count="1000"><geom size=".1"/></replicate></replicate>'
 
 
@@ -51,6 +52,8 @@ BIG = '<replicate count="1000"><replicate count="1000"><geom size=".1"/></replic
         ({"assets": '<model name="x" file="room.xml"/>'}, "contains itself"),
         ({"assets": '<texture name="x" type="2d" builtin="flat" width="99999" height="99999"/>'}, "texels"),
         ({"assets": '<texture name="x" type="2d" file="bomb.png"/>'}, "pixels"),
+        ({"assets": '<hfield name="x" nrow="1001" ncol="1000" size="1 1 1 1"/>'}, "at most 1000000"),
+        ({"assets": HILLS, "world": '<geom type="hfield" hfield="x"/>' * 2}, "1280000 heights"),
         ({"world": BIG}, "copies"),
         ({"world": '<flexcomp name="c" type="grid" count="999 999 99" spacing="1 1 1"/>'}, "copies"),
         ({"head": '<extension><plugin plugin="mujoco.sdf.bolt"/></extension>'}, "plug-ins"),
