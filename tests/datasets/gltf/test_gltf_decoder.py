@@ -158,7 +158,7 @@ def test_nodes_apply_matrices_and_trs_from_the_root_down(read):
     assert np.allclose(second, [[-1, 5, 0], [0, 6, 0], [0, 5, 1]], atol=1e-6)
 
 
-def test_instances_of_a_node_are_turned_and_scaled_before_the_node_and_flat_ones_are_left_out(read):
+def test_instances_of_a_node_are_turned_and_scaled_before_the_node_and_flat_ones_are_left_out(read, monkeypatch):
     file = GltfFile()
     half = float(np.sqrt(0.5))
     rows = {
@@ -170,9 +170,14 @@ def test_instances_of_a_node_are_turned_and_scaled_before_the_node_and_flat_ones
     many = {"EXT_mesh_gpu_instancing": {"attributes": rows}}
     file.node(mesh=mesh, translation=[10, 0, 0], extensions=many)
     file.json["extensionsRequired"] = ["EXT_mesh_gpu_instancing"]
-    first, second = triangles_of(read(file)[0])
+    placed, reader = read(file)
+    first, second = triangles_of(placed)
+    assert list(reader.notes) == ["nodes[0]"]
     assert np.allclose(first, [[11, 0, 0], [10, 1, 0], [10, 0, 1]])
     assert np.allclose(second, [[10, 2, 7], [8, 0, 7], [10, 0, 9]], atol=1e-6)
+    monkeypatch.setattr("home_mjx.datasets.gltf.decode.scene.MAX_SHOWN", 1)
+    with pytest.raises(DatasetError, match="more than 1 triangles"):
+        read(file)
     rows["SCALE"] = file.accessor([[1, 1, 1]])
     with pytest.raises(DatasetError, match="one length"):
         read(file)

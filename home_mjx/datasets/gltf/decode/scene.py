@@ -16,6 +16,7 @@ from home_mjx.schema.house import Mesh
 
 MAX_NODES = 100_000  # maximum number of visited nodes
 MAX_DEPTH = 500  # maximum number of nested nodes
+MAX_SHOWN = 30_000_000  # maximum number of triangles, those of each instance counted
 Matrix = Float[np.ndarray, "4 4"]
 
 
@@ -69,8 +70,19 @@ def place_meshes(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> I
         frame: House from the document's frame.
 
     Raises:
-        DatasetError: An index, a transform or a mesh is invalid, nodes are their own ancestors or too many.
+        DatasetError: An index, a transform or a mesh is invalid, nodes are their own ancestors, or nodes or triangles
+            are too many.
     """
+    count = 0
+    for placed in _walk(document, meshes, frame):
+        count += len(placed.mesh.faces)
+        if count > MAX_SHOWN:
+            raise document.root.error(f"scene shows more than {MAX_SHOWN} triangles", "Remove instances.")
+        yield placed
+
+
+def _walk(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> Iterator[PlacedMesh]:
+    """Yield the meshes of the default scene; arguments and errors as of `place_meshes`."""
     stack = [(node, (), (SceneNode("", "", frame),)) for node in reversed(_roots(document))]
     for _ in range(MAX_NODES):
         if not stack:
@@ -110,6 +122,8 @@ def _placed(
             node = replace(chain[-1], matrix=chain[-1].matrix @ matrix)
             if _is_usable(node.matrix):
                 yield PlacedMesh(mesh, _name(found), (*chain[1:-1], node), found.element)
+            else:
+                meshes.notes[value.element] = "instances without volume, or beyond all limits, are left out"
 
 
 def _is_usable(matrix: Matrix) -> bool:
