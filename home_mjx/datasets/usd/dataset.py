@@ -94,7 +94,7 @@ class UsdDataset(SceneDataset):
         levels = parts.levels(rooms.triangles, self.wanted(objects, options))
         fallbacks = (*reader.fallbacks, *rooms.fallbacks)
         self.warn_fallbacks(house_id, fallbacks)
-        fixed = "joint moves no part of an object, or a part that another one moves: fixed"
+        fixed = "joint lacks bodies or limits, moves no part of an object, or one that another joint moves: fixed"
         unkept = (Problem(joint.path, fixed) for joint in lost)
         problems = (*(Problem(element, note) for element, note in scene.notes.items()), *rooms.problems, *unkept)
         return House(house_id, "usd@1.0", path, levels, parts.models, problems[:MAX_NOTES], fallbacks=fallbacks)

@@ -30,17 +30,21 @@ class UsdJoint:
         path: Its prim.
         carrier: Prim of the body that carries the other; "" for the world.
         moved: Prim of the body that it moves.
-        joint: The hinge or slide; None if the bodies are fixed to each other, or if it has no range.
+        joint: The hinge or slide; None if the bodies are fixed to each other, are unknown, or if it has no range.
+        is_fixed: Whether the file fixes the bodies to each other.
     """
 
     path: str
     carrier: str
     moved: str
     joint: SceneJoint | None
+    is_fixed: bool = False
 
 
 def read_joint(prim: Any, places: Mapping[str, Matrix], unit: float) -> UsdJoint | None:
-    """Return the joint of a prim; None for other prims, and for joints without a body that they move.
+    """Return the joint of a prim; None for other prims, for joints that are not enabled and fixed unknown bodies.
+
+    A joint of one body with the world moves that body, whichever of both the file names first.
 
     Args:
         prim: The prim.
@@ -50,13 +54,15 @@ def read_joint(prim: Any, places: Mapping[str, Matrix], unit: float) -> UsdJoint
     kind = str(prim.GetTypeName())
     if kind not in (*KINDS, FIXED) or not _value(prim, "physics:jointEnabled", True):
         return None
-    carrier, moved = (_body(prim, f"physics:body{side}") for side in (0, 1))
-    if not moved or moved not in places or carrier not in places:
-        return None
-    path = str(prim.GetPath())
+    bodies = [_body(prim, f"physics:body{side}") for side in (0, 1)]
+    sides = (0, 1) if bodies[1] else (1, 0)
+    path, carrier, moved = str(prim.GetPath()), *(bodies[side] for side in sides)
+    is_known, is_fixed = bool(moved) and {carrier, moved} <= places.keys(), kind == FIXED
+    if is_fixed or not is_known:
+        return UsdJoint(path, carrier, moved, None, is_fixed) if is_known or not is_fixed else None
     names = printable(prim.GetName()[:100]), moved.rpartition("/")[2]
-    joint = _scene_joint(prim, KINDS[kind], places[carrier], places[moved], unit, names) if kind in KINDS else None
-    return UsdJoint(path, carrier, moved, joint)
+    frames = _frame(prim, places[carrier], sides[0]), _frame(prim, places[moved], sides[1])
+    return UsdJoint(path, carrier, moved, _scene_joint(prim, KINDS[kind], frames, sides, unit, names))
 
 
 def _body(prim: Any, name: str) -> str:
@@ -73,10 +79,24 @@ def _value(prim: Any, name: str, default: Any) -> Any:
 
 
 def _scene_joint(
-    prim: Any, kind: JointKind, carrier: Matrix, moved: Matrix, unit: float, names: tuple[str, ...]
+    prim: Any,
+    kind: JointKind,
+    frames: tuple[Matrix, Matrix],
+    sides: tuple[int, int],
+    unit: float,
+    names: tuple[str, ...],
 ) -> SceneJoint | None:
-    """Return a joint in the house; its value in the file is 0 where the frames of both bodies coincide."""
-    first, second = _frame(prim, carrier, "0"), _frame(prim, moved, "1")
+    """Return a joint in the house; its value in the file is 0 where the frames of both bodies coincide.
+
+    Args:
+        prim: The prim.
+        kind: Motion.
+        frames: House from the joint's frame at the body that carries the other, and at the other.
+        sides: Numbers of both bodies in the file, whose limits are for motions of body 1 from body 0.
+        unit: Metres per unit.
+        names: Names of the joint and of its part.
+    """
+    first, second = frames
     number = AXES.get(str(_value(prim, "physics:axis", "X")), 0)
     axis = first[:3, number]
     if kind == "hinge":
@@ -87,6 +107,7 @@ def _scene_joint(
         shown, factor = float((second[:3, 3] - first[:3, 3]) @ axis), unit
     free = (-math.pi, math.pi) if kind == "hinge" else (0.0, 0.0)
     stated = [factor * float(_value(prim, f"physics:{end}Limit", math.nan)) for end in ("lower", "upper")]
+    stated = stated if sides == (0, 1) else [-value for value in reversed(stated)]
     low, high = (v - shown if abs(v) <= MAX_COORDINATE else f for v, f in zip(stated, free, strict=True))
     low, high = min(low, 0.0), max(high, 0.0)
     if not (np.isfinite(first).all() and np.isfinite(second).all()) or high - low <= MIN_RANGE:
@@ -94,7 +115,7 @@ def _scene_joint(
     return SceneJoint(kind, axis, first[:3, 3], low, high, min(max(-shown, low), high), names)
 
 
-def _frame(prim: Any, body: Matrix, side: str) -> Matrix:
+def _frame(prim: Any, body: Matrix, side: int) -> Matrix:
     """Return house from the joint's frame at one of its bodies, without scale; its position is in the body's units."""
     place = np.array(_value(prim, f"physics:localPos{side}", (0, 0, 0)), float)
     turn = _value(prim, f"physics:localRot{side}", None)
@@ -111,8 +132,8 @@ def attach_joints(
 ) -> tuple[list[SceneObject], list[PlacedMesh], list[UsdJoint]]:
     """Return objects with the parts that joints move, the architecture without them, and joints that move nothing.
 
-    A part belongs to the object of the body that carries it, else to that of its own meshes. Joints on parts that
-    another joint moves are not kept.
+    A part belongs to the object that contains the body that carries it, else to that of its own meshes, else to the
+    only object below that body. Joints on parts that another joint moves are not kept.
     """
     outer = _outermost(joints)
     moved = {joint.path: _carried(joint.moved, joints) for joint in outer}
@@ -124,7 +145,7 @@ def attach_joints(
         if moved[joint.path] & {node.element for node in mesh.chain}
     }
     parts: dict[int, list[tuple[SceneJoint, list[PlacedMesh]]]] = {}
-    lost = [joint for joint in joints if joint not in outer and joint.joint is not None]
+    lost = [joint for joint in joints if joint not in outer and not joint.is_fixed]
     for joint in outer:
         owner = _owner(objects, joint, taken)
         meshes = [mesh for mesh in everything if taken.get(id(mesh)) is joint]
@@ -162,11 +183,15 @@ def _carried(body: str, joints: Sequence[UsdJoint]) -> set[str]:
 
 
 def _owner(objects: Sequence[FoundObject], joint: UsdJoint, taken: Mapping[int, UsdJoint]) -> FoundObject | None:
-    """Return the object of the body that carries a joint, else of the part that it moves; None without any."""
-    for one in objects if joint.carrier else ():
-        if any(id(m) not in taken and joint.carrier in {node.element for node in m.chain} for m in one.meshes):
-            return one
-    return next((one for one in objects if any(taken.get(id(m)) is joint for m in one.meshes)), None)
+    """Return the object that contains the body that carries a joint, else another, see `attach_joints`; None without.
+
+    A body above several objects, such as the whole scene, says nothing about the object of the part.
+    """
+    left = [one for one in objects if any(id(mesh) not in taken for mesh in one.meshes)] if joint.carrier else []
+    around = (one for one in left if f"{joint.carrier}/".startswith(f"{one.node.element}/"))
+    own = (one for one in objects if any(taken.get(id(mesh)) is joint for mesh in one.meshes))
+    inside = [one for one in left if one.node.element.startswith(f"{joint.carrier}/")]
+    return next(around, None) or next(own, None) or (inside[0] if len(inside) == 1 else None)
 
 
 def _framed(one: FoundObject) -> SceneObject:

@@ -1,7 +1,7 @@
 """Visible prims of a USD stage as placed meshes: polygon meshes and simple solids, with their materials."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -117,7 +117,8 @@ class PrimReader:
         solid = self._solid(prim)
         if solid is None:
             return None
-        return self._joined(prim, solid, np.zeros((len(solid), 3, 2)))
+        slot = np.zeros(len(solid), int)
+        return self._joined(solid, np.zeros((len(solid), 3, 2)), slot, (self._material(prim),))
 
     def _solid(self, prim: Any) -> Float[np.ndarray, "t 3 3"] | None:
         """Return the triangles of a cube, sphere, cylinder, cone or capsule; None for other prims."""
@@ -160,8 +161,7 @@ class PrimReader:
             corner = corner[:, [0, 2, 1]]
         owner = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
         slot, materials = self._slots(prim, len(counts))
-        mesh = self._joined(prim, points[index[corner]], self._coordinates(prim, index, corner))
-        return replace(mesh, slot=slot[owner], materials=materials)
+        return self._joined(points[index[corner]], self._coordinates(prim, index, corner), slot[owner], materials)
 
     def _slots(self, prim: Any, count: int) -> tuple[Int[np.ndarray, " f"], tuple[Material, ...]]:
         """Return the slot of each face of a mesh, and its materials: its own, then those of its subsets."""
@@ -186,17 +186,23 @@ class PrimReader:
             return np.zeros((len(corner), 3, 2))
         return values[chosen]
 
-    def _joined(self, prim: Any, triangles: Float[np.ndarray, "t 3 3"], uv: np.ndarray) -> Mesh:
-        """Return triangles with the material of their prim as a mesh."""
+    def _joined(
+        self,
+        triangles: Float[np.ndarray, "t 3 3"],
+        uv: Float[np.ndarray, "t 3 2"],
+        slot: Int[np.ndarray, " t"],
+        materials: tuple[Material, ...],
+    ) -> Mesh:
+        """Return triangles with their materials as a mesh."""
         count = len(triangles)
         return Mesh(
             path=self.scene.path,
             vertices=triangles.reshape(-1, 3),
             faces=np.arange(3 * count).reshape(-1, 3),
             uv=uv,
-            slot=np.zeros(count, int),
+            slot=slot,
             group=np.full(count, -1),
-            materials=(self._material(prim),),
+            materials=materials,
         )
 
     def _material(self, prim: Any) -> Material:

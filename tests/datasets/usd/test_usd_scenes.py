@@ -143,11 +143,12 @@ def cube(name: str, middle, half, inner: str = "") -> str:
 
 def joint(kind: str, name: str, carrier: str, moved: str, **values: str) -> str:
     """Return a joint of UsdPhysics; values are attributes without their namespace."""
-    carried = f"rel physics:body0 = <{carrier}>\n" if carrier else ""
+    bodies = enumerate((carrier, moved))
+    named = "".join(f"rel physics:body{side} = <{path}>\n" for side, path in bodies if path)
     types = {"axis": "uniform token", "localRot0": "quatf", "localRot1": "quatf"}
     types |= dict.fromkeys(("localPos0", "localPos1"), "point3f")
     lines = "".join(f"{types.get(key, 'float')} physics:{key} = {text}\n" for key, text in values.items())
-    return f'def Physics{kind}Joint "{name}" {{\n{carried}rel physics:body1 = <{moved}>\n{lines}}}\n'
+    return f'def Physics{kind}Joint "{name}" {{\n{named}{lines}}}\n'
 
 
 def test_joints_of_physics_move_parts_of_their_objects(tmp_path):
@@ -186,6 +187,55 @@ def test_joints_of_physics_move_parts_of_their_objects(tmp_path):
     (way,) = found["door"].joints  # it is shown 30 degrees before the zero of its file, which is shut
     assert (way.low, way.high, way.closed) == pytest.approx(np.deg2rad([-60, 60, 30]), abs=1e-4)
     assert not [problem for problem in house.problems if "joint" in problem.message]
+
+
+DOOR = cube("door", (4, 1.05, 1.95), (0.02, 1.04, 0.44))
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "limits"), [("/World", "/World/door", (0, 90)), ("/World/door", "", (-90, 0))]
+)
+def test_a_joint_with_the_scene_or_the_world_moves_the_door_alone(tmp_path, first, second, limits):
+    """Limits are for motions of the second body; the scene is above all objects, and carries none of them."""
+    local = {"localPos0": "(4, 0, 2.39)", "localPos1": "(0, -1, 1)"}
+    local = local if second else {"localPos0": "(0, -1, 1)", "localPos1": "(4, 0, 2.39)"}
+    way = joint("Revolute", "way", first, second, axis='"Y"', lowerLimit="0", upperLimit="90", **local)
+    house = read(write(tmp_path / "flat.usda", f'def Xform "World" {{\n{boxes()}{DOOR}{way}}}'))
+    (found,) = [o for o in house.levels[0].objects if o.joints]
+    (moved,) = found.joints
+    assert found.model_id == "door"
+    assert (moved.low, moved.high) == pytest.approx(np.deg2rad(limits), abs=1e-5)
+
+
+def test_joints_without_bodies_or_limits_are_noted(tmp_path):
+    joints = joint("Prismatic", "rail", "", "/door", axis='"Y"') + joint("Revolute", "far", "/none", "/door")
+    joints += joint("Revolute", "bare", "", "") + joint("Fixed", "screw", "", "/door")
+    house = read(write(tmp_path / "flat.usda", boxes() + DOOR + joints))
+    noted = {problem.element for problem in house.problems if "joint" in problem.message}
+    assert noted == {"/rail", "/far", "/bare"}
+
+
+def test_a_missing_texture_is_one_fallback(tmp_path):
+    image = """def Material "oak" {
+token outputs:surface.connect = </oak/s.outputs:surface>
+def Shader "s" {
+uniform token info:id = "UsdPreviewSurface"
+color3f inputs:diffuseColor.connect = </oak/t.outputs:rgb>
+token outputs:surface
+}
+def Shader "t" {
+uniform token info:id = "UsdUVTexture"
+asset inputs:file = @./none.png@
+float3 outputs:rgb
+}
+}
+"""
+    mesh = NO_POINTS.replace("(0,0,0)", "(0,0,0),(1,0,0),(0,1,0)").replace(
+        '"a"', '"a" (prepend apiSchemas = ["MaterialBindingAPI"])'
+    )
+    body = image + mesh.replace("{\n", "{\nrel material:binding = </oak>\n", 1)
+    _, reader = points(write(tmp_path / "a.usda", body))
+    assert [fallback.name for fallback in reader.fallbacks] == ["./none.png"]
 
 
 @pytest.mark.parametrize(
