@@ -13,7 +13,7 @@ from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
 from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh, SceneNode, place_meshes
 from home_mjx.datasets.gltf.objects import join_meshes, move_mesh
-from home_mjx.datasets.habitat.plain_assets import GREY, PLAIN_SUFFIXES, read_plain_asset
+from home_mjx.datasets.habitat.plain_assets import GREY, PLAIN_SUFFIXES, missing_parts, read_plain_asset
 from home_mjx.datasets.shapes import (
     Triangles,
     capsule_triangles,
@@ -44,7 +44,7 @@ class AssetStore:
     Attributes:
         images: Folder that receives their images.
         strict: Whether missing images are errors.
-        fallbacks: Images that materials do without.
+        fallbacks: Images and material libraries that materials do without.
         notes: Elements with their properties that are not kept.
     """
 
@@ -70,6 +70,7 @@ class AssetStore:
         """Return the meshes of a file with their nodes, below a frame; errors as of `mesh`."""
         if path.suffix.lower() in PLAIN_SUFFIXES and is_file(path):
             plain = read_plain_asset(path, self.strict)
+            self.fallbacks += missing_parts(plain)
             node = SceneNode("", path.name, frame)
             return [PlacedMesh(plain, path.stem[:100], (node,), path.name)] if len(plain.faces) else []
         document = open_asset(path)

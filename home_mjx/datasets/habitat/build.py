@@ -20,10 +20,10 @@ from home_mjx.datasets.gltf.objects import split_objects
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES
 from home_mjx.datasets.gltf.scene_lights import add_lights, floor_area
 from home_mjx.datasets.gltf.scene_rooms import FoundRooms, scene_rooms
-from home_mjx.datasets.habitat.assets import AssetStore
+from home_mjx.datasets.habitat.assets import GLTF_SUFFIXES, AssetStore
 from home_mjx.datasets.habitat.lights import NO_LIGHTS, read_lights
 from home_mjx.datasets.habitat.objects import ObjectBuilder, kept_objects
-from home_mjx.datasets.habitat.plain_assets import OBJ
+from home_mjx.datasets.habitat.plain_assets import OBJ, library_paths
 from home_mjx.datasets.habitat.scans import ScanLabels, read_scan_labels
 from home_mjx.datasets.habitat.semantics import OBJECT_TABLE, SemanticDescriptor, read_descriptor, read_object_table
 from home_mjx.datasets.habitat.source import HabitatSource
@@ -261,14 +261,19 @@ class SceneBuilder:
             if value.has_value:
                 paths.append(path_below(self.source.root, folder, value))
         for path in paths:
-            yield path
-            if path.suffix in (".gltf", ".glb"):
-                yield from external_files(path)
-            elif path.suffix == OBJ:
-                yield path.with_suffix(".mtl")
-            elif path.suffix == ".urdf" and is_file(path):
+            yield from asset_files(path)
+            if path.suffix == ".urdf" and is_file(path):
                 shapes = [s for link in read_urdf(path).links.values() for s in link.visuals if s.kind == "mesh"]
-                yield from (path_below(self.source.root, path.parent, shape.file) for shape in shapes)
+                for shape in shapes:
+                    yield from asset_files(path_below(self.source.root, path.parent, shape.file))
+
+
+def asset_files(path: Path) -> list[Path]:
+    """Return an asset and the files that it names."""
+    suffix = path.suffix.lower()
+    if suffix in GLTF_SUFFIXES:
+        return [path, *external_files(path)]
+    return [path, *library_paths(path)] if suffix == OBJ else [path]
 
 
 def _has_rooms(levels: Sequence[Level]) -> bool:

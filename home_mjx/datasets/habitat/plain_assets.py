@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from home_mjx.core.files import read_bytes
+from home_mjx.core.files import read_bytes, resolve_below
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
 from home_mjx.datasets.suncg.formats.obj import read_library_obj
+from home_mjx.datasets.suncg.formats.statements import library_names, split_statements
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
 from home_mjx.errors import DatasetError
-from home_mjx.schema.house import Material, Mesh
+from home_mjx.schema.house import Fallback, Material, Mesh
 
 OBJ, STL = ".obj", ".stl"
 PLAIN_SUFFIXES = (OBJ, STL)
@@ -41,6 +42,30 @@ def read_plain_asset(path: Path, strict: bool) -> Mesh:
         group=np.full(count, -1),
         materials=(GREY,),
     )
+
+
+def missing_parts(mesh: Mesh) -> list[Fallback]:
+    """Return the material libraries and images that a mesh of an OBJ file does without, each once."""
+    found = {}
+    for name in dict.fromkeys(material.missing_file for material in mesh.materials if material.missing_file):
+        kind, taken = ("material library", "grey") if name.endswith(".mtl") else ("texture", "the material's colour")
+        found[name] = Fallback(kind, name, mesh.path.name, taken, "missing")
+    return list(found.values())
+
+
+def library_paths(path: Path) -> list[Path]:
+    """Return the files that the `mtllib` lines of an OBJ file may mean, without those out of its folder.
+
+    None if the file cannot be read, which is an error where its mesh is read.
+    """
+    try:
+        text = read_bytes(path).decode(errors="replace")
+    except DatasetError:
+        return []
+    named = [rest for _, keyword, rest in split_statements(text) if keyword == "mtllib"]
+    texts = dict.fromkeys(name.replace("\\", "/") for line in named for name in library_names(line.rstrip()))
+    found = (resolve_below(path.parent, path.parent, name) for name in texts if name and "\0" not in name)
+    return [library for library in found if library is not None]
 
 
 def _stl_triangles(path: Path) -> np.ndarray:

@@ -252,3 +252,20 @@ def test_assets_may_be_obj_and_stl_files_and_urdf_shapes_have_their_colours(root
     )  # of 100 triangles, none is there
     with pytest.raises(DatasetError, match="STL"):
         read(config)
+
+
+def test_libraries_of_obj_files_count_in_digests_and_are_listed_if_missing(root):
+    config = write_dataset(root)
+    obj = "mtllib paint.mtl\nv 1 0 0\nv 1.5 0 0\nv 1 .9 .4\nusemtl red\nf 1 2 3\n"
+    files = {"objects": "chair_1.OBJ", "urdf/cupboard": "drawer.obj"}
+    for folder, name in files.items():
+        write(root / folder / name, obj)
+    write(root / "configs" / "chair_1.object_config.json", {"render_asset": "../objects/chair_1.OBJ"})
+    write(root / "urdf" / "cupboard" / "cupboard.urdf", CUPBOARD.replace("none.glb", "drawer.obj"))
+    found = {(f.kind, f.name, f.element) for f in read(config).fallbacks}
+    assert found == {("material library", "paint.mtl", name) for name in files.values()}
+    for folder in files:
+        before = open_dataset(config).inputs().house("flat_0")
+        write(root / folder / "paint.mtl", "newmtl red\nKd 1 0 0\n")
+        assert open_dataset(config).inputs().house("flat_0") != before
+    assert read(config).fallbacks == ()
