@@ -65,8 +65,10 @@ class FrontDataset(FurnishedSceneDataset):
     code = (
         FOLDER,
         FOLDER.with_name("gltf"),
+        FOLDER.with_name("habitat") / "semantics.py",
         FOLDER.with_name("habitat") / "stand_ins.py",
         FOLDER.with_name("taxonomy.csv"),
+        FOLDER.with_name("taxonomy.py"),
     )
 
     def read_options(self, query: str) -> FrontOptions:

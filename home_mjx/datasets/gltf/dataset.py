@@ -33,6 +33,7 @@ from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.geometry.meshes import Z_UP
 from home_mjx.schema.house import House, Problem
 
+FOLDER = Path(__file__).parent
 SUFFIXES = (".glb", ".gltf")
 OPTIONS_HINT = "Options are `up=y|z`, `scale=METRES` and `rooms=auto|one`, such as `gltf:scan.glb?up=z&scale=0.01`."
 
@@ -99,7 +100,7 @@ class GltfDataset(SceneDataset):
     recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_scenes)
     scheme = "gltf"
     no_scene = "folder contains no .glb or .gltf file"
-    code = (Path(__file__).parent,)
+    code = (FOLDER, FOLDER.with_name("taxonomy.csv"), FOLDER.with_name("taxonomy.py"))
 
     def read_options(self, query: str) -> SceneOptions:
         """Return the options of a name's query."""

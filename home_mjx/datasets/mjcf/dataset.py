@@ -77,7 +77,7 @@ class MjcfDataset(SceneDataset):
     recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_mjcf)
     scheme = "mjcf"
     no_scene = "folder contains no scene of MJCF"
-    code = (FOLDER, *(FOLDER.with_name(name) for name in ("gltf", "taxonomy.csv", "taxonomy.py")))
+    code = (FOLDER, *(FOLDER.with_name(name) for name in ("gltf", "shapes.py", "taxonomy.csv", "taxonomy.py")))
 
     def read_options(self, query: str) -> MjcfOptions:
         """Return the options of a name's query."""

@@ -55,7 +55,12 @@ class UsdDataset(SceneDataset):
     recognizes: ClassVar[Callable[[Path], bool]] = staticmethod(holds_usd)
     scheme = "usd"
     no_scene = "folder contains no .usd, .usda or .usdc file"
-    code = (FOLDER, FOLDER.with_name("gltf"), FOLDER.with_name("shapes.py"))
+    code = (
+        FOLDER,
+        *(FOLDER.with_name(name) for name in ("gltf", "shapes.py", "taxonomy.csv", "taxonomy.py")),
+        FOLDER.with_name("habitat") / "articulated.py",
+        FOLDER.with_name("mjcf") / "files.py",
+    )
 
     def read_options(self, query: str) -> UsdOptions:
         """Return the options of a name's query."""
