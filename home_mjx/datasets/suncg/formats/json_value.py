@@ -97,10 +97,14 @@ class JsonValue(Location):
         return [JsonValue(self.file, f"{self.element}[{i}]", item) for i, item in enumerate(self.data)]
 
     def text(self) -> str:
-        """Return a string; raise `DatasetError` for other values, and for lone surrogates, which no path can have."""
+        """Return a string.
+
+        Raises:
+            DatasetError: The value is no string, or has lone surrogates, which no path can have.
+        """
         if not isinstance(self.data, str):
             raise self._expected("a string")
-        if any("\ud800" <= c <= "\udfff" for c in self.data):
+        if not self.data.isascii() and any("\ud800" <= c <= "\udfff" for c in self.data):
             raise self.error("text has lone surrogates, which are no characters")
         return self.data
 
