@@ -15,6 +15,7 @@ from home_mjx.datasets.taxonomy import part_kind
 from home_mjx.schema.house import Joint, JointKind
 
 OWNER, JOINT = "object_id", "joint"  # entries of `extras` of the package's own export
+OTHERS = frozenset(("category", "model"))  # its other entries, by which it is told from other programs' object ids
 KINDS: Mapping[str, JointKind] = {"hinge": "hinge", "slide": "slide"}
 MIN_RANGE = 1e-4  # [rad] or [m], minimum range of a joint that moves
 
@@ -112,7 +113,8 @@ def with_parts(one: FoundObject, parts: Iterable[tuple[SceneJoint, Sequence[Plac
 def join_exported_parts(objects: Sequence[FoundObject], frame: Matrix) -> list[FoundObject]:
     """Return objects of which those that the package's own export wrote as several nodes are one, with their joints.
 
-    Such nodes have `object_id` in their `extras`, and those of leaves also `joint`. Other entries are ignored.
+    Such nodes have `object_id`, `category` and `model` in their `extras`, and those of leaves also `joint`. Other
+    entries are ignored.
 
     Args:
         objects: The objects.
@@ -137,8 +139,8 @@ def join_exported_parts(objects: Sequence[FoundObject], frame: Matrix) -> list[F
 
 
 def exported_owner(extras: Any) -> int:
-    """Return the object id in the `extras` of a node; -1 without one."""
-    owner = extras.get(OWNER) if isinstance(extras, dict) else None
+    """Return the object id in the `extras` of a node of the package's own export; -1 without one."""
+    owner = extras.get(OWNER) if isinstance(extras, dict) and extras.keys() >= OTHERS else None
     return owner if type(owner) is int and owner >= 0 else -1
 
 

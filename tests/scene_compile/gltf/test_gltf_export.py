@@ -157,7 +157,7 @@ def leaf_room(tmp_path) -> tuple[GltfFile, dict]:
     leaf = file.mesh(np.array([-0.5, 0, 0.4]) + CUBE * [1, 1, 0.02])
     for owner, joint, place in ((30, {"type": "hinge", **closed}, [6.5, 0, 0]), (31, slide, [2, 0, 0])):
         scale = [-1, 1, 1] if owner == 30 else [-2, 2, 2]
-        name, extras = f"wardrobe_{owner}", {"object_id": owner}
+        name, extras = f"wardrobe_{owner}", {"object_id": owner, "category": "wardrobe_cabinet", "model": "w"}
         file.node(name=name, mesh=body, translation=place, scale=scale, extras=extras)
         file.node(name=name, mesh=leaf, translation=place, scale=scale, extras={**extras, "joint": joint})
     return file, {"hinge": closed, "slide": slide}
@@ -192,9 +192,20 @@ def test_joints_of_exported_files_are_read_back_in_frames_of_their_models(tmp_pa
 )
 def test_entries_of_other_programs_are_no_joints(tmp_path, joint):
     file = two_rooms()
-    file.json["nodes"][-1]["extras"] = {"object_id": 3, "joint": joint}
+    file.json["nodes"][-1]["extras"] = {"object_id": 3, "category": "chair", "model": "c", "joint": joint}
     dataset = open_dataset(file.write(tmp_path / "flat.glb"))
     assert not any(o.joints for o in dataset.load_house("flat").levels[0].objects)
+
+
+def test_object_ids_of_other_programs_join_nothing(tmp_path):
+    file = two_rooms()
+    for number in (1, 2):
+        low = np.array([1.0 + number, 0, 2])
+        file.box(f"Stool.00{number}", low, low + 0.4)
+        file.json["nodes"][-1]["extras"] = {"object_id": 0}
+    dataset = open_dataset(file.write(tmp_path / "flat.glb"))
+    found = [o.model_id for o in dataset.load_house("flat").levels[0].objects]
+    assert found.count("stool") == 2
 
 
 def test_leaves_of_an_exported_house_are_leaves_of_the_house_that_is_read(tmp_path):
