@@ -3,9 +3,10 @@
 python scripts/format_pictures.py [--out docs/images] [--samples 9] [--others]
 
 All houses may be published: generated homes, as they are, as SUNCG's files, and exported to glTF, MJCF and Habitat and
-read back; and the house in ProcTHOR's format of the tests, in our furniture. Each page gets its own view and the sheet
-has all of them. With `--others`, the pages of USD and 3D-FRONT get theirs instead, of generated homes that
-`format_houses.py` writes in these formats; USD needs usd-core.
+read back; and the house in ProcTHOR's format of the tests, in our furniture. The pages of glTF, MJCF and Habitat get
+views of their own, and the sheet has all of them. With `--others`, pictures of USD and 3D-FRONT are drawn instead, of
+generated homes that `format_houses.py` writes in these formats; USD needs usd-core. Only the page of 3D-FRONT shows
+its picture.
 """
 
 import argparse
