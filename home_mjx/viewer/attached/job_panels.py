@@ -10,6 +10,7 @@ from home_mjx.tasks.env.observers import EpisodeStep, RunStart
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.controls import ViewControls
 from home_mjx.viewer.browser.curves import CurvePlot, EpisodeCurves
+from home_mjx.viewer.browser.markdown import format_table
 from home_mjx.viewer.browser.overlays import Overlays
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ class JobPanels:
             **{name: f"{float(value):.3f}" for name, value in state.metrics.items()},
             "status": ", ".join(Status.names(state.status)) or "no flag",
         }
-        self._figures.content = "\n".join(["| | |", "|---|---|", *(f"| {name} | {x} |" for name, x in rows.items())])
+        self._figures.content = format_table(rows)
         if int(state.world.house) != self._house:
             self._house = int(state.world.house)
             self._controls.show_levels()

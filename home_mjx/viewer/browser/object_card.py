@@ -8,6 +8,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.scene_compile import decode_row
 from home_mjx.schema.categories import FINE
 from home_mjx.schema.semantic import Semantic
+from home_mjx.viewer.browser.markdown import escape_markdown, format_table
 from home_mjx.viewer.browser.scene.house_scene import InstanceGroup
 from home_mjx.viewer.browser.scene.models import find_triangles
 
@@ -52,8 +53,8 @@ def format_card(
     made = f" of {known['material']}" if "material" in known else ""
     article = "An" if look[0] in "aeiou" else "A"
     sentence = f"{article} {look}{made} {_support(bank, house, known)}{f' in the {room}' if room else ''}."
-    table = [f"| {name} | {value} |" for name, value in lines.items() if value not in (None, "")]
-    return "\n".join([f"**{category}**", "", sentence, "", "| | |", "|---|---|", *table])
+    table = format_table({name: value for name, value in lines.items() if value not in (None, "")})
+    return "\n".join([f"**{escape_markdown(category)}**", "", escape_markdown(sentence), "", table])
 
 
 def name_object(fine: int) -> str:

@@ -13,6 +13,7 @@ from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeSte
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.controls import ViewControls, name_houses
 from home_mjx.viewer.browser.curves import EpisodeCurves
+from home_mjx.viewer.browser.markdown import format_table
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.browser.session import Session
 
@@ -181,11 +182,11 @@ class Panels(Observer):
 
     def _show_figures(self, step: EpisodeStep) -> None:
         """Show the figures and the curves up to a step."""
-        self._figures.content = "\n".join(self._lines(step))
+        self._figures.content = format_table(self._rows(step))
         self._curves.show()
 
-    def _lines(self, step: EpisodeStep) -> list[str]:
-        """Return a Markdown table of instruction, figures and status of a step."""
+    def _rows(self, step: EpisodeStep) -> dict[str, str]:
+        """Return instruction, figures and status of a step by name."""
         session, results = self.session, self._results
         rows = {
             "house": name_houses(session.env.bank.house_ids)[int(step.state.world.house)],
@@ -202,4 +203,4 @@ class Panels(Observer):
             spl = [result.spl for result in results if not math.isnan(result.spl)]
             rows["episodes"] = f"{len(results)}, success {np.mean([r.success > 0 for r in results]):.0%}"
             rows["mean SPL"] = f"{np.mean(spl):.2f}" if spl else "unknown"
-        return ["| | |", "|---|---|", *(f"| {name} | {str(text).replace('|', '/')} |" for name, text in rows.items())]
+        return rows

@@ -15,6 +15,7 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_open_scene
 from home_mjx.viewer.browser.controls import name_houses
 from home_mjx.viewer.browser.live_camera import encode_jpeg
+from home_mjx.viewer.browser.markdown import format_list, format_table
 from home_mjx.viewer.browser.object_card import format_card
 from home_mjx.viewer.browser.run import ViewOptions, print_address
 from home_mjx.viewer.browser.scene.house_scene import CEILING, OUTDOORS, HouseScene, InstanceGroup
@@ -153,9 +154,8 @@ class GalleryViewer:
         }
         found = self._findings.get(bank.house_ids[house])
         rows["findings"] = "not checked" if found is None else len(found)
-        lines = ["| | |", "|---|---|", *(f"| {name} | {value} |" for name, value in rows.items()), ""]
-        listed = [f"- **{f.severity}** {f.element}: {f.message}" for f, _ in (found or ())[:MAX_LISTED]]
-        self._figures.content = "\n".join([*lines, *listed])
+        listed = format_list((f.severity, f"{f.element}: {f.message}", True) for f, _ in (found or ())[:MAX_LISTED])
+        self._figures.content = f"{format_table(rows)}\n\n{listed}"
 
     def _show_card(self, house: int, group: InstanceGroup, index: int) -> None:
         """Show the card of a clicked object; on a viser thread."""

@@ -7,6 +7,7 @@ import numpy as np
 from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer
 from home_mjx.viewer.browser.broadcast import Broadcast
 from home_mjx.viewer.browser.controls import ViewControls, name_houses
+from home_mjx.viewer.browser.markdown import format_list, format_table
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.replay.events import KINDS
 from home_mjx.viewer.replay.recorder import REWARD
@@ -163,12 +164,9 @@ class ReplayPanels(Observer):
             **{name: f"{values[session.index]:.3f}" for name, values in plot_series(track.series).items()},
             "result": "failure" if track.is_failure else "success",
         }
-        self._figures.content = "\n".join(["| | |", "|---|---|", *(f"| {name} | {x} |" for name, x in rows.items())])
+        self._figures.content = format_table(rows)
         near = sorted(track.events, key=lambda event: abs(event.step - session.index))[:MAX_LISTED]
-        self._events.content = "\n".join(
-            f"{'**' if e.step == session.index else ''}{e.step}{'**' if e.step == session.index else ''} {e.text}\n"
-            for e in sorted(near)
-        )
+        self._events.content = format_list((e.step, e.text, e.step == session.index) for e in sorted(near))
 
     def _set(self, control: Any, value: Any) -> None:
         """Set a control if it differs; callbacks find that there is nothing to do."""

@@ -82,7 +82,9 @@ def test_findings_of_rooms_and_files(root, compiled):
 def test_the_page_of_houses_has_plans_and_findings(root, compiled):
     bank = HouseBank.from_compiled([compiled, compiled])
     house = open_dataset(root).load_house(compiled.id)
-    finding = ValidationFinding("house.json", house.levels[0].rooms[0].path, "missing-part", "no walls")
+    finding = ValidationFinding(
+        "house.json", house.levels[0].rooms[0].path, "missing-part", "no walls <img src=x onerror=f()>"
+    )
     placed = {compiled.id: place_findings(house, [finding], compiled.offset)}
     with GalleryViewer(bank, ViewOptions(port=0, picture=PictureOptions(size=64)), placed) as viewer:
         viewer.choose(viewer._names[0])
@@ -96,3 +98,4 @@ def test_the_page_of_houses_has_plans_and_findings(root, compiled):
         assert "| findings | 1 |" in viewer._figures.content
         assert "missing-part" not in viewer._figures.content
         assert "no walls" in viewer._figures.content
+        assert "<img" not in viewer._figures.content
