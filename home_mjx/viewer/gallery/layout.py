@@ -13,9 +13,9 @@ OVERVIEW = np.array([-0.1, -0.7, 0.9])  # from the middle of what is looked at t
 
 
 def find_boxes(bank: HouseBank) -> Float[np.ndarray, "n 2 2"]:
-    """Return the bounds (low, high) of each house's lowest storey in plan [m]."""
+    """Return the bounds (low, high) of each house's lowest storey in plan, with `VIEW_MARGIN` [m]."""
     frames = [frame_house(bank, house) for house in range(bank.num_houses)]
-    return np.stack([np.stack([low, low + size]) for low, size, _ in frames])
+    return np.stack([low + side / 2 + np.stack([-size, size]) / 2 for low, size, side in frames])
 
 
 def look_at(box: Float[np.ndarray, "2 2"]) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:

@@ -23,13 +23,12 @@ from home_mjx.viewer.browser.scene.models import ModelLibrary
 from home_mjx.viewer.browser.scene.scene_tree import SceneTree
 from home_mjx.viewer.browser.serving.server import ViewServer
 from home_mjx.viewer.gallery.findings import PlacedFinding
-from home_mjx.viewer.gallery.layout import place_side_by_side
+from home_mjx.viewer.gallery.layout import find_boxes, look_at, place_side_by_side
 from home_mjx.viewer.pictures.top_view import CUT_HEIGHT, frame_house
 
 MAX_LISTED = 12  # findings of a house that are listed
 LABEL_HEIGHT = 0.25  # [m], of findings and names of houses
 ABOVE = 1.2  # [m], of the camera over the cut
-OVERVIEW = np.array([-0.1, -0.7, 0.9])  # from the middle of all houses to the first camera, in their size
 
 
 class GalleryViewer:
@@ -55,17 +54,15 @@ class GalleryViewer:
     ) -> None:
         self.bank, self.options, self._findings = bank, options or ViewOptions(), findings or {}
         self._names, self._pictures = name_houses(bank.house_ids), dict[int, bytes]()
-        self._chosen, self._end = 0, threading.Event()
+        self._chosen, self._end, self._lock = 0, threading.Event(), threading.RLock()
         self._see = jax.jit(self._plan)
         self.server = ViewServer(self.options.host, self.options.port, greeting=self._greet)
-        frames = [frame_house(bank, house) for house in range(bank.num_houses)]
-        self._boxes = np.stack([np.stack([low, low + size]) for low, size, _ in frames])
-        self._shifts = place_side_by_side(self._boxes)
-        library = ModelLibrary(bank)
-        self._trees = [self._add_house(house, library) for house in range(bank.num_houses)]
-        moved = self._boxes + self._shifts[:, None]
-        self._frame(np.stack([moved.min((0, 1)), moved.max((0, 1))]))
-        self._add_panels()
+        try:
+            self._add_scene()
+            self._add_panels()
+        except BaseException:
+            self.server.close()
+            raise
 
     def __enter__(self) -> "GalleryViewer":
         return self
@@ -85,10 +82,19 @@ class GalleryViewer:
 
     def choose(self, name: str) -> None:
         """Show a house by its name: figures, findings and plan; the cameras of all pages go there."""
-        self._chosen = self._names.index(name)
-        self._show_figures()
-        self._frame(self._boxes[self._chosen] + self._shifts[self._chosen])
+        with self._lock:
+            self._chosen = house = self._names.index(name)
+            self._show_figures(house)
+            self._frame(self._boxes[house] + self._shifts[house])
         self._draw()
+
+    def _add_scene(self) -> None:
+        """Add all houses side by side, and aim the cameras at them."""
+        self._boxes, library = find_boxes(self.bank), ModelLibrary(self.bank)
+        self._shifts = place_side_by_side(self._boxes)
+        self._trees = [self._add_house(house, library) for house in range(self.bank.num_houses)]
+        moved = self._boxes + self._shifts[:, None]
+        self._frame(np.stack([moved.min((0, 1)), moved.max((0, 1))]))
 
     def _add_house(self, house: int, library: ModelLibrary) -> SceneTree:
         """Add a house with its name and findings to the scene, at its place."""
@@ -111,8 +117,7 @@ class GalleryViewer:
 
     def _frame(self, box: np.ndarray) -> None:
         """Aim the cameras of all pages at a box in plan (low, high) [m], from above."""
-        middle, size = np.append(box.mean(axis=0), 0.0), float(np.linalg.norm(box[1] - box[0]))
-        camera, place = self.server.scene.initial_camera, middle + OVERVIEW * size
+        camera, (place, middle) = self.server.scene.initial_camera, look_at(box)
         camera.position, camera.look_at = tuple(place), tuple(middle)
         for client in self.server.scene.get_clients().values():
             client.camera.position, client.camera.look_at = place, middle
@@ -129,7 +134,7 @@ class GalleryViewer:
                 self._add_layer(text, layer)
         with gui.add_folder("Object"):
             self._card = gui.add_markdown("Click on an object.")
-        self._show_figures()
+        self._show_figures(self._chosen)
 
     def _add_layer(self, text: str, layer: str) -> None:
         """Add the checkbox of a layer of all houses."""
@@ -141,9 +146,9 @@ class GalleryViewer:
         for tree in self._trees:
             tree.show_layer(layer, is_shown)
 
-    def _show_figures(self) -> None:
-        """Show counts and findings of the chosen house."""
-        bank, house = self.bank, self._chosen
+    def _show_figures(self, house: int) -> None:
+        """Show counts and findings of a house."""
+        bank = self.bank
         rooms = np.asarray(bank.navigation.room_type[house])
         rows = {
             "house": bank.house_ids[house],
@@ -162,27 +167,32 @@ class GalleryViewer:
         self._card.content = format_card(self.bank, house, group, index)
 
     def _draw(self) -> None:
-        """Render the plan of the chosen house, and send it."""
-        if self._chosen not in self._pictures:
-            low, _, side = frame_house(self.bank, self._chosen)
+        """Render the plan of the chosen house, and send it, unless another one was chosen meanwhile."""
+        with self._lock:
+            house = self._chosen
+        if house not in self._pictures:
+            low, _, side = frame_house(self.bank, house)
             camera = Camera(jnp.asarray([*(low + side / 2), 0.0], jnp.float32), jnp.eye(1, 4)[0], jnp.float32(side))
-            image = self._see(self.bank, jnp.int32(self._chosen), camera)
-            self._pictures[self._chosen] = encode_jpeg(np.asarray(image))
-        self.server.live.publish(self._greet())
+            self._pictures[house] = encode_jpeg(np.asarray(self._see(self.bank, jnp.int32(house), camera)))
+        with self._lock:
+            if house == self._chosen:
+                self.server.live.publish(self._greet())
 
     def _plan(self, bank: HouseBank, house: Any, camera: Camera) -> Any:
         """Return the plan of a house's lowest storey; to be jitted."""
         cut = bank.navigation.floor[house, 0] + CUT_HEIGHT
         camera = camera.replace(pos=camera.pos.at[2].set(cut + ABOVE))
-        lens, shader = Lens(self.options.picture.size, self.options.picture.size, "orthographic"), "fast"
-        return render(make_open_scene(bank, house), camera, lens, kinds=("rgb",), shader=shader, cut_height=cut)["rgb"]
+        picture, scene = self.options.picture, make_open_scene(bank, house)
+        lens = Lens(picture.size, picture.size, "orthographic")
+        return render(scene, camera, lens, kinds=("rgb",), shader=picture.shader, cut_height=cut)["rgb"]
 
     def _greet(self) -> str:
         """Return the state for a page, and send it the plan."""
-        if self._chosen in self._pictures:
-            self.server.live.publish(self._pictures[self._chosen])
+        house = self._chosen
+        if house in self._pictures:
+            self.server.live.publish(self._pictures[house])
         count = f"{self.bank.num_houses} houses side by side"
-        caption = f"plan of {self._names[self._chosen]}: fast, {self.options.picture.size} px"
+        caption = f"plan of {self._names[house]}: {self.options.picture.shader}, {self.options.picture.size} px"
         return json.dumps({"instruction": count, "status": "", "caption": caption, "drives": False, "sound": False})
 
 

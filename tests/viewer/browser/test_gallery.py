@@ -2,6 +2,7 @@
 
 import io
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 pytest.importorskip("viser", reason="needs the extra `view`")
 
 from generated import flat_id, generate_flats
+from handmade import shoebox
 from PIL import Image
 from websockets.sync.client import connect
 
@@ -19,8 +21,9 @@ from home_mjx.houses.house_set import HouseSet
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.run import ViewOptions
 from home_mjx.viewer.gallery.findings import place_findings
-from home_mjx.viewer.gallery.layout import GAP, place_side_by_side
+from home_mjx.viewer.gallery.layout import GAP, find_boxes, look_at, place_side_by_side
 from home_mjx.viewer.gallery.viewer import GalleryViewer
+from home_mjx.viewer.pictures.top_view import VIEW_MARGIN
 
 
 def test_houses_do_not_overlap_and_are_near():
@@ -33,6 +36,43 @@ def test_houses_do_not_overlap_and_are_near():
             gap = np.maximum(moved[a, 0] - moved[b, 1], moved[b, 0] - moved[a, 1])
             assert gap.max() >= GAP - 1e-9
     assert np.ptp(moved, axis=(0, 1)).max() < 3 * (12 + GAP)
+
+
+@pytest.fixture(scope="module")
+def narrow() -> HouseBank:
+    """Return two rooms around the origin, of 8 x 18 m and 18 x 8 m."""
+    return HouseBank.from_compiled([shoebox((8.0, 18.0, 3.0)), shoebox((18.0, 8.0, 3.0))])
+
+
+def test_boxes_of_narrow_houses_are_around_their_rooms(narrow):
+    half = np.array([[4.0, 9.0], [9.0, 4.0]]) + VIEW_MARGIN
+    boxes = find_boxes(narrow)
+    np.testing.assert_allclose(boxes, np.stack([-half, half], axis=1), atol=float(narrow.spec.cell) + 1e-6)
+    np.testing.assert_allclose(look_at(boxes[0])[1], 0.0, atol=float(narrow.spec.cell))
+
+
+def test_a_plan_is_that_of_the_house_it_was_drawn_for(narrow, monkeypatch):
+    with GalleryViewer(narrow, ViewOptions(port=0, picture=PictureOptions(size=32))) as viewer:
+        see, is_drawing, may_end = viewer._see, threading.Event(), threading.Event()
+
+        def see_slowly(bank, house, camera):
+            is_drawing.set()
+            assert may_end.wait(60)
+            return see(bank, house, camera)
+
+        monkeypatch.setattr(viewer, "_see", see_slowly)
+        drawing = threading.Thread(target=viewer._draw)
+        drawing.start()
+        assert is_drawing.wait(60)
+        viewer._chosen = 1  # as a page does meanwhile
+        may_end.set()
+        drawing.join()
+        monkeypatch.setattr(viewer, "_see", see)
+        viewer._draw()
+        plans = [np.asarray(Image.open(io.BytesIO(viewer._pictures[house])), float).sum(axis=2) for house in (0, 1)]
+        contrasts = [(plan.sum(axis=1).std(), plan.sum(axis=0).std()) for plan in plans]  # of rows, and of columns
+        assert contrasts[0][0] < contrasts[0][1]  # upright: its columns differ
+        assert contrasts[1][0] > contrasts[1][1]
 
 
 @pytest.fixture(scope="module")
