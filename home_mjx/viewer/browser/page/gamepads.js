@@ -12,20 +12,27 @@ export function readAxes(axes) {
 }
 
 export class Gamepads {
+  // `send` returns whether a message was sent; others are sent again at the next poll.
   constructor(send) {
     Object.assign(this, { send, axes: "{}", pressed: new Set() });
     setInterval(() => this.poll(), PERIOD);
   }
 
   poll() {
+    if (!document.hasFocus()) return this.forget();
     const pad = [...(navigator.getGamepads?.() ?? [])].find((found) => found?.connected);
     const values = readAxes(pad?.axes ?? []), axes = JSON.stringify(values);
-    if (axes !== this.axes) this.send({ type: "axes", values });
-    this.axes = axes;
+    if (axes !== this.axes && this.send({ type: "axes", values })) this.axes = axes;
     for (const [number, key] of Object.entries(BUTTONS)) {
       const isDown = Boolean(pad?.buttons[number]?.pressed);
-      if (isDown !== this.pressed.has(key)) this.send({ type: isDown ? "keydown" : "keyup", key });
+      if (isDown === this.pressed.has(key) || !this.send({ type: isDown ? "keydown" : "keyup", key })) continue;
       if (isDown) this.pressed.add(key); else this.pressed.delete(key);
     }
+  }
+
+  // Nothing is held any more, as after `release`: what still is, is sent at the next poll.
+  forget() {
+    this.axes = "{}";
+    this.pressed.clear();
   }
 }

@@ -105,10 +105,18 @@ function onKey(event) {
   event.preventDefault();
   if (!event.repeat) send({ type: event.type, key: key.toLowerCase() });
 }
-function send(message) { if (live?.readyState === WebSocket.OPEN) live.send(JSON.stringify(message)); }
+function send(message) {  // returns whether the connection is open
+  if (live?.readyState !== WebSocket.OPEN) return false;
+  live.send(JSON.stringify(message));
+  return true;
+}
+function release() {
+  send({ type: "release" });
+  window.viewer.gamepads.forget();
+}
 function listen(target) {
   for (const type of ["keydown", "keyup"]) target.addEventListener(type, onKey, { capture: true });
-  target.addEventListener("blur", () => send({ type: "release" }));
+  target.addEventListener("blur", release);
 }
 
 const sound = new Sound({ url: socketUrl("sound"), button: $("sound"), gain: $("gain"), meter: $("meter"), spectrum: $("spectrum"),

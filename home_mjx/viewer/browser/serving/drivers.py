@@ -31,18 +31,21 @@ class Drivers(Observer):
         self.keys = tuple(HeldKeys() for _ in range(MAX_DRIVERS))
         self._tell, self._tell_page = tell, tell_page
         self._seats: dict[int, int] = {}  # agents by page
-        self._num_agents, self._is_human, self._lock = 1, False, threading.Lock()
+        self._num_agents, self._is_human, self._lock = 1, False, threading.RLock()
 
     def on_run_start(self, start: RunStart) -> None:
-        """Send the number of agents, and the key bindings of a human; of other agents none."""
+        """Send the number of agents, and the key bindings of a human; of other agents none. All keys are released."""
         assert start.env is not None
         config = start.env.core.acting_config
-        self._is_human, self._num_agents = start.name == HUMAN, min(config.num_agents, MAX_DRIVERS)
+        with self._lock:
+            self._is_human, self._num_agents = start.name == HUMAN, min(config.num_agents, MAX_DRIVERS)
+            for keys in self.keys:
+                keys.handle({"type": "release"})
+            for page, agent in list(self._seats.items()):
+                if agent >= self._num_agents:
+                    self._free(page)
         help_text = f"Keys: {key_help(config).removesuffix(', q quit')}; arrows{PAD_HELP}" if self._is_human else ""
         self._tell(drives=self._is_human, keys=help_text, agents=self._num_agents)
-        for page, agent in list(self._seats.items()):
-            if agent >= self._num_agents:
-                self._free(page)
 
     def agent_of(self, page: int) -> int:
         """Return the agent that a page drives; the first one of pages that drive none."""
@@ -50,7 +53,11 @@ class Drivers(Observer):
 
     def handle(self, message: dict[str, Any]) -> None:
         """Handle a page's message: `drive` with an agent or None, `leave`, or those of `HeldKeys`."""
-        page, kind = message["page"], message.get("type")
+        with self._lock:
+            self._handle(message["page"], message.get("type"), message)
+
+    def _handle(self, page: int, kind: Any, message: dict[str, Any]) -> None:
+        """Handle a message of a kind from a page."""
         if kind == "leave" or (kind == "drive" and message.get("agent") is None):
             self._free(page)
         elif kind == "drive" and isinstance(message["agent"], int):
@@ -62,9 +69,8 @@ class Drivers(Observer):
 
     def _take(self, page: int, wanted: Any) -> None:
         """Give a page the first free one of the wanted agents, or tell it that they are taken."""
-        with self._lock:
-            taken = {agent for other, agent in self._seats.items() if other != page}
-            free = [agent for agent in wanted if agent not in taken and 0 <= agent < self._num_agents]
+        taken = {agent for other, agent in self._seats.items() if other != page}
+        free = [agent for agent in wanted if agent not in taken and 0 <= agent < self._num_agents]
         if not self._is_human or not free:
             names = " and ".join(f"agent {agent + 1}" for agent in wanted)
             reason = (
