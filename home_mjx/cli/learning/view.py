@@ -107,6 +107,7 @@ def run(args: argparse.Namespace) -> int:
     if args.validate and not args.gallery:
         raise ConfigError("--validate marks findings in --gallery", hint="Add --gallery, or use home-mjx inspect.")
     if args.gallery:
+        _check_gallery(args)
         _run_gallery(args, options)
     elif args.replay is not None:
         from home_mjx.viewer.replay.run import run_replay
@@ -115,6 +116,14 @@ def run(args: argparse.Namespace) -> int:
     else:
         run_view(_make_env(args), options, print_now)
     return 0
+
+
+def _check_gallery(args: argparse.Namespace) -> None:
+    """Raise `ConfigError` for an option of episodes, which a gallery of houses does not have."""
+    given = ("replay", "checkpoint", "agent", "env", "split")
+    for name in filter(lambda name: getattr(args, name), given):
+        hint = "Leave it out, or leave out --gallery."
+        raise ConfigError(f"--gallery shows houses without agents, and has no use for --{name}", hint=hint)
 
 
 def _run_gallery(args: argparse.Namespace, options: "ViewOptions") -> None:

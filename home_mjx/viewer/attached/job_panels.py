@@ -64,7 +64,7 @@ class JobPanels:
         """Clear the curves of an episode."""
         self._terms.begin_episode()
 
-    def forget_watched(self) -> None:
+    def clear_watched(self) -> None:
         """Clear the curves of the watched environment, as another one is watched."""
         self._rows = []
 

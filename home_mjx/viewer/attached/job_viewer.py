@@ -96,7 +96,7 @@ class JobViewer(Observer):
         """Watch another environment of the batch, at once; from any thread."""
         with self._lock:
             self.watched = number
-            self.panels.forget_watched()
+            self.panels.clear_watched()
             if self._states is not None:
                 self._draw_watched()
 

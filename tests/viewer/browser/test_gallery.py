@@ -15,6 +15,7 @@ from PIL import Image
 from websockets.sync.client import connect
 
 from home_mjx.bank.bank import HouseBank
+from home_mjx.cli import main
 from home_mjx.datasets import ValidationFinding
 from home_mjx.datasets.registry import open_dataset
 from home_mjx.houses.house_set import HouseSet
@@ -139,3 +140,9 @@ def test_the_page_of_houses_has_plans_and_findings(root, compiled):
         assert "missing-part" not in viewer._figures.content
         assert "no walls" in viewer._figures.content
         assert "<img" not in viewer._figures.content
+
+
+@pytest.mark.parametrize("option", [["--agent", "expert"], ["--split", "val"], ["--env", "max_bodies=4"]])
+def test_options_of_episodes_are_refused(option, capsys):
+    assert main(["view", "procedural:2?preset=flat", "--gallery", *option]) == 2
+    assert f"has no use for {option[0]}" in capsys.readouterr().err
