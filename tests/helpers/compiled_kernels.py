@@ -11,6 +11,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from home_mjx.core.native import nvrtc
+from home_mjx.errors import BackendError
+
 SHIM = Path(__file__).with_name("block_shim.h")
 
 
@@ -66,3 +69,12 @@ def blocks_instead(compiled: Callable[[str, list[np.ndarray], int], ctypes.CDLL]
         return call
 
     return ffi_call
+
+
+def nvrtc_ptx(sources: Path | Sequence[Path], capability: int, defines: Mapping[str, int] = nvrtc.NO_DEFINES) -> str:
+    """PTX by NVRTC; skips the test where it is not installed."""
+    try:
+        nvrtc.find_library()
+    except BackendError:
+        pytest.skip("NVRTC is not installed")
+    return nvrtc.compile_ptx(sources, capability, defines)

@@ -13,9 +13,8 @@ from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
 from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh, SceneNode, place_meshes
 from home_mjx.datasets.gltf.objects import join_meshes, move_mesh
-from home_mjx.datasets.habitat.plain_assets import GREY, PLAIN_SUFFIXES, missing_parts, read_plain_asset
+from home_mjx.datasets.habitat.plain_assets import GREY, PLAIN_SUFFIXES, missing_parts, plain_mesh, read_plain_asset
 from home_mjx.datasets.shapes import (
-    Triangles,
     capsule_triangles,
     cone_triangles,
     cylinder_triangles,
@@ -24,7 +23,7 @@ from home_mjx.datasets.shapes import (
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.geometry.meshes import Z_UP, bounds, box_triangles
-from home_mjx.schema.house import Fallback, Material, Mesh
+from home_mjx.schema.house import Fallback, Mesh
 
 GLTF_SUFFIXES = (".glb", ".gltf")
 PRIMITIVES = {  # by the start of Habitat's handles; unit sizes of Magnum, whose axis is y
@@ -105,20 +104,6 @@ def primitive_mesh(handle: JsonValue) -> Mesh | None:
     if name not in PRIMITIVES:
         return None
     return plain_mesh(handle.file, PRIMITIVES[name](), GREY)
-
-
-def plain_mesh(path: Path, triangles: Triangles, material: Material) -> Mesh:
-    """Return triangles as a mesh of one material, without texture coordinates."""
-    count = len(triangles)
-    return Mesh(
-        path=path,
-        vertices=triangles.reshape(-1, 3),
-        faces=np.arange(3 * count).reshape(-1, 3),
-        uv=np.zeros((count, 3, 2)),
-        slot=np.zeros(count, int),
-        group=np.full(count, -1),
-        materials=(material,),
-    )
 
 
 def mesh_bounds(mesh: Mesh, frame: Matrix) -> Float[np.ndarray, "2 3"]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from home_mjx.core.files import read_bytes, resolve_below
+from home_mjx.datasets.shapes import Triangles
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
 from home_mjx.datasets.suncg.formats.obj import read_library_obj
 from home_mjx.datasets.suncg.formats.statements import library_names, split_statements
@@ -31,7 +32,11 @@ def read_plain_asset(path: Path, strict: bool) -> Mesh:
     """
     if path.suffix.lower() == OBJ:
         return read_library_obj(path, TextureLookup(path.parent, tolerant=not strict))
-    triangles = _stl_triangles(path)
+    return plain_mesh(path, _stl_triangles(path), GREY)
+
+
+def plain_mesh(path: Path, triangles: Triangles, material: Material) -> Mesh:
+    """Return triangles as a mesh of one material, without texture coordinates."""
     count = len(triangles)
     return Mesh(
         path=path,
@@ -40,7 +45,7 @@ def read_plain_asset(path: Path, strict: bool) -> Mesh:
         uv=np.zeros((count, 3, 2)),
         slot=np.zeros(count, int),
         group=np.full(count, -1),
-        materials=(GREY,),
+        materials=(material,),
     )
 
 

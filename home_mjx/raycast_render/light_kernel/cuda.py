@@ -15,6 +15,7 @@ from home_mjx.raycast_render.backends import cuda as rays
 from home_mjx.raycast_render.light_kernel import operands
 from home_mjx.raycast_render.light_kernel.operands import LightInputs
 from home_mjx.raycast_render.lighting.specular import GLASS, PathState
+from home_mjx.raycast_render.lighting.texture import texture_edge
 from home_mjx.raycast_render.scene.types import Scene
 from home_mjx.raycast_render.scene.vec import Vec
 from home_mjx.schema.semantic import Semantic
@@ -65,7 +66,7 @@ def path_radiance(
     own = _own_operands(scene, path, growth, exclude, inputs)
     given = tuple(x if i < first else x[None] for i, x in enumerate((*shared, *mixed, *own)))
     width = image[1] if len(image) == 2 else 0
-    flags = (*_sizes(scene, probes, inputs), ("depth", depth), ("packed", int(packed)), ("width", width))
+    flags = (*_sizes(probes, inputs), ("depth", depth), ("packed", int(packed)), ("width", width))
     light = _batched(first, flags)(*given)[0][0]
     return Vec.unpack(light.reshape(*image, 3))
 
@@ -103,15 +104,12 @@ def _own_operands(
     )
 
 
-def _sizes(scene: Scene, probes: LightProbes, inputs: LightInputs) -> Flags:
+def _sizes(probes: LightProbes, inputs: LightInputs) -> Flags:
     """Return the static numbers of a call that its operands do not tell."""
-    edge, texels = 1, scene.bank.materials.textures.shape[1]
-    while (4 * edge * edge - 1) // 3 < texels:
-        edge *= 2
     rows = inputs.probe.shape[0], inputs.texel.shape[0]
     houses = 1 if inputs.probe.ndim == 2 else probes.first.shape[0]
     probe_rows, texel_rows = (count // houses for count in rows)
-    names = ("edge", edge), ("probes", probe_rows), ("texels", texel_rows), ("lamps", inputs.num_lamps)
+    names = ("probes", probe_rows), ("texels", texel_rows), ("lamps", inputs.num_lamps)
     return (*names, *((name, int(getattr(inputs, name))) for name in ("sun", "baked", "sunny")))
 
 
@@ -140,7 +138,7 @@ def _size_vector(at: dict[str, Array], values: dict[str, int]) -> tuple[int, ...
     tiled = rays.tile_width(count, values["width"])
     casts = environments, count, each["fixed"], each["moving"], tiled, rows["node"], rows["triangle"]
     casts = *casts, rows["material_mask"], rows["house_root"], *at["cutout"].shape[:2]
-    surfaces = *at["semantics"].shape, int(Semantic.ROOM), GLASS, *at["textures"].shape, values["edge"]
+    surfaces = *at["semantics"].shape, int(Semantic.ROOM), GLASS, *at["textures"].shape, texture_edge(at["textures"])
     bakes = values["probes"], values["texels"], each["first"], each["chart_start"], each["chart"], each["chart_first"]
     places = rows["model_triangle"], *at["grid"].shape[1:], each["moving_slot"]
     lamps = each["lights"], *at["by_room"].shape[1:], each["by_instance"], each["glow"]

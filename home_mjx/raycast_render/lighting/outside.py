@@ -1,4 +1,4 @@
-"""What cameras see outdoors besides the plain sky: clouds, haze, and blades of grass. They light nothing."""
+"""Clouds, haze and blades of grass, as cameras see them outdoors; they light nothing."""
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float

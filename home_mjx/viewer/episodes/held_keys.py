@@ -18,7 +18,7 @@ MIN_TILT = 0.5  # of a stick, that counts as a key
 
 
 class HeldKeys:
-    """What one person holds: keys, presses since the last action, and sticks; methods may be called from any thread."""
+    """Keys, sticks and waiting presses of one person; methods may be called from any thread."""
 
     def __init__(self) -> None:
         self._held: dict[str, None] = {}

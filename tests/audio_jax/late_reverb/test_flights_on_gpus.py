@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from acoustic_rooms import coupled
+from compiled_kernels import nvrtc_ptx
 from emulated_gpu import EmulatedStream, emulate_kernels
 from soup import needs_gpu
 
@@ -22,7 +23,6 @@ from home_mjx.audio_jax.late_reverb.trace.house_rays import HouseRays
 from home_mjx.audio_jax.late_reverb.trace.tracer import FlightStart, FlightTracer, make_grid
 from home_mjx.audio_jax.propagation.paths import air_attenuation
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.native import nvrtc
 from home_mjx.errors import BackendError
 from home_mjx.houses.bakes import bake_entry
 from home_mjx.schema.compiled import BANDS
@@ -177,8 +177,4 @@ def test_on_a_gpu_flights_and_sight_lines_are_those_of_emulation(library, scene)
 
 
 def test_nvrtc_compiles_the_kernels():
-    try:
-        nvrtc.find_library()
-    except BackendError:
-        pytest.skip("there is no NVRTC here")
-    assert ".entry trace_segments" in nvrtc.compile_ptx(SOURCES, 90)
+    assert ".entry trace_segments" in nvrtc_ptx(SOURCES, 90)

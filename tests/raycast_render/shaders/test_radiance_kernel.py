@@ -8,11 +8,9 @@ from pathlib import Path
 import jax
 import numpy as np
 import pytest
-from compiled_kernels import shared_library
+from compiled_kernels import nvrtc_ptx, shared_library
 from lit_flat import VARIED, lit_bank, places, radiance
 
-from home_mjx.core.native import nvrtc
-from home_mjx.errors import BackendError
 from home_mjx.raycast_render import LitShader
 from home_mjx.raycast_render.light_kernel import cuda, light, surface
 from home_mjx.raycast_render.lighting import specular
@@ -25,18 +23,14 @@ ON = types.SimpleNamespace(KERNEL=types.SimpleNamespace(is_usable=lambda platfor
 SOURCE = "".join(path.read_text() for path in cuda.SOURCES)
 
 
-def operand_names():
-    """Names of the kernel's operands, in order."""
-    listed = re.search(r"#define LIGHT_OPERANDS(.*?)float \*light\b", SOURCE, re.S)[1].replace("\\\n", " ")
-    return re.findall(r"\*(\w+)", listed)
+LISTED = re.search(r"#define LIGHT_OPERANDS(.*?)float \*light\b", SOURCE, re.S)[1].replace("\\\n", " ")  # operands
 
 
 @pytest.fixture(scope="module")
 def library(tmp_path_factory):
     """The kernel as a function for the CPU."""
     text = SOURCE.replace("constexpr int BLOCK = 64;", "constexpr int BLOCK = 32;")
-    listed = re.search(r"#define LIGHT_OPERANDS(.*?)float \*light\b", SOURCE, re.S)[1].replace("\\\n", " ")
-    kinds = [part.strip().rsplit("*", 1)[0] for part in listed.split(",") if part.strip()]
+    kinds = [part.strip().rsplit("*", 1)[0] for part in LISTED.split(",") if part.strip()]
     kinds = [kind if kind.startswith("const") else "" for kind in kinds]
     for i, kind in enumerate(kinds):
         kinds[i] = kind or kinds[i - 1]
@@ -99,7 +93,7 @@ def test_operands_are_in_the_order_of_the_source():
     other |= {"corner": "grid_corner", "triangle_hit": "hit_triangle", "u": "hit_u", "v": "hit_v"}
     other |= {"triangle": "corner"}  # of cast.cu
     assert len(set(cuda.NAMES)) == len(cuda.NAMES)
-    assert operand_names() == [*(other.get(name, name) for name in cuda.NAMES), "size"]
+    assert re.findall(r"\*(\w+)", LISTED) == [*(other.get(name, name) for name in cuda.NAMES), "size"]
 
 
 def test_constants_are_those_of_the_other_executor():
@@ -124,10 +118,6 @@ def test_constants_are_those_of_the_other_executor():
 
 @pytest.mark.parametrize("capability", [80, 90, 120])
 def test_nvrtc_compiles_it(tmp_path, monkeypatch, capability):
-    try:
-        nvrtc.find_library()
-    except BackendError:
-        pytest.skip("NVRTC is not installed")
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path))
-    ptx = nvrtc.compile_ptx(cuda.SOURCES, capability, {"WITHOUT_CASTS": 1})
+    ptx = nvrtc_ptx(cuda.SOURCES, capability, {"WITHOUT_CASTS": 1})
     assert ".entry shade_paths" in ptx
