@@ -150,14 +150,14 @@ def _cut(bank: HouseBank, layer: int, bsdf: dict) -> dict:
 
 
 def _mesh(soup: Soup, bsdf: dict) -> mi.Mesh:
-    """Return a mesh of triangles with one surface."""
+    """Return a mesh of triangles with one surface; v is mirrored, since bitmaps begin at the top and v at the bottom."""
     number, props = len(soup.row), mi.Properties()
     props["mesh_bsdf"] = mi.load_dict(bsdf)
     mesh = mi.Mesh("m", 3 * number, number, has_vertex_normals=True, has_vertex_texcoords=True, props=props)
     params = mi.traverse(mesh)
     params["vertex_positions"] = soup.triangle.astype(np.float32).ravel()
     params["vertex_normals"] = soup.normal.astype(np.float32).ravel()
-    params["vertex_texcoords"] = soup.uv.astype(np.float32).ravel()
+    params["vertex_texcoords"] = (np.array([0, 1]) + np.array([1, -1]) * soup.uv).astype(np.float32).ravel()
     params["faces"] = np.arange(3 * number, dtype=np.uint32)
     params.update()
     return mesh
