@@ -150,7 +150,7 @@ def _cut(bank: HouseBank, layer: int, bsdf: dict) -> dict:
 
 
 def _mesh(soup: Soup, bsdf: dict) -> mi.Mesh:
-    """Return a mesh of triangles with one surface; v is mirrored, since bitmaps begin at the top and v at the bottom."""
+    """Return a mesh of triangles with one surface; v is mirrored: bitmaps begin at the top, v at the bottom."""
     number, props = len(soup.row), mi.Properties()
     props["mesh_bsdf"] = mi.load_dict(bsdf)
     mesh = mi.Mesh("m", 3 * number, number, has_vertex_normals=True, has_vertex_texcoords=True, props=props)

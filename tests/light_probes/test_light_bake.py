@@ -12,7 +12,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records.lights import NUM_GROUPS, OTHER_LAMPS, OWN_LAMPS, SUNS
 from home_mjx.core.color import encode_srgb
 from home_mjx.light_probes import ProbeOptions, solve
-from home_mjx.light_probes.field import stack_fields
+from home_mjx.light_probes.field import pack_colors, stack_fields
 from home_mjx.raycast_render.lighting.probes import Daylight, mix_groups, probe_irradiance, unpack_colors
 from home_mjx.raycast_render.scene.vec import Vec
 
@@ -117,3 +117,18 @@ def test_records_have_equal_bits_for_any_number_of_threads(monkeypatch):
         assert getattr(first, field.name).tobytes() == getattr(second, field.name).tobytes(), field.name
     assert first.light.shape[1:] == (NUM_GROUPS, 6)
     assert (unpacked(first)[:, SUNS:] == 0).all()
+
+
+def test_probes_below_a_surface_do_not_darken_it():
+    """Where the lower half of a room is dark, what faces up between both is bright, and what faces down dark."""
+    house = grey(shoebox((4.0, 3.0, 2.5)), 0.5, {"pos": (0.3, 0.2, 1.2)})
+    record = bake(house)
+    low, step, count = record.origin[0, 2], record.step[0, 2], record.count[0, 2]
+    layer = np.arange(len(record.light)) % count
+    bright = np.zeros((len(layer), NUM_GROUPS, 6, 3))
+    bright[layer > 1, OWN_LAMPS] = 1.0
+    halved = replace(record, light=pack_colors(bright))
+    pos = np.tile([0.2, 0.3, low + 1.5 * step], (2, 1))
+    up, down = received(house, halved, pos, np.array([[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]))[:, 0]
+    assert up > 0.95
+    assert down < 0.05

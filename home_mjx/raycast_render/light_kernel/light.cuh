@@ -1,6 +1,7 @@
 // Light at surfaces: baked texels and probes, and rays to lamps and the sun; counterpart of light.py.
 
 constexpr float PROBE_OFFSET = 0.05f, VIEW_OFFSET = 0.25f, FACADE_GAP = 0.15f, DEPTH = 0.3f;
+constexpr float MIN_FACING = 0.02f, FACING_RISE = 5.0f;
 constexpr float BIAS = 5e-4f, RAY_END = 0.05f, NEAREST = 0.6f, LEAST_SQUARE = 1e-4f, OWN_SHARE = 0.7f;
 constexpr float LEAST_COSINE = 1e-6f, GRAZING = 1e-3f, LEAST_SPECULAR = 0.02f;
 constexpr float PI = 3.14159265f, INVERSE_PI = 0.318309886f, ZENITH_UP = 2.51327412f, ZENITH_LEVEL = 0.9585f;
@@ -128,15 +129,20 @@ INLINE float3 probe_light(const Bake& bake, const float* sky, const Point& point
   int i = split(place.x / step.x, nx, u), j = split(place.y / step.y, ny, v), k = split(place.z / step.z, nz, w);
   int cell = first + (i * ny + j) * nz + k;
   int fx = n.x < 0 ? 1 : 0, fy = n.y < 0 ? 3 : 2, fz = n.z < 0 ? 5 : 4;
+  float3 rise = make_float3(n.x * step.x, n.y * step.y, n.z * step.z);
+  float low = PROBE_OFFSET - (rise.x * u + rise.y * v + rise.z * w), total = 0;  // of the first probe above the plane
   for (int corner = 0; corner < 8; ++corner) {
     int a = corner & 1, b = corner >> 1 & 1, d = corner >> 2;
-    float weight = (a ? u : 1 - u) * (b ? v : 1 - v) * (d ? w : 1 - w);
+    float above = low + (a ? rise.x : 0) + (b ? rise.y : 0) + (d ? rise.z : 0);
+    float weight = fminf(fmaxf(0.5f + above * FACING_RISE, MIN_FACING), 1.0f);
+    weight *= (a ? u : 1 - u) * (b ? v : 1 - v) * (d ? w : 1 - w);
+    total += weight;
     int row = 6 * clip(cell + (a * ny + b) * nz + d, bake.probes);
     light = light + color_at(bake.probe, bake.probe_bits, bake.packed, row + fx) * (weight * n.x * n.x);
     light = light + color_at(bake.probe, bake.probe_bits, bake.packed, row + fy) * (weight * n.y * n.y);
     light = light + color_at(bake.probe, bake.probe_bits, bake.packed, row + fz) * (weight * n.z * n.z);
   }
-  return light;
+  return light * (1 / total);
 }
 
 // Returns the sky's radiance [W/m^2/sr] along a direction; below horizontal, the bare ground's

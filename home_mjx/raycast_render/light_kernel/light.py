@@ -14,6 +14,7 @@ from home_mjx.schema.compiled import ARCHITECTURE, MAX_DEPTH_BELOW_FLOOR
 PROBE_OFFSET, VIEW_OFFSET, FACADE_GAP = (
     np.float32(x) for x in (probes.PROBE_OFFSET, probes.VIEW_OFFSET, probes.FACADE_GAP)
 )
+MIN_FACING, FACING_RISE = np.float32(probes.MIN_FACING), np.float32(0.5 / probes.FACING_DEPTH)
 DEPTH = np.float32(MAX_DEPTH_BELOW_FLOOR)
 BIAS, RAY_END, NEAREST = (np.float32(x) for x in (lights.SHADOW_BIAS, lights.SHADOW_RAY_END, lights.MIN_LIGHT_DISTANCE))
 PI, INVERSE_PI = np.float32(math.pi), np.float32(1 / math.pi)
@@ -189,17 +190,22 @@ def probe_light(bake, sky, point, room):
     cell = bake.first_probe + np.int64(bake.first[room]) + (i * ny + j) * nz + k
     fx, fy, fz = (1 if point.sx < ZERO else 0), (3 if point.sy < ZERO else 2), (5 if point.sz < ZERO else 4)
     xx, yy, zz = point.sx * point.sx, point.sy * point.sy, point.sz * point.sz
-    red = green = blue = ZERO
+    rx, ry, rz = point.sx * s[3 * room], point.sy * s[3 * room + 1], point.sz * s[3 * room + 2]
+    low = PROBE_OFFSET - (rx * u + ry * v + rz * w)
+    red = green = blue = total = ZERO
     for corner in range(8):
         a, b, d = corner & 1, corner >> 1 & 1, corner >> 2
-        weight = (u if a else ONE - u) * (v if b else ONE - v) * (w if d else ONE - w)
+        above = low + (rx if a else ZERO) + (ry if b else ZERO) + (rz if d else ZERO)
+        weight = min(max(HALF + above * FACING_RISE, MIN_FACING), ONE)
+        weight *= (u if a else ONE - u) * (v if b else ONE - v) * (w if d else ONE - w)
+        total += weight
         row = 6 * (cell + a * ny * nz + b * nz + d)
         for face, square in ((fx, xx), (fy, yy), (fz, zz)):
             part = weight * square
             red += _color(bake.probe, bake.probe_bits, bake.packed, row + face, 0) * part
             green += _color(bake.probe, bake.probe_bits, bake.packed, row + face, 1) * part
             blue += _color(bake.probe, bake.probe_bits, bake.packed, row + face, 2) * part
-    return red, green, blue
+    return red / total, green / total, blue / total
 
 
 @compiled

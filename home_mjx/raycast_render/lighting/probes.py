@@ -25,6 +25,7 @@ from home_mjx.raycast_render.scene.vec import Vec, take, take_vec
 from home_mjx.schema.compiled import MAX_DEPTH_BELOW_FLOOR
 
 PROBE_OFFSET = 0.05  # [m], distance above a surface at which probes are interpolated
+FACING_DEPTH, MIN_FACING = 0.1, 0.02  # [m], from a surface's plane at which probes count fully or least; least weight
 VIEW_OFFSET = 0.25  # [m], distance towards the viewer at which surfaces without a room look for one, as in doorways
 FACADE_GAP = 0.15  # [m], distance from the probes of a room beyond which a wall that faces away is outdoors
 MAX_COLOR = 65408.0  # the largest number of packed colours
@@ -205,24 +206,32 @@ def probe_irradiance(
     low = place.map(lambda x, n: jnp.minimum(x.astype(jnp.int32), n - 2), count)
     share = place.map(lambda x, i: x - i.astype(jnp.float32), low)
     cell = mixed.start + jnp.maximum(first, 0) + (low.x * count.y + low.y) * count.z + low.z
-    found = _interpolate(mixed.light, cell, count, share, normal)
+    step = take_vec(probes.step.reshape(-1, 3), row)
+    found = _interpolate(mixed.light, cell, count, share, step, normal)
     return found * jnp.where((room >= 0) & (first >= 0), 1.0, 0.0)
 
 
-def _interpolate(light: Array, cell: Int[Array, "*rays"], count: Vec, share: Vec, normal: Vec) -> Vec:
-    """Return the irradiance between the eight probes from `cell` on: that of three faces by squares of the normal."""
+def _interpolate(light: Array, cell: Int[Array, "*rays"], count: Vec, share: Vec, step: Vec, normal: Vec) -> Vec:
+    """Return the irradiance between the eight probes from `cell` on: that of three faces by squares of the normal.
+
+    Probes behind the surface, such as those inside of it or below a table, have the least weight.
+    """
     rows = light.reshape(-1) if light.ndim == 2 else light.reshape(-1, 3)
     faces = [(axis, n * n, jnp.where(n < 0, 2 * axis + 1, 2 * axis)) for axis, n in enumerate(_parts(normal))]
-    found = Vec(0.0, 0.0, 0.0)
+    rise = Vec(*(n * x for n, x in zip(_parts(normal), _parts(step), strict=True)))  # of the plane's distance by step
+    low = PROBE_OFFSET - rise.dot(share)  # distance of the first probe from the plane
+    found, total = Vec(0.0, 0.0, 0.0), 0.0
     for corner in range(8):
         x, y, z = corner & 1, corner >> 1 & 1, corner >> 2
-        weight = 1.0
+        above = low + x * rise.x + y * rise.y + z * rise.z
+        weight = jnp.clip(0.5 + above * (0.5 / FACING_DEPTH), MIN_FACING, 1.0)
         for one, part in ((x, share.x), (y, share.y), (z, share.z)):
             weight = weight * (part if one else 1.0 - part)
+        total = total + weight
         row = 6 * (cell + x * count.y * count.z + y * count.z + z)
         for _, square, face in faces:
             found = found + take_colors(rows, row + face) * (weight * square)
-    return found
+    return found * (1.0 / total)
 
 
 def open_irradiance(day: Daylight, zenith: Vec, ground: Vec, normal: Vec) -> Vec:

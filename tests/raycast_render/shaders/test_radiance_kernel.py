@@ -102,6 +102,8 @@ def test_constants_are_those_of_the_other_executor():
         assert float(told[name]) == pytest.approx(float(getattr(light, name))), name
     for name in ("OWN_SHARE", "LEAST_COSINE", "GRAZING", "ZENITH_UP", "ZENITH_LEVEL", "INVERSE_PI", "PI"):
         assert float(told[name]) == pytest.approx(float(getattr(light, name))), name
+    for name in ("MIN_FACING", "FACING_RISE"):
+        assert float(told[name]) == pytest.approx(float(getattr(light, name))), name
     columns = "POS", "INTENSITY", "POWER", "EXPONENT", "CUTOFF", "AREA", "LIGHT_COLUMNS", "CARRIER", "OBJECT"
     sky = "SKY_ZENITH", "SKY_HORIZON", "SKY_GROUND", "AMBIENT", "SUN_AIM", "SUN_COLOR", "CELL", "ARCHITECTURE"
     for name in (*columns, "LIGHT_IDS", *sky):
