@@ -7,6 +7,7 @@ houses of its own. Specs are prefixes of pytrees, so this module does not depend
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, TypeVar
 
 import jax
@@ -67,7 +68,12 @@ class EnvSharding:
         return jax.tree.map(lambda spec: NamedSharding(self.mesh, spec), specs, is_leaf=_is_spec)
 
     def put(self, tree: T, specs: Any) -> T:
-        """Put arrays on the devices; `specs` is a prefix of their pytree."""
+        """Put arrays on the devices; `specs` is a prefix of their pytree.
+
+        With several processes each has the whole arrays, equal in all, and puts its parts on its own devices.
+        """
+        if self.mesh.is_multi_process and not any(map(_is_traced, jax.tree.leaves(tree))):
+            return jax.tree.map(lambda part, x: jax.tree.map(partial(_put_parts, part), x), self.named(specs), tree)
         return jax.device_put(tree, self.named(specs))
 
     def with_shardings(self, shapes: T, specs: Any) -> T:
@@ -169,6 +175,22 @@ class EnvSharding:
         if num_envs % self.num_devices:
             message = f"`num_envs` must be a multiple of the {self.num_devices} devices, got {num_envs}"
             raise ConfigError(message, hint="Or use fewer devices, such as jax.devices()[:1].")
+
+
+def _is_traced(leaf: Any) -> bool:
+    """Return whether an array has no values yet, because its function is being traced."""
+    return isinstance(leaf, jax.core.Tracer)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def _put_parts(sharding: NamedSharding, x: Any) -> Array:
+    """Return an array over the devices of several processes; each process passes the whole, and nothing is sent.
+
+    Arrays that are over these devices already stay.
+    """
+    if isinstance(x, jax.Array) and not x.is_fully_addressable:
+        return jax.device_put(x, sharding)
+    whole = np.asarray(x)
+    return jax.make_array_from_callback(whole.shape, sharding, lambda index: whole[index])
 
 
 def _is_spec(node: Any) -> bool:

@@ -25,6 +25,7 @@ MAX_EXPORTS = 40  # names of a facade
 # From below: a part imports only from rows before its own, and from its own package.
 ROWS = (
     ("errors",),
+    ("hosts",),
     ("sharding",),
     ("core",),
     ("schema",),

@@ -11,6 +11,7 @@ import numpy as np
 from home_mjx.core.files import as_path, read_arrays, write_durably
 from home_mjx.core.jsonable import TUPLE, from_json, to_json
 from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.hosts import collect, is_leader
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.training.config import RunConfig
 from home_mjx.training.ppo import PPO
@@ -30,27 +31,33 @@ CHECKPOINT_HINT = "Pass the folder of a `home-mjx train` run, its checkpoint.npz
 def save_checkpoint(path: str | Path, state: Any, config: RunConfig) -> None:
     """Write a `TrainState` to a temporary file and rename it, so that a killed process leaves the old checkpoint.
 
+    Of several processes every one calls it, and the leader writes the file.
+
     Args:
         path: The file, an `.npz` of one array per leaf.
-        state: The state, of one host and any number of devices.
+        state: The state, of any number of hosts and devices.
         config: Configuration of the run, stored in the file.
 
     Raises:
         ConfigError: The file cannot be written, or the configuration does not consist of numbers, text and dataclasses.
     """
-    _save(as_path(path, "a checkpoint"), _arrays_by_path(state), config)
+    whole = collect(state)
+    if is_leader():
+        _save(as_path(path, "a checkpoint"), _arrays_by_path(whole), config)
 
 
 def save_net(path: str | Path, net: Any, config: RunConfig) -> None:
     """Write the parameters `net` alone, as compressed float16, for `load_net` and `read_config`.
 
-    The file has less than a tenth of a checkpoint's size.
+    The file has less than a tenth of a checkpoint's size. Of several processes the leader writes it.
 
     Numbers beyond the range of float16 become inf, which `load_net` refuses.
 
     Raises:
         ConfigError: As in `save_checkpoint`.
     """
+    if not is_leader():
+        return
     half = jax.tree.map(lambda x: np.asarray(x).astype(np.float16), net)
     arrays = {NET_PREFIX + name: x for name, x in _arrays_by_path(half).items()}
     _save(as_path(path, "a checkpoint"), arrays, config, is_compressed=True)

@@ -8,6 +8,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, UInt32
 
 from home_mjx.core.compile_cache import compiler_options
+from home_mjx.hosts import local_part
 from home_mjx.tasks.base.state import EnvParams
 from home_mjx.tasks.env.autoreset import AutoReset
 from home_mjx.tasks.env.env import Env
@@ -45,7 +46,7 @@ class HeldOutRollout:
         seed: int = 0,
     ) -> None:
         self._batch, self._make_policy, self._num_steps = AutoReset(env.core, final_obs="none"), make_policy, num_steps
-        self._device = jax.devices()[0]
+        self._device = jax.local_devices()[0]
         self._params: EnvParams = jax.device_put(env.params, self._device)
         keys = jax.random.key_data(jax.random.split(jax.random.key(seed), 2 * num_envs))
         options = compiler_options()
@@ -60,7 +61,7 @@ class HeldOutRollout:
 
     def advance(self, net: Any) -> None:
         """Take steps with parameters `net`; returns before they are computed."""
-        self._actor, metrics = self._run(self._params, jax.device_put(net, self._device), self._actor)
+        self._actor, metrics = self._run(self._params, jax.device_put(local_part(net), self._device), self._actor)
         self._pending.append(metrics)
 
     def means(self) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jax.stages import Compiled
 
 from home_mjx.core.compile_cache import compiler_options
@@ -17,10 +18,13 @@ from home_mjx.core.progress import ProgressPhase, show_compile, silence
 from home_mjx.core.workers import usable_cores, worker_threads
 from home_mjx.env_factory import make, make_core
 from home_mjx.errors import ConfigError, DatasetError
+from home_mjx.hosts import agree, check_same, is_leader, local_part
 from home_mjx.registry import EnvSpec
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart, resolve_observers
+from home_mjx.tasks.language.instruction_kinds import failures_by_kind
+from home_mjx.tasks.rules.task_bank import TaskBank
 from home_mjx.training.checkpoint import (
     AGENT_FILE,
     CHECKPOINT_FILE,
@@ -50,11 +54,13 @@ MIN_LINES_PER_STAGE = 200  # minimum number of metrics lines per stage; shorter 
 MIN_CHECKPOINT_INTERVAL = 20.0  # [s] minimum time between checkpoints
 MAX_VALIDATION_ENVS = 128  # maximum number of environments in held-out houses during training
 DEFAULT_EPISODES = 1000  # default number of episodes of an evaluation
+SHARED_HINT = "Pass a folder with --out that all hosts share."
 
 
 def train(
     config: RunConfig, out: Path, resume: bool = False, progress: bool | None = None,
     device_lock: AbstractContextManager[Any] | None = None, observers: Iterable[Observer | str] = (),
+    devices: Sequence[Any] | None = None,
 ) -> PPO:  # fmt: skip
     """Train and write the results to a folder.
 
@@ -63,14 +69,18 @@ def train(
     same for TensorBoard. `agent.npz` is the network alone at the end of the run; `cloned.npz` is the network after
     cloning.
 
+    With several processes, see `hosts.connect`, every one calls it with the same arguments. The leader alone writes
+    files, tells observers and reads the clock.
+
     Args:
         config: Options.
-        out: The folder, which exists.
+        out: The folder, which exists; with several processes all hosts share it.
         resume: Continue from the folder's checkpoint if there is one; the result equals that of an uninterrupted run.
         progress: Show what happens; None: by the rule of `home_mjx.core.progress`.
         device_lock: Context entered after compilation and left at the end, such as a lock of the device, so that
             measured training time excludes other processes that compile.
         observers: Further observers of the run, or their names.
+        devices: Devices to train on; all of JAX's by default, of all hosts.
 
     Returns:
         The trainer; its parameters are in the checkpoint.
@@ -83,13 +93,13 @@ def train(
         UnknownNameError: A name in `observers` is unknown.
     """
     path, size = out / CHECKPOINT_FILE, config.ppo.batch_size
-    done = _updates_done(path, config, resume)
-    log, more = MetricsLog(out, done * size), resolve_observers(observers)
-    own = log, TensorBoardLog(out / "tensorboard", done * size), CurvesPlot(log), ProgressBar(progress), EarlyWarnings()
-    clock = RunClock(log.lines[-1] if log.lines else {})
+    devices = list(devices or jax.devices())
+    done = _updates_done(path, config, resume, len(devices))
+    own, clock = _own_observers(out, done * size, progress)
+    more = resolve_observers(observers) if is_leader() else ()
     env = make_env(config.env, progress)
     with show_compile("the training update", progress):
-        stages = _compile_stages(config, env, done, path)
+        stages = _compile_stages(config, env, done, path, devices)
         held_out = _make_held_out(config, stages[-1], progress)
     with ObserverGroup((*own, *more)) as group, device_lock or nullcontext():
         group.on_run_start(RunStart(config.algorithm, env, "steps", stages[-1].last * size, done * size))
@@ -103,7 +113,19 @@ def train(
     return stages[-1].ppo
 
 
-def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
+def _own_observers(out: Path, steps: int, progress: bool | None) -> tuple[tuple[Observer, ...], RunClock]:
+    """Return the observers of every run, which write to a folder, and its clock; a process beside the leader has none.
+
+    Metrics of the folder after `steps` environment steps are dropped.
+    """
+    if not is_leader():
+        return (), RunClock({})
+    log = MetricsLog(out, steps)
+    others = TensorBoardLog(out / "tensorboard", steps), CurvesPlot(log), ProgressBar(progress), EarlyWarnings()
+    return (log, *others), RunClock(log.lines[-1] if log.lines else {})
+
+
+def _updates_done(path: Path, config: RunConfig, resume: bool, num_devices: int) -> int:
     """Return the number of updates in the run's checkpoint, 0 if there is none; validate before houses are compiled.
 
     Raises:
@@ -111,11 +133,13 @@ def _updates_done(path: Path, config: RunConfig, resume: bool) -> int:
             `PPOConfig.check_devices`, even without a checkpoint.
         DatasetError: The checkpoint is broken, or has more updates than the run; or there is none, and `config.start`
             is missing or broken.
+        ConfigError: Only some of several processes find the checkpoint.
     """
     core = make_core(config.env)
     for _, options in config.stages:
         if core is not None:
-            options.check_devices(len(jax.devices()), core.num_agents)
+            options.check_devices(num_devices, core.num_agents)
+    check_same(path.exists(), "files in the run's folder (1: a checkpoint, 0: none)", SHARED_HINT)
     if not path.exists():
         if config.start is not None:
             read_config(config.start)
@@ -154,7 +178,9 @@ class _Stage:
     state: Any = None
 
 
-def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: Path) -> list[_Stage]:
+def _compile_stages(
+    config: RunConfig, env: Env[HouseholdEnv], done: int, path: Path, devices: Sequence[Any]
+) -> list[_Stage]:
     """Compile in parallel, and return in order, the stages not complete after `done` updates; at least the last.
 
     `path` is the run's checkpoint file.
@@ -165,7 +191,7 @@ def _compile_stages(config: RunConfig, env: Env[HouseholdEnv], done: int, path: 
             first, last = last, last + options.num_updates
             if done >= last and number < len(config.stages) - 1:
                 continue
-            ppo = LEARNERS[algorithm](env.core, options)
+            ppo = LEARNERS[algorithm](env.core, options, devices)
             ppo.first_update = first
             params = ppo.sharding.put_params(env.params)
             reset, update = (pool.submit(program.compile, compiler_options()) for program in ppo.lower(params))
@@ -222,7 +248,7 @@ class _Run:
         per_line = max(1, num // MIN_LINES_PER_STAGE)
         saved = -MIN_CHECKPOINT_INTERVAL
         state = stage.state if net is None else stage.ppo.to_devices(stage.state.replace(net=net))
-        over = bool(state.updates) and self.is_over()  # a run makes at least one update
+        over = self.decide(saved)[0] and bool(state.updates)  # a run makes at least one update
         for i in range(int(state.updates) + 1, stage.last + 1):
             if over:
                 break
@@ -231,14 +257,14 @@ class _Run:
                 self.held_out.advance(state.net)
             sums.add(metrics)
             self.observers.on_update(size)
-            self.observers.on_states(state.actor.env)
-            over = self.is_over()
+            self.observers.on_states(local_part(state.actor.env))
+            over, is_due = self.decide(saved)
             ends = i == stage.last or over
             if (i - stage.first) % per_line == 0 or ends:
                 # Written before the checkpoint, because a resumed run drops the lines after it.
                 others = {} if self.held_out is None else self.held_out.means()
                 self.observers.on_log({"steps": i * size, **self.clock.lap(i * size), **sums.means(), **others})
-            if ends or self.clock.elapsed() >= saved + MIN_CHECKPOINT_INTERVAL:
+            if ends or is_due:
                 if not is_finite(state.net):
                     hint = f"{DIVERGED_HINT} The last checkpoint, if there is one, is from before it diverged."
                     message = f"after {i * size} steps the network has numbers that are not finite"
@@ -248,9 +274,16 @@ class _Run:
                 saved = self.clock.elapsed()
         return state.net
 
-    def is_over(self) -> bool:
-        """Return whether the time limit `max_seconds` is reached; False without one."""
-        return self.config.max_seconds is not None and self.clock.elapsed() >= self.config.max_seconds
+    def decide(self, saved: float) -> tuple[bool, bool]:
+        """Return whether the time limit `max_seconds` is reached, and whether a checkpoint is due.
+
+        The leader's clock counts. `saved` is when the last checkpoint was written [s]. Without a limit the first is
+        False.
+        """
+        now, limit = self.clock.elapsed(), self.config.max_seconds
+        over, is_due = limit is not None and now >= limit, now >= saved + MIN_CHECKPOINT_INTERVAL
+        told = agree(np.array([over, is_due], np.int32))
+        return bool(told[0]), bool(told[1])
 
 
 def evaluate_checkpoint(
@@ -274,7 +307,8 @@ def evaluate_checkpoint(
         options: Options of the environment that differ from those of training, such as held-out sounds.
 
     Returns:
-        `trained` and `random`, each a `summarize`, and the settings of the evaluation.
+        `trained` and `random`, each a `summarize`, and the settings of the evaluation. With instructions also `kinds`,
+        see `failures_by_kind`.
 
     Raises:
         ConfigError: As in `load_policy`, `evaluate` and `home_mjx.make`.
@@ -302,7 +336,15 @@ def evaluate_checkpoint(
         "actions": "greedy" if greedy else "sampled",
         "seconds": time.perf_counter() - begun,
         "device": jax.devices()[0].device_kind,
+        **_kinds(env, trained),
     }
+
+
+def _kinds(env: Env[HouseholdEnv], results: Mapping[str, np.ndarray]) -> dict[str, Any]:
+    """Return `kinds`, the ends of episodes by kind of instruction; nothing for tasks without instructions."""
+    tasks = env.params.tasks
+    tokens = tasks.rows.columns["tokens"] if isinstance(tasks, TaskBank) else np.zeros((0, 0))
+    return {"kinds": failures_by_kind(results, np.asarray(tokens))} if np.any(tokens) else {}
 
 
 def make_env(spec: EnvSpec, progress: bool | None = None) -> Env[HouseholdEnv]:

@@ -16,7 +16,7 @@ from home_mjx.cli.learning.arguments import (
     parse_checkpoint_path,
 )
 from home_mjx.cli.learning.recipes import Recipe, find_run, plain_value, selected_recipes
-from home_mjx.cli.learning.results import format_evaluation, format_results, format_untrained
+from home_mjx.cli.learning.results import format_evaluation, format_kinds, format_results, format_untrained
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_dataset, parse_path, parse_seed, positive_int_type
 from home_mjx.core.jsonable import parse_assignments
@@ -29,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add `CHECKPOINT`, a path, `demo` or None, `--recipe`, a text or None, and the options of `home-mjx evaluate`.
 
     `--episodes` and `--houses` are from 1 or None, and `--films` from 1; 0 by default. `--split` is `train`,
-    `val` (default) or `test`. `--seed` is from 0 to 2**32 - 1 (0). `--greedy` and `--json` are flags.
+    `val` (default) or `test`. `--seed` is from 0 to 2**32 - 1 (0). `--greedy`, `--by-kind` and `--json` are flags.
 
     `--out` is the path of a folder or None. `--episode-file` and `--import` are as in `learning.arguments`. `--dataset`
     is a path or a text `scheme:...`, see `parse_dataset`; None: that of the run. The repeatable `--env` is a list of
@@ -68,14 +68,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="an option of home_mjx.make that differs from training, such as clip_split=held_out",
     )  # fmt: skip
     add_import_option(parser)
+    parser.add_argument("--by-kind", action="store_true", help="list how episodes end by kind of instruction")
     parser.add_argument("--json", action="store_true", help="print one JSON object")
 
 
 def run(args: argparse.Namespace) -> int:
     """Evaluate a checkpoint, film episodes with `--films`, print the metrics, and return 0.
 
-    They are the table of `format_evaluation`, or one line of JSON with `--json`. Films go to `films` in `--out`, else
-    beside the checkpoint, or in the current folder for `demo`.
+    They are the table of `format_evaluation`, with `--by-kind` that of `format_kinds` too, or one line of JSON with
+    `--json`. Films go to `films` in `--out`, else beside the checkpoint, or in the current folder for `demo`.
     """
     import_modules(args.modules)
     if args.recipe is not None:
@@ -97,7 +98,8 @@ def run(args: argparse.Namespace) -> int:
         from home_mjx.viewer.episodes import film_checkpoint
 
         film_checkpoint(path, out, args.films, args.split, houses, args.seed, args.greedy, **where)
-    sys.stdout.write(json.dumps(report) + "\n" if args.json else format_evaluation(report))
+    shown = format_evaluation(report) + (format_kinds(report) if args.by_kind else "")
+    sys.stdout.write(json.dumps(report) + "\n" if args.json else shown)
     return 0
 
 

@@ -162,12 +162,13 @@ def recipe_name(argv: list[str]) -> str | None:
 def changed_options(args: argparse.Namespace, recipe: Recipe, add_arguments: Callable[[Any], None]) -> Iterator[str]:
     """Yield a line for each option of `args` that differs from its value in the recipe.
 
-    `add_arguments` adds the arguments to a parser. `out`, `resume`, `modules` and `observers` are not compared.
+    `add_arguments` adds the arguments to a parser. `out`, `resume`, `modules`, `observers` and those
+    of several processes are not compared.
     """
     parser = Parser()
     add_arguments(parser)
     own = vars(parser.parse_args([*recipe.argv, "--recipe", recipe.name]))
-    skipped = ("out", "resume", "modules", "observers", "recipe", "env", "ppo")
+    skipped = ("out", "resume", "modules", "observers", "recipe", "env", "ppo", "coordinator", "processes", "process")
     pairs = {name: (own[name], value) for name, value in vars(args).items() if name not in skipped}
     for table in ("env", "ppo"):
         before, after = parse_assignments(own[table]), parse_assignments(getattr(args, table))

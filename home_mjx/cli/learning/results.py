@@ -39,6 +39,21 @@ def format_evaluation(report: dict[str, Any]) -> str:
     return "\n".join(rows) + "\n"
 
 
+def format_kinds(report: Mapping[str, Any]) -> str:
+    """Format `kinds` of a report, see `failures_by_kind`, as a table; empty without instructions.
+
+    Example:
+        >>> figures = {"episodes": 9.0, "success": 0.5, "wrong": 0.25, "late": 0.25, "begun": 0.125}
+        >>> print(format_kinds({"kinds": {"a colour": figures}}).splitlines()[1].split())
+        ['a', 'colour', '9', '0.500', '0.250', '0.250', '0.125']
+    """
+    names = ("success", "wrong", "late", "begun")
+    rows = [f"{'instructions with':<24}{'episodes':>10}" + "".join(f"{name:>10}" for name in names)]
+    for kind, figures in report.get("kinds", {}).items():
+        rows.append(f"{kind:<24}{figures['episodes']:>10.0f}" + "".join(f"{figures[name]:>10.3f}" for name in names))
+    return "\n".join(rows) + "\n" if len(rows) > 1 else ""
+
+
 def format_results(recipe: Recipe, results: Mapping[str, Mapping[str, Any]]) -> str:
     """Format success and SPL of each evaluation of a recipe, the expected success and that of random actions."""
     rows = [f"{recipe.name:<24}{COLUMNS}"]

@@ -4,7 +4,7 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.learning.arguments import (
@@ -25,6 +25,7 @@ from home_mjx.cli.learning.results import format_card, format_evaluation
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type, whole_number_type
 from home_mjx.core.jsonable import parse_assignments
+from home_mjx.errors import ConfigError
 
 if TYPE_CHECKING:
     from home_mjx.registry import EnvSpec
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
 MAX_STEPS = 10**15
 MAX_HOUSES = 10_000  # maximum number of houses that are played during training
+MAX_PROCESS = 99_999  # maximum index of a process
 TRAINED_SENSORS = ("state", "goal")
 
 
@@ -95,12 +97,40 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--validate", type=whole_number_type(MAX_HOUSES), default=0, metavar="N",
         help="play in N held-out houses during training: metrics held_out/... (default: none)",
     )  # fmt: skip
+    _add_device_options(parser)
     add_dataset_option(parser)
     add_import_option(parser)
     add_viewer_option(parser)
     add_observe_option(parser, "one of your own")
     for name, what in (("--env", "of home_mjx.make"), ("--ppo", "of PPOConfig")):
         parser.add_argument(name, action="append", default=[], metavar="NAME=VALUE", help=f"an option {what}")
+
+
+def _add_device_options(parser: argparse.ArgumentParser) -> None:
+    """Add `--devices`, a number or None for all, and for several hosts `--coordinator`, `--processes` and `--process`.
+
+    The last three are None by default, too.
+    """
+    parser.add_argument(
+        "--devices", type=parse_devices, metavar="N",
+        help="number of devices to train on, or all, of all hosts (default: all)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--coordinator", metavar="HOST:PORT",
+        help="address of the first of several processes, one per host or device; auto: by the variables of SLURM",
+    )  # fmt: skip
+    parser.add_argument("--processes", type=positive_int_type, metavar="N", help="number of processes")
+    parser.add_argument("--process", type=parse_process, metavar="I", help="index of this process")
+
+
+def parse_devices(text: str) -> int | None:
+    """Return the number of devices of a text; None for "all"."""
+    return None if text == "all" else positive_int_type(text)
+
+
+def parse_process(text: str) -> int:
+    """Parse an index from 0 to `MAX_PROCESS`; raise `ArgumentTypeError` for others."""
+    return 0 if text == "0" else whole_number_type(MAX_PROCESS)(text)
 
 
 def expand_arguments(argv: list[str]) -> list[str]:
@@ -113,10 +143,14 @@ def run(args: argparse.Namespace) -> int:
 
     The results are the table of `format_evaluation` and the path of `curves.png`. All files are in `--out`, by default
     `runs/TASK`. The numbers of evaluation episodes and houses are checked before training.
+
+    Several processes only train: devices of other hosts would wait for the evaluation. The leader prints its command.
     """
     import_modules(args.modules)
+    connect_processes(args)
     config = run_config(args)
     from home_mjx.core.files import write_durably
+    from home_mjx.hosts import is_leader, num_processes
     from home_mjx.training import evaluate_checkpoint, train
     from home_mjx.training.evaluation import check_episodes
 
@@ -129,7 +163,11 @@ def run(args: argparse.Namespace) -> int:
         ]
         sys.stdout.write("".join(lines))
     out = make_folder(args.out or (Path("runs") / config.env.id if recipe is None else find_run(recipe)))
-    train(config, out, args.resume, observers=[*args.observers, *job_viewers(args)])
+    devices = select_devices(args.devices)
+    train(config, out, args.resume, observers=[*args.observers, *job_viewers(args)], devices=devices)
+    if num_processes() > 1:
+        sys.stdout.write(f"Evaluate with: home-mjx evaluate {out}\n" if is_leader() else "")
+        return 0
     report = evaluate_checkpoint(find_checkpoint(out), num_houses=args.held_out, num_episodes=args.episodes)
     with write_durably(out / "evaluation.json", "evaluation") as file:
         file.write(json.dumps(report, indent=1).encode() + b"\n")
@@ -137,6 +175,41 @@ def run(args: argparse.Namespace) -> int:
         file.write(format_card(config, report).encode())
     sys.stdout.write(format_evaluation(report) + f"Look at {out / 'curves.png'}\n")
     return 0
+
+
+def connect_processes(args: argparse.Namespace) -> None:
+    """Connect this process with those of `--coordinator`; nothing without it.
+
+    Raises:
+        ConfigError: `--processes` or `--process` is given alone; or as in `hosts.connect`.
+    """
+    if args.coordinator is None:
+        if args.processes is not None or args.process is not None:
+            hint = "Add --coordinator HOST:PORT, the address of process 0."
+            raise ConfigError("--processes and --process need the address of a coordinator", hint=hint)
+        return
+    from home_mjx.hosts import connect
+
+    connect(args.coordinator, args.processes, args.process)
+
+
+def select_devices(num: int | None) -> list[Any]:
+    """Return the first `num` of JAX's devices, those of all hosts; None: all.
+
+    Raises:
+        ConfigError: There are fewer; or a process of several would have none.
+    """
+    import jax
+
+    found = jax.devices()
+    if num is None or num == len(found):
+        return found
+    if num > len(found):
+        raise ConfigError(f"expected at most {len(found)} devices, got {num}", element="devices")
+    if jax.process_count() > 1:
+        hint = "Leave --devices out, and start fewer processes."
+        raise ConfigError(f"several processes use all of their {len(found)} devices, not {num}", hint=hint)
+    return found[:num]
 
 
 def check_held_out(spec: "EnvSpec", num_houses: int) -> None:
