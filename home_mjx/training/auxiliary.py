@@ -26,7 +26,7 @@ def add_sensors(core: HouseholdEnv, names: Iterable[str]) -> HouseholdEnv:
         return core
     more = HouseholdEnv(core.config.replace(sensors=(*(core.config.sensors or ()), *missing)), core.task)
     more.progress = core.progress
-    return ExpertObservationEnv(more) if isinstance(core, ExpertObservationEnv) else more
+    return ExpertObservationEnv(more, core.teaches) if isinstance(core, ExpertObservationEnv) else more
 
 
 def source_loss(

@@ -45,9 +45,8 @@ class AdvisedPPO(PPO):
     def __init__(
         self, core: HouseholdEnv, config: PPOConfig | None = None, devices: Sequence[Any] | None = None
     ) -> None:
-        super().__init__(
-            core if isinstance(core, ExpertObservationEnv) else ExpertObservationEnv(core), config, devices
-        )
+        own = core if isinstance(core, ExpertObservationEnv) else ExpertObservationEnv(core, teaches=True)
+        super().__init__(own, config, devices)
 
     def current_loss(self, state: TrainState) -> LossFunction:
         """Return PPO's losses plus the cloning loss; its weight falls linearly to 0 at 70 % of its updates."""

@@ -33,6 +33,7 @@ class ExpertObservationEnv(HouseholdEnv):
 
     Args:
         core: The environment.
+        teaches: Actions are for imitation, see `expert_action`.
 
     Example:
         >>> core = ExpertObservationEnv(env.core)  # doctest: +SKIP
@@ -40,8 +41,8 @@ class ExpertObservationEnv(HouseholdEnv):
         >>> state = core.step(env.params, state, state.obs["expert"])  # doctest: +SKIP
     """
 
-    def __init__(self, core: HouseholdEnv) -> None:
-        task = core.task
+    def __init__(self, core: HouseholdEnv, teaches: bool = False) -> None:
+        task, self.teaches = core.task, teaches
         super().__init__(
             core.config, dataclasses.replace(task, store_features=True) if isinstance(task, RowTask) else task
         )
@@ -49,7 +50,7 @@ class ExpertObservationEnv(HouseholdEnv):
 
     def _extra_observations(self, state: State, snapshot: Snapshot) -> dict[str, Array]:
         """Return `expert`: actions of all agents, or of the acting ones if the task's state has its own expert."""
-        return {EXPERT: _expert_action(self.task, snapshot, state.task)}
+        return {EXPERT: _expert_action(self.task, snapshot, state.task, self.teaches)}
 
     def _observation_spec(self) -> Specs:
         """Return the specs of the environment and, as that of `expert`, the spec of actions."""
@@ -64,14 +65,14 @@ def add_expert(env: Env[HouseholdEnv]) -> Env[HouseholdEnv]:
     )
 
 
-def _expert_action(task: Task, snapshot: Snapshot, state: object) -> Array:
+def _expert_action(task: Task, snapshot: Snapshot, state: object, teaches: bool) -> Array:
     """Return the expert's action for every agent, by the kind of task; `ConfigError` if it has none."""
     if isinstance(task, PointNav) and isinstance(state, PointNavState):
         return _point_nav_action(task, snapshot, state)
     if not isinstance(state, RowState) and not hasattr(state, "expert"):
         hint = "There are experts for PointNav, and for tasks that are rows of a task bank."
         raise ConfigError(f"no expert is known for {type(task).__name__}", hint=hint)
-    return expert_action(snapshot, state)  # pyright: ignore[reportArgumentType]
+    return expert_action(snapshot, state, teaches)  # pyright: ignore[reportArgumentType]
 
 
 def _point_nav_action(task: PointNav, snapshot: Snapshot, state: PointNavState) -> Array:

@@ -37,6 +37,7 @@ DISTANCE_MARGIN = 0.1  # [m], by which agents with hands go closer than required
 CONTACT_DISTANCE_MARGIN = 0.05  # [m], the same in contact, where a carried object may keep the agent away
 MAX_RETREATS = 2  # rounds of `plan_retreat` after which objects are picked up from any position
 OPEN_PERIOD = 6  # [steps] between attempts to open a door; in between the agent moves clear or through
+MIN_TURN_STEPS = 1.5  # [steps], smallest turn that a teacher begins while it walks
 IDLE_TURN = 1.0  # [rad], turn of a waiting agent, because no action is idle
 MAX_DOOR_HEADING_ERROR = 0.1  # [rad], maximum heading error of an agent that opens a door
 MAX_WALK_HEADING_ERROR = 0.8  # [rad], heading error above which an agent turns before it walks
@@ -51,10 +52,18 @@ class HasExpert(Protocol):
         ...
 
 
-def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
+def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool = False) -> Array:
     """Return the expert's current action for every agent; `state` is a `RowState`, or has an expert of its own.
 
     Actions are in the environment's format with an agent axis, of the acting agents if `state` has its own expert.
+
+    Args:
+        snapshot: The environment.
+        state: State of the task.
+        teaches: Act with hands as an agent can that has no map. It picks objects up from where it first can aim at
+            them, even if it may collide with what it carries, instead of from a position of the row, which nobody sees.
+            Discrete looks become level before it walks, as continuous ones always do, so that it sees its way,
+            and it begins no turn below `MIN_TURN_STEPS` while it walks.
 
     Example:
         >>> action = expert_action(env.core.snapshot(env.params, state), state.task)  # doctest: +SKIP
@@ -85,7 +94,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.in_contact | (before > 0))  # by its carried object
     way = jnp.where(stuck, where, way)
     # Rows lead to positions from which objects can be carried away: pick up there, even if reachable before.
-    settles = grip.place | toggles | dropped | snapshot.in_contact | (before >= MAX_RETREATS)
+    settles = grip.place | toggles | dropped | snapshot.in_contact | (before >= MAX_RETREATS) | jnp.bool_(teaches)
     stands = works & (there | (grip.can_aim & settles)) & ~goes
     error, tilt, near = plan_view(snapshot, state, looked.replace(values=farther), way, there & ~works)
     heading = jnp.where(goes & (there | snapshot.in_contact), where, way)
@@ -96,13 +105,26 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert) -> Array:
     error, near = jnp.where(busy, wrap_angle(face - snapshot.pose.yaw), error), jnp.where(busy, right, near)
     waits = should_wait(state, values)
     error, near = jnp.where(waits, IDLE_TURN, error), near | waits
-    actions = to_actions(config, choose_clear_turns(snapshot, error), tilt, near, stop)
+    error = choose_clear_turns(snapshot, error)
+    if teaches and config.discrete is not None:
+        error = jnp.where(near | busy, error, _without_small_turns(snapshot, config.discrete, error))
+    actions = to_actions(config, error, tilt, near, stop, looks_first=teaches)
     actions = add_hand_commands(config, actions, grip, stands & is_aimed(config, grip))
     faces = jnp.where(
         busy, right & (jnp.abs(error) < MAX_DOOR_HEADING_ERROR), is_facing_shut_leaf(snapshot, snapshot.pose.yaw)
     )
     actions = add_door_commands(config, actions, faces & ~stands & ~stop & (snapshot.step % OPEN_PERIOD == 0))
     return insert_words(snapshot, state, values, actions)
+
+
+def _without_small_turns(snapshot: Snapshot, moves: DiscreteActions, error: Float[Array, " a"]) -> Float[Array, " a"]:
+    """Return turns to the left [rad], 0 where less than `MIN_TURN_STEPS` steps are left and none has just been taken.
+
+    Agents thus walk on after a step that bends the path a little, and finish the turns that they have begun.
+    """
+    names, least = action_names(snapshot.config), jnp.float32(MIN_TURN_STEPS * math.radians(moves.turn_angle))
+    went = snapshot.action[:, names.index("turn_left")] - snapshot.action[:, names.index("turn_right")]
+    return jnp.where((jnp.abs(error) < least) & (went * jnp.sign(error) <= 0), 0.0, error)
 
 
 def current_features(snapshot: Snapshot, state: RowState) -> FeatureValues:
@@ -253,16 +275,17 @@ def to_actions(
     tilt: Float[Array, " a"],
     hold: Bool[Array, " a"],
     stop: Bool[Array, " a"],
+    looks_first: bool = False,
 ) -> Array:
     """Return actions that turn left by `error`, tilt up by `tilt` [rad] and, unless `hold` or `stop`, walk forward.
 
     A discrete action is the first that is needed: `stop`, a turn, a look (only with `hold`), or `move_forward`. Turns
     and looks of less than half a step are not needed. With `hold` but nothing to turn or look at, it is `move_forward`.
-    Continuous actions do not move with `stop`.
+    With `looks_first` looks come before turns, also without `hold`. Continuous actions do not move with `stop`.
     """
     if config.discrete is None:
         return _continuous(config, error, tilt, hold, stop)
-    return _discrete(config, error, tilt, hold, stop)
+    return _discrete(config, error, tilt, hold, stop, looks_first)
 
 
 def _continuous(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Float[Array, "a n"]:
@@ -288,7 +311,9 @@ def _look_or_forward(moves: DiscreteActions, names: tuple[str, ...], tilt: Array
     return jnp.where(jnp.abs(tilt) > math.radians(moves.tilt_angle) / 2, look, forward)
 
 
-def _discrete(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array) -> Int[Array, " a"]:
+def _discrete(
+    config: EnvConfig, error: Array, tilt: Array, near: Array, stop: Array, looks_first: bool
+) -> Int[Array, " a"]:
     """Return indices of discrete actions as `to_actions` describes; turns below half a step are skipped."""
     moves, names = config.discrete, action_names(config)
     assert moves is not None
@@ -297,4 +322,6 @@ def _discrete(config: EnvConfig, error: Array, tilt: Array, near: Array, stop: A
     there = _look_or_forward(moves, names, tilt)
     ahead = jnp.where(near, there, names.index("move_forward"))
     chosen = jnp.where(jnp.abs(error) > half + 1e-3, turn, ahead)
+    if looks_first:
+        chosen = jnp.where(~near & (there != names.index("move_forward")), there, chosen)
     return jnp.where(stop, names.index("stop"), chosen).astype(jnp.int32)

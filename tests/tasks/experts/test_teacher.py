@@ -9,8 +9,9 @@ import pytest
 
 import home_mjx
 from home_mjx.errors import ConfigError
-from home_mjx.tasks import AutoReset, ExpertObservationEnv, Task, add_expert, expert_action
-from home_mjx.tasks.experts.path_follower import should_wait
+from home_mjx.physics import PhysicsConfig
+from home_mjx.tasks import AutoReset, EnvConfig, ExpertObservationEnv, Task, add_expert, expert_action
+from home_mjx.tasks.experts.path_follower import should_wait, to_actions
 from home_mjx.tasks.rules.enums import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
@@ -46,6 +47,18 @@ def test_it_is_the_action_for_each_state_also_after_automatic_resets(env):
         ended += int(states.done.sum())
     assert ended >= 1
     assert np.array_equal(states.obs["state"].shape, (4, *env.observation_spec["state"].shape))
+
+
+@pytest.mark.parametrize("looks_first", [False, True])
+def test_a_view_is_made_level_before_walking_if_that_comes_first(looks_first: bool):
+    """Six agents: 0.5 rad too low or level, straight ahead or to turn by 0.5 rad; the last two hold, or stop."""
+    config = EnvConfig(sensors=("state",), actions="discrete", physics=PhysicsConfig(num_agents=6))
+    error, tilt = jnp.array([0.0, 0.5, 0.0, 0.5, 0.5, 0.0]), jnp.array([0.5, 0.5, 0.0, 0.0, 0.5, 0.5])
+    hold, stop = jnp.arange(6) == 4, jnp.arange(6) == 5
+    chosen = to_actions(config, error, tilt, hold, stop, looks_first)
+    names = [config.action_names[i] for i in chosen.tolist()]
+    first = ["look_up", "look_up"] if looks_first else ["move_forward", "turn_left"]
+    assert names == [*first, "move_forward", "turn_left", "turn_left", "stop"]
 
 
 def test_nobody_else_pays_for_what_an_expert_looks_at(env):

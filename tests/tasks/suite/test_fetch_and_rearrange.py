@@ -351,8 +351,10 @@ def test_the_distance_at_the_start_has_all_legs(reset):
 
 
 @pytest.mark.slow
-def test_experts_bring_things_and_put_them_down(env, reset):
-    done = played(env, reset, lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task)[0], MOST_STEPS)
+@pytest.mark.parametrize("teaches", [False, True])
+def test_experts_bring_things_and_put_them_down(env, reset, teaches):
+    act = lambda s, _: expert_action(env.core.snapshot(env.params, s), s.task, teaches)[0]  # noqa: E731
+    done = played(env, reset, act, MOST_STEPS)
     success, left = np.asarray(done.metrics["success"]), np.asarray(done.metrics["distance"])
     length = np.asarray(done.task.length)  # at the end it was that to the first thing, however far from its destination
     assert (left < np.maximum(2.0, 0.3 * length))[success > 0].all()  # large beds are reached from all sides
