@@ -1,6 +1,5 @@
 """Vocabulary, phrases and tokens of task instructions."""
 
-from home_mjx.tasks.language.instruction_kinds import failures_by_kind, instruction_kinds
 from home_mjx.tasks.language.splits import mask_new_combinations, mask_words
 from home_mjx.tasks.language.text_observation import describe
 from home_mjx.tasks.language.vocabulary import detokenize, tokenize
@@ -8,8 +7,6 @@ from home_mjx.tasks.language.vocabulary import detokenize, tokenize
 __all__ = [
     "describe",
     "detokenize",
-    "failures_by_kind",
-    "instruction_kinds",
     "mask_new_combinations",
     "mask_words",
     "tokenize",
