@@ -1,7 +1,7 @@
 """Images, videos and sound files for display."""
 
 from home_mjx.viewer.pictures.floor_map import draw_map
-from home_mjx.viewer.pictures.media import write_mp4, write_png, write_wav
+from home_mjx.viewer.pictures.media import write_mp4, write_png, write_wav, write_webm
 from home_mjx.viewer.pictures.pictures import (
     add_caption,
     colour_depth,
@@ -25,4 +25,5 @@ __all__ = [
     "write_mp4",
     "write_png",
     "write_wav",
+    "write_webm",
 ]

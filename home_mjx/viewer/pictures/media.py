@@ -1,4 +1,4 @@
-"""PNG, WAV and MP4 files."""
+"""PNG, WAV, MP4 and WebM files."""
 
 import subprocess
 import wave
@@ -11,6 +11,10 @@ from PIL import Image
 
 from home_mjx.core.files import convert_write_errors, write_durably
 from home_mjx.errors import HomeMjxError
+
+H264 = ("-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18")
+VP9 = ("-c:v", "libvpx-vp9", "-pix_fmt", "yuv420p", "-crf", "32", "-b:v", "0", "-cpu-used", "4", "-g", "20")
+AAC, OPUS = ("-c:a", "aac", "-b:a", "160k"), ("-c:a", "libopus", "-b:a", "96k")
 
 
 def write_png(path: Path, image: UInt8[np.ndarray, "h w 3"]) -> None:
@@ -50,11 +54,24 @@ def write_mp4(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav:
         HomeMjxError: ffmpeg failed, such as on a full disk or for odd sides; the message quotes it. No partial file is
             left.
     """
+    _encode(path, frames, fps, H264, () if wav is None else ("-i", str(wav), *AAC))
+
+
+def write_webm(path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, wav: Path | None = None) -> None:
+    """Write a VP9 video with Opus sound, which browsers without licences of H.264 and AAC play as well.
+
+    Arguments, length and errors are those of `write_mp4`.
+    """
+    _encode(path, frames, fps, VP9, () if wav is None else ("-i", str(wav), *OPUS))
+
+
+def _encode(
+    path: Path, frames: UInt8[np.ndarray, "t h w 3"], fps: float, video: tuple[str, ...], audio: tuple[str, ...]
+) -> None:
+    """Write a film with ffmpeg's options of its picture and its sound."""
     _, height, width, _ = frames.shape
-    video = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-"]
-    audio = ["-i", str(wav), "-c:a", "aac", "-b:a", "160k"] if wav else []
-    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *video, *audio]
-    command += ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "18"]
+    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-")
+    command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *raw, *audio, *video]
     beside = path.with_name(f".new.{path.name}")  # ffmpeg infers the format from the suffix
     try:
         done = subprocess.run([*command, str(beside)], input=frames.tobytes(), capture_output=True, check=False)

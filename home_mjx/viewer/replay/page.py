@@ -4,7 +4,9 @@ import base64
 import contextlib
 import io
 import json
+import re
 import tempfile
+from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -112,17 +114,27 @@ class PageRecorder(Observer):
             "series": {name: [round(row[name], 4) for row in self._figures] for name in names},
             "marks": self._marks,
         }
-        film = base64.b64encode(self._film()).decode()
-        files = resources.files("home_mjx.viewer.replay") / FOLDER
-        page = (files / "panel.html").read_text()
         text = json.dumps(data).replace("<", "\\u003c")  # an instruction must not end the script
-        return page.replace("FILM", film).replace("DATA", text)
+        page = (resources.files("home_mjx.viewer.replay") / FOLDER / "panel.html").read_text()
+        return fill_page(page, {**self._films(), "data": text})
 
-    def _film(self) -> bytes:
-        """Return the film with its sound as MP4."""
-        with tempfile.TemporaryDirectory(prefix="home_mjx_page_") as folder:
-            wav, film = Path(folder) / "sound.wav", Path(folder) / "film.mp4"
-            if self._has_sound:
+    def _films(self) -> dict[str, str]:
+        """Return the film with its sound by format, `mp4` and `webm`, as base64: a browser takes what it plays."""
+        frames, films = np.stack(self._video.frames), {"mp4": media.write_mp4, "webm": media.write_webm}
+        with tempfile.TemporaryDirectory(prefix="home_mjx_page_") as name:
+            folder, wav = Path(name), Path(name) / "sound.wav" if self._has_sound else None
+            if wav is not None:
                 media.write_wav(wav, np.concatenate(self._video.sounds, axis=-1), self._env.config.audio.sample_rate)
-            media.write_mp4(film, np.stack(self._video.frames), self._video.fps, wav if self._has_sound else None)
-            return film.read_bytes()
+            for suffix, write in films.items():
+                write(folder / f"film.{suffix}", frames, self._video.fps, wav)
+            return {suffix: base64.b64encode((folder / f"film.{suffix}").read_bytes()).decode() for suffix in films}
+
+
+def fill_page(page: str, values: Mapping[str, str]) -> str:
+    """Return a page with values for its names in double braces, in one pass: values are never searched for names.
+
+    Example:
+        >>> fill_page("{{film}} and {{data}}", {"film": "{{data}}", "data": "1"})
+        '{{data}} and 1'
+    """
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: values[match[1]], page)

@@ -14,6 +14,7 @@ from home_mjx.errors import ConfigError, DatasetError, MissingFileError
 from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
 from home_mjx.viewer.episodes.episode import EpisodeRunner
+from home_mjx.viewer.replay.page import fill_page
 from home_mjx.viewer.replay.recorder import ReplayRecorder
 from home_mjx.viewer.replay.session import ReplaySession
 from home_mjx.viewer.replay.track import Event, blank_state, fill_state, read_replay
@@ -110,3 +111,10 @@ def test_a_replay_of_other_houses_or_a_broken_file_is_refused(env, recorded, tmp
         read_replay(broken)
     with pytest.raises(MissingFileError):
         read_replay(tmp_path / "missing.replay.npz")
+
+
+def test_a_film_whose_base64_spells_a_name_of_the_page_stays_whole():
+    film, text = "AAADATAmp4{{data}}", '{"title": "{{mp4}}"}'
+    assert fill_page("<{{mp4}}><{{webm}}>DATA {{data}}", {"mp4": film, "webm": film, "data": text}) == (
+        f"<{film}><{film}>DATA {text}"
+    )
