@@ -10,6 +10,7 @@ from home_mjx.viewer.browser.controls import ViewControls, name_houses
 from home_mjx.viewer.browser.markdown import format_list, format_table
 from home_mjx.viewer.browser.overlays import Overlays
 from home_mjx.viewer.replay.events import KINDS
+from home_mjx.viewer.replay.export import ExportButtons
 from home_mjx.viewer.replay.recorder import REWARD
 from home_mjx.viewer.replay.session import ReplaySession
 
@@ -48,6 +49,7 @@ class ReplayPanels(Observer):
             speed = gui.add_dropdown("speed", SPEEDS, initial_value="1")
             speed.on_update(lambda event: session.post(lambda: setattr(session, "speed", float(speed.value))))
             self._add_events()
+            ExportButtons(self._server, session, self._broadcast.warn)
         with gui.add_folder("Figures"):
             self._figures = gui.add_markdown("")
         self._controls = ViewControls(self._server, self._broadcast, self._overlays, session.post)

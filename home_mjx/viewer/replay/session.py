@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from home_mjx.tasks.base.state import State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
-from home_mjx.tasks.env.observers import EpisodeStart, EpisodeStep, Observer, RunStart
+from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.viewer.episodes.command_loop import CommandLoop
 from home_mjx.viewer.replay.recorder import REWARD
 from home_mjx.viewer.replay.track import Event, Replay, Track, blank_state, check_houses, fill_state
@@ -55,20 +56,14 @@ class ReplaySession(CommandLoop):
 
     def choose(self, number: int) -> None:
         """Show the first step of an episode."""
-        self.number, notes = number, self.replay.tracks[number].notes
-        start = EpisodeStart(
-            number + 1, None, str(notes["house"]), str(notes["task"]), str(notes["instruction"]), float("nan")
-        )
-        self.observer.on_episode_start(start)
+        self.number = number
+        self.observer.on_episode_start(episode_start(self.track, number))
         self.show(0)
 
     def show(self, index: int) -> None:
         """Show a step of the episode; indices beyond its ends are clipped."""
         self.index = index = int(np.clip(index, 0, self.track.num_steps))
-        state = fill_state(self._blank, self.track.at(index))
-        action = self.track.actions[index - 1] if index else None
-        total = float(self.track.series[REWARD][1 : index + 1].sum())
-        self.observer.on_episode_step(EpisodeStep(index, state, action, total))
+        self.observer.on_episode_step(episode_step(self.track, index, self._blank))
         self.due = max(self.due, time.perf_counter() - MAX_LAG) + self.env.dt / self.speed
 
     def turn(self) -> None:
@@ -95,3 +90,37 @@ class ReplaySession(CommandLoop):
             self.show(target.step)
         elif target is not None:
             self.choose(target)
+
+
+def episode_start(track: Track, number: int) -> EpisodeStart:
+    """Return the start of a recorded episode, the `number`th from 0 on."""
+    notes = track.notes
+    house, task, instruction = (str(notes[name]) for name in ("house", "task", "instruction"))
+    return EpisodeStart(number + 1, None, house, task, instruction, float("nan"))
+
+
+def episode_step(track: Track, index: int, blank: State) -> EpisodeStep:
+    """Return a step of a recorded episode; `blank` has what its states do not keep, and index 0 is the reset.
+
+    Raises:
+        DatasetError: The episode is of another environment.
+    """
+    action = track.actions[index - 1] if index else None
+    total = float(track.series[REWARD][1 : index + 1].sum())
+    return EpisodeStep(index, fill_state(blank, track.at(index)), action, total)
+
+
+def episode_result(track: Track, number: int) -> EpisodeResult:
+    """Return the result of a recorded episode, the `number`th from 0 on."""
+    notes = track.notes
+    return EpisodeResult(
+        number=number + 1,
+        task=str(notes["task"]),
+        instruction=str(notes["instruction"]),
+        house=str(notes["house"]),
+        success=float(notes.get("success", 0.0)),
+        spl=float(notes.get("spl", np.nan)),
+        steps=track.num_steps,
+        episode_return=float(track.series[REWARD][1:].sum()),
+        metrics={name: float(values[-1]) for name, values in track.series.items() if name != REWARD},
+    )

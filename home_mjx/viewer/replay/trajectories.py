@@ -67,8 +67,9 @@ def _simulate(runner: EpisodeRunner, number: int, episode: Trajectory, recorder:
         hint = "Record the data set again: episodes of older versions have no key."
         raise ConfigError(f"episode {number - 1} cannot be simulated again", hint=hint)
     key = jax.random.wrap_key_data(jnp.array(episode.notes[RESET_KEY], jnp.uint32), impl="threefry2x32")
-    row = int(episode.notes[ROW])
-    running = runner.begin(number, key, row if row >= 0 else None)
+    row, houses = int(episode.notes[ROW]), list(runner.env.bank.house_ids)
+    house = houses.index(episode.notes["house"]) if row < 0 else None  # a person may have chosen it
+    running = runner.begin(number, key, row if row >= 0 else None, house)
     recorder.on_episode_start(running.start)
     recorder.on_episode_step(running.step)
     first = None

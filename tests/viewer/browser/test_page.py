@@ -180,7 +180,9 @@ def mean_colour(page) -> np.ndarray:
     return np.reshape(page.evaluate(film), (150, 300, 4))[..., :3].mean(axis=(0, 1))
 
 
-def test_a_replay_scrubs(viewer: Viewer, page, tmp_path):
+def test_a_replay_scrubs(viewer: Viewer, page, tmp_path, monkeypatch):
+    monkeypatch.setattr("home_mjx.viewer.replay.page.VIEW_WIDTH", 64)
+    monkeypatch.setattr("home_mjx.viewer.replay.page.VIEW_HEIGHT", 48)
     runner, recorder = EpisodeRunner(viewer.session.env), ReplayRecorder()
     recorder.on_run_start(RunStart("human", runner.env, "episodes", 1))
     episode = runner.begin(1, jax.random.key(0), None, 0)
@@ -206,6 +208,16 @@ def test_a_replay_scrubs(viewer: Viewer, page, tmp_path):
         assert np.array_equal(state.physics.qpos, np.asarray(episode.step.state.physics.qpos))
         wait_until(lambda: page.frame_locator("#scene").get_by_text("20 of 20").count() == 1)
         page.screenshot(path=tmp_path / "replay.png")
+        panel = page.frame_locator("#scene")
+        choice = panel.locator("xpath=//label[text()='export']/following::input[1]")
+        choice.click()
+        panel.get_by_role("option", name="HTML page").click()
+        with page.expect_download(timeout=240_000) as download:
+            panel.get_by_role("button", name="export this episode").click()
+        assert download.value.suggested_filename == "episode_1.html"
+        text = download.value.path().read_text()
+        assert "data:video/webm;base64,GkXf" in text  # EBML, as which WebM begins
+        assert "1: go to the point" in text
         replayed.stop()
         thread.join(30)
 

@@ -11,9 +11,11 @@ from handmade import Furniture, shoebox
 import home_mjx
 from home_mjx.bank.bank import HouseBank
 from home_mjx.errors import ConfigError, DatasetError, MissingFileError
-from home_mjx.tasks.env.observers import Observer, ObserverGroup, RunStart
+from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, Observer, ObserverGroup, RunStart
 from home_mjx.viewer.browser.live_camera import LiveCamera, PictureOptions
 from home_mjx.viewer.episodes.episode import EpisodeRunner
+from home_mjx.viewer.episodes.observers import FilmObserver, ShotCache
+from home_mjx.viewer.replay.export import export_episode
 from home_mjx.viewer.replay.page import fill_page
 from home_mjx.viewer.replay.recorder import ReplayRecorder
 from home_mjx.viewer.replay.session import ReplaySession
@@ -111,6 +113,23 @@ def test_a_replay_of_other_houses_or_a_broken_file_is_refused(env, recorded, tmp
         read_replay(broken)
     with pytest.raises(MissingFileError):
         read_replay(tmp_path / "missing.replay.npz")
+
+
+def test_an_exported_film_is_that_of_the_episode_when_it_was_played(env, recorded, tmp_path):
+    steps, path = recorded
+    replay, shots = read_replay(path), ShotCache(48, 36)
+    film, notes = FilmObserver(shots, "played"), replay.tracks[0].notes
+    film.on_run_start(RunStart("human", env, "episodes", 1))
+    film.on_episode_start(EpisodeStart(1, None, notes["house"], notes["task"], notes["instruction"], np.nan))
+    for step in steps:
+        film.on_episode_step(step)
+    names = ("number", "task", "instruction", "house", "success", "spl", "steps", "episode_return")
+    film.on_episode_end(EpisodeResult(**{name: notes[name] for name in names}))
+    film.write(tmp_path)
+    parts = []
+    content = export_episode(env, replay, 0, ".mp4", shots, parts.append)
+    assert content == (tmp_path / "played.mp4").read_bytes()
+    assert parts == pytest.approx(np.arange(len(steps)) / len(steps))
 
 
 def test_a_film_whose_base64_spells_a_name_of_the_page_stays_whole():
