@@ -26,6 +26,7 @@ from home_mjx.registry import list_envs
 if TYPE_CHECKING:
     from home_mjx.tasks.env.env import Env
     from home_mjx.tasks.env.household import HouseholdEnv
+    from home_mjx.tasks.env.observers import Observer
     from home_mjx.viewer.browser.run import ViewOptions
 
 HOUSE_TASK = "PointNav"  # task of a house without one: it adds nothing to see but a goal
@@ -37,11 +38,11 @@ HOUSE_OPTIONS = {"ctrl_dt": 0.05, "episode_length": 100_000}  # options of this 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the optional `TARGET`, a task or a house, and the options of `home-mjx view`.
 
-    `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`, `--replay` a path or None.
-    `--gallery` and `--validate` are flags. `--host` is a text (localhost), `--port` from 1 (8080), `--size` in pixels
-    (512), `--shader` a name (fast), `--camera` one of `CAMERAS` (first), `--seed` from 0 (0), `--num-envs` from 1 (1),
-    `--houses` from 1 (4). `--split`, `--env`, `--dataset`, `--episode-file`, `--import` and `--sensors` are as in
-    `home-mjx play`.
+    `--agent` is as in `home-mjx play`; None by default. `--checkpoint` is a path or `demo`, `--replay` a path or None,
+    `--record` the path of a folder or None. `--gallery` and `--validate` are flags. `--host` is a text (localhost),
+    `--port` from 1 (8080), `--size` in pixels (512), `--shader` a name (fast), `--camera` one of `CAMERAS` (first),
+    `--seed` from 0 (0), `--num-envs` from 1 (1), `--houses` from 1 (4). `--split`, `--env`, `--dataset`,
+    `--episode-file`, `--import` and `--sensors` are as in `home-mjx play`.
     """
     parser.add_argument(
         "target", nargs="?", metavar="TASK | HOUSE",
@@ -79,6 +80,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--validate", action="store_true", help="with --gallery: mark the validator's findings where they are"
     )
+    parser.add_argument(
+        "--record", type=parse_path, metavar="FOLDER",
+        help="record all episodes as a data set of trajectories, in a folder of it for each task and agent",
+    )  # fmt: skip
     add_episode_option(parser)
     add_dataset_option(parser)
     add_import_option(parser)
@@ -103,6 +108,7 @@ def run(args: argparse.Namespace) -> int:
         host=args.host,
         port=args.port,
         num_envs=args.num_envs,
+        observers=_recorders(args),
     )
     if args.validate and not args.gallery:
         raise ConfigError("--validate marks findings in --gallery", hint="Add --gallery, or use home-mjx inspect.")
@@ -116,6 +122,22 @@ def run(args: argparse.Namespace) -> int:
     else:
         run_view(_make_env(args), options, print_now)
     return 0
+
+
+def _recorders(args: argparse.Namespace) -> "tuple[Observer, ...]":
+    """Return the recorder for `--record`, else none.
+
+    Raises:
+        ConfigError: There are several environments, or a replay or a gallery has nothing to record.
+    """
+    if args.record is None:
+        return ()
+    if args.num_envs > 1 or args.replay is not None or args.gallery:
+        hint = "Leave out --num-envs, --replay and --gallery."
+        raise ConfigError("--record records the episodes of one environment", hint=hint)
+    from home_mjx.viewer.episodes.trajectory_observer import TrajectoryObserver
+
+    return (TrajectoryObserver(args.record),)
 
 
 def _check_gallery(args: argparse.Namespace) -> None:

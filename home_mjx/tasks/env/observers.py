@@ -51,6 +51,7 @@ class EpisodeStart(NamedTuple):
         task: Name of the task.
         instruction: Instruction; a description of the goal for tasks without one.
         path_length: Length of the shortest path [m]; NaN if unknown.
+        key: Raw key of the reset, 2 words; None if unknown.
     """
 
     number: int
@@ -59,6 +60,7 @@ class EpisodeStart(NamedTuple):
     task: str
     instruction: str
     path_length: float
+    key: Any = None
 
 
 class EpisodeStep(NamedTuple):

@@ -57,7 +57,7 @@ class BackgroundViewer:
         if self._thread.is_alive():
             self.viewer.stop()
             self._thread.join(JOIN_SECONDS)
-            self.viewer.server.close()
+            self.viewer.close()
 
 
 def view(env: Env[Any], **options: Any) -> BackgroundViewer:

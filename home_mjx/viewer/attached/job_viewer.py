@@ -55,6 +55,7 @@ class JobViewer(Observer):
         self.panels = JobPanels(self.server.scene, self.broadcast, self.overlays, self.watch)
         self.watched, self._budget, self._lock = 0, DrawBudget(), threading.RLock()
         self._states: State | None = None
+        self._shown: tuple[int, int, int] | None = None  # environment, house and step that are drawn
         self._pick = jax.jit(lambda states, number: jax.tree.map(lambda x: x[number], states))
 
     def on_run_start(self, start: RunStart) -> None:
@@ -68,8 +69,10 @@ class JobViewer(Observer):
 
     def on_episode_start(self, start: EpisodeStart) -> None:
         """Show the instruction."""
-        self.broadcast.on_episode_start(start)
-        self.panels.begin_episode()
+        with self._lock:
+            self.broadcast.on_episode_start(start)
+            self.overlays.on_episode_start(start)
+            self.panels.begin_episode()
 
     def on_episode_step(self, step: EpisodeStep) -> None:
         """Draw the step, if a page is open and a drawing is due; its reward's terms are plotted in any case."""
@@ -124,6 +127,10 @@ class JobViewer(Observer):
 
     def _draw(self, step: EpisodeStep) -> None:
         """Send scene, picture, overlays and figures of a step."""
+        house, last = int(step.state.world.house), self._shown
+        if last is not None and (last[:2] != (self.watched, house) or step.index < last[2]):
+            self.overlays.clear()  # nobody tells where episodes of a batch begin
+        self._shown = self.watched, house, step.index
         self.overlays.on_episode_step(step)
         self.broadcast.on_episode_step(step)
         self.panels.show(step)

@@ -56,6 +56,7 @@ class Broadcast(Observer):
         self.state: dict[str, Any] = {}
         self.agent_of: Callable[[int], int] = lambda page: 0
         self._ears: dict[int, int] = {}  # agents by page of sound
+        self._late: set[int] = set()  # agents whose picture is not drawn, as its program compiles
         self._picture: bytes | None = None
         self._free: Camera | None = None
         self._tile_camera: TileCamera | None = None
@@ -69,6 +70,7 @@ class Broadcast(Observer):
         self.env, self.step, self._camera = env, None, LiveCamera(env)
         self._cameras = {0: self._camera}
         self._camera.free, self._tile_camera = self._free, TileCamera(env)
+        self._late.clear()
         self._scene.on_run_start(start)
         has_sound = SOUND_STATE in {sensor.name for sensor in state_owners(env.core.sensors)}
         self.has_sound = has_sound
@@ -122,6 +124,13 @@ class Broadcast(Observer):
             self._cameras[agent] = LiveCamera(self.env, agent)
         camera = self._cameras[agent]
         camera.free = self._free
+        if self.adapts and not camera.is_ready(options):  # the program of the whole size serves until then
+            camera.prepare(self.step.state, options)
+            options = self.options
+        self._late.discard(agent)
+        if self.adapts and not camera.is_ready(options):
+            self._late.add(agent)
+            return
         self.server.live.publish(encode_jpeg(camera.capture(self.step.state, options)), pages)
 
     def _publish_sound(self, frame: Any) -> None:
@@ -151,8 +160,12 @@ class Broadcast(Observer):
             self._camera.prepare(self.step.state, self.options)
 
     def refine(self) -> None:
-        """Draw the last step at full size, once nothing has moved for `REFINE_SECONDS` since a smaller picture."""
-        if self._is_coarse and time.perf_counter() - self._drawn_at > REFINE_SECONDS:
+        """Draw the last step at full size, once nothing has moved for `REFINE_SECONDS` since a smaller picture.
+
+        Also draw it for agents whose program is compiled now.
+        """
+        is_due = self._is_coarse and time.perf_counter() - self._drawn_at > REFINE_SECONDS
+        if is_due or any(self._cameras[agent].is_ready(self.options) for agent in self._late):
             self.draw()
 
     def _reduced(self, state: State) -> PictureOptions:

@@ -1,5 +1,8 @@
 """Doors, lamps and appliances that a click changes, and what a clicked object touches."""
 
+from typing import Any
+
+import jax
 import jax.numpy as jnp
 import numpy as np
 
@@ -7,7 +10,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.bank.records import SWITCH_KINDS
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.snapshot import contact_semantics
-from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.state import EnvParams, State
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.viewer.browser.object_card import name_object
@@ -60,8 +63,44 @@ def toggle_switch(state: State, switch: int) -> State:
     return state.replace(world=state.world.replace(switch_on=on.at[switch].set(~on[switch])))
 
 
-def describe_condition(env: Env[HouseholdEnv], state: State, group: InstanceGroup, index: int) -> dict[str, str]:
-    """Return the present joint, state and contact of an instance by name, for its card; absent ones are left out."""
+class ObjectConditions:
+    """Present conditions of clicked objects; the program for their contacts is compiled once.
+
+    Args:
+        env: The environment.
+    """
+
+    def __init__(self, env: Env[HouseholdEnv]) -> None:
+        self.env, self._look = env, jax.jit(self._seen)
+
+    def describe(self, state: State, group: InstanceGroup, index: int) -> dict[str, str]:
+        """Return joint, state and contact of an instance by name, for its card; absent ones are left out."""
+        lines = _describe_parts(self.env, state, group, index)
+        touched = self._touch(state, int(group.entries[index])) if group.layer == MOVING else None
+        return lines if touched is None else {**lines, "touches": touched}
+
+    def _touch(self, state: State, entry: int) -> str | None:
+        """Return what a dynamic instance touches most strongly, and the force [N]; None if nothing."""
+        places, impulses, partners, others = (np.asarray(x) for x in self._look(self.env.params, state))
+        agents = self.env.core.config.num_agents
+        row = (entry + agents) % len(places)  # agents are the first bodies, but the last dynamic instances
+        impulse, partner = float(impulses[row]), int(partners[row])
+        if impulse <= 0 or partner == -1:
+            return None
+        is_agent = 0 <= partner < agents
+        name = f"agent {partner + 1}" if is_agent else f"the {name_object(int(others[row][Semantic.FINE]))}"
+        return f"{name}, {impulse / self.env.dt:.3g} N"
+
+    def _seen(self, params: EnvParams, state: State) -> tuple[Any, ...]:
+        """Return dynamic instances, and impulses, partners and their semantics of all bodies; to be jitted."""
+        snapshot = self.env.core.snapshot(params, state)
+        contacts = snapshot.body_contacts
+        other = contact_semantics(snapshot.scene, contacts).other
+        return snapshot.scene.moving.instance, contacts.contact_impulse, contacts.contact_partner, other
+
+
+def _describe_parts(env: Env[HouseholdEnv], state: State, group: InstanceGroup, index: int) -> dict[str, str]:
+    """Return the present joint and state of an instance by name; absent ones are left out."""
     house, bank = int(state.world.house), env.bank
     door, switch = find_door(bank, house, group, index), find_switch(bank, house, int(group.objects[index]))
     lines = {} if door is None else {"joint": _describe_joint(env, state, door)}
@@ -69,8 +108,7 @@ def describe_condition(env: Env[HouseholdEnv], state: State, group: InstanceGrou
         kind, on = SWITCH_KINDS[int(bank.switches.kind[house, switch])], state.world.switch_on
         hint = "no states; give --env switches=initial"
         lines[kind] = hint if on is None else f"{'on' if bool(on[switch]) else 'off'}; click to change"
-    touched = _describe_touch(env, state, int(group.entries[index])) if group.layer == MOVING else None
-    return lines if touched is None else {**lines, "touches": touched}
+    return lines
 
 
 def _describe_joint(env: Env[HouseholdEnv], state: State, door: int) -> str:
@@ -82,16 +120,3 @@ def _describe_joint(env: Env[HouseholdEnv], state: State, door: int) -> str:
     slides = bool(np.any(np.asarray(physics.door_slide[house, door]) != 0))
     unit = DOOR_UNIT[slides]
     return f"{'sliding' if slides else 'hinge'} at {now:.2f} {unit}, {low:.2f} to {high:.2f} {unit}"
-
-
-def _describe_touch(env: Env[HouseholdEnv], state: State, entry: int) -> str | None:
-    """Return what a dynamic instance touches most strongly, and the force [N]; None if nothing."""
-    snapshot = env.core.snapshot(env.params, state)
-    contacts, agents = snapshot.body_contacts, env.core.config.num_agents
-    row = (entry + agents) % len(snapshot.scene.moving.instance)  # agents are the first bodies, but the last there
-    impulse, partner = float(contacts.contact_impulse[row]), int(contacts.contact_partner[row])
-    if impulse <= 0 or partner == -1:
-        return None
-    other = np.asarray(contact_semantics(snapshot.scene, contacts).other[row])
-    name = f"agent {partner + 1}" if 0 <= partner < agents else f"the {name_object(int(other[Semantic.FINE]))}"
-    return f"{name}, {impulse / env.dt:.3g} N"

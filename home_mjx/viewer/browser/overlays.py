@@ -62,7 +62,11 @@ class Overlays(Observer):
         self._look, self._lines, self._step = jax.jit(look), LiveLines(env), None
 
     def on_episode_start(self, start: EpisodeStart) -> None:
-        """Clear the path."""
+        """Clear path, distances and ids."""
+        self.clear()
+
+    def clear(self) -> None:
+        """Forget path, shortest path, distances and ids, as another episode or house is shown."""
         self._path, self._is_new = [], True
         for name in (DISTANCES, IDS):
             self._remove(name)

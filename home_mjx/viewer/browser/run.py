@@ -13,7 +13,7 @@ from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
 from home_mjx.tasks.env.observers import EpisodeStep, Observer, ObserverGroup
 from home_mjx.viewer.browser.broadcast import Broadcast
-from home_mjx.viewer.browser.clicks import describe_condition, find_door, find_switch, toggle_door, toggle_switch
+from home_mjx.viewer.browser.clicks import ObjectConditions, find_door, find_switch, toggle_door, toggle_switch
 from home_mjx.viewer.browser.live_camera import PictureOptions
 from home_mjx.viewer.browser.object_card import format_card
 from home_mjx.viewer.browser.overlays import Overlays
@@ -43,6 +43,7 @@ class ViewOptions:
         host: Name or address to bind.
         port: Port; the next free one is used if it is taken.
         num_envs: Number of environments; with several, a grid shows up to `MAX_TILES` of them.
+        observers: Further observers of the session, such as a recorder.
     """
 
     agent: str = HUMAN
@@ -52,6 +53,7 @@ class ViewOptions:
     host: str = "localhost"
     port: int = DEFAULT_PORT
     num_envs: int = 1
+    observers: tuple[Observer, ...] = ()
 
 
 class PageViewer:
@@ -71,6 +73,10 @@ class PageViewer:
         return self
 
     def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the server."""
         self.server.close()
 
     def run(self) -> None:
@@ -133,8 +139,8 @@ class Viewer(PageViewer):
             agents = tuple(name for name in AGENT_NAMES if name != "trained" or self.options.checkpoint is not None)
             self.panels = Panels(self.server.scene, self.broadcast, agents, self._load_task)
             overlays = Overlays(self.server.scene)
-            self._tiles = _Tiles(self)
-            own = (self.broadcast, self._tiles, overlays, self.drivers, self.panels)
+            self._tiles, self._conditions = _Tiles(self), None
+            own = (self.broadcast, self._tiles, overlays, self.drivers, self.panels, *self.options.observers)
             self.session = Session(
                 env,
                 self.options.agent,
@@ -149,6 +155,11 @@ class Viewer(PageViewer):
         except BaseException:
             self.server.close()
             raise
+
+    def close(self) -> None:
+        """Close the server, and the observers of the session."""
+        super().close()
+        self.session.observer.close()
 
     def _handle(self, message: dict[str, Any]) -> None:
         """Handle a message of a page: a click on a tile, a key or a stick; on the server's thread."""
@@ -194,7 +205,9 @@ class Viewer(PageViewer):
             state = toggle_door(env, state, door)
         elif switch is not None and state.world.switch_on is not None and not state.done:
             state = toggle_switch(state, switch)
-        self.panels.show_card(format_card(bank, house, group, index, describe_condition(env, state, group, index)))
+        if self._conditions is None or self._conditions.env is not env:
+            self._conditions = ObjectConditions(env)
+        self.panels.show_card(format_card(bank, house, group, index, self._conditions.describe(state, group, index)))
         if state is not session.episode.step.state:
             session.replace_state(state)
 

@@ -11,7 +11,7 @@ from jaxtyping import Float
 
 from home_mjx.core.compile_cache import compiler_options
 from home_mjx.core.progress import show_compile
-from home_mjx.tasks.base.state import State
+from home_mjx.tasks.base.state import State, to_raw_key
 from home_mjx.tasks.base.task import path_scores
 from home_mjx.tasks.env.actions import action_names
 from home_mjx.tasks.env.env import Env
@@ -73,7 +73,8 @@ class EpisodeRunner:
             house: Index of the house, for environments without rows; None: sampled with the key.
         """
         state = self._observe(self._call("reset", self._reset, self.env.params, key, house, row))
-        return RunningEpisode(self, self._start(number, row, state), EpisodeStep(0, state, None, 0.0))
+        start = self._start(number, row, state, np.asarray(to_raw_key(key)))
+        return RunningEpisode(self, start, EpisodeStep(0, state, None, 0.0))
 
     def position(self, state: State) -> Float[np.ndarray, "3"]:
         """Return the centre of the first agent's capsule [m]."""
@@ -95,11 +96,11 @@ class EpisodeRunner:
         with show_compile(name, self.env.core.progress):
             return jax.block_until_ready(program(*arguments))
 
-    def _start(self, number: int, row: int | None, state: State) -> EpisodeStart:
+    def _start(self, number: int, row: int | None, state: State, key: np.ndarray) -> EpisodeStart:
         """Describe the episode that begins in `state`, for observers."""
         instruction = get_instruction(self.env, state)
         house = self.env.bank.house_ids[int(state.world.house)]
-        return EpisodeStart(number, row, house, instruction.task, instruction.text, instruction.path_length)
+        return EpisodeStart(number, row, house, instruction.task, instruction.text, instruction.path_length, key)
 
 
 class RunningEpisode:

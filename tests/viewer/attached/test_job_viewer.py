@@ -1,5 +1,6 @@
 """Viewers of running jobs: what they show, and that they take nothing without a page."""
 
+import dataclasses
 import io
 import json
 import time
@@ -124,3 +125,28 @@ def test_an_environment_opens_itself_and_a_notebook_shows_it(env):
     assert not viewer._thread.is_alive()
     with pytest.raises(OSError, match="refused"):
         connect(viewer.address.replace("http", "ws") + "live")
+
+
+def test_ids_and_path_are_those_of_the_watched_house():
+    """Nobody tells a viewer of a batch where episodes begin: overlays of the first house stayed."""
+    houses = [shoebox(furniture=(Furniture((x, 0.5)),)) for x in (1.0, -1.0)]
+    bank = HouseBank.from_compiled([dataclasses.replace(house, id=f"box {n}") for n, house in enumerate(houses)])
+    env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic")
+    one = [jax.jit(env.core.reset)(env.params, jax.random.key(house), house) for house in (0, 1)]
+    viewer = JobViewer(ViewOptions(port=0, picture=OPTIONS), lambda line: None)
+    viewer._budget.share = 1e9
+    viewer.on_run_start(RunStart("ppo", env, "steps", 100))
+    viewer.overlays.is_shown["object ids"] = True
+
+    def labels() -> list[float]:
+        return [float(handle.position[0]) for handle in viewer.overlays._layers["object ids"]]
+
+    with connect(f"ws://localhost:{viewer.server.port}/live"):
+        viewer.on_states(jax.tree.map(lambda *x: jnp.stack(x), *one))
+        assert labels() == pytest.approx([1.0])
+        viewer.watch(1)
+        assert labels() == pytest.approx([-1.0])
+        assert np.allclose(viewer.overlays._path, viewer.overlays._path[0])  # no line from one house to the other
+        viewer.on_states(jax.tree.map(lambda *x: jnp.stack(x), *one[::-1]))  # the watched one is reset in another house
+        assert labels() == pytest.approx([1.0])
+    viewer.close()

@@ -56,3 +56,27 @@ def test_a_slow_picture_is_refined_once_nothing_moves(server: ViewServer, monkey
     shown.refine()
     shown.refine()
     assert sizes() == [64, 64, 16, 64]
+
+
+def test_the_first_picture_of_another_agent_compiles_in_a_thread(server: ViewServer, monkeypatch):
+    bank = HouseBank.from_compiled([shoebox()])
+    env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic", num_agents=2)
+    state = jax.jit(env.core.reset)(env.params, jax.random.key(0))
+    sent = []
+    monkeypatch.setattr(Channel, "pages", (1, 2))
+    monkeypatch.setattr(Channel, "num_pages", 2)
+    monkeypatch.setattr(server.live, "publish", lambda message, pages=None: sent.append((type(message), pages)))
+    shown = broadcast.Broadcast(server, SceneTree(server.scene, lambda group, index: None), PictureOptions(size=16))
+    shown.agent_of, shown.adapts = lambda page: page - 1, True
+    shown.env, shown.step, shown._camera = env, EpisodeStep(5, state, None, 0.0), LiveCamera(env)
+    shown._cameras = {0: shown._camera}
+
+    def pictures() -> list:
+        return [pages for kind, pages in sent if kind is bytes]
+
+    shown.draw()
+    assert pictures() == [[1]]
+    shown._cameras[1]._thread.join()
+    shown.refine()
+    shown.refine()
+    assert pictures() == [[1], [1], [2]]

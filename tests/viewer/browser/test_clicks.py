@@ -13,7 +13,7 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.schema.categories import fine_index
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.base.state import State
-from home_mjx.viewer.browser.clicks import describe_condition, find_switch, toggle_switch
+from home_mjx.viewer.browser.clicks import ObjectConditions, find_switch, toggle_switch
 from home_mjx.viewer.browser.live_overlays import DARK_COLOUR, LAMP_REACH, LIT_COLOUR, LiveLines
 from home_mjx.viewer.browser.object_card import format_card
 from home_mjx.viewer.browser.scene.house_layers import distance_points
@@ -43,9 +43,10 @@ def state(env) -> State:
 def cards(env, state: State) -> dict[int, str]:
     """Return the cards of all objects by id."""
     moving = jax.tree.map(np.asarray, env.core.snapshot(env.params, state).scene.moving)
+    conditions = ObjectConditions(env)
 
     def card(group: InstanceGroup, n: int) -> str:
-        return format_card(env.bank, 0, group, n, describe_condition(env, state, group, n))
+        return format_card(env.bank, 0, group, n, conditions.describe(state, group, n))
 
     groups = HouseScene(env.bank, 0, moving).groups
     return {int(group.objects[n]): card(group, n) for group in groups for n in range(len(group.entries))}
