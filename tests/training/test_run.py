@@ -4,7 +4,7 @@ import contextlib
 import dataclasses
 import json
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import jax
@@ -42,8 +42,8 @@ class Counter(PPO):
 
     broken_after = 1000
 
-    def __init__(self, core: object, config: PPOConfig) -> None:
-        self.config, self.sharding = config, EnvSharding(make_mesh(jax.devices()[:1]))
+    def __init__(self, core: object, config: PPOConfig, devices: Sequence[object]) -> None:
+        self.config, self.sharding = config, EnvSharding(make_mesh(list(devices)[:1]))
         self.update = jax.jit(self._counted)
 
     def lower(self, params: object) -> tuple[object, object]:
@@ -253,7 +253,7 @@ def test_a_finished_run_goes_on_to_nothing(tmp_path: Path):
 
 def test_a_state_of_other_parts_is_not_gone_on_with(tmp_path: Path):
     train(tmp_path)
-    state = Counter(None, SMALL).init(None, None)
+    state = Counter(None, SMALL, jax.devices()).init(None, None)
     save_checkpoint(tmp_path / "checkpoint.npz", state.replace(net={"count": jnp.zeros(5)}, updates=3), CONFIG)
     with pytest.raises(DatasetError, match="expected float32"):
         train(tmp_path, resume=True)
