@@ -12,10 +12,16 @@ from home_mjx.errors import ConfigError, install_hint
 if TYPE_CHECKING:
     from home_mjx.training.trajectories.reader import Trajectories, Trajectory
     from home_mjx.training.trajectories.recording import record
+    from home_mjx.training.trajectories.writer import TrajectoryWriter
 
-__all__ = ["Trajectories", "Trajectory", "record"]
+__all__ = ["Trajectories", "Trajectory", "TrajectoryWriter", "record"]
 
-_MODULES = {"Trajectories": "reader", "Trajectory": "reader", "record": "recording"}
+_MODULES = {
+    "Trajectories": "reader",
+    "Trajectory": "reader",
+    "TrajectoryWriter": "writer",
+    "record": "recording",
+}
 
 
 def __getattr__(name: str) -> Any:

@@ -35,6 +35,7 @@ class BackgroundViewer:
         single = Env(getattr(env.core, "core", env.core), env.params, env.spec)
         self.viewer = Viewer(single, options)
         self.address = self.viewer.server.address
+        self._is_closed = False
         self._thread = threading.Thread(target=self.viewer.run, name="home-mjx viewer", daemon=True)
         self._thread.start()
 
@@ -54,10 +55,13 @@ class BackgroundViewer:
 
     def close(self) -> None:
         """Stop the viewer; a second call does nothing."""
+        if self._is_closed:
+            return
+        self._is_closed = True
         if self._thread.is_alive():
             self.viewer.stop()
             self._thread.join(JOIN_SECONDS)
-            self.viewer.close()
+        self.viewer.close()
 
 
 def view(env: Env[Any], **options: Any) -> BackgroundViewer:

@@ -103,6 +103,7 @@ class Broadcast(Observer):
         if not is_first:  # that compiled
             self._pace.record(options.size, self.picture_seconds)
         pages = self._pages_by_agent()
+        self._late.clear()  # of agents whose pages were closed
         self.server.live.publish(self._picture, pages.pop(0, ()) if pages else None)
         for agent, others in pages.items():
             self._draw_other(agent, others, options)
@@ -127,7 +128,6 @@ class Broadcast(Observer):
         if self.adapts and not camera.is_ready(options):  # the program of the whole size serves until then
             camera.prepare(self.step.state, options)
             options = self.options
-        self._late.discard(agent)
         if self.adapts and not camera.is_ready(options):
             self._late.add(agent)
             return

@@ -12,8 +12,8 @@ from home_mjx.core.progress import say
 from home_mjx.errors import HomeMjxError
 from home_mjx.tasks.env.observers import EpisodeResult, EpisodeStart, EpisodeStep, Observer, RunStart
 from home_mjx.tasks.experts.expert_observation import EXPERT, ExpertObservationEnv
+from home_mjx.training.trajectories import TrajectoryWriter
 from home_mjx.training.trajectories.minari_format import RESET_KEY, ROW
-from home_mjx.training.trajectories.writer import TrajectoryWriter
 
 EDITED, LEFT = "edited", "left_early"  # notes of episodes that a person changed by a click, or ended
 
@@ -46,7 +46,10 @@ class TrajectoryObserver(Observer):
 
     def on_run_start(self, start: RunStart) -> None:
         """Open the data set of an environment and its agent, after that of the one before is closed."""
-        self.close()
+        try:
+            self.close()
+        except HomeMjxError as error:
+            self._print(f"not all episodes are recorded: {error}")
         env, is_first, self._has_run = start.env, not self._has_run, True
         assert env is not None
         name = env.spec.id if env.spec is not None else type(env.task).__name__
@@ -55,7 +58,7 @@ class TrajectoryObserver(Observer):
         try:
             writer = TrajectoryWriter(self.path, env, start.name, self._omit, resume=True)
             self._writer = self._open.enter_context(writer)
-        except HomeMjxError as error:
+        except (HomeMjxError, OSError) as error:
             if is_first:
                 raise
             self._print(f"nothing is recorded: {error}")
@@ -79,12 +82,12 @@ class TrajectoryObserver(Observer):
         self._finish()
 
     def close(self) -> None:
-        """Write the current episode, and close the data set."""
+        """Write the current episode, and close the data set; raise `HomeMjxError` if not all could be written."""
         self._finish()
-        if self._writer is not None:
-            self._print(f"{self._writer.episodes} episodes, {self._writer.steps} steps in {self.path}")
-        self._writer = None
+        writer, self._writer = self._writer, None
         self._open.close()
+        if writer is not None:
+            self._print(f"{writer.episodes} episodes, {writer.steps} steps in {self.path}")
 
     def _read(self, step: EpisodeStep) -> dict[str, Any]:
         """Return what a data set has of a step, as NumPy arrays."""

@@ -44,6 +44,7 @@ def export_episode(
 
     Raises:
         HomeMjxError: The film cannot be written, such as on a full disk.
+        OSError: The page cannot be written.
         DatasetError: The replay is of another environment.
     """
     track, blank, name = replay.tracks[number], blank_state(env), f"{NAME}_{number + 1}"
@@ -93,7 +94,7 @@ class ExportButtons:
         try:
             content = export_episode(session.env, session.replay, number, suffix, on_progress=show)
             client.send_file_download(f"{NAME}_{number + 1}{suffix}", content, save_immediately=True)
-        except HomeMjxError as error:
+        except (HomeMjxError, OSError) as error:  # such as of a full disk
             self._on_error(str(error))
         finally:
             self._button.label, self._button.disabled = idle, False

@@ -80,3 +80,23 @@ def test_the_first_picture_of_another_agent_compiles_in_a_thread(server: ViewSer
     shown.refine()
     shown.refine()
     assert pictures() == [[1], [1], [2]]
+
+
+def test_an_agent_whose_page_is_closed_while_its_program_compiles_is_not_drawn_again(server: ViewServer, monkeypatch):
+    bank = HouseBank.from_compiled([shoebox()])
+    env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic", num_agents=2)
+    state, sent = jax.jit(env.core.reset)(env.params, jax.random.key(0)), []
+    monkeypatch.setattr(Channel, "pages", (1, 2))
+    monkeypatch.setattr(Channel, "num_pages", 2)
+    monkeypatch.setattr(server.live, "publish", lambda message, pages=None: sent.append(type(message)))
+    shown = broadcast.Broadcast(server, SceneTree(server.scene, lambda group, index: None), PictureOptions(size=16))
+    shown.agent_of, shown.adapts = lambda page: page - 1, True
+    shown.env, shown.step, shown._camera = env, EpisodeStep(5, state, None, 0.0), LiveCamera(env)
+    shown._cameras = {0: shown._camera}
+    shown.draw()
+    monkeypatch.setattr(Channel, "pages", (1,))
+    shown._cameras[1]._thread.join()
+    shown.refine()
+    drawn = sent.count(bytes)
+    shown.refine()
+    assert sent.count(bytes) == drawn <= 2
