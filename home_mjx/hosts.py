@@ -19,7 +19,7 @@ from jax.experimental import multihost_utils
 from home_mjx.errors import ConfigError
 
 AUTO = "auto"  # coordinator that is found in the variables of a cluster, such as SLURM's
-HEARTBEAT_SECONDS = 60  # [s] without a sign of life after which the processes of a lost host end
+HEARTBEAT_SECONDS = 60  # [s] after which the processes beside a lost host, or one that ended by an error, end
 CONNECT_SECONDS = 300  # [s] in which all processes must have connected
 
 T = TypeVar("T")
@@ -30,25 +30,32 @@ def connect(
 ) -> None:
     """Connect this process with the others, before the first use of JAX's devices; waits until all are there.
 
-    If a process ends early, the others end with an error after `HEARTBEAT_SECONDS`.
+    If a process ends early, the others end with an error after `HEARTBEAT_SECONDS`. If one does not connect in time,
+    JAX ends the others at once with SIGABRT.
 
     Args:
         coordinator: Address `HOST:PORT` of process 0, which listens there; "auto": from the variables of SLURM, Open
-            MPI or another cluster that JAX knows, which have the two numbers as well.
+            MPI or another cluster that JAX knows, which have the two numbers as well. Each process then has the GPU of
+            its local index there; else it has all GPUs of its host.
         num_processes: Number of processes.
         process: Index of this process, from 0.
         seconds: Maximum time to wait for the others [s].
 
     Raises:
-        ConfigError: An argument is missing or wrong, no cluster is found, or the others do not connect in time.
+        ConfigError: An argument is missing or wrong, or no cluster is found.
     """
     if coordinator == AUTO:
         given: dict[str, Any] = {}
     else:
         _check_address(coordinator, num_processes, process)
         given = {"coordinator_address": coordinator, "num_processes": num_processes, "process_id": process}
+        given["cluster_detection_method"] = "deactivate"  # which would leave each process one GPU under SLURM
+    waits: dict[str, Any] = {
+        "heartbeat_timeout_seconds": HEARTBEAT_SECONDS,
+        "shutdown_timeout_seconds": HEARTBEAT_SECONDS,
+    }
     try:
-        jax.distributed.initialize(**given, initialization_timeout=seconds, heartbeat_timeout_seconds=HEARTBEAT_SECONDS)
+        jax.distributed.initialize(**given, **waits, initialization_timeout=seconds)
     except (RuntimeError, ValueError) as error:
         hint = "Pass --coordinator HOST:PORT, --processes and --process; or start by srun with --coordinator auto."
         raise ConfigError(f"cannot connect the processes: {error}", hint=hint) from error

@@ -110,6 +110,7 @@ def train(
             if stage is not stages[-1]:
                 save_net(out / CLONED_FILE, net, config)
     save_net(out / AGENT_FILE, net, config)
+    agree(np.int32(0))  # the others wait for the leader's last file
     return stages[-1].ppo
 
 
@@ -343,7 +344,8 @@ def evaluate_checkpoint(
 def _kinds(env: Env[HouseholdEnv], results: Mapping[str, np.ndarray]) -> dict[str, Any]:
     """Return `kinds`, the ends of episodes by kind of instruction; nothing for tasks without instructions."""
     tasks = env.params.tasks
-    tokens = tasks.rows.columns["tokens"] if isinstance(tasks, TaskBank) else np.zeros((0, 0))
+    has_kinds = isinstance(tasks, TaskBank) and "stage" in results
+    tokens = tasks.rows.columns["tokens"] if has_kinds else np.zeros((0, 0))
     return {"kinds": failures_by_kind(results, np.asarray(tokens))} if np.any(tokens) else {}
 
 

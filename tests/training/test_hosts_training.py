@@ -47,6 +47,8 @@ def test_two_processes_train_as_two_devices_and_resume_after_a_kill(tmp_path: Pa
     processes = start_two(killed)
     while not (killed / "checkpoint.npz").exists() and processes[0].poll() is None:
         time.sleep(0.05)
+    assert (killed / "checkpoint.npz").exists()
+    assert processes[0].poll() is None, "ended before it could be killed"
     for process in processes[::-1]:  # a host is lost, and with it the run
         process.kill()
         process.communicate()

@@ -107,7 +107,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
     error, near = jnp.where(waits, IDLE_TURN, error), near | waits
     error = choose_clear_turns(snapshot, error)
     if teaches and config.discrete is not None:
-        error = jnp.where(near | busy, error, _without_small_turns(snapshot, config.discrete, error))
+        error = jnp.where(near | busy, error, without_small_turns(config, snapshot.action, error))
     actions = to_actions(config, error, tilt, near, stop, looks_first=teaches)
     actions = add_hand_commands(config, actions, grip, stands & is_aimed(config, grip))
     faces = jnp.where(
@@ -117,13 +117,22 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
     return insert_words(snapshot, state, values, actions)
 
 
-def _without_small_turns(snapshot: Snapshot, moves: DiscreteActions, error: Float[Array, " a"]) -> Float[Array, " a"]:
+def without_small_turns(
+    config: EnvConfig, action: Float[Array, "a n"], error: Float[Array, " a"]
+) -> Float[Array, " a"]:
     """Return turns to the left [rad], 0 where less than `MIN_TURN_STEPS` steps are left and none has just been taken.
 
     Agents thus walk on after a step that bends the path a little, and finish the turns that they have begun.
+
+    Args:
+        config: Options of the environment, with discrete actions.
+        action: Last action of each agent, by `action_names`.
+        error: Turns to the left [rad].
     """
-    names, least = action_names(snapshot.config), jnp.float32(MIN_TURN_STEPS * math.radians(moves.turn_angle))
-    went = snapshot.action[:, names.index("turn_left")] - snapshot.action[:, names.index("turn_right")]
+    moves = config.discrete
+    assert moves is not None
+    names, least = action_names(config), jnp.float32(MIN_TURN_STEPS * math.radians(moves.turn_angle))
+    went = action[:, names.index("turn_left")] - action[:, names.index("turn_right")]
     return jnp.where((jnp.abs(error) < least) & (went * jnp.sign(error) <= 0), 0.0, error)
 
 

@@ -11,7 +11,8 @@ import home_mjx
 from home_mjx.errors import ConfigError
 from home_mjx.physics import PhysicsConfig
 from home_mjx.tasks import AutoReset, EnvConfig, ExpertObservationEnv, Task, add_expert, expert_action
-from home_mjx.tasks.experts.path_follower import should_wait, to_actions
+from home_mjx.tasks.env.actions import action_names
+from home_mjx.tasks.experts.path_follower import should_wait, to_actions, without_small_turns
 from home_mjx.tasks.rules.enums import NUM_DESCRIPTORS, SUCCESS, Feature
 from home_mjx.tasks.rules.packing import pack_program
 from home_mjx.tasks.rules.program import Condition, Selector, TaskStage, Transition
@@ -103,3 +104,14 @@ def test_an_expert_finds_points(generated_bank, options: dict):
     assert found["success"].mean() >= 0.95
     assert found["spl"][found["success"] > 0].mean() >= 0.9
     assert chance["success"].mean() < 0.5
+
+
+def test_teachers_begin_no_small_turn_and_finish_those_that_they_have_begun():
+    """One turn is 10 degrees; below 15 none begins."""
+    config = EnvConfig(actions="discrete")
+    left, right, rest = (np.eye(len(action_names(config)))[config.action_names.index(name)] for name in
+                         ("turn_left", "turn_right", "move_forward"))  # fmt: skip
+    last = jnp.array([rest, left, right, rest, right, left, rest, rest], jnp.float32)
+    asked = jnp.deg2rad(jnp.array([12.0, 12, 12, -12, -12, -12, 16, -16]))
+    kept = jnp.deg2rad(jnp.array([0.0, 12, 0, 0, -12, 0, 16, -16]))
+    np.testing.assert_allclose(without_small_turns(config, last, asked), kept)
