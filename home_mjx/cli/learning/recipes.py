@@ -162,8 +162,8 @@ def recipe_name(argv: list[str]) -> str | None:
 def changed_options(args: argparse.Namespace, recipe: Recipe, add_arguments: Callable[[Any], None]) -> Iterator[str]:
     """Yield a line for each option of `args` that differs from its value in the recipe.
 
-    `add_arguments` adds the arguments to a parser. `out`, `resume`, `modules`, `observers` and those
-    of several processes are not compared.
+    `add_arguments` adds the arguments to a parser. `out`, `resume`, `modules`, `observers` and those of several
+    processes are not compared.
     """
     parser = Parser()
     add_arguments(parser)

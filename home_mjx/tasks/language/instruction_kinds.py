@@ -45,7 +45,7 @@ def _tests() -> dict[str, Callable[[Words], bool]]:
     """Return the test of each kind on the words of an instruction, in the order of tables."""
     names = {kind: {to_word(name) for name in vocabularies()[column]} for kind, column in DESCRIBED.items()}
 
-    def told(words: Words) -> int:
+    def num_attributes(words: Words) -> int:
         """Count the attributes in an instruction."""
         return sum(word in known for known in names.values() for word in words)
 
@@ -54,11 +54,11 @@ def _tests() -> dict[str, Callable[[Words], bool]]:
         tests[f"{count} part{'s' * (count > 1)}"] = lambda words, count=count: _num_parts(words) == count
     for order in ORDER_WORDS:
         tests[f"`{order}`"] = lambda words, order=order: order in words
-    tests["a name"] = lambda words: not told(words)
+    tests["a name"] = lambda words: not num_attributes(words)
     for kind, known in names.items():
         tests[kind] = lambda words, known=known: any(word in known for word in words)
     for count in (1, 2, 3, 4):
-        tests[f"{count} attribute{'s' * (count > 1)}"] = lambda words, count=count: told(words) == count
+        tests[f"{count} attribute{'s' * (count > 1)}"] = lambda words, count=count: num_attributes(words) == count
     return tests
 
 
@@ -74,7 +74,7 @@ def failures_by_kind(results: Mapping[str, np.ndarray], tokens: Int[np.ndarray, 
     `begun` is the fraction of all episodes in which a part was done, but not the last.
 
     Args:
-        results: Metrics of each episode, with `stage` and `success`; episode i is of row i, cyclically.
+        results: Metrics of each episode, with `stage`; episode i is of row i, cyclically.
         tokens: Instructions of the rows.
 
     Example:

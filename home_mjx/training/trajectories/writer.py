@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from home_mjx.core.files import write_error
+from home_mjx.core.files import convert_write_errors, write_error
 from home_mjx.errors import ConfigError
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -48,7 +48,8 @@ class TrajectoryWriter:
         steps: Number of steps, including those of earlier runs.
 
     Raises:
-        ConfigError: The folder contains a dataset and `resume` is False, or a dataset of other observations or actions.
+        ConfigError: The folder contains a dataset and `resume` is False, or a dataset of other observations or actions;
+            or it cannot be written to.
         DatasetError: Metadata of the dataset to resume are broken.
     """
 
@@ -60,8 +61,9 @@ class TrajectoryWriter:
         self.episodes = self.steps = 0
         if (self.data / METADATA_FILE).exists():
             self._resume(resume)
-        self.data.mkdir(parents=True, exist_ok=True)
-        self._remove_incomplete()
+        with convert_write_errors("a dataset of trajectories", folder):
+            self.data.mkdir(parents=True, exist_ok=True)
+            self._remove_incomplete()
         self._pool, self._waiting = ThreadPoolExecutor(NUM_WRITER_THREADS), []
 
     def __enter__(self) -> "TrajectoryWriter":

@@ -129,7 +129,7 @@ class JobViewer(Observer):
         """Send scene, picture, overlays and figures of a step."""
         house, last = int(step.state.world.house), self._shown
         if last is not None and (last[:2] != (self.watched, house) or step.index < last[2]):
-            self.overlays.clear()  # nobody tells where episodes of a batch begin
+            self.overlays.clear()  # observers of a batch get no event when an episode begins
         self._shown = self.watched, house, step.index
         self.overlays.on_episode_step(step)
         self.broadcast.on_episode_step(step)

@@ -128,9 +128,9 @@ class Broadcast(Observer):
         if self.adapts and not camera.is_ready(options):  # the program of the whole size serves until then
             camera.prepare(self.step.state, options)
             options = self.options
-        if self.adapts and not camera.is_ready(options):
-            self._late.add(agent)
-            return
+            if not camera.is_ready(options):
+                self._late.add(agent)
+                return
         self.server.live.publish(encode_jpeg(camera.capture(self.step.state, options)), pages)
 
     def _publish_sound(self, frame: Any) -> None:

@@ -66,7 +66,7 @@ class Overlays(Observer):
         self.clear()
 
     def clear(self) -> None:
-        """Forget path, shortest path, distances and ids, as another episode or house is shown."""
+        """Clear path, shortest path, distances and ids, before another episode or house is shown."""
         self._path, self._is_new = [], True
         for name in (DISTANCES, IDS):
             self._remove(name)

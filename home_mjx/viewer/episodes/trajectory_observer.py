@@ -58,7 +58,7 @@ class TrajectoryObserver(Observer):
         try:
             writer = TrajectoryWriter(self.path, env, start.name, self._omit, resume=True)
             self._writer = self._open.enter_context(writer)
-        except (HomeMjxError, OSError) as error:
+        except HomeMjxError as error:
             if is_first:
                 raise
             self._print(f"nothing is recorded: {error}")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import jax
 
+from home_mjx.core.files import convert_write_errors
 from home_mjx.errors import HomeMjxError
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.household import HouseholdEnv
@@ -43,13 +44,16 @@ def export_episode(
         on_progress: Callback with the part of the steps that is done, from 0 to 1.
 
     Raises:
-        HomeMjxError: The film cannot be written, such as on a full disk.
-        OSError: The page cannot be written.
+        HomeMjxError: The file cannot be written, such as on a full disk.
         DatasetError: The replay is of another environment.
     """
     track, blank, name = replay.tracks[number], blank_state(env), f"{NAME}_{number + 1}"
     observer: Observer = PageRecorder(name, shots) if suffix == ".html" else FilmObserver(shots or ShotCache(), name)
-    with ObserverGroup((observer,)) as group, tempfile.TemporaryDirectory(prefix="home_mjx_export_") as folder:
+    with (
+        convert_write_errors("an export", Path(tempfile.gettempdir())),
+        ObserverGroup((observer,)) as group,
+        tempfile.TemporaryDirectory(prefix="home_mjx_export_") as folder,
+    ):
         group.on_run_start(RunStart(replay.agent, env, "episodes", 1))
         group.on_episode_start(episode_start(track, number))
         for index in range(track.num_steps + 1):
@@ -94,7 +98,7 @@ class ExportButtons:
         try:
             content = export_episode(session.env, session.replay, number, suffix, on_progress=show)
             client.send_file_download(f"{NAME}_{number + 1}{suffix}", content, save_immediately=True)
-        except (HomeMjxError, OSError) as error:  # such as of a full disk
+        except HomeMjxError as error:
             self._on_error(str(error))
         finally:
             self._button.label, self._button.disabled = idle, False

@@ -1,7 +1,7 @@
 """Pictures of a broadcast without a page: smaller while they move and are slow, whole once they rest."""
 
 import io
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 
 import jax
@@ -58,11 +58,12 @@ def test_a_slow_picture_is_refined_once_nothing_moves(server: ViewServer, monkey
     assert sizes() == [64, 64, 16, 64]
 
 
-def test_the_first_picture_of_another_agent_compiles_in_a_thread(server: ViewServer, monkeypatch):
+@pytest.fixture
+def two_pages(server: ViewServer, monkeypatch) -> tuple[broadcast.Broadcast, Callable[[], list]]:
+    """A broadcast whose pages 1 and 2 show an agent each, and a function that lists the pages of its pictures."""
     bank = HouseBank.from_compiled([shoebox()])
     env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic", num_agents=2)
-    state = jax.jit(env.core.reset)(env.params, jax.random.key(0))
-    sent = []
+    state, sent = jax.jit(env.core.reset)(env.params, jax.random.key(0)), []
     monkeypatch.setattr(Channel, "pages", (1, 2))
     monkeypatch.setattr(Channel, "num_pages", 2)
     monkeypatch.setattr(server.live, "publish", lambda message, pages=None: sent.append((type(message), pages)))
@@ -70,10 +71,11 @@ def test_the_first_picture_of_another_agent_compiles_in_a_thread(server: ViewSer
     shown.agent_of, shown.adapts = lambda page: page - 1, True
     shown.env, shown.step, shown._camera = env, EpisodeStep(5, state, None, 0.0), LiveCamera(env)
     shown._cameras = {0: shown._camera}
+    return shown, lambda: [pages for kind, pages in sent if kind is bytes]
 
-    def pictures() -> list:
-        return [pages for kind, pages in sent if kind is bytes]
 
+def test_the_first_picture_of_another_agent_compiles_in_a_thread(two_pages):
+    shown, pictures = two_pages
     shown.draw()
     assert pictures() == [[1]]
     shown._cameras[1]._thread.join()
@@ -82,21 +84,12 @@ def test_the_first_picture_of_another_agent_compiles_in_a_thread(server: ViewSer
     assert pictures() == [[1], [1], [2]]
 
 
-def test_an_agent_whose_page_is_closed_while_its_program_compiles_is_not_drawn_again(server: ViewServer, monkeypatch):
-    bank = HouseBank.from_compiled([shoebox()])
-    env = home_mjx.make("PointNav-v0", bank, sensors=("state",), impl="kinematic", num_agents=2)
-    state, sent = jax.jit(env.core.reset)(env.params, jax.random.key(0)), []
-    monkeypatch.setattr(Channel, "pages", (1, 2))
-    monkeypatch.setattr(Channel, "num_pages", 2)
-    monkeypatch.setattr(server.live, "publish", lambda message, pages=None: sent.append(type(message)))
-    shown = broadcast.Broadcast(server, SceneTree(server.scene, lambda group, index: None), PictureOptions(size=16))
-    shown.agent_of, shown.adapts = lambda page: page - 1, True
-    shown.env, shown.step, shown._camera = env, EpisodeStep(5, state, None, 0.0), LiveCamera(env)
-    shown._cameras = {0: shown._camera}
+def test_an_agent_whose_page_is_closed_while_its_program_compiles_is_not_drawn_again(two_pages, monkeypatch):
+    shown, pictures = two_pages
     shown.draw()
     monkeypatch.setattr(Channel, "pages", (1,))
     shown._cameras[1]._thread.join()
     shown.refine()
-    drawn = sent.count(bytes)
+    drawn = len(pictures())
     shown.refine()
-    assert sent.count(bytes) == drawn <= 2
+    assert len(pictures()) == drawn <= 2
