@@ -60,7 +60,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     A `HomeMjxError` or `OSError` ends with one message on stderr and code 2, as does a lack of memory; with `--debug`
     the exception is raised. Other exceptions come through, and `--help` and `--version` raise `SystemExit`. No command
     prints the help, with code 2; a closed output pipe gives 0. Without `argv`, the arguments of this process are used,
-    and an interrupt ends it with code 130; with `argv`, 130 is returned.
+    and an interrupt ends it with code 130, SIGTERM with 143; with `argv`, 130 is returned.
     """
     is_process = argv is None
     argv = list(sys.argv[1:] if argv is None else argv)
@@ -68,9 +68,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         if is_process:
             watch_interrupts()
         return _dispatch(argv)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
         if is_process:
-            exit_interrupted()  # before Python destroys half-built JAX objects
+            exit_interrupted(*interrupt.args)  # before Python destroys half-built JAX objects
         sys.stderr.write("home-mjx: interrupted\n")
         return EXIT_INTERRUPTED
     except BrokenPipeError:

@@ -1,4 +1,4 @@
-"""Ctrl-C: code 130 and one line within seconds, at any instant."""
+"""Ctrl-C and SIGTERM: code 130 or 143 and one line within seconds, at any instant."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from processes import processes_of, wait_for
 STUCK = "hashlib.pbkdf2_hmac('sha256', b'', b'', 10**9)"
 START = "import hashlib, time; from home_mjx.cli.interrupts import watch_interrupts; watch_interrupts()\n"
 SECONDS = 10  # a command ends in less
-LINE = "home-mjx: interrupted\n"
+LINES = {signal.SIGINT: "home-mjx: interrupted\n", signal.SIGTERM: "home-mjx: terminated\n"}
 
 
 def started(folder: Path, program: str) -> subprocess.Popen:
@@ -34,12 +34,13 @@ def interrupt(process: subprocess.Popen) -> None:
     os.killpg(process.pid, signal.SIGINT)
 
 
-def assert_ends(process: subprocess.Popen, folder: Path) -> None:
+def assert_ends(process: subprocess.Popen, folder: Path, number: int = signal.SIGINT) -> None:
+    line = LINES[signal.Signals(number)]
     try:
-        assert process.wait(SECONDS) == 130
+        assert process.wait(SECONDS) == 128 + number
         err = (folder / "err").read_text()
-        assert err.endswith(LINE)
-        assert err.count(LINE) == 1
+        assert err.endswith(line)
+        assert err.count(line) == 1
         assert "Traceback" not in err
     finally:
         process.kill()
@@ -70,6 +71,20 @@ def test_a_second_interrupt_ends_what_cleans_up_after_the_first(tmp_path: Path):
     assert process.poll() is None
     interrupt(process)
     assert_ends(process, tmp_path)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_open_work_is_completed_before_a_command_ends(tmp_path: Path, number: int):
+    """SIGTERM ended the process at once, and the open episode of a recording was lost."""
+    command = "def run(argv):\n    try:\n        print('ready', flush=True); time.sleep(600)\n"
+    close = "    finally:\n        print('closed', flush=True)\n"
+    program = f"import sys, time, home_mjx.cli as cli\n{command}{close}cli._dispatch = run; sys.exit(cli.main())"
+    process = started(tmp_path, program)
+    wait_until_ready(process)
+    os.kill(process.pid, number)
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"closed\n"
+    assert_ends(process, tmp_path, number)
 
 
 def test_an_ignored_interrupt_stays_ignored(tmp_path: Path):

@@ -8,6 +8,7 @@ from typing import Any
 from home_mjx.cli.houses import add_dataset_option
 from home_mjx.cli.output import make_folder
 from home_mjx.cli.parsing import house_count_type, parse_path, parse_seed, positive_int_type
+from home_mjx.core.progress import plural
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     `--out` is the path of a folder (`demo`), and `--dataset` is as in `add_dataset_option`. Whole numbers from 1 are
     `--houses` (8), `--envs` (8) and `--steps` (150, of 0.1 s each). `--seed` is from 0 to 2**32 - 1 (12, which shows
-    stairs and two searches that succeed).
+    stairs and a search that succeeds).
     """
     parser.add_argument("--out", type=parse_path, default=Path("demo"), help="folder for the files (default: demo)")
     add_dataset_option(parser)
@@ -65,6 +66,6 @@ def _film_line(out: Path, search: list[dict[str, Any]] | str) -> str:
         return f"No film: {search}"
     found, clips = sum(one["success"] > 0 for one in search), ", ".join(one["clip"] for one in search)
     return (
-        f"Watch   {out / 'search.mp4'} (a trained agent finds {found} of {len(search)} sounds that it never heard: "
+        f"Watch   {out / 'search.mp4'} (a trained agent finds {found} of {plural(len(search), 'unheard sound')}: "
         f"{clips}; with its binaural sound)"
     )
