@@ -144,8 +144,7 @@ def selected_houses(args: argparse.Namespace) -> "HouseSet":
 def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
     """Return the dataset and the id of the selected house, by default the dataset's first.
 
-    A name such as `procedural:1?seed=40` selects the first of its houses. Such a default house is generated if it is
-    not on disk yet. A given id is not checked.
+    A name such as `procedural:1?seed=40` selects the first of its houses. A given id is not checked.
 
     Raises:
         DatasetError: The dataset cannot be read.
@@ -156,10 +155,7 @@ def selected_house(args: argparse.Namespace) -> tuple["Dataset", str]:
         hint = f"Pass one of its houses: HOUSE --dataset {args.house}"
         raise ConfigError(f"expected the id of a house, got the root of a dataset `{args.house}`", hint=hint)
     dataset = open_selected_dataset(args)
-    house_id = dataset.house_ids[0] if args.house is None or is_named else args.house
-    if args.house is None or is_named:
-        dataset.prepare((house_id,), is_progress_shown())
-    return dataset, house_id
+    return dataset, dataset.house_ids[0] if args.house is None or is_named else args.house
 
 
 def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
@@ -168,6 +164,7 @@ def load_house(args: argparse.Namespace) -> tuple["House", "Metadata"]:
     Errors are those of `selected_house`, and `DatasetError` if the house is unknown or broken.
     """
     dataset, house_id = selected_house(args)
+    dataset.prepare((house_id,), is_progress_shown())
     options = read_options(args)
     return dataset.load_house(house_id, options), dataset.metadata_for(options)
 
@@ -177,6 +174,7 @@ def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
 
     Errors are those of `selected_house`, and `DatasetError` if the house is unknown or broken.
     """
-    from home_mjx.houses.house_cache import load_compiled
+    from home_mjx.houses.house_set import HouseSet
 
-    return load_compiled(*selected_house(args), options=compile_options(args))
+    dataset, house_id = selected_house(args)
+    return HouseSet(dataset, (house_id,), options=compile_options(args)).load()[0]

@@ -64,7 +64,7 @@ def write_contact_sheet(env: Env[HouseholdEnv], walk: WalkRecord, folder: Path) 
         plans = _draw_plans(env, state, paths[:, i], walk.sources[i])
         house = int(state.world.house)
         caption = f"home {house}: view of an agent on its way to the farthest goal; inset: what it observes"
-        names = [f"storey {level + 1}" for level in range(len(plans))]
+        names = [f"storey {level}" for level in range(len(plans))]
         names[-1] += PLAN_LEGEND
         rows.append([pictures.add_caption(view, caption), pictures.add_caption(_sensors(env, obs), "depth, category")])
         rows[-1] += [pictures.add_caption(plan, name) for plan, name in zip(plans, names, strict=True)]
