@@ -14,6 +14,7 @@ from home_mjx.geometry.slabs import simplify, triangulate
 from home_mjx.scene_compile.mjcf.room_file import room_file
 from home_mjx.schema.categories import FINE
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+from home_mjx.schema.lighting import LUMENS_PER_WATT
 from home_mjx.schema.semantic import Semantic
 
 SLOPE = 0.7  # maximum vertical component of the unit normals of walls
@@ -58,9 +59,26 @@ def write_usd(house: CompiledHouse, path: Path) -> Path:
                 f"rel material:binding = </material{row}>\n}}\n"
             )
         lines.append("}\n")
+    lines += [_usd_light(house, row) for row in range(len(house.lights.instance))]
     path.with_suffix(".rooms.json").write_bytes(room_file(house, has_objects=False))
     path.write_text("".join(lines) + "".join(_usd_material(house, row, path.parent) for row in sorted(used)))
     return path
+
+
+def _usd_light(house: CompiledHouse, row: int) -> str:
+    """Return a lamp as a `SphereLight`; "" for daylight."""
+    table = house.lights
+    peak = float(table.intensity[row].max())
+    if table.daylight[row] or not peak:
+        return ""
+    place = transform(house.instances.pose[table.instance[row]].astype(float), table.pos[row].astype(float))
+    return (
+        f'def SphereLight "lamp{row}" {{\nbool inputs:normalize = true\n'
+        f"float inputs:intensity = {4 * peak * LUMENS_PER_WATT}\n"
+        f"color3f inputs:color = {tuple((table.intensity[row] / peak).tolist())}\n"
+        f"double3 xformOp:translate = {tuple(place.tolist())}\n"
+        'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'
+    )
 
 
 def _usd_material(house: CompiledHouse, row: int, folder: Path) -> str:

@@ -5,8 +5,7 @@ python scripts/format_pictures.py [--out docs/images] [--samples 9] [--others]
 All houses may be published: generated homes, as they are, as SUNCG's files, and exported to glTF, MJCF and Habitat and
 read back; and the house in ProcTHOR's format of the tests, in our furniture. The pages of glTF, MJCF and Habitat get
 views of their own, and the sheet has all of them. With `--others`, pictures of USD and 3D-FRONT are drawn instead, of
-generated homes that `format_houses.py` writes in these formats; USD needs usd-core. Only the page of 3D-FRONT shows
-its picture.
+generated homes that `format_houses.py` writes in these formats; USD needs usd-core.
 """
 
 import argparse
@@ -36,7 +35,7 @@ from home_mjx.viewer.pictures import pictures
 from home_procgen import generate_dataset
 
 ROOT = Path(__file__).resolve().parent.parent
-SEEDS = {"procedural": 3, "suncg": 11, "gltf": 20, "habitat": 42, "mjcf": 7, "usd": 13, "front": 5}
+SEEDS = {"procedural": 3, "suncg": 11, "gltf": 20, "habitat": 42, "mjcf": 7, "usd": 20, "front": 5}
 PAGES = ("gltf", "habitat", "mjcf")  # formats that have pictures of their own
 QUALITY = 80  # of JPEG
 

@@ -297,7 +297,8 @@ class HouseCache:
         self.fallbacks[house_id] = fallbacks
         self.dataset.warn_fallbacks(house_id, fallbacks)
         texture = tuple(map(self._absolute, house.materials.texture))
-        return replace(house, materials=replace(house.materials, texture=texture))
+        maps = replace(house.materials.maps, images=tuple(map(self._absolute, house.materials.maps.images)))
+        return replace(house, materials=replace(house.materials, texture=texture, maps=maps))
 
     def _compile(self, house_id: str, entry: Path, broken: bool) -> CompiledHouse:
         """Compile a house, write it to `entry`, and return it; a failed write is logged and set as `write_error`."""
@@ -333,10 +334,11 @@ class HouseCache:
             if broken or not path.is_file():
                 write_entry(path, *flatten(model))
         arrays, notes = flatten(house, skip=frozenset(("models",)))
-        paths = house.materials.texture
+        paths, images = house.materials.texture, house.materials.maps.images
         notes["materials.texture"] = [self._relative(path) for path in paths]
+        notes["materials.maps.images"] = [self._relative(path) for path in images]
         notes["texture_paths"] = {
-            self._relative(path): self._inputs.texture(path) for path in sorted(set(paths)) if path
+            self._relative(path): self._inputs.texture(path) for path in sorted({*paths, *images}) if path
         }
         notes["fallbacks"] = [asdict(item) for item in fallbacks]
         write_entry(entry, arrays, notes)

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Int
 
 from home_mjx.schema.compiled import BVH, MAX_DEPTH, CompiledHouse, Model
+from home_mjx.schema.lighting import MAP_NAMES
 
 LEAF_BITS, LEAF_MASK = 4, 15
 
@@ -46,6 +47,10 @@ def check_house(house: CompiledHouse, house_id: str) -> None:
     slots = {key: int(model.slot.max(initial=0)) for key, model in house.models.items()}
     _check_range("instances.material", instances.material, 0, rows)
     _check_range("instances.material", instances.material + np.array([slots[key] for key in instances.model]), 0, rows)
+    maps = house.materials.maps
+    _check_range("materials.maps.row", maps.row, 0, rows)
+    if len(maps.images) != len(MAP_NAMES) * len(maps.row):
+        raise ValueError(f"{len(maps.row)} rows of maps have {len(maps.images)} images")
     _check_range("instances.semantic", instances.semantic, 0, len(house.semantics))
     _check_range("instances.body", instances.body, -1, len(house.bodies.instance))
     _check_range("instances.object_id", instances.object_id, -1, 1 << 31)

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8, UInt16
 
 from home_mjx.core.named_enum import NamedIntEnum
-from home_mjx.schema.lighting import Gloss, LightTable
+from home_mjx.schema.lighting import Gloss, LightTable, MaterialMaps
 
 BANDS = (125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0)  # [Hz], octave centres
 
@@ -54,6 +54,7 @@ class MaterialTable:
     absorption: Float[np.ndarray, "r bands"]  # energy fractions per octave
     scattering: Float[np.ndarray, "r bands"]
     transmission: Float[np.ndarray, "r bands"]
+    maps: MaterialMaps = field(default_factory=MaterialMaps.empty)
 
 
 @dataclass(frozen=True)

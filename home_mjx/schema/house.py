@@ -14,6 +14,7 @@ from jaxtyping import Float, Int
 
 from home_mjx.errors import ConfigError
 from home_mjx.schema.house_html import format_house
+from home_mjx.schema.lighting import SurfaceMaps
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class Material:
     specular: tuple[float, float, float] | None = None  # linear light, `Ks`
     shininess: float | None = None  # `Ns`, Blinn-Phong exponent
     missing_file: str = ""  # name of a missing texture, or of a missing material library if it ends with `.mtl`
+    maps: SurfaceMaps | None = None  # of physically based materials
 
     @property
     def texture_name(self) -> str:

@@ -1,11 +1,13 @@
 """Lights and glossy surfaces of one house as arrays, created by `scene_compile.lighting`."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 MEAN_REFLECTANCE = 0.4  # mean diffuse reflectance of a room's surfaces
+LUMENS_PER_WATT = 683.0  # of lights in files, as of green light and as importers and exporters of glTF have it
 
 
 AMBIENT_SOURCES = ("lamps", "daylight")  # sources of ambient light
@@ -55,3 +57,39 @@ class Gloss:
     def matt(count: int) -> "Gloss":
         """Return `count` rows without specular reflection, of shininess 1."""
         return Gloss(np.zeros((count, 3)), np.ones(count), np.zeros(count, bool))
+
+
+MAP_NAMES = ("emission", "normal", "roughness", "occlusion")  # of the images of a `SurfaceMaps`
+
+
+@dataclass(frozen=True)
+class SurfaceMaps:
+    """Properties of a physically based material besides its colour, kept for renderers and exports.
+
+    Images have the texture coordinates of the colour.
+    """
+
+    emission: tuple[float, float, float] = (0.0, 0.0, 0.0)  # linear light, 1: as bright as a white display
+    metallic: float = 0.0
+    roughness: float = 1.0
+    normal_scale: float = 1.0
+    alpha_cutoff: float = -1.0  # minimum alpha of what is visible; negative: alpha is no mask
+    # Existing image files, in the order of `MAP_NAMES`. Emission is sRGB, times `emission`. Roughness is in green and
+    # metallic in blue, times the factors. Occlusion is in red.
+    images: tuple[Path | None, Path | None, Path | None, Path | None] = (None, None, None, None)
+
+
+@dataclass(frozen=True)
+class MaterialMaps:
+    """Rows of a house's material table that have `SurfaceMaps`."""
+
+    row: Int[np.ndarray, " m"]  # in the table, ascending
+    emission: Float[np.ndarray, "m 3"]  # linear light, without the image
+    glow: Float[np.ndarray, "m 3"]  # linear light, times the mean of the image
+    factors: Float[np.ndarray, "m 4"]  # metallic, roughness, scale of normals, cutoff of alpha
+    images: tuple[str, ...]  # absolute paths, one of each of `MAP_NAMES` per row; "" none
+
+    @staticmethod
+    def empty() -> "MaterialMaps":
+        """Return no rows."""
+        return MaterialMaps(np.zeros(0, np.int32), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 4)), ())

@@ -14,7 +14,7 @@ from home_mjx.datasets.gltf.decode.primitives import MeshReader
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, place_meshes
 
 COMPONENT = {"int8": 5120, "uint8": 5121, "int16": 5122, "uint16": 5123, "uint32": 5125, "float32": 5126}
-TYPE = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+TYPE = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 CUBE = np.array(  # unit cube around the origin, outwards
     [
         [[0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]],

@@ -47,10 +47,14 @@ def _uses(root: dict[str, Any]) -> Iterator[tuple[str, str, int]]:
             for index in (part["indices"], *part["attributes"].values()):
                 yield f"meshes[{i}]", "accessors", index
     for i, material in enumerate(root["materials"]):
-        texture = material["pbrMetallicRoughness"].get("baseColorTexture")
-        if texture is not None:
+        for texture in _textures(material):
             yield f"materials[{i}]", "textures", texture["index"]
     yield "scene", "scenes", root["scene"]
+
+
+def _textures(material: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the references of a material to textures."""
+    return [v for owner in (material, material["pbrMetallicRoughness"]) for k, v in owner.items() if "Texture" in k]
 
 
 def _references(root: dict[str, Any]) -> Iterator[str]:
@@ -108,8 +112,7 @@ def _meshes(root: dict[str, Any], chunk: bytes) -> Iterator[str]:
                 yield f"{place}: triangle with equal corners"
             if abs(np.linalg.norm(_values(root, chunk, names["NORMAL"]), axis=1) - 1).max() > 1e-4:
                 yield f"{place}: normal is not of unit length"
-            shade = root["materials"][part["material"]]["pbrMetallicRoughness"]
-            if ("baseColorTexture" in shade) != ("TEXCOORD_0" in names):
+            if bool(_textures(root["materials"][part["material"]])) != ("TEXCOORD_0" in names):
                 yield f"{place}: texture and coordinates do not fit"
             targets = {root["bufferViews"][root["accessors"][a]["bufferView"]].get("target") for a in names.values()}
             own = root["bufferViews"][root["accessors"][part["indices"]]["bufferView"]].get("target")
@@ -138,7 +141,8 @@ def _materials(root: dict[str, Any]) -> Iterator[str]:
     for i, material in enumerate(root["materials"]):
         shade = material["pbrMetallicRoughness"]
         values = [*shade["baseColorFactor"], shade["metallicFactor"], shade["roughnessFactor"]]
-        if len(values) != 6 or not all(0 <= value <= 1 for value in values):
+        values += material.get("emissiveFactor", [])
+        if len(values) not in (6, 9) or not all(0 <= value <= 1 for value in values):
             yield f"materials[{i}]: factor is out of range"
         if material.get("alphaMode", "OPAQUE") not in ("OPAQUE", "MASK", "BLEND"):
             yield f"materials[{i}]: unknown alpha mode"

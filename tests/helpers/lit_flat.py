@@ -28,6 +28,14 @@ def lit_bank():
     return bank.replace(bakes={"light_probes": stack_fields([record])})
 
 
+def glowing_bank():
+    """The flat with every third material emitting, each differently."""
+    bank = lit_bank()
+    rows = jnp.arange(0, bank.materials.texture.shape[0], 3, dtype=jnp.int32)[None]
+    glow = jnp.stack([rows % 5, rows % 7, rows % 3], axis=-1) / 7.0
+    return bank.replace(lights=bank.lights.replace(glowing=rows, glow=glow.astype(jnp.float32)))
+
+
 def places(bank):
     """Positions and orientations at places of the agent, and at one outdoors."""
     rng, cells = np.random.default_rng(3), np.asarray(bank.navigation.cell_coords)

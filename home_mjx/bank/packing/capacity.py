@@ -10,6 +10,7 @@ import numpy as np
 
 from home_mjx.bank.records.bank_arrays import ID_LENGTH
 from home_mjx.bank.records.declaration import Sizes
+from home_mjx.bank.records.lights import count_glowing
 from home_mjx.bank.records.owners import Counts
 from home_mjx.bank.records.switches import count_switches
 from home_mjx.errors import CapacityError
@@ -65,6 +66,7 @@ AXES: Mapping[str, CapacityAxis] = {
     "goals": CapacityAxis(lambda h: len(h.navigation.goal), 8, set_by_compiler=True),
     "rooms": CapacityAxis(lambda h: len(h.rooms.type), 16),
     "lights": CapacityAxis(lambda h: len(h.lights.instance), 16),
+    "glowing": CapacityAxis(count_glowing, 8, optional=True),
     "switches": CapacityAxis(count_switches, 8, optional=True),
     "portals": CapacityAxis(lambda h: len(h.navigation.portals.width), 16),
     "levels": CapacityAxis(lambda h: len(h.navigation.region)),

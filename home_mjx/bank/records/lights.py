@@ -3,10 +3,32 @@
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int, UInt32
 
+from home_mjx.bank.records.owners import HouseOwner
 from home_mjx.bank.records.physics import PADDING_POS
 from home_mjx.core.pytree import Pytree, array
+from home_mjx.schema.compiled import CompiledHouse
 
 PADDING_DIRECTION = np.array([0.0, 0.0, -1.0])
+
+
+def count_glowing(house: CompiledHouse) -> int:
+    """Count the materials of a house that emit."""
+    return int(_emits(house).sum())
+
+
+def glowing_rows(at: HouseOwner) -> Int[np.ndarray, " g"]:
+    """Return the rows of the bank's materials that emit."""
+    return at.start["material"] + at.house.materials.maps.row[_emits(at.house)]
+
+
+def glow_colors(at: HouseOwner) -> Float[np.ndarray, "g 3"]:
+    """Return the emission of the materials of `glowing_rows`."""
+    return at.house.materials.maps.glow[_emits(at.house)]
+
+
+def _emits(house: CompiledHouse) -> Bool[np.ndarray, " m"]:
+    """Return a mask of the rows of maps that emit."""
+    return house.materials.maps.glow.max(axis=1, initial=0) > 0
 
 
 class Lights(Pytree):
@@ -30,6 +52,8 @@ class Lights(Pytree):
     ambient: Float[Array, "h rooms_and_none 2 3"] = array(
         "[W/m^2] by room + 1 and source: lamps, daylight", source="lights.ambient"
     )
+    glowing: Int[Array, "h glowing"] = array("row of a material that emits; -1 padding", source=glowing_rows, fill=-1)
+    glow: Float[Array, "h glowing 3"] = array("linear light, 1: as bright as a white display", source=glow_colors)
 
 
 LIGHT_PROBES = "light_probes"  # name of the bake whose record is a `LightProbes`

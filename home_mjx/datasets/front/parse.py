@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from home_mjx.core.files import read_text
-from home_mjx.datasets.gltf.decode.scene import read_rotation
+from home_mjx.datasets.gltf.decode.node_matrix import read_rotation
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue, Location
 from home_mjx.schema.house import Material
 

@@ -28,7 +28,9 @@ from home_mjx.datasets.gltf.layout.room_file import UP_AXES, RoomFile, read_room
 from home_mjx.datasets.gltf.layout.rooms import find_rooms
 from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
 from home_mjx.datasets.gltf.objects import split_objects
+from home_mjx.datasets.gltf.punctual_lights import LightReader
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, ROOM_MODES, SceneDataset, scene_id
+from home_mjx.datasets.gltf.scene_lights import add_lights, floor_area, plausible_lights
 from home_mjx.errors import ConfigError, DatasetError
 from home_mjx.geometry.meshes import Z_UP
 from home_mjx.schema.house import House, Problem
@@ -154,8 +156,12 @@ class GltfDataset(SceneDataset):
         levels = parts.levels(triangles, self.wanted(objects, options))
         if not any(room.floor or room.ceiling or room.walls for level in levels for room in level.rooms):
             raise DatasetError("no triangle is in a room", file=path, hint="Correct the outlines of its room file.")
+        lights = LightReader(document)
+        found = plausible_lights(lights.read(frame), floor_area(levels), lights.notes)
+        levels = add_lights(levels, parts.models, found)
         self.warn_fallbacks(house_id, images.fallbacks)
-        problems = _problems(document, {**materials.notes, **meshes.notes}, stated, len(rooms), len(levels))
+        notes = {**materials.notes, **meshes.notes, **lights.notes}
+        problems = _problems(document, notes, stated, len(rooms), len(levels))
         return House(
             id=house_id,
             version="gltf@2.0",
@@ -188,14 +194,10 @@ def _problems(
 ) -> tuple[Problem, ...]:
     """Return the irregularities of a scene, and how its rooms were found."""
     found = [Problem(element, message) for element, message in notes.items()][:MAX_NOTES]
-    for key in ("animations", "skins"):
-        if document.items(key):
-            found.append(Problem(key, "not shown"))
+    if document.items("animations"):
+        found.append(Problem("animations", "not shown"))
     for name in sorted({str(value.data) for value in document.items("extensionsUsed")} & IGNORED_EXTENSIONS):
         found.append(Problem(f"extensionsUsed.{name}", "not kept"))
-    extensions = document.root.member("extensions")
-    if extensions.has_value and extensions.member("KHR_lights_punctual").has_value:
-        found.append(Problem("extensions.KHR_lights_punctual", "lights of scenes are not kept"))
     if not stated.rooms:
         message = f"{rooms} rooms on {levels} storeys were found from the geometry, without types"
         found.append(Problem("scenes", message))

@@ -1,16 +1,18 @@
 """Lights of a scene on its objects: each on the nearest one in the same room."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
-from home_mjx.schema.house import Level, Light, ObjectNode, Vector
+from home_mjx.schema.house import Level, Light, Mesh, ObjectNode, Vector
 
 OTHER_ROOM = 1e6  # [m], added to the distance of objects in other rooms
-ROOM_POWER = 3.0  # [W/m^2], mean power of the lights of a house per floor area, since lights of scenes have no unit
+ROOM_POWER = 3.0  # [W/m^2], mean power of the lights of a house per floor area, where a file has no units
+MAX_FACTOR = 30.0  # maximum ratio of stated power to `ROOM_POWER`, and of `ROOM_POWER` to stated power
 
 
 @dataclass(frozen=True)
@@ -31,21 +33,45 @@ def floor_area(levels: Sequence[Level]) -> float:
     return sum(polygon_area(room.shape.corners) for level in levels for room in level.rooms if room.shape is not None)
 
 
-def add_lights(levels: Sequence[Level], lights: Sequence[SceneLight]) -> tuple[Level, ...]:
-    """Return levels with each light on the nearest object or piece of its room, in whose frame it is."""
+def plausible_lights(lights: Sequence[SceneLight], area: float, notes: dict[str, str]) -> list[SceneLight]:
+    """Return lights of stated powers, scaled to `ROOM_POWER` on average where they are off by over `MAX_FACTOR`.
+
+    Args:
+        lights: The lights.
+        area: Area of all rooms [m^2].
+        notes: Receives that they are scaled.
+    """
+    total, expected = sum(one.light.power for one in lights), ROOM_POWER * area
+    if not lights or expected / MAX_FACTOR <= total <= expected * MAX_FACTOR or total <= 0:
+        return list(lights)
+    notes["lights"] = f"{total / max(area, 1e-9):.3g} W per m^2 of floor are scaled to {ROOM_POWER:g}"
+    return [replace(one, light=replace(one.light, power=one.light.power * expected / total)) for one in lights]
+
+
+def add_lights(levels: Sequence[Level], models: Mapping[str, Mesh], lights: Sequence[SceneLight]) -> tuple[Level, ...]:
+    """Return levels with each light on the nearest object or piece of its room, in whose frame it is.
+
+    The nearest is the one whose box is, of those that are as near, the smallest one.
+    """
     found = list(levels)
     carriers = [(number, node) for number, level in enumerate(levels) for node in level.objects]
-    places = np.array([node.transform[:3, 3] for _, node in carriers]).reshape(-1, 3)
+    boxes = np.array([_box(node, models) for _, node in carriers]).reshape(-1, 2, 3)
+    middles, size = boxes.mean(axis=1), np.linalg.norm(boxes[:, 1] - boxes[:, 0], axis=1)
     for one in lights if carriers else ():
         place = np.array(one.light.position)
         outline = _outline_around(levels, place)
-        away = np.linalg.norm(places - place, axis=1)
+        away = np.linalg.norm(np.maximum(np.maximum(boxes[:, 0] - place, place - boxes[:, 1]), 0), axis=1)
         if outline is not None:
-            away = away + OTHER_ROOM * ~is_inside_polygon(outline, places[:, [0, 2]])
-        number, node = carriers[int(away.argmin())]
+            away = away + OTHER_ROOM * ~is_inside_polygon(outline, middles[:, [0, 2]])
+        number, node = carriers[int(np.lexsort((size, away))[0])]
         objects = [_lit(o, one.light) if o.id == node.id else o for o in found[number].objects]
         found[number] = replace(found[number], objects=tuple(objects))
     return tuple(found)
+
+
+def _box(node: ObjectNode, models: Mapping[str, Mesh]) -> Float[np.ndarray, "2 3"]:
+    """Return the corners of an object's box in the house [m]."""
+    return bounds(models[node.model_key].vertices @ node.transform[:3, :3].T + node.transform[:3, 3])
 
 
 def _outline_around(levels: Sequence[Level], place: Float[np.ndarray, "3"]) -> Float[np.ndarray, "n 2"] | None:

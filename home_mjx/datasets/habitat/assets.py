@@ -58,7 +58,7 @@ class AssetStore:
 
         Raises:
             MissingFileError: The file is missing.
-            DatasetError: It is broken, or of another format than glTF, OBJ and STL.
+            DatasetError: It is broken, or of another format than glTF, OBJ, STL, PLY and DAE.
         """
         if path not in self._meshes:
             placed = self.placed(path, np.eye(4))

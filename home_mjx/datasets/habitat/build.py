@@ -23,7 +23,7 @@ from home_mjx.datasets.gltf.scene_rooms import FoundRooms, scene_rooms
 from home_mjx.datasets.habitat.assets import GLTF_SUFFIXES, AssetStore
 from home_mjx.datasets.habitat.lights import NO_LIGHTS, read_lights
 from home_mjx.datasets.habitat.objects import ObjectBuilder, kept_objects
-from home_mjx.datasets.habitat.plain_assets import OBJ, library_paths
+from home_mjx.datasets.habitat.plain_assets import OBJ, image_paths, library_paths
 from home_mjx.datasets.habitat.scans import ScanLabels, read_scan_labels
 from home_mjx.datasets.habitat.semantics import OBJECT_TABLE, SemanticDescriptor, read_descriptor, read_object_table
 from home_mjx.datasets.habitat.source import HabitatSource
@@ -106,7 +106,7 @@ class SceneBuilder:
             rooms, parts, levels = self._levels(kept, triangles, ())
         if not _has_rooms(levels):
             raise DatasetError("no triangle is in a room", file=self.path, hint="State its regions.")
-        levels = self._lit(levels)
+        levels = self._lit(parts, levels)
         self.problems += [*builder.problems, *rooms.problems, *labels.problems]
         self.problems += [Problem(element, note) for element, note in {**self.source.notes, **assets.notes}.items()]
         fallbacks = (*stage_fallbacks, *builder.fallbacks, *assets.fallbacks, *rooms.fallbacks)
@@ -214,7 +214,7 @@ class SceneBuilder:
         parts = HouseParts(self.path, found.rooms)
         return found, parts, parts.levels(found.triangles, objects)
 
-    def _lit(self, levels: tuple[Level, ...]) -> tuple[Level, ...]:
+    def _lit(self, parts: HouseParts, levels: tuple[Level, ...]) -> tuple[Level, ...]:
         """Return levels with the lights of the scene's setup; without one the package adds its own."""
         name = self.scene.member("default_lighting")
         if not name.has_value or name.text() in NO_LIGHTS:
@@ -226,7 +226,7 @@ class SceneBuilder:
         notes: dict[str, str] = {}
         lights = read_lights(setup, floor_area(levels), notes)
         self.problems += [Problem(element, note) for element, note in notes.items()]
-        return add_lights(levels, lights)
+        return add_lights(levels, parts.models, lights)
 
     def files(self) -> list[Path]:
         """Return all files that determine the house, in a fixed order; those up to the first broken one."""
@@ -273,7 +273,8 @@ def asset_files(path: Path) -> list[Path]:
     suffix = path.suffix.lower()
     if suffix in GLTF_SUFFIXES:
         return [path, *external_files(path)]
-    return [path, *library_paths(path)] if suffix == OBJ else [path]
+    libraries = library_paths(path) if suffix == OBJ else []
+    return [path, *libraries, *image_paths(libraries)]
 
 
 def _has_rooms(levels: Sequence[Level]) -> bool:

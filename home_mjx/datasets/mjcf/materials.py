@@ -8,12 +8,14 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from home_mjx.core.color import decode_srgb
 from home_mjx.core.files import write_atomically
 from home_mjx.datasets.gltf.decode.images import NUM_DIGITS, texture_family_of
 from home_mjx.datasets.mjcf.model import MjcfScene
 from home_mjx.datasets.mjcf.shapes import MESH, Triangles
 from home_mjx.errors import ConfigError
 from home_mjx.schema.house import Material
+from home_mjx.schema.lighting import SurfaceMaps
 
 PLANE_TEXTURE = 0  # `mujoco.mjtTexture` of textures with coordinates
 COLOR_ROLES = (1, 8, 0)  # `mujoco.mjtTextureRole` of colours: rgb, rgba, user
@@ -63,11 +65,18 @@ class MjcfMaterials:
         elif texture >= 0:
             rgba[:3] *= self._pixels(texture)[..., :3].mean(axis=(0, 1)) / 255
             self.notes[f"texture[{model.tex(texture).name}]"] = "cube texture: its mean colour is kept"
-        if model.mat_emission[row] > 0:
-            self.notes[f"material[{name}]"] = "emission is not kept"
         gloss = float(np.clip(model.mat_specular[row], 0, 1))
         exponent = max(1.0, SHININESS_SCALE * float(model.mat_shininess[row]))
-        return Material(name, _color(rgba), path, float(rgba[3]), (gloss, gloss, gloss), exponent)
+        maps = self._maps(row, rgba, path)
+        return Material(name, _color(rgba), path, float(rgba[3]), (gloss, gloss, gloss), exponent, maps=maps)
+
+    def _maps(self, row: int, rgba: Float[np.ndarray, "4"], texture: Path | None) -> SurfaceMaps | None:
+        """Return the emission of a material, which is that share of its colour; None without."""
+        share = float(np.clip(self.scene.model.mat_emission[row], 0, 1))
+        if not share:
+            return None
+        red, green, blue = np.round(share * decode_srgb(rgba[:3]), 6).tolist()
+        return SurfaceMaps((red, green, blue), images=(texture, None, None, None))
 
     def _texture(self, material: int) -> int:
         """Return the texture of a material's colour; -1 without one."""

@@ -12,9 +12,11 @@ from home_mjx.datasets.gltf.layout.room_file import read_room_file, room_file_pa
 from home_mjx.datasets.gltf.layout.triangle_set import collect_triangles
 from home_mjx.datasets.gltf.objects import split_objects
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, RootedOptions, SceneDataset, parse_options, scene_id
+from home_mjx.datasets.gltf.scene_lights import add_lights, floor_area, plausible_lights
 from home_mjx.datasets.gltf.scene_rooms import scene_rooms
 from home_mjx.datasets.usd.joints import attach_joints
 from home_mjx.datasets.usd.layers import UsdScene, open_scene
+from home_mjx.datasets.usd.lights import read_lights
 from home_mjx.datasets.usd.prims import PrimReader
 from home_mjx.errors import DatasetError, MissingFileError
 from home_mjx.schema.house import House, Problem
@@ -97,11 +99,15 @@ class UsdDataset(SceneDataset):
         rooms = scene_rooms(path, objects, triangles, stated.rooms, split, strict, "stage")
         parts = HouseParts(path, rooms.rooms)
         levels = parts.levels(rooms.triangles, self.wanted(objects, options))
+        notes: dict[str, str] = {}
+        lights = plausible_lights(read_lights(reader.lights, notes), floor_area(levels), notes)
+        levels = add_lights(levels, parts.models, lights)
         fallbacks = (*reader.fallbacks, *rooms.fallbacks)
         self.warn_fallbacks(house_id, fallbacks)
         fixed = "joint lacks bodies or limits, moves no part of an object, or one that another joint moves: fixed"
         unkept = (Problem(joint.path, fixed) for joint in lost)
-        problems = (*(Problem(element, note) for element, note in scene.notes.items()), *rooms.problems, *unkept)
+        listed = (Problem(element, note) for element, note in {**scene.notes, **notes}.items())
+        problems = (*listed, *rooms.problems, *unkept)
         return House(house_id, "usd@1.0", path, levels, parts.models, problems[:MAX_NOTES], fallbacks=fallbacks)
 
     def _open(self, path: Path) -> UsdScene:

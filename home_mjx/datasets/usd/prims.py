@@ -17,10 +17,13 @@ from home_mjx.datasets.usd.joints import FIXED, KINDS, UsdJoint, read_joint, uni
 from home_mjx.datasets.usd.layers import UsdScene, below, layer_unit, pxr
 from home_mjx.geometry.meshes import Z_UP, box_triangles
 from home_mjx.schema.house import Fallback, Material, Mesh
+from home_mjx.schema.lighting import SurfaceMaps
 
 MAX_PRIMS = 100_000  # maximum number of visited prims
 MAX_DEPTH = 200  # maximum number of nested prims
 MAX_CORNERS = 30_000_000  # maximum number of corners of faces of a mesh
+MAX_EMISSION = 1000.0  # maximum emission, of a white display
+MAP_INPUTS = ("emissiveColor", "normal", "occlusion")  # inputs of `UsdPreviewSurface` that images may feed
 GREY = Material("default", (0.6, 0.6, 0.6), None, 1.0)
 AXES = {"X": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]), "Y": Z_UP.T, "Z": np.eye(3)}  # from z
 
@@ -33,11 +36,13 @@ class PrimReader:
         scene: The scene.
         fallbacks: Textures that materials do without.
         places: House from prim of the prims that were read, by path; that of the world is "".
+        lights: Prims that are lights, and house from prim.
     """
 
     scene: UsdScene
     fallbacks: list[Fallback] = field(default_factory=list)
     places: dict[str, Float[np.ndarray, "4 4"]] = field(default_factory=dict)
+    lights: list[tuple[Any, Float[np.ndarray, "4 4"]]] = field(default_factory=list)
     _joints: list[Any] = field(default_factory=list)
 
     @property
@@ -70,7 +75,10 @@ class PrimReader:
                 self._joints.append(prim)
             if not self._is_shown(prim):
                 continue
-            mesh = self._mesh(prim) if abs(np.linalg.det(matrix[:3, :3])) > 1e-15 else None
+            has_volume = abs(np.linalg.det(matrix[:3, :3])) > 1e-15
+            if has_volume and prim.HasAPI(pxr("UsdLux").LightAPI):
+                self.lights.append((prim, matrix))
+            mesh = self._mesh(prim) if has_volume else None
             if mesh is not None and len(mesh.faces):
                 yield PlacedMesh(mesh, node.name, chain[1:], node.element)
             usd = pxr("Usd")
@@ -222,7 +230,28 @@ class PrimReader:
         path = self._texture(shade.Shader(source[0].GetPrim()), name) if source else None
         white = (1.0, 1.0, 1.0) if source else GREY.diffuse
         opaque = float(np.clip(alpha, 0, 1)) if alpha is not None else 1.0
-        return Material(name, _color(color) if color is not None else white, path, opaque)
+        paint = _color(color) if color is not None else white
+        return Material(name, paint, path, opaque, maps=self._maps(shader, name))
+
+    def _maps(self, shader: Any, name: str) -> SurfaceMaps | None:
+        """Return the emission, metallic part and images of a `UsdPreviewSurface`; None without any."""
+        images: list[Path | None] = []
+        for key in MAP_INPUTS:
+            value = shader.GetInput(key)
+            source = value.GetConnectedSource() if value else None
+            images.append(self._texture(pxr("UsdShade").Shader(source[0].GetPrim()), name) if source else None)
+        emitted, metallic = (_stated(shader, key) for key in ("emissiveColor", "metallic"))
+        light = np.clip(np.nan_to_num(np.array(emitted if emitted is not None else [0, 0, 0], float)), 0, MAX_EMISSION)
+        light = np.ones(3) if images[0] is not None else light
+        if not (any(images) or light.any() or metallic):
+            return None
+        roughness = _stated(shader, "roughness")
+        return SurfaceMaps(
+            emission=(float(light[0]), float(light[1]), float(light[2])),
+            metallic=float(np.clip(metallic or 0.0, 0, 1)),
+            roughness=float(np.clip(0.5 if roughness is None else roughness, 0, 1)),
+            images=(images[0], images[1], None, images[2]),
+        )
 
     def _texture(self, shader: Any, name: str) -> Path | None:
         """Return the image of a `UsdUVTexture`; None, with a fallback, if it is missing or of another format."""
@@ -234,6 +263,12 @@ class PrimReader:
         reason = "image is missing, or neither PNG nor JPEG"
         self.fallbacks.append(Fallback("texture", text[:100] or name, name, "the material's colour", reason))
         return None
+
+
+def _stated(shader: Any, name: str) -> Any:
+    """Return the value of an input of a shader; None if it is absent or connected."""
+    value = shader.GetInput(name)
+    return value.Get() if value and not value.HasConnectedSource() else None
 
 
 def _fans(counts: Int[np.ndarray, " f"]) -> Int[np.ndarray, "t 3"]:

@@ -25,7 +25,7 @@ SHARED = ("node", "triangle", "material_mask", "uv", "cutout", "fixed", "house_r
 SHARED = (*SHARED, "instance_semantic", "semantics", "albedo", "specular", "shininess", "texture", "textures", "kind")
 SHARED = (*SHARED, "mirror", *operands.PLACES, *operands.BAKES)
 OWN = ("house", "moving", "box", "moving_slot", "moving_semantic", "look", "look_ids", *operands.LAMPS, "glow")
-OWN = (*OWN, "exclude", *operands.RAYS[:-1])
+OWN = (*OWN, "glowing", "emission", "exclude", *operands.RAYS[:-1])
 NAMES = (*SHARED, *operands.MIXED, *OWN)
 PLACE = {name: place for place, name in enumerate(NAMES)}
 Flags = tuple[tuple[str, int], ...]
@@ -99,9 +99,18 @@ def _own_operands(
         *operands.lamp_operands(inputs),
         jnp.stack([footprint[0], growth]),
         jnp.zeros(1) if glow is None else glow,
+        *_emission(scene),
         jnp.asarray(exclude, jnp.int32),
         *hits,
     )
+
+
+def _emission(scene: Scene) -> tuple[Int[Array, " g"], Float[Array, "g 3"]]:
+    """Return the rows of materials that emit, and their emission; a row of padding if there are none."""
+    lights = scene.bank.lights
+    if not lights.glowing.shape[1]:
+        return jnp.full(1, -1), jnp.zeros((1, 3))
+    return lights.glowing[scene.house], lights.glow[scene.house]
 
 
 def _sizes(probes: LightProbes, inputs: LightInputs) -> Flags:
@@ -141,6 +150,6 @@ def _size_vector(at: dict[str, Array], values: dict[str, int]) -> tuple[int, ...
     surfaces = *at["semantics"].shape, int(Semantic.ROOM), GLASS, *at["textures"].shape, texture_edge(at["textures"])
     bakes = values["probes"], values["texels"], each["first"], each["chart_start"], each["chart"], each["chart_first"]
     places = rows["model_triangle"], *at["grid"].shape[1:], each["moving_slot"]
-    lamps = each["lights"], *at["by_room"].shape[1:], each["by_instance"], each["glow"]
+    lamps = each["lights"], *at["by_room"].shape[1:], each["by_instance"], each["glow"], each["glowing"]
     flags = (values[name] for name in ("depth", "lamps", "sun", "baked", "sunny", "packed"))
     return *casts, *surfaces, *bakes, *places, *lamps, *flags

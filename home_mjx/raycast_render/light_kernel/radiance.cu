@@ -16,7 +16,7 @@ enum Size {
   ENVIRONMENTS, RAYS_EACH, INSTANCES, NUM_MOVING, WIDTH, NODES, TRIANGLES, MATERIALS, HOUSES, CUTOUT_LAYERS, CUTOUT_EDGE,
   SEMANTIC_ROWS, SEMANTIC_COLUMNS, ROOM_COLUMN, GLASS_KIND, TEXTURE_LAYERS, LAYER_TEXELS, TEXTURE_EDGE, PROBES, TEXELS,
   ROOMS, CHARTED, CHART_TRIANGLES, CHARTS, MODELS, LEVELS, LINES, COLUMNS, SLOTS, LIGHTS, LAMP_ROOMS, KEYS,
-  LAMP_INSTANCES, GLOWING, DEPTH_LIMIT, NUM_LAMPS, HAS_SUN, TEXELS_HAVE_LAMPS, TEXELS_HAVE_SUN, IS_PACKED, NUM_SIZES
+  LAMP_INSTANCES, GLOWING, EMITTING, DEPTH_LIMIT, NUM_LAMPS, HAS_SUN, TEXELS_HAVE_LAMPS, TEXELS_HAVE_SUN, IS_PACKED, NUM_SIZES
 };
 
 // State of a camera ray: its last segment, the hit at its end, and the throughput of glass and mirrors
@@ -85,7 +85,8 @@ INLINE bool is_blocked(const Operands& world, const Point& point, const ShadowRa
       const int *chart_count, const int *chart_first, const void *probe, const void *texel, const int *house,        \
       const float4 *moving, const float2 *box, const int *moving_slot, const int *moving_semantic,                   \
       const float *look, const int *look_ids, const float *lights, const int *light_ids, const int *by_room,         \
-      const int *by_instance, const float *sky, const float *growth, const float *glow, const int *exclude,          \
+      const int *by_instance, const float *sky, const float *growth, const float *glow, const int *glowing,          \
+      const float *emission, const int *exclude,                                                                      \
       const float *t, const int *instance, const int *hit_triangle, const float *hit_u, const float *hit_v,          \
       const int *front, const float *origin, const float *direction, const int *size, float *light
 
@@ -164,6 +165,10 @@ extern "C" __global__ void __launch_bounds__(BLOCK, LIGHT_BLOCKS_PER_SM) shade_p
   if (seen && path.hit.instance < __ldg(size + GLOWING)) {
     float level = __ldg(glow + (long long)env * __ldg(size + GLOWING) + path.hit.instance);
     sum = sum + make_float3(GLOW_RED, GLOW_GREEN, GLOW_BLUE) * level;
+  }
+  for (int i = 0, count = __ldg(size + EMITTING); seen && i < count; ++i) {
+    long long emitter = (long long)env * count + i;
+    if (__ldg(glowing + emitter) == point.row) sum = sum + load3(emission + 3 * emitter) * GLOW_BLUE;
   }
   sum = sum * path.throughput;
   light[3 * row] = sum.x, light[3 * row + 1] = sum.y, light[3 * row + 2] = sum.z;

@@ -37,6 +37,16 @@ def albedo(scene: Scene, hit: Hit) -> Vec:
     return select(hit.instance < 0, Vec(*MISS_COLOR), color)
 
 
+def emission(scene: Scene, hit: Hit) -> Vec | None:
+    """Return the emission of materials in linear light, 0 on a miss; None if no house of the bank has any."""
+    lights = scene.bank.lights
+    rows, colors = lights.glowing[scene.house], lights.glow[scene.house]
+    if not rows.shape[0]:
+        return None
+    same = (material_rows(scene, hit)[..., None] == rows) & (rows >= 0)
+    return Vec(*(jnp.where(same, colors[:, channel], 0.0).sum(axis=-1) for channel in range(3)))
+
+
 def encode_srgb(linear: Float[Array, "..."]) -> UInt8[Array, "..."]:
     """Encode linear light, clipped to [0, 1], as sRGB bytes, rounded (IEC 61966-2-1)."""
     exposed = jnp.clip(linear * EXPOSURE, 0, 1)

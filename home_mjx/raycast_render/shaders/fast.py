@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import jax.numpy as jnp
 
-from home_mjx.raycast_render.lighting.texture import albedo
+from home_mjx.raycast_render.lighting.texture import albedo, emission
 from home_mjx.raycast_render.scene.appearance import instance_glow
 from home_mjx.raycast_render.scene.surface import semantics, unit_normals
 from home_mjx.raycast_render.scene.types import Hit, Scene
@@ -30,7 +30,8 @@ class FastShader(Shader):
         color = albedo(scene, rays.hit)
         direction = Vec.unpack(rays.direction)
         light = shade_headlight(color, unit_normals(scene, direction, rays.hit), direction)
-        return light_by_switches(scene, rays.hit, light)
+        light, own = light_by_switches(scene, rays.hit, light), emission(scene, rays.hit)
+        return light if own is None else light + own
 
 
 def light_by_switches(scene: Scene, hit: Hit, light: Vec) -> Vec:

@@ -383,8 +383,9 @@ class NightShader(LitShader):
 
 
 def _add_glow(scene: Scene, hit: Hit, light: Vec) -> Vec:
-    """Add the radiance of surfaces that are switched on [W/m^2/sr]; unchanged if the episode has none."""
-    glow = instance_glow(scene.appearance, hit.instance)
+    """Add the radiance of materials that emit and of surfaces that are switched on [W/m^2/sr]."""
+    own, glow = texture.emission(scene, hit), instance_glow(scene.appearance, hit.instance)
+    light = light if own is None else light + own * GLOW_RADIANCE
     return light if glow is None else light + Vec(*GLOW_COLOR) * (GLOW_RADIANCE * glow)
 
 

@@ -13,8 +13,11 @@ from home_mjx.geometry.meshes import Z_UP
 from home_mjx.scene_compile.gltf.document import DocumentWriter
 from home_mjx.scene_compile.mjcf.assets import png_bytes
 from home_mjx.schema.compiled import CompiledHouse, Model
+from home_mjx.schema.lighting import MAP_NAMES
 
 MIME_TYPES = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
+PREFIXES = {"emission": "emissive", "occlusion": "occlusion"}  # of the names of textures of glTF
+STRENGTH = "KHR_materials_emissive_strength"
 MIN_NORMAL = 1e-3  # minimum length of a normal that has a direction
 FROM_Z_UP = Z_UP.T  # glTF has y up
 
@@ -45,7 +48,7 @@ class GltfAssets:
 
     def _primitive(self, model: Model, slot: int, row: int) -> dict[str, Any]:
         """Return the triangles of a slot with the material of a row."""
-        is_textured = bool(self._house.materials.texture[row])
+        is_textured = bool(self._house.materials.texture[row]) or any(self._images(row).values())
         key = model.key, slot, is_textured
         if key not in self._attributes:
             self._attributes[key] = self._triangles(model, slot, is_textured)
@@ -101,7 +104,43 @@ class GltfAssets:
             found["alphaMode"] = "BLEND"
         elif path and has_cut_outs(Path(path)):
             found["alphaMode"] = "MASK"
+        self._add_maps(row, found)
         return found
+
+    def _images(self, row: int) -> dict[str, str]:
+        """Return the images of a material besides that of its colour, by name; empty without `SurfaceMaps`."""
+        maps = self._house.materials.maps
+        found = np.flatnonzero(maps.row == row)
+        first = len(MAP_NAMES) * int(found[0]) if len(found) else 0
+        return dict(zip(MAP_NAMES, maps.images[first : first + len(MAP_NAMES)], strict=True)) if len(found) else {}
+
+    def _add_maps(self, row: int, found: dict[str, Any]) -> None:
+        """Add the `SurfaceMaps` of a row to a material, if it has any."""
+        images, maps = self._images(row), self._house.materials.maps
+        if not images:
+            return
+        number = int(np.flatnonzero(maps.row == row)[0])
+        metallic, roughness, scale, cutoff = maps.factors[number].tolist()
+        shade = found["pbrMetallicRoughness"]
+        shade |= {"metallicFactor": metallic, "roughnessFactor": roughness}
+        textures = {name: {"index": self._texture(path)} for name, path in images.items() if path}
+        if "roughness" in textures:
+            shade["metallicRoughnessTexture"] = textures["roughness"]
+        if "normal" in textures:
+            found["normalTexture"] = textures["normal"] | {"scale": scale}
+        found |= {f"{prefix}Texture": textures[name] for name, prefix in PREFIXES.items() if name in textures}
+        if found.get("alphaMode") == "MASK" and cutoff >= 0:
+            found["alphaCutoff"] = cutoff
+        self._add_emission(maps.emission[number], found)
+
+    def _add_emission(self, emission: Float[np.ndarray, "3"], found: dict[str, Any]) -> None:
+        """Add an emission to a material; one above 1 needs `KHR_materials_emissive_strength`."""
+        strength = max(float(emission.max()), 1.0)
+        if emission.any():
+            found["emissiveFactor"] = (emission / strength).tolist()
+        if strength > 1:
+            found["extensions"] = {STRENGTH: {"emissiveStrength": strength}}
+            self._document.use_extension(STRENGTH)
 
     def _texture(self, path: str) -> int:
         """Return the texture of an image file, whose bytes are unchanged if it is a PNG or JPEG."""

@@ -30,6 +30,12 @@ class DocumentWriter:
         self.root.setdefault(key, []).append(value)
         return len(self.root[key]) - 1
 
+    def use_extension(self, name: str) -> None:
+        """List an extension that the document uses, once."""
+        listed = self.root.setdefault("extensionsUsed", [])
+        if name not in listed:
+            listed.append(name)
+
     def add_view(self, data: bytes, target: int | None = None) -> int:
         """Append bytes to the chunk, and return the index of their buffer view; `target` is one of `VIEW_TARGETS`."""
         self.chunk += bytes(-len(self.chunk) % 4)

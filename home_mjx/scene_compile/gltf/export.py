@@ -16,10 +16,10 @@ from home_mjx.scene_compile.mjcf.room_file import room_file
 from home_mjx.schema.agent import AgentBody
 from home_mjx.schema.categories import FINE, ROOM_TYPES
 from home_mjx.schema.compiled import ARCHITECTURE, CompiledHouse
+from home_mjx.schema.lighting import LUMENS_PER_WATT
 from home_mjx.schema.semantic import Semantic
 
 SUFFIX, ROOM_SUFFIX = ".glb", ".rooms.json"
-LUMENS_PER_WATT = 683.0  # as of green light, so that lights of importers with that unit get their watts back
 CAMERA = {"yfov": np.deg2rad(75), "znear": 0.05, "aspectRatio": 4 / 3}
 TO_PLUS_X = [0.0, -(0.5**0.5), 0.0, 0.5**0.5]  # quaternion (xyzw) that turns a camera from -z to +x
 
@@ -155,7 +155,10 @@ class _NodeWriter:
             }
             if light["type"] == "spot":
                 cone = float(np.clip(np.arccos(np.clip(lights.cutoff[i], -1, 1)), 0.01, np.pi / 2))
-                light["spot"] = {"innerConeAngle": 0.0, "outerConeAngle": cone}
+                light["spot"] = {
+                    "innerConeAngle": _inner_angle(cone, float(lights.exponent[i])),
+                    "outerConeAngle": cone,
+                }
             found.append(light)
             aim = FROM_Z_UP @ pose[:, :3] @ lights.direction[i]
             nodes.append(
@@ -167,9 +170,16 @@ class _NodeWriter:
                 }
             )
         if found:
-            self._document.root["extensionsUsed"] = ["KHR_lights_punctual"]
+            self._document.use_extension("KHR_lights_punctual")
             self._document.root["extensions"] = {"KHR_lights_punctual": {"lights": found}}
         return [self._document.add("nodes", node) for node in nodes]
+
+
+def _inner_angle(outer: float, exponent: float) -> float:
+    """Return the inner angle [rad] with which a spot has the flux of a cosine to an exponent within `outer`."""
+    edge = float(np.cos(outer))
+    share = (1 - edge ** (exponent + 1)) / (exponent + 1)
+    return min(float(np.arccos(np.clip((1 - edge / 3 - share) * 1.5, edge, 1))), 0.999 * outer)
 
 
 def placement(pose: Float[np.ndarray, "3 4"]) -> dict[str, list[float]]:

@@ -5,14 +5,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from jaxtyping import Float
 
+from home_mjx.core.color import decode_srgb
+from home_mjx.core.images import read_texture
 from home_mjx.scene_compile.materials.acoustic import acoustic_properties
 from home_mjx.schema.categories import texture_family
 from home_mjx.schema.compiled import NUM_BANDS, MaterialTable, RayKind
 from home_mjx.schema.house import Material
+from home_mjx.schema.lighting import MaterialMaps, SurfaceMaps
 from home_mjx.schema.material_kinds import material_kind
 
 WHITE = (1.0, 1.0, 1.0)
+MEAN_EDGE = 16  # [px], to which an image is reduced before the mean of its colours is taken
 MIN_VISIBLE_OPACITY = 0.05  # surfaces with a lower opacity are invisible
 
 
@@ -27,6 +32,7 @@ class SurfaceMaterial:
     family: str = ""  # texture family, for acoustics; falls back to the kind
     category: str = ""  # fine category, or "wall", "outer_wall", "floor", "ceiling", "ground"
     name: str = ""  # name of the slot
+    maps: SurfaceMaps | None = None
 
 
 def apply_override(base: Material, change: Material | None) -> Material:
@@ -39,6 +45,7 @@ def apply_override(base: Material, change: Material | None) -> Material:
         texture=change.texture or base.texture,
         opacity=base.opacity if change.opacity is None else change.opacity,
         missing_file="" if change.texture or base.texture else change.missing_file or base.missing_file,
+        maps=change.maps or base.maps,
     )
 
 
@@ -59,6 +66,7 @@ def surface_material(material: Material, fine: str, coarse: str) -> SurfaceMater
         family=texture_family(material.texture_name) if material.texture_name else kind,
         category=fine,
         name=material.name,
+        maps=material.maps,
     )
 
 
@@ -86,7 +94,31 @@ def material_table(surfaces: Sequence[SurfaceMaterial]) -> MaterialTable:
         absorption=absorption,
         scattering=scattering,
         transmission=transmission,
+        maps=maps_table([s.maps for s in surfaces]),
     )
+
+
+def maps_table(maps: Sequence[SurfaceMaps | None]) -> MaterialMaps:
+    """Return the rows that have maps, with the mean of their images of emission."""
+    rows = [row for row, own in enumerate(maps) if own is not None]
+    found = [own for own in maps if own is not None]
+    return MaterialMaps(
+        row=np.array(rows, np.int32),
+        emission=np.array([own.emission for own in found], float).reshape(-1, 3),
+        glow=np.array([_glow(own) for own in found], float).reshape(-1, 3),
+        factors=np.array(
+            [(own.metallic, own.roughness, own.normal_scale, own.alpha_cutoff) for own in found], float
+        ).reshape(-1, 4),
+        images=tuple("" if path is None else os.path.abspath(path) for own in found for path in own.images),
+    )
+
+
+def _glow(own: SurfaceMaps) -> Float[np.ndarray, "3"]:
+    """Return the emission of a material times the mean of its image, in linear light."""
+    path = own.images[0]
+    if path is None or not any(own.emission):
+        return np.array(own.emission)
+    return np.array(own.emission) * decode_srgb(read_texture(path, MEAN_EDGE)[..., :3] / 255).mean(axis=(0, 1))
 
 
 @dataclass

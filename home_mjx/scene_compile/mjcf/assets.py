@@ -8,9 +8,11 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.core.color import decode_srgb
 from home_mjx.core.images import open_texture
 from home_mjx.scene_compile.mjcf.convex import convex_pieces
 from home_mjx.schema.compiled import CompiledHouse, Model
+from home_mjx.schema.lighting import MAP_NAMES
 from home_mjx.schema.mjcf import numbers
 
 MIN_TRIANGLE_AREA = 1e-12  # [m^2], smaller triangles are dropped; MuJoCo rejects meshes of only such triangles
@@ -48,10 +50,21 @@ class MjcfAssets:
             table = self._house.materials
             name = self._materials[row] = f"material{row}"
             attributes = {"rgba": numbers(table.albedo[row]), "specular": "0", "shininess": "0"}
+            attributes |= self._emission(row)
             if table.texture[row]:
                 attributes["texture"] = self._texture(table.texture[row])
             ET.SubElement(self._element, "material", attributes, name=name)
         return self._materials[row]
+
+    def _emission(self, row: int) -> dict[str, str]:
+        """Return the emission of a material as a share of its colour; empty if it does not emit."""
+        table = self._house.materials
+        number = np.flatnonzero(table.maps.row == row)
+        if not len(number) or not table.maps.glow[number].any():
+            return {}
+        has_own_image = table.maps.images[len(MAP_NAMES) * int(number[0])] not in ("", table.texture[row])
+        light = (table.maps.glow if has_own_image else table.maps.emission)[number].max()
+        return {"emission": f"{min(light / max(float(decode_srgb(table.albedo[row, :3]).max()), 1e-3), 1.0):.9g}"}
 
     def mesh(self, model: Model, slot: int, stretch: Float[np.ndarray, "3 3"]) -> str | None:
         """Return the name of the mesh of one material slot of a model after a stretch; None if it has no area.

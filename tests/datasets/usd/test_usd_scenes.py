@@ -273,3 +273,37 @@ def test_axes_units_and_the_teapot_of_the_sample(tmp_path):
         pytest.approx([-0.153, 0, -0.262], abs=0.02),
         pytest.approx([0.153, 0.230, 0.229], abs=0.02),
     ]
+
+
+def test_lights_have_the_power_of_their_surfaces_and_hang_on_objects(tmp_path):
+    lights = """
+def RectLight "panel" {
+float inputs:width = 0.5
+float inputs:height = 0.4
+float inputs:intensity = 100
+float inputs:exposure = 10
+double3 xformOp:translate = (2, 2.4, 2)
+float xformOp:rotateX = -90
+uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]
+}
+def SphereLight "bulb" {
+float inputs:radius = 0.1
+bool inputs:normalize = true
+float inputs:intensity = 6830
+double3 xformOp:translate = (2, 1, 2)
+uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def DomeLight "sky" {}
+"""
+    house = read(write(tmp_path / "flat.usda", boxes() + lights))
+    panel, bulb = sorted(
+        ((light, o) for level in house.levels for o in level.objects for light in o.lights),
+        key=lambda p: p[0].kind,
+        reverse=True,
+    )
+    assert (panel[0].kind, bulb[0].kind) == ("spot", "point")
+    assert panel[0].power == pytest.approx(np.pi * 100 * 2**10 * 0.2 / 683)
+    assert bulb[0].power == pytest.approx(np.pi * 6830 / 683)
+    aim = panel[1].transform[:3, :3] @ np.array(panel[0].direction)
+    np.testing.assert_allclose(aim / np.linalg.norm(aim), [0, -1, 0], atol=1e-6)
+    assert any("DomeLight" in p.message for p in house.problems)

@@ -9,7 +9,7 @@ import jax
 import numpy as np
 import pytest
 from compiled_kernels import nvrtc_ptx, shared_library
-from lit_flat import VARIED, lit_bank, places, radiance
+from lit_flat import VARIED, glowing_bank, lit_bank, places, radiance
 
 from home_mjx.raycast_render import LitShader
 from home_mjx.raycast_render.light_kernel import cuda, light, surface
@@ -71,13 +71,17 @@ def emulated(library, monkeypatch):
     monkeypatch.setattr(lit, "with_fallback_gradient", lambda fallback, kernels: kernels.get("cuda", fallback))
 
 
-CASES = [(BakedShader(), None), (LitShader(num_lights=1), VARIED), (LitShader(sun=0.0, max_specular_depth=1), None)]
+CASES = [
+    (lit_bank, BakedShader(), None),
+    (lit_bank, LitShader(num_lights=1), VARIED),
+    (glowing_bank, LitShader(sun=0.0, max_specular_depth=1), None),
+]
 
 
-@pytest.mark.parametrize(("shader", "look"), CASES)
-def test_the_kernel_computes_the_light_of_the_shaders(emulated, shader, look, monkeypatch):
+@pytest.mark.parametrize(("make_bank", "shader", "look"), CASES)
+def test_the_kernel_computes_the_light_of_the_shaders(emulated, make_bank, shader, look, monkeypatch):
     """Floats differ in the last digits; a texel, a mip level or a shadow's edge, in few pixels."""
-    bank = lit_bank()
+    bank = make_bank()
     fused, objects = radiance(bank, places(bank), shader, look)
     off = types.SimpleNamespace(KERNEL=types.SimpleNamespace(is_usable=lambda platform: False))
     monkeypatch.setattr(lit, "native", off)

@@ -7,7 +7,7 @@ from home_mjx.datasets.gltf.decode.container import GltfDocument, offset_of
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 
 COMPONENT_TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-NUM_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+NUM_COMPONENTS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 MAX_ELEMENTS = 1 << 25  # maximum length of an accessor with data
 MAX_ZEROS = 1 << 21  # maximum length of an accessor without data, whose memory no file size bounds
 
@@ -36,7 +36,7 @@ def read_accessor(document: GltfDocument, index: JsonValue) -> Shaped[np.ndarray
 
 
 def _width(value: JsonValue) -> int:
-    """Return the number of components of an accessor's elements; matrices are errors, as meshes have none."""
+    """Return the number of components of an accessor's elements; small matrices are errors, as scenes need none."""
     name = value.member("type")
     if name.text() not in NUM_COMPONENTS:
         raise name.error(f"expected one of {', '.join(NUM_COMPONENTS)}, got `{name.text()[:20]}`")

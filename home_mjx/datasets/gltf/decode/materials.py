@@ -1,6 +1,7 @@
 """Materials of a glTF document as records: metallic and roughness become a diffuse and a specular part."""
 
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -9,8 +10,10 @@ from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.images import ImageStore
 from home_mjx.datasets.suncg.formats.json_value import JsonValue, printable
 from home_mjx.schema.house import Material
+from home_mjx.schema.lighting import MAP_NAMES, SurfaceMaps
 
 DIELECTRIC = 0.04  # specular reflectance of materials that are not metal, at normal incidence
+MAX_EMISSION = 1000.0  # maximum emission, of a white display
 MAX_SHININESS = 1000.0  # maximum Blinn-Phong exponent
 DEFAULT_MATERIAL = Material("default", (1.0, 1.0, 1.0), None, 1.0)
 Color = tuple[float, float, float]
@@ -73,10 +76,28 @@ class MaterialReader:
         material = Material(name, _srgb(shade.diffuse), path, opacity, shade.specular, shade.shininess)
         if _extension(value, "KHR_materials_unlit").has_value:
             material = replace(material, specular=(0.0, 0.0, 0.0), shininess=1.0)
-        for key in ("normalTexture", "occlusionTexture", "emissiveTexture"):
-            if value.member(key).has_value:
-                self.notes[value.member(key).element] = "not kept"
-        return TexturedMaterial(material, uv_set, matrix)
+        maps, place = self._maps(value, name, (uv_set, matrix) if texture.has_value else None)
+        uv_set, matrix = place or (uv_set, matrix)
+        return TexturedMaterial(replace(material, maps=maps), uv_set, matrix)
+
+    def _maps(self, value: JsonValue, name: str, place: "_Place | None") -> "tuple[SurfaceMaps | None, _Place | None]":
+        """Return the further properties of a material, None if it states none, and the place of its textures.
+
+        Textures at other places than that of the colour, or else of the first one, are noted and left out.
+        """
+        shade = value.member("pbrMetallicRoughness")
+        shade = shade if shade.has_value else replace(shade, data={})
+        images: dict[str, Path | None] = {}
+        for kind, key in _MAP_KEYS.items():
+            texture = (shade if kind == "roughness" else value).member(key)
+            if not texture.has_value:
+                continue
+            own = _texture_place(texture)
+            if place is not None and (own[0] != place[0] or not np.allclose(own[1], place[1])):
+                self.notes[texture.element] = "not kept: its texture coordinates are not those of the colour"
+                continue
+            place, images[kind] = own, self.images.path(texture, name)
+        return _surface_maps(value, shade, images), place
 
     def _opacity(self, value: JsonValue, alpha: float) -> float:
         """Return the opacity: alpha if blended, less what the material transmits; 1 for other modes."""
@@ -85,6 +106,45 @@ class MaterialReader:
             raise mode.error(f"expected OPAQUE, MASK or BLEND, got `{mode.text()[:20]}`")
         opacity = alpha if mode.data == "BLEND" else 1.0
         return opacity * (1 - _factor(glass, "transmissionFactor", 0.0)) if glass.has_value else opacity
+
+
+_Place = tuple[int, np.ndarray]
+_MAP_KEYS = {
+    "emission": "emissiveTexture",
+    "normal": "normalTexture",
+    "roughness": "metallicRoughnessTexture",
+    "occlusion": "occlusionTexture",
+}
+
+
+def _surface_maps(value: JsonValue, shade: JsonValue, images: dict[str, Path | None]) -> SurfaceMaps | None:
+    """Return the properties of a material and its metallic-roughness model besides its colour; None if it has none."""
+    emission, masked = _emission(value), value.member("alphaMode").data == "MASK"
+    is_metal = shade.member("metallicFactor").has_value and _factor(shade, "metallicFactor", 1.0) > 0
+    if not (images or any(emission) or masked or is_metal):
+        return None
+    paths = [images.get(kind) for kind in MAP_NAMES]
+    return SurfaceMaps(
+        emission=emission,
+        metallic=_factor(shade, "metallicFactor", 1.0),
+        roughness=_factor(shade, "roughnessFactor", 1.0),
+        normal_scale=_number(value.member("normalTexture"), "scale", 1.0),
+        alpha_cutoff=_number(value, "alphaCutoff", 0.5) if masked else -1.0,
+        images=(paths[0], paths[1], paths[2], paths[3]),
+    )
+
+
+def _emission(value: JsonValue) -> Color:
+    """Return the emission of a material, times its strength, up to `MAX_EMISSION`."""
+    factor = np.array(_vector(value, "emissiveFactor", (0.0, 0.0, 0.0)))
+    strength = _number(_extension(value, "KHR_materials_emissive_strength"), "emissiveStrength", 1.0)
+    return _color(np.clip(factor * strength, 0, MAX_EMISSION))
+
+
+def _number(value: JsonValue, key: str, default: float) -> float:
+    """Return a number of an object; the default if it, or the object, is absent."""
+    found = value.member(key) if value.has_value else value
+    return found.number() if found.has_value else default
 
 
 @dataclass(frozen=True)

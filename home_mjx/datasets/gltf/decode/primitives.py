@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from home_mjx.datasets.gltf.decode.accessors import read_accessor
 from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.materials import MaterialReader, TexturedMaterial, tinted
+from home_mjx.datasets.gltf.decode.skins import Binding
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue
 from home_mjx.errors import install_hint
 from home_mjx.schema.house import Material, Mesh
@@ -17,6 +18,9 @@ from home_mjx.schema.house import Material, Mesh
 DRACO = "KHR_draco_mesh_compression"
 TRIANGLES, STRIP, FAN = 4, 5, 6
 MAX_TRIANGLES = 10_000_000  # maximum sum over the meshes of a document
+WIDTHS = {"COLOR": (3, 4), "TEXCOORD": (2,), "JOINTS": (4,), "WEIGHTS": (4,)}  # of rows of attributes; others: 3
+MAX_SETS = 4  # maximum number of sets of joints and weights
+USED = ("POSITION", "NORMAL", "TEXCOORD_", "COLOR_0", "JOINTS_", "WEIGHTS_")  # starts of names of attributes
 COLOR_STEPS = (16, 8, 4, 2)  # levels per channel to which vertex colours are rounded
 MAX_COLORS = 64  # maximum number of material slots that the vertex colours of a primitive become
 
@@ -31,11 +35,13 @@ class MeshReader:
         document: The document.
         materials: Reader of its materials.
         notes: Elements with the reason why they are not shown.
+        bindings: Joints of the vertices of meshes that skins may move, by number of the mesh.
     """
 
     document: GltfDocument
     materials: MaterialReader
     notes: dict[str, str] = field(default_factory=dict)
+    bindings: dict[int, Binding] = field(default_factory=dict)
     _read: dict[int, Mesh | None] = field(default_factory=dict)
     _total: int = 0
 
@@ -51,6 +57,9 @@ class MeshReader:
             if value.member("weights").has_value:
                 self.notes[value.element] = "morph targets are not applied"
             self._read[number] = _join(self.document, parts) if parts else None
+            bound = [part.binding for part in parts if part.binding is not None]
+            if bound and len(bound) == len(parts):
+                self.bindings[number] = _join_bindings(bound)
         return self._read[number]
 
     def _primitive(self, value: JsonValue) -> "_Part | None":
@@ -76,7 +85,7 @@ class MeshReader:
             attributes, index = _unpack_draco(self.document, packed)
         else:
             named, listed = value.member("attributes"), value.member("indices")
-            used = [k for k in _keys(named) if k.startswith(("POSITION", "NORMAL", "TEXCOORD_", "COLOR_0"))]
+            used = [k for k in _keys(named) if k.startswith(USED)]
             attributes = {key: read_accessor(self.document, named.member(key)) for key in used}
             index = read_accessor(self.document, listed)[:, 0] if listed.has_value else None
         self._check(value, attributes)
@@ -90,7 +99,7 @@ class MeshReader:
         if abs(position).max(initial=0) > MAX_COORDINATE:
             raise value.error(f"expected coordinates up to {MAX_COORDINATE:g}, got {abs(position).max():g}")
         for name, rows in attributes.items():
-            width = (3, 4) if name.startswith("COLOR") else (2,) if name.startswith("TEXCOORD") else (3,)
+            width = next((w for start, w in WIDTHS.items() if name.startswith(start)), (3,))
             if len(rows) != len(position) or rows.shape[1] not in width:
                 raise value.error(f"{name} has the shape {rows.shape}, POSITION {position.shape}")
 
@@ -132,6 +141,7 @@ class _Part:
     normal: Float[np.ndarray, "t 3 3"] | None
     slot: Int[np.ndarray, " t"]
     materials: tuple[Material, ...]
+    binding: Binding | None = None
 
 
 def _part(found: TexturedMaterial, attributes: Attributes, corners: Int[np.ndarray, "t 3"]) -> _Part:
@@ -142,13 +152,33 @@ def _part(found: TexturedMaterial, attributes: Attributes, corners: Int[np.ndarr
     uv = uv * [1, -1] + [0, 1]  # the records have v = 0 below
     slot, materials = np.zeros(len(corners), int), (found.material,)
     if "COLOR_0" in attributes and len(corners):
-        slot, colors = _round_colors(attributes["COLOR_0"][corners, :3].mean(axis=1))
+        slot, colors = round_colors(attributes["COLOR_0"][corners, :3].mean(axis=1))
         materials = tuple(tinted(found.material, color) for color in colors)
     normal = attributes["NORMAL"][corners] if "NORMAL" in attributes else None
-    return _Part(attributes["POSITION"][corners], uv[corners], normal, slot, materials)
+    return _Part(
+        attributes["POSITION"][corners], uv[corners], normal, slot, materials, _binding(attributes, corners.reshape(-1))
+    )
 
 
-def _round_colors(colors: Float[np.ndarray, "t 3"]) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, "k 3"]]:
+def _binding(attributes: Attributes, corners: Int[np.ndarray, " c"]) -> Binding | None:
+    """Return the joints of corners, of all sets that have joints and weights; None without any."""
+    sets = [k for i in range(MAX_SETS) if {k := f"JOINTS_{i}", f"WEIGHTS_{i}"} <= attributes.keys()]
+    if not sets:
+        return None
+    joint = np.concatenate([attributes[name][corners] for name in sets], axis=1).astype(int)
+    weight = np.concatenate([attributes[name.replace("JOINTS", "WEIGHTS")][corners] for name in sets], axis=1)
+    return Binding(joint, weight.astype(float))
+
+
+def _join_bindings(bound: list[Binding]) -> Binding:
+    """Return the joints of the vertices of several primitives, with weight 0 in place of missing sets."""
+    width = max(one.joint.shape[1] for one in bound)
+    pad = [((0, 0), (0, width - one.joint.shape[1])) for one in bound]
+    joint = np.concatenate([np.pad(one.joint, p) for one, p in zip(bound, pad, strict=True)])
+    return Binding(joint, np.concatenate([np.pad(one.weight, p) for one, p in zip(bound, pad, strict=True)]))
+
+
+def round_colors(colors: Float[np.ndarray, "t 3"]) -> tuple[Int[np.ndarray, " t"], Float[np.ndarray, "k 3"]]:
     """Return the slot of each face and the mean colour of each slot: faces of nearly equal colours share one."""
     colors = np.clip(colors, 0, 1)
     slot = np.zeros(len(colors), int)
@@ -200,7 +230,9 @@ def _unpack_draco(document: GltfDocument, packed: JsonValue) -> tuple[Attributes
         mesh = draco.decode(bytes(document.view(packed.member("bufferView"))[0]))
         named = packed.member("attributes")
         found = {k: mesh.get_attribute_by_unique_id(named.member(k).integer())["data"] for k in _keys(named)}
-        return {k: _as_float(rows) for k, rows in found.items()}, np.asarray(mesh.faces, np.int64).reshape(-1)
+        return {k: rows if k.startswith("JOINTS") else _as_float(rows) for k, rows in found.items()}, np.asarray(
+            mesh.faces, np.int64
+        ).reshape(-1)
     except (RuntimeError, ValueError, TypeError, AttributeError, KeyError) as error:
         raise packed.error(f"Draco data cannot be decoded: {error}") from None
 

@@ -4,20 +4,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-from jaxtyping import Float
-
 from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.instancing import read_instances
+from home_mjx.datasets.gltf.decode.node_matrix import Matrix, is_hidden, is_usable, node_matrix
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
-from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue, printable
-from home_mjx.geometry.rotations import quat_matrix
+from home_mjx.datasets.gltf.decode.skins import SkinReader
+from home_mjx.datasets.suncg.formats.json_value import JsonValue, printable
 from home_mjx.schema.house import Mesh
 
 MAX_NODES = 100_000  # maximum number of visited nodes
 MAX_DEPTH = 500  # maximum number of nested nodes
 MAX_SHOWN = 30_000_000  # maximum number of triangles, those of each instance counted
-Matrix = Float[np.ndarray, "4 4"]
 
 
 @dataclass(frozen=True)
@@ -74,15 +71,27 @@ def place_meshes(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> I
             are too many.
     """
     count = 0
-    for placed in _walk(document, meshes, frame):
-        count += len(placed.mesh.faces)
-        if count > MAX_SHOWN:
-            raise document.root.error(f"scene shows more than {MAX_SHOWN} triangles", "Remove instances.")
-        yield placed
+    for value, chain in visit_nodes(document, meshes.notes, frame):
+        for placed in _placed(document, meshes, value, chain):
+            count += len(placed.mesh.faces)
+            if count > MAX_SHOWN:
+                raise document.root.error(f"scene shows more than {MAX_SHOWN} triangles", "Remove instances.")
+            yield placed
 
 
-def _walk(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> Iterator[PlacedMesh]:
-    """Yield the meshes of the default scene; arguments and errors as of `place_meshes`."""
+def visit_nodes(
+    document: GltfDocument, notes: dict[str, str], frame: Matrix
+) -> Iterator[tuple[JsonValue, tuple[SceneNode, ...]]]:
+    """Yield the visible nodes of the default scene, each with the nodes from the scene's root to itself.
+
+    Args:
+        document: The document.
+        notes: Receives the nodes that are left out.
+        frame: House from the document's frame.
+
+    Raises:
+        DatasetError: An index or a transform is invalid, nodes are their own ancestors, or nodes are too many.
+    """
     stack = [(node, (), (SceneNode("", "", frame),)) for node in reversed(_roots(document))]
     for _ in range(MAX_NODES):
         if not stack:
@@ -91,18 +100,18 @@ def _walk(document: GltfDocument, meshes: MeshReader, frame: Matrix) -> Iterator
         value, number = document.item("nodes", index), index.integer()
         if number in ancestors or len(ancestors) >= MAX_DEPTH:
             raise index.error(f"node {number} is its own ancestor, or more than {MAX_DEPTH} levels deep")
-        matrix = chain[-1].matrix @ _matrix(value)
-        if not _is_usable(matrix):
-            meshes.notes[value.element] = "transform without volume, or beyond all limits: node left out"
+        matrix = chain[-1].matrix @ node_matrix(value)
+        if not is_usable(matrix):
+            notes[value.element] = "transform without volume, or beyond all limits: node left out"
             continue
-        if _is_hidden(value):
-            meshes.notes[value.element] = "node is not visible: left out"
+        if is_hidden(value):
+            notes[value.element] = "node is not visible: left out"
             continue
         chain = (*chain, SceneNode(_name(value), value.element, matrix, value.member("extras").data))
         children = value.member("children")
         if children.has_value:
             stack += [(child, (*ancestors, number), chain) for child in reversed(children.entries())]
-        yield from _placed(document, meshes, value, chain)
+        yield value, chain
     raise document.root.error(f"scene has more than {MAX_NODES} nodes", "Join its meshes.")
 
 
@@ -113,29 +122,31 @@ def _placed(
     index = value.member("mesh")
     if not index.has_value:
         return
-    if value.member("skin").has_value:
-        meshes.notes[value.element] = "skin is not applied"
-    mesh = meshes.mesh(index)
-    if mesh is not None and len(mesh.faces):
+    mesh, skin = meshes.mesh(index), value.member("skin")
+    if mesh is not None and len(mesh.faces) and skin.has_value:
+        yield _posed(document, meshes, value, chain, mesh)
+    elif mesh is not None and len(mesh.faces):
         found = document.item("meshes", index)
         for matrix in read_instances(document, value):
             node = replace(chain[-1], matrix=chain[-1].matrix @ matrix)
-            if _is_usable(node.matrix):
+            if is_usable(node.matrix):
                 yield PlacedMesh(mesh, _name(found), (*chain[1:-1], node), found.element)
             else:
                 meshes.notes[value.element] = "instances without volume, or beyond all limits, are left out"
 
 
-def _is_usable(matrix: Matrix) -> bool:
-    """Return whether a transform has a volume and moves nothing beyond all limits."""
-    return bool(abs(np.linalg.det(matrix[:3, :3])) > 1e-15 and abs(matrix).max() <= MAX_COORDINATE)
-
-
-def _is_hidden(value: JsonValue) -> bool:
-    """Return whether a node and all below it are hidden by `KHR_node_visibility`."""
-    extensions = value.member("extensions")
-    shown = extensions.member("KHR_node_visibility") if extensions.has_value else extensions
-    return shown.has_value and shown.member("visible").data is False
+def _posed(
+    document: GltfDocument, meshes: MeshReader, value: JsonValue, chain: tuple[SceneNode, ...], mesh: Mesh
+) -> PlacedMesh:
+    """Return the mesh of a node with a skin in the pose of its joints, which the node's own transform does not move."""
+    index = value.member("mesh")
+    binding = meshes.bindings.get(index.integer())
+    if binding is None:
+        meshes.notes[value.element] = "skin is not applied: vertices have no joints that are decoded"
+        return PlacedMesh(mesh, "", chain[1:], value.element)
+    meshes.notes[value.element] = "skin is in the pose of its nodes, and does not move"
+    posed = SkinReader(document).posed(value.member("skin"), mesh, binding)
+    return PlacedMesh(posed, "", (*chain[1:-1], replace(chain[-1], matrix=chain[0].matrix)), value.element)
 
 
 def _roots(document: GltfDocument) -> list[JsonValue]:
@@ -149,33 +160,6 @@ def _roots(document: GltfDocument) -> list[JsonValue]:
     lists = [node.member("children") for node in nodes]
     below = {child.integer() for children in lists if children.has_value for child in children.entries()}
     return [JsonValue(document.path, node.element, i) for i, node in enumerate(nodes) if i not in below]
-
-
-def read_rotation(turn: JsonValue) -> Float[np.ndarray, "3 3"]:
-    """Return the matrix of a quaternion x y z w; raise the value's error if it has no length."""
-    x, y, z, w = turn.vector(4).tolist()
-    if x * x + y * y + z * z + w * w < 1e-12:
-        raise turn.error("quaternion has no length")
-    return quat_matrix(np.array([[w, x, y, z]]))[0]
-
-
-def _matrix(value: JsonValue) -> Matrix:
-    """Return parent from node: the matrix (column-major), else translation, rotation (x y z w) and scale."""
-    whole = value.member("matrix")
-    if whole.has_value:
-        matrix = whole.vector(16).reshape(4, 4).T
-        if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
-            raise whole.error(f"expected an affine matrix, its last row is {matrix[3].tolist()}")
-        return matrix
-    place, turn, scale = (value.member(key) for key in ("translation", "rotation", "scale"))
-    matrix = np.eye(4)
-    if turn.has_value:
-        matrix[:3, :3] = read_rotation(turn)
-    if scale.has_value:
-        matrix[:3, :3] *= scale.vector(3)
-    if place.has_value:
-        matrix[:3, 3] = place.vector(3)
-    return matrix
 
 
 def _name(value: JsonValue) -> str:
