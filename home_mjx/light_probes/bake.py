@@ -38,6 +38,7 @@ class LightProbeBake:
         (
             *("gloss", "ground_floor", "lot", "agent_materials", "exposed_edges", "colliders", "planes", "ramps"),
             *("bodies", "blocked_objects", "materials.absorption", "materials.scattering", "materials.transmission"),
+            "materials.maps",
         )
     )
 

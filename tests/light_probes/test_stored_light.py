@@ -8,11 +8,14 @@ from handmade import shoebox
 from PIL import Image
 from test_light_bake import FEW, bake, grey
 
+from home_mjx.audio_jax.late_reverb.bake.field_cache import LateReverbBake
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core import workers
 from home_mjx.houses import add_bakes, bakes
 from home_mjx.light_probes import LightProbeBake
 from home_mjx.light_probes.field import stack_fields
+from home_mjx.scene_compile.materials.surface import maps_table
+from home_mjx.schema.lighting import SurfaceMaps
 
 
 @pytest.fixture(autouse=True)
@@ -68,3 +71,11 @@ def test_houses_are_baked_in_processes_with_the_same_bits(monkeypatch):
         assert np.asarray(getattr(made, field.name)).tobytes() == np.asarray(getattr(whole, field.name)).tobytes()
     monkeypatch.setattr(bakes, "_bake_in_processes", lambda *_: pytest.fail("baked again"))
     add_bakes(bank, houses, kind)
+
+
+@pytest.mark.parametrize("kind", [LightProbeBake, LateReverbBake])
+def test_records_do_not_depend_on_maps_that_their_bakes_do_not_read(kind):
+    house = grey(shoebox(), 0.6)
+    maps = maps_table([SurfaceMaps(emission=(1.0, 2.0, 0.0), metallic=1.0)])
+    glowing = replace(house, materials=replace(house.materials, maps=maps))
+    assert bakes.bake_entry(kind(), glowing) == bakes.bake_entry(kind(), house)

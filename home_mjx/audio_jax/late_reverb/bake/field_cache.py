@@ -40,7 +40,7 @@ class LateReverbBake:
     version = CACHE_VERSION
     platform = "cpu"  # one record for all devices
     record = LateField
-    unused = frozenset(("lights", "gloss", "ground_floor", "lot", "agent_materials", "exposed_edges"))
+    unused = frozenset(("lights", "gloss", "ground_floor", "lot", "agent_materials", "exposed_edges", "materials.maps"))
 
     def __post_init__(self) -> None:
         check_known("device", [self.device], DEVICES)
