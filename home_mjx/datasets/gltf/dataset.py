@@ -158,7 +158,7 @@ class GltfDataset(SceneDataset):
             raise DatasetError("no triangle is in a room", file=path, hint="Correct the outlines of its room file.")
         lights = LightReader(document)
         found = plausible_lights(lights.read(frame), floor_area(levels), lights.notes)
-        levels = add_lights(levels, parts.models, found)
+        levels = add_lights(path, levels, parts.models, found)
         self.warn_fallbacks(house_id, images.fallbacks)
         notes = {**materials.notes, **meshes.notes, **lights.notes}
         problems = _problems(document, notes, stated, len(rooms), len(levels))

@@ -1,5 +1,6 @@
 """Lights of `KHR_lights_punctual` in a glTF document, as lights of a house."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,13 +9,12 @@ from scipy.optimize import root_scalar
 from home_mjx.core.color import encode_srgb
 from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.scene import Matrix, visit_nodes
-from home_mjx.datasets.gltf.scene_lights import SceneLight, to_vector
+from home_mjx.datasets.gltf.scene_lights import MAX_LIGHTS, TOO_MANY, SceneLight, to_vector
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.schema.house import Light
 from home_mjx.schema.lighting import LUMENS_PER_WATT
 
 PUNCTUAL = "KHR_lights_punctual"
-MAX_LIGHTS = 1_000  # maximum number of lights of a scene
 MAX_CANDELA = 1e7  # [cd]
 SPOT_ANGLE = np.pi / 4  # [rad], outer angle of spots that state none
 MAX_EXPONENT = 500.0  # maximum exponent of the cosine of spots
@@ -41,19 +41,27 @@ class LightReader:
         Raises:
             DatasetError: An index or a value is out of range, or lights are more than `MAX_LIGHTS`.
         """
-        found = []
+        stated = _extension(self.document.root)
+        listed = stated.member("lights") if stated.has_value else stated
+        lights = listed.entries() if listed.has_value else []
+        if len(lights) > MAX_LIGHTS:
+            raise listed.error(TOO_MANY, "Remove lights.")
+        found = ((value, self._light(lights, index, matrix)) for value, index, matrix in self._nodes(frame))
+        return [SceneLight(value.element, light) for value, light in found if light is not None]
+
+    def _nodes(self, frame: Matrix) -> Iterator[tuple[JsonValue, JsonValue, Matrix]]:
+        """Yield the nodes that name a light, its index, and house from node; raise beyond `MAX_LIGHTS` nodes."""
+        count = 0
         for value, chain in visit_nodes(self.document, {}, frame):
             own = _extension(value)
-            light = self._light(own.member("light"), chain[-1].matrix) if own.has_value else None
-            if light is not None:
-                found.append(SceneLight(value.element, light))
-            if len(found) > MAX_LIGHTS:
-                raise value.error(f"scene has more than {MAX_LIGHTS} lights", "Remove lights.")
-        return found
+            count += own.has_value
+            if count > MAX_LIGHTS:
+                raise value.error(TOO_MANY, "Remove lights.")
+            if own.has_value:
+                yield value, own.member("light"), chain[-1].matrix
 
-    def _light(self, index: JsonValue, matrix: Matrix) -> Light | None:
+    def _light(self, lights: list[JsonValue], index: JsonValue, matrix: Matrix) -> Light | None:
         """Return the light that a node at a place names; None, with a note, for directional and dark ones."""
-        lights = _extension(self.document.root).member("lights").entries()
         if not 0 <= index.integer() < len(lights):
             raise index.error(f"expected an index into the {len(lights)} `lights`, got {index.integer()}")
         value = lights[index.integer()]

@@ -2,22 +2,26 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float
 
+from home_mjx.datasets.suncg.formats.json_value import Location
 from home_mjx.geometry.meshes import bounds
 from home_mjx.geometry.polygons import is_inside_polygon, polygon_area
 from home_mjx.schema.house import Level, Light, Mesh, ObjectNode, Vector
 
 OTHER_ROOM = 1e6  # [m], added to the distance of objects in other rooms
 ROOM_POWER = 3.0  # [W/m^2], mean power of the lights of a house per floor area, where a file has no units
+MAX_LIGHTS = 1_000  # maximum number of lights of a scene
+TOO_MANY = f"scene has more than {MAX_LIGHTS} lights"
 MAX_FACTOR = 30.0  # maximum ratio of stated power to `ROOM_POWER`, and of `ROOM_POWER` to stated power
 
 
 @dataclass(frozen=True)
 class SceneLight:
-    """A point light or spot in the house.
+    """A point, line or spot in the house.
 
     Attributes:
         element: Its name in messages.
@@ -48,25 +52,48 @@ def plausible_lights(lights: Sequence[SceneLight], area: float, notes: dict[str,
     return [replace(one, light=replace(one.light, power=one.light.power * expected / total)) for one in lights]
 
 
-def add_lights(levels: Sequence[Level], models: Mapping[str, Mesh], lights: Sequence[SceneLight]) -> tuple[Level, ...]:
+def add_lights(
+    path: Path, levels: Sequence[Level], models: Mapping[str, Mesh], lights: Sequence[SceneLight]
+) -> tuple[Level, ...]:
     """Return levels with each light on the nearest object or piece of its room, in whose frame it is.
 
-    The nearest is the one whose box is, of those that are as near, the smallest one.
+    The nearest is the one whose box is, of those that are as near to the middle of the light, the smallest one.
+
+    Args:
+        path: File of the scene, for messages.
+        levels: The levels.
+        models: Meshes of their objects.
+        lights: The lights.
+
+    Raises:
+        DatasetError: Lights are more than `MAX_LIGHTS`.
     """
-    found = list(levels)
-    carriers = [(number, node) for number, level in enumerate(levels) for node in level.objects]
-    boxes = np.array([_box(node, models) for _, node in carriers]).reshape(-1, 2, 3)
+    if len(lights) > MAX_LIGHTS:
+        raise Location(path, lights[MAX_LIGHTS].element).error(TOO_MANY, "Remove lights.")
+    carriers = [node for level in levels for node in level.objects]
+    if not lights or not carriers:
+        return tuple(levels)
+    boxes = np.array([_box(node, models) for node in carriers])
+    carried: dict[int, list[Light]] = {}
+    for one in lights:
+        carried.setdefault(_nearest(levels, boxes, _middle(one.light)), []).append(one.light)
+    lit = iter([_lit(node, carried.get(row, [])) for row, node in enumerate(carriers)])
+    return tuple(replace(level, objects=tuple(next(lit) for _ in level.objects)) for level in levels)
+
+
+def _middle(light: Light) -> Float[np.ndarray, "3"]:
+    """Return the position of a light; of a line the middle between its ends."""
+    return np.mean([light.position, light.end or light.position], axis=0)
+
+
+def _nearest(levels: Sequence[Level], boxes: Float[np.ndarray, "n 2 3"], place: Float[np.ndarray, "3"]) -> int:
+    """Return the row of the nearest box to a place in the same room, of those that are as near the smallest one."""
     middles, size = boxes.mean(axis=1), np.linalg.norm(boxes[:, 1] - boxes[:, 0], axis=1)
-    for one in lights if carriers else ():
-        place = np.array(one.light.position)
-        outline = _outline_around(levels, place)
-        away = np.linalg.norm(np.maximum(np.maximum(boxes[:, 0] - place, place - boxes[:, 1]), 0), axis=1)
-        if outline is not None:
-            away = away + OTHER_ROOM * ~is_inside_polygon(outline, middles[:, [0, 2]])
-        number, node = carriers[int(np.lexsort((size, away))[0])]
-        objects = [_lit(o, one.light) if o.id == node.id else o for o in found[number].objects]
-        found[number] = replace(found[number], objects=tuple(objects))
-    return tuple(found)
+    outline = _outline_around(levels, place)
+    away = np.linalg.norm(np.maximum(np.maximum(boxes[:, 0] - place, place - boxes[:, 1]), 0), axis=1)
+    if outline is not None:
+        away = away + OTHER_ROOM * ~is_inside_polygon(outline, middles[:, [0, 2]])
+    return int(np.lexsort((size, away))[0])
 
 
 def _box(node: ObjectNode, models: Mapping[str, Mesh]) -> Float[np.ndarray, "2 3"]:
@@ -86,16 +113,23 @@ def _is_in(outline: Float[np.ndarray, "n 2"], place: Float[np.ndarray, "3"]) -> 
     return bool(is_inside_polygon(outline, place[[0, 2]]))
 
 
-def _lit(node: ObjectNode, light: Light) -> ObjectNode:
-    """Return an object with one light more, moved from the house's frame to its own."""
+def _lit(node: ObjectNode, lights: Sequence[Light]) -> ObjectNode:
+    """Return an object with more lights, moved from the house's frame to its own."""
+    if not lights:
+        return node
     back = np.linalg.inv(node.transform)
-    aim = None if light.direction is None else back[:3, :3] @ np.array(light.direction)
-    own = replace(
+    return replace(node, lights=(*node.lights, *(_moved(light, back) for light in lights)))
+
+
+def _moved(light: Light, matrix: Float[np.ndarray, "4 4"]) -> Light:
+    """Return a light in another frame, into which an affine matrix maps."""
+    aim = None if light.direction is None else matrix[:3, :3] @ np.array(light.direction)
+    return replace(
         light,
-        position=to_vector(back[:3, :3] @ np.array(light.position) + back[:3, 3]),
+        position=to_vector(matrix[:3, :3] @ np.array(light.position) + matrix[:3, 3]),
         direction=None if aim is None else to_vector(aim / np.linalg.norm(aim)),
+        end=None if light.end is None else to_vector(matrix[:3, :3] @ np.array(light.end) + matrix[:3, 3]),
     )
-    return replace(node, lights=(*node.lights, own))
 
 
 def to_vector(values: Float[np.ndarray, "3"]) -> Vector:

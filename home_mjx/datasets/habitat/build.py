@@ -226,7 +226,7 @@ class SceneBuilder:
         notes: dict[str, str] = {}
         lights = read_lights(setup, floor_area(levels), notes)
         self.problems += [Problem(element, note) for element, note in notes.items()]
-        return add_lights(levels, parts.models, lights)
+        return add_lights(self.path, levels, parts.models, lights)
 
     def files(self) -> list[Path]:
         """Return all files that determine the house, in a fixed order; those up to the first broken one."""

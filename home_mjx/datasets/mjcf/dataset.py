@@ -120,7 +120,7 @@ class MjcfDataset(SceneDataset):
         found = scene_rooms(path, objects, architecture, stated.rooms, split, bool(options.strict))
         parts = HouseParts(path, found.rooms)
         levels = parts.levels(found.triangles, self.wanted(objects, options))
-        levels = add_lights(levels, parts.models, read_lights(scene, floor_area(levels)))
+        levels = add_lights(path, levels, parts.models, read_lights(scene, floor_area(levels)))
         self.warn_fallbacks(house_id, found.fallbacks)
         notes = {**table.notes, **reader.dropped}
         return House(

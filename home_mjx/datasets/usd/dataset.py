@@ -101,7 +101,7 @@ class UsdDataset(SceneDataset):
         levels = parts.levels(rooms.triangles, self.wanted(objects, options))
         notes: dict[str, str] = {}
         lights = plausible_lights(read_lights(reader.lights, notes), floor_area(levels), notes)
-        levels = add_lights(levels, parts.models, lights)
+        levels = add_lights(path, levels, parts.models, lights)
         fallbacks = (*reader.fallbacks, *rooms.fallbacks)
         self.warn_fallbacks(house_id, fallbacks)
         fixed = "joint lacks bodies or limits, moves no part of an object, or one that another joint moves: fixed"

@@ -1,12 +1,16 @@
 """Lights of glTF scenes: units, cones, and the objects that carry them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from gltf_files import two_rooms
 
 from home_mjx.datasets import open_dataset
+from home_mjx.datasets.gltf.scene_lights import MAX_LIGHTS, SceneLight, add_lights
 from home_mjx.errors import DatasetError
 from home_mjx.geometry.polygons import polygon_area
+from home_mjx.schema.house import Light
 from home_mjx.schema.lighting import LUMENS_PER_WATT
 
 
@@ -15,11 +19,11 @@ def cache(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME_MJX_CACHE", str(tmp_path / "cache"))
 
 
-def lit(tmp_path, *lights, place=(5.7, 0.7, 1.5), rotation=(0, 0, 0, 1)):
-    """Return the flat with a node for each light at one place."""
+def lit(tmp_path, *lights, place=(5.7, 0.7, 1.5), rotation=(0, 0, 0, 1), nodes=None):
+    """Return the flat with a node for each light, or for those of the numbers `nodes`, at one place."""
     file = two_rooms()
     file.json["extensions"] = {"KHR_lights_punctual": {"lights": list(lights)}}
-    for number in range(len(lights)):
+    for number in range(len(lights)) if nodes is None else nodes:
         own = {"KHR_lights_punctual": {"light": number}}
         file.node(name=f"l{number}", translation=list(place), rotation=list(rotation), extensions=own)
     return open_dataset(f"gltf:{file.write(tmp_path / 'flat.glb')}").load_house("flat")
@@ -75,3 +79,22 @@ def test_lights_of_no_plausible_power_are_scaled_and_directional_ones_are_noted(
 def test_broken_lights_are_located(tmp_path, light, message):
     with pytest.raises(DatasetError, match=message):
         lit(tmp_path, light)
+
+
+@pytest.mark.parametrize(("count", "nodes"), [(MAX_LIGHTS + 1, ()), (1, [0] * (MAX_LIGHTS + 1))])
+def test_lights_are_bounded_in_the_list_and_in_the_nodes_even_dark_ones(tmp_path, count, nodes):
+    with pytest.raises(DatasetError, match="more than 1000 lights"):
+        lit(tmp_path, *[{"type": "directional"}] * count, nodes=nodes)
+
+
+def test_both_ends_of_a_line_move_to_the_frame_of_the_object_nearest_to_its_middle(tmp_path):
+    house = lit(tmp_path, {"type": "directional"})
+    ends = np.array([[1.2, 0.5, 1.25], [10.2, 0.9, 1.75]])  # its first end is in the chair, its middle in the table
+    line = Light("line", 5.0, (1.0, 1.0, 1.0), tuple(ends[0]), end=tuple(ends[1]))
+    levels = add_lights(house.path, house.levels, house.models, [SceneLight("tube", line)])
+    ((node, light),) = carried(replace(house, levels=levels))
+    assert node.model_id == "dining_table"
+    moved = np.array([light.position, light.end]) @ node.transform[:3, :3].T + node.transform[:3, 3]
+    np.testing.assert_allclose(moved, ends, atol=1e-9)
+    with pytest.raises(DatasetError, match="more than 1000 lights"):
+        add_lights(house.path, house.levels, house.models, [SceneLight("tube", line)] * (MAX_LIGHTS + 1))
