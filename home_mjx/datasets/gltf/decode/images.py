@@ -35,6 +35,19 @@ FAMILY_WORDS = {
 }
 
 
+@dataclass(frozen=True)
+class LostImage:
+    """An image that is not used.
+
+    Attributes:
+        place: The texture or image.
+        error: Reason, and a remedy if there is one.
+    """
+
+    place: JsonValue
+    error: DatasetError
+
+
 @dataclass
 class ImageStore:
     """Images of one document, written to a folder on first use.
@@ -50,41 +63,61 @@ class ImageStore:
     folder: Path
     strict: bool
     fallbacks: list[Fallback] = field(default_factory=list)
-    _paths: dict[tuple[int, str], Path | None] = field(default_factory=dict)
+    _found: dict[tuple[int, str], Path | LostImage] = field(default_factory=dict)
+    _listed: set[str] = field(default_factory=set)
 
-    def path(self, texture: JsonValue, name: str) -> Path | None:
-        """Return the file of a texture's image; None if it is missing or broken.
+    def path(self, texture: JsonValue, name: str, replacement: str = "the material's colour") -> Path | None:
+        """Return the file of a texture's image; None, with a fallback, if it is missing or broken.
 
         Args:
             texture: Reference of a material to a texture, with `index`.
             name: Name of the material, whose words select the family of the texture.
+            replacement: What the material has without the image, for the fallback.
 
         Raises:
             DatasetError: An index is out of range; or, if strict, the image is missing, broken or of another format.
         """
+        found = self.find(texture, name)
+        if isinstance(found, Path):
+            return found
+        if self.strict:
+            raise found.error
+        place = found.place
+        if place.element not in self._listed:
+            self._listed.add(place.element)
+            shown = _image_name(place) or os.path.basename(place.element)
+            self.fallbacks.append(Fallback("texture", shown, place.element, replacement, found.error.message))
+        return None
+
+    def find(self, texture: JsonValue, name: str) -> Path | LostImage:
+        """Return the file of a texture's image, or the reason why it is not used; arguments as of `path`.
+
+        Raises:
+            DatasetError: An index is out of range.
+        """
         value = self.document.item("textures", texture.member("index"))
         source = value.member("source")
         if not source.has_value:
-            return self._missing(value, "texture has no PNG or JPEG `source`", _undecoded(value))
+            return _lost(value, "texture has no PNG or JPEG `source`", _undecoded(value))
         image = self.document.item("images", source)
         family = texture_family_of(f"{name} {_image_name(image)}")
         key = source.integer(), family
-        if key not in self._paths:
-            self._paths[key] = self._written(image, family)
-        return self._paths[key]
+        if key not in self._found:
+            self._found[key] = self._written(image, family)
+        return self._found[key]
 
-    def _written(self, image: JsonValue, family: str) -> Path | None:
-        """Write an image unless its file exists, and return its path; None, with a fallback, if that fails."""
+    def _written(self, image: JsonValue, family: str) -> Path | LostImage:
+        """Write an image unless its file exists, and return its path, or the reason why that fails."""
         undecoded = _undecoded(image)
         if undecoded is not None:
-            return self._missing(image, undecoded.message, undecoded)
+            return _lost(image, undecoded.message, undecoded)
         try:
             data = _image_bytes(self.document, image)
         except MissingFileError as error:
-            return self._missing(image, error.message, error)
+            return _lost(image, error.message, error)
         suffix = next((s for start, s in SUFFIXES.items() if data.startswith(start)), None)
         if suffix is None or len(data) > MAX_IMAGE_BYTES:
-            return self._missing(image, f"image of {len(data)} bytes is not a PNG or JPEG of at most {MAX_IMAGE_BYTES}")
+            return _lost(image, f"image of {len(data)} bytes is not a PNG or JPEG of at most {MAX_IMAGE_BYTES}")
         digest = int(hashlib.sha256(data).hexdigest(), 16) % 10**NUM_DIGITS
         path = self.folder / f"{family}_{digest:0{NUM_DIGITS}d}{suffix}"
         try:
@@ -93,17 +126,16 @@ class ImageStore:
                     file.write(data)
             open_texture(path)
         except DatasetError as error:
-            return self._missing(image, error.message, error)
+            return _lost(image, error.message, error)
         except OSError as error:
             raise ConfigError(f"image cannot be written: {error}", file=path, hint="Set HOME_MJX_CACHE.") from None
         return path
 
-    def _missing(self, place: JsonValue, reason: str, error: DatasetError | None = None) -> None:
-        """Record that an image is not used; raise an error at its place instead if the store is strict."""
-        if self.strict:
-            raise place.error(reason, error.hint if error else None, type(error) if error else DatasetError)
-        name = _image_name(place) or os.path.basename(place.element)
-        self.fallbacks.append(Fallback("texture", name, place.element, "the material's colour", reason))
+
+def _lost(place: JsonValue, reason: str, error: DatasetError | None = None) -> LostImage:
+    """Return an image that is not used, with an error at its place of the class and hint of `error`."""
+    kind = type(error) if error else DatasetError
+    return LostImage(place, place.error(reason, error.hint if error else None, kind))
 
 
 def texture_family_of(text: str) -> str:

@@ -85,19 +85,24 @@ class MaterialReader:
 
         Textures at other places than that of the colour, or else of the first one, are noted and left out.
         """
-        shade = value.member("pbrMetallicRoughness")
-        shade = shade if shade.has_value else replace(shade, data={})
-        images: dict[str, Path | None] = {}
-        for kind, key in _MAP_KEYS.items():
-            texture = (shade if kind == "roughness" else value).member(key)
-            if not texture.has_value:
-                continue
+        images: dict[str, Path] = {}
+        for kind, texture in _map_textures(value).items():
             own = _texture_place(texture)
             if place is not None and (own[0] != place[0] or not np.allclose(own[1], place[1])):
                 self.notes[texture.element] = "not kept: its texture coordinates are not those of the colour"
-                continue
-            place, images[kind] = own, self.images.path(texture, name)
-        return _surface_maps(value, shade, images), place
+            elif (path := self._map_image(kind, texture, name)) is not None:
+                place, images[kind] = own, path
+        return _surface_maps(value, images), place
+
+    def _map_image(self, kind: str, texture: JsonValue, name: str) -> Path | None:
+        """Return the image of a map; None, with a note if only exports use it, else a fallback, if it is lost."""
+        if kind == "emission":
+            return self.images.path(texture, name, "no emission")
+        found = self.images.find(texture, name)
+        if isinstance(found, Path):
+            return found
+        self.notes[texture.element] = f"not kept: {found.error.message}"
+        return None
 
     def _opacity(self, value: JsonValue, alpha: float) -> float:
         """Return the opacity: alpha if blended, less what the material transmits; 1 for other modes."""
@@ -117,21 +122,48 @@ _MAP_KEYS = {
 }
 
 
-def _surface_maps(value: JsonValue, shade: JsonValue, images: dict[str, Path | None]) -> SurfaceMaps | None:
-    """Return the properties of a material and its metallic-roughness model besides its colour; None if it has none."""
-    emission, masked = _emission(value), value.member("alphaMode").data == "MASK"
-    is_metal = shade.member("metallicFactor").has_value and _factor(shade, "metallicFactor", 1.0) > 0
+def _map_textures(value: JsonValue) -> dict[str, JsonValue]:
+    """Return the textures of a material besides its colour, by name of the map; glossiness has no roughness."""
+    shade = value.member("pbrMetallicRoughness")
+    is_glossy = _extension(value, "KHR_materials_pbrSpecularGlossiness").has_value
+    roughness = shade if shade.has_value and not is_glossy else replace(shade, data={})
+    found = {kind: (roughness if kind == "roughness" else value).member(key) for kind, key in _MAP_KEYS.items()}
+    return {kind: texture for kind, texture in found.items() if texture.has_value}
+
+
+def _surface_maps(value: JsonValue, images: dict[str, Path]) -> SurfaceMaps | None:
+    """Return the properties of a material besides its colour, with the images that are kept; None if it has none."""
+    masked = value.member("alphaMode").data == "MASK"
+    is_dark = value.member("emissiveTexture").has_value and images.get("emission") is None
+    emission = (0.0, 0.0, 0.0) if is_dark else _emission(value)
+    metallic, roughness, is_metal = _metal(value, "roughness" in images)
     if not (images or any(emission) or masked or is_metal):
         return None
     paths = [images.get(kind) for kind in MAP_NAMES]
     return SurfaceMaps(
         emission=emission,
-        metallic=_factor(shade, "metallicFactor", 1.0),
-        roughness=_factor(shade, "roughnessFactor", 1.0),
+        metallic=metallic,
+        roughness=roughness,
         normal_scale=_number(value.member("normalTexture"), "scale", 1.0),
         alpha_cutoff=_number(value, "alphaCutoff", 0.5) if masked else -1.0,
         images=(paths[0], paths[1], paths[2], paths[3]),
     )
+
+
+def _metal(value: JsonValue, has_image: bool) -> tuple[float, float, bool]:
+    """Return the metallic part and roughness of a material, and whether it states that it is a metal.
+
+    A texture that is not kept, by which the factors are multiplied, usually has surfaces that are not metal.
+    """
+    gloss = _extension(value, "KHR_materials_pbrSpecularGlossiness")
+    if gloss.has_value:
+        return 0.0, 1 - _factor(gloss, "glossinessFactor", 1.0), False
+    shade = value.member("pbrMetallicRoughness")
+    shade = shade if shade.has_value else replace(shade, data={})
+    metallic, roughness = _factor(shade, "metallicFactor", 1.0), _factor(shade, "roughnessFactor", 1.0)
+    if shade.member("metallicRoughnessTexture").has_value and not has_image:
+        return 0.0, roughness, False
+    return metallic, roughness, shade.member("metallicFactor").has_value and metallic > 0
 
 
 def _emission(value: JsonValue) -> Color:
