@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from gltf_files import GltfFile, read_scene
 
+from home_mjx.datasets.gltf.decode import skins
+from home_mjx.datasets.gltf.decode.accessors import read_accessor
 from home_mjx.errors import DatasetError
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0]], float)
@@ -47,6 +49,18 @@ def test_second_sets_of_joints_count_and_weights_are_normalized(tmp_path):
     file = skinned([zero, second], [none, [[0.5, 0, 0, 0]] * 3], np.tile(np.eye(4), (2, 1, 1)))
     ((placed,), _) = read_scene(file.write(tmp_path / "a.glb"), tmp_path)
     np.testing.assert_allclose(placed.mesh.vertices[1], [10, 2, 1], atol=1e-6)
+
+
+def test_nodes_share_the_poses_of_a_skin_and_have_the_name_of_its_mesh(tmp_path, monkeypatch):
+    file = skinned([[[1, 0, 0, 0]] * 3], [[[1.0, 0, 0, 0]] * 3], np.tile(np.eye(4), (2, 1, 1)))
+    file.json["meshes"][0]["name"] = "person"
+    file.node(mesh=0, skin=0)
+    read = []
+    monkeypatch.setattr(skins, "read_accessor", lambda *given: read.append(given) or read_accessor(*given))
+    placed, _ = read_scene(file.write(tmp_path / "a.glb"), tmp_path)
+    assert [one.name for one in placed] == ["person", "person"]
+    np.testing.assert_array_equal(placed[0].mesh.vertices, placed[1].mesh.vertices)
+    assert len(read) == 1
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 import importlib
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from jaxtyping import Float, Int
 from home_mjx.datasets.gltf.decode.accessors import read_accessor
 from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.materials import MaterialReader, TexturedMaterial, tinted
-from home_mjx.datasets.gltf.decode.skins import Binding
+from home_mjx.datasets.gltf.decode.skins import Binding, SkinReader
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, JsonValue
 from home_mjx.errors import install_hint
 from home_mjx.schema.house import Material, Mesh
@@ -18,7 +19,13 @@ from home_mjx.schema.house import Material, Mesh
 DRACO = "KHR_draco_mesh_compression"
 TRIANGLES, STRIP, FAN = 4, 5, 6
 MAX_TRIANGLES = 10_000_000  # maximum sum over the meshes of a document
-WIDTHS = {"COLOR": (3, 4), "TEXCOORD": (2,), "JOINTS": (4,), "WEIGHTS": (4,)}  # of rows of attributes; others: 3
+WIDTHS = {
+    "COLOR": (3, 4),
+    "TANGENT": (4,),
+    "TEXCOORD": (2,),
+    "JOINTS": (4,),
+    "WEIGHTS": (4,),
+}  # of rows of attributes; others: 3
 MAX_SETS = 4  # maximum number of sets of joints and weights
 USED = ("POSITION", "NORMAL", "TEXCOORD_", "COLOR_0", "JOINTS_", "WEIGHTS_")  # starts of names of attributes
 COLOR_STEPS = (16, 8, 4, 2)  # levels per channel to which vertex colours are rounded
@@ -44,6 +51,11 @@ class MeshReader:
     bindings: dict[int, Binding] = field(default_factory=dict)
     _read: dict[int, Mesh | None] = field(default_factory=dict)
     _total: int = 0
+
+    @cached_property
+    def skins(self) -> SkinReader:
+        """Reader of the document's skins."""
+        return SkinReader(self.document)
 
     def mesh(self, index: JsonValue) -> Mesh | None:
         """Return the mesh that a node names; None if it has no triangles of any area.

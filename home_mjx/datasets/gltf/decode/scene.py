@@ -8,7 +8,6 @@ from home_mjx.datasets.gltf.decode.container import GltfDocument
 from home_mjx.datasets.gltf.decode.instancing import read_instances
 from home_mjx.datasets.gltf.decode.node_matrix import Matrix, is_hidden, is_usable, node_matrix
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
-from home_mjx.datasets.gltf.decode.skins import SkinReader
 from home_mjx.datasets.suncg.formats.json_value import JsonValue, printable
 from home_mjx.schema.house import Mesh
 
@@ -140,13 +139,14 @@ def _posed(
 ) -> PlacedMesh:
     """Return the mesh of a node with a skin in the pose of its joints, which the node's own transform does not move."""
     index = value.member("mesh")
+    name = _name(document.item("meshes", index))
     binding = meshes.bindings.get(index.integer())
     if binding is None:
         meshes.notes[value.element] = "skin is not applied: vertices have no joints that are decoded"
-        return PlacedMesh(mesh, "", chain[1:], value.element)
+        return PlacedMesh(mesh, name, chain[1:], value.element)
     meshes.notes[value.element] = "skin is in the pose of its nodes, and does not move"
-    posed = SkinReader(document).posed(value.member("skin"), mesh, binding)
-    return PlacedMesh(posed, "", (*chain[1:-1], replace(chain[-1], matrix=chain[0].matrix)), value.element)
+    posed = meshes.skins.posed(value.member("skin"), mesh, binding)
+    return PlacedMesh(posed, name, (*chain[1:-1], replace(chain[-1], matrix=chain[0].matrix)), value.element)
 
 
 def _roots(document: GltfDocument) -> list[JsonValue]:

@@ -1,6 +1,7 @@
 """Skins of a glTF document in the pose that its nodes have."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -36,8 +37,8 @@ class SkinReader:
     """
 
     document: GltfDocument
-    _parents: dict[int, int] = field(default_factory=dict)
     _globals: dict[int, Matrix] = field(default_factory=dict)
+    _read: dict[int, Float[np.ndarray, "j 3 4"]] = field(default_factory=dict)
 
     def posed(self, skin: JsonValue, mesh: Mesh, binding: Binding) -> Mesh:
         """Return a mesh in the document's frame, moved by the joints of a skin; normals are dropped.
@@ -45,8 +46,10 @@ class SkinReader:
         Raises:
             DatasetError: The skin is broken, or its joints do not fit the mesh.
         """
-        value = self.document.item("skins", skin)
-        moves = self._moves(value)
+        value, number = self.document.item("skins", skin), skin.integer()
+        if number not in self._read:
+            self._read[number] = self._moves(value)
+        moves = self._read[number]
         if binding.joint.max(initial=0) >= len(moves) or binding.joint.min(initial=0) < 0:
             raise value.error(f"vertices have joints beyond the {len(moves)} of the skin")
         weight = binding.weight / np.maximum(binding.weight.sum(axis=1, keepdims=True), MIN_WEIGHT)
@@ -69,17 +72,18 @@ class SkinReader:
             bind = rows[: len(joints)].reshape(-1, 4, 4).transpose(0, 2, 1)
         return np.stack([self._global(j) @ m for j, m in zip(joints, bind, strict=True)])[:, :3] if joints else bind
 
+    @cached_property
+    def _parents(self) -> dict[int, int]:
+        """Parents of nodes; of several ones the last."""
+        lists = ((number, node.member("children")) for number, node in enumerate(self.document.items("nodes")))
+        return {child.integer(): number for number, below in lists if below.has_value for child in below.entries()}
+
     def _global(self, index: JsonValue) -> Matrix:
         """Return the document from a node; the way to the root ends at a node that is its own ancestor."""
         self.document.item("nodes", index)
-        if not self._parents:
-            for number, node in enumerate(self.document.items("nodes")):
-                children = node.member("children")
-                for child in children.entries() if children.has_value else ():
-                    self._parents[child.integer()] = number
-        number, way = index.integer(), []
+        number, way = index.integer(), dict[int, None]()
         while number not in way and number not in self._globals:
-            way.append(number)
+            way[number] = None
             if number not in self._parents:
                 break
             number = self._parents[number]
