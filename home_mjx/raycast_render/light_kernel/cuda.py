@@ -109,7 +109,7 @@ def _emission(scene: Scene) -> tuple[Int[Array, " g"], Float[Array, "g 3"]]:
     """Return the rows of materials that emit, and their emission; a row of padding if there are none."""
     lights = scene.bank.lights
     if not lights.glowing.shape[1]:
-        return jnp.full(1, -1), jnp.zeros((1, 3))
+        return jnp.full(1, -1, jnp.int32), jnp.zeros((1, 3), jnp.float32)
     return lights.glowing[scene.house], lights.glow[scene.house]
 
 

@@ -40,9 +40,9 @@ def albedo(scene: Scene, hit: Hit) -> Vec:
 def emission(scene: Scene, hit: Hit) -> Vec | None:
     """Return the emission of materials in linear light, 0 on a miss; None if no house of the bank has any."""
     lights = scene.bank.lights
-    rows, colors = lights.glowing[scene.house], lights.glow[scene.house]
-    if not rows.shape[0]:
+    if not lights.glowing.shape[1]:
         return None
+    rows, colors = lights.glowing[scene.house], lights.glow[scene.house]
     same = (material_rows(scene, hit)[..., None] == rows) & (rows >= 0)
     return Vec(*(jnp.where(same, colors[:, channel], 0.0).sum(axis=-1) for channel in range(3)))
 
