@@ -106,7 +106,7 @@ class UsdDataset(SceneDataset):
         self.warn_fallbacks(house_id, fallbacks)
         fixed = "joint lacks bodies or limits, moves no part of an object, or one that another joint moves: fixed"
         unkept = (Problem(joint.path, fixed) for joint in lost)
-        listed = (Problem(element, note) for element, note in {**scene.notes, **notes}.items())
+        listed = (Problem(element, note) for element, note in {**scene.notes, **reader.notes, **notes}.items())
         problems = (*listed, *rooms.problems, *unkept)
         return House(house_id, "usd@1.0", path, levels, parts.models, problems[:MAX_NOTES], fallbacks=fallbacks)
 

@@ -10,11 +10,13 @@ from jaxtyping import Float, Int
 
 from home_mjx.core.color import encode_srgb
 from home_mjx.core.files import is_file
+from home_mjx.core.images import open_texture
 from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
 from home_mjx.datasets.shapes import capsule_triangles, cone_triangles, cylinder_triangles, sphere_triangles
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location, printable
 from home_mjx.datasets.usd.joints import FIXED, KINDS, UsdJoint, read_joint, unit_of
 from home_mjx.datasets.usd.layers import UsdScene, below, layer_unit, pxr
+from home_mjx.errors import DatasetError
 from home_mjx.geometry.meshes import Z_UP, box_triangles
 from home_mjx.schema.house import Fallback, Material, Mesh
 from home_mjx.schema.lighting import SurfaceMaps
@@ -35,15 +37,19 @@ class PrimReader:
     Attributes:
         scene: The scene.
         fallbacks: Textures that materials do without.
+        notes: Materials with their images that only exports use, and that are lost.
         places: House from prim of the prims that were read, by path; that of the world is "".
         lights: Prims that are lights, and house from prim.
     """
 
     scene: UsdScene
     fallbacks: list[Fallback] = field(default_factory=list)
+    notes: dict[str, str] = field(default_factory=dict)
     places: dict[str, Float[np.ndarray, "4 4"]] = field(default_factory=dict)
     lights: list[tuple[Any, Float[np.ndarray, "4 4"]]] = field(default_factory=list)
     _joints: list[Any] = field(default_factory=list)
+    _materials: dict[str, Material] = field(default_factory=dict)
+    _checked: dict[Path, str] = field(default_factory=dict)
 
     @property
     def joints(self) -> list[UsdJoint]:
@@ -222,12 +228,18 @@ class PrimReader:
             color = prim.GetAttribute("primvars:displayColor")
             shown = color.Get() if color else None
             return GREY if not shown else Material("display", _color(shown[0]), None, 1.0)
-        name = printable(bound.GetPrim().GetName()[:100])
+        key = str(bound.GetPath())
+        if key not in self._materials:
+            self._materials[key] = self._preview(shader, printable(bound.GetPrim().GetName()[:100]))
+        return self._materials[key]
+
+    def _preview(self, shader: Any, name: str) -> Material:
+        """Return the material of a `UsdPreviewSurface`."""
         diffuse, opacity = shader.GetInput("diffuseColor"), shader.GetInput("opacity")
         source = diffuse.GetConnectedSource() if diffuse else None
         color = diffuse.Get() if diffuse and not source else None
         alpha = opacity.Get() if opacity and not opacity.HasConnectedSource() else None
-        path = self._texture(shade.Shader(source[0].GetPrim()), name) if source else None
+        path = self._texture(source[0].GetPrim(), name) if source else None
         white = (1.0, 1.0, 1.0) if source else GREY.diffuse
         opaque = float(np.clip(alpha, 0, 1)) if alpha is not None else 1.0
         paint = _color(color) if color is not None else white
@@ -239,7 +251,7 @@ class PrimReader:
         for key in MAP_INPUTS:
             value = shader.GetInput(key)
             source = value.GetConnectedSource() if value else None
-            images.append(self._texture(pxr("UsdShade").Shader(source[0].GetPrim()), name) if source else None)
+            images.append(self._map_image(key, source[0].GetPrim(), name) if source else None)
         emitted, metallic = (_stated(shader, key) for key in ("emissiveColor", "metallic"))
         light = np.clip(np.nan_to_num(np.array(emitted if emitted is not None else [0, 0, 0], float)), 0, MAX_EMISSION)
         light = np.ones(3) if images[0] is not None else light
@@ -253,16 +265,41 @@ class PrimReader:
             images=(images[0], images[1], None, images[2]),
         )
 
-    def _texture(self, shader: Any, name: str) -> Path | None:
-        """Return the image of a `UsdUVTexture`; None, with a fallback, if it is missing or of another format."""
-        value = shader.GetInput("file")
+    def _map_image(self, key: str, prim: Any, name: str) -> Path | None:
+        """Return the image of a map; None, with a note if only exports use it, else a fallback, if it is lost."""
+        if key == "emissiveColor":
+            return self._texture(prim, name, "no emission")
+        _, path, reason = self._image(prim)
+        if reason:
+            self.notes[f"{prim.GetPath()}"] = f"{key} of `{name}` is not kept: {reason}"
+        return None if reason else path
+
+    def _texture(self, prim: Any, name: str, replacement: str = "the material's colour") -> Path | None:
+        """Return the image of a `UsdUVTexture`; None, with a fallback, if it is missing or broken."""
+        text, path, reason = self._image(prim)
+        if reason:
+            self.fallbacks.append(Fallback("texture", text[:100] or name, name, replacement, reason))
+        return None if reason else path
+
+    def _image(self, prim: Any) -> tuple[str, Path | None, str]:
+        """Return the name of the image of a `UsdUVTexture`, its path, and the reason why it is lost, else ""."""
+        value = pxr("UsdShade").Shader(prim).GetInput("file")
         text = str(value.Get().path) if value and value.Get() else ""
         path = below(self.scene.root, self.scene.path, text) if text else None
-        if path is not None and is_file(path) and path.suffix.lower() in (".png", ".jpg", ".jpeg"):
-            return path
-        reason = "image is missing, or neither PNG nor JPEG"
-        self.fallbacks.append(Fallback("texture", text[:100] or name, name, "the material's colour", reason))
-        return None
+        if path is None or not is_file(path) or path.suffix.lower() not in (".png", ".jpg", ".jpeg"):
+            return text, None, "image is missing, or neither PNG nor JPEG"
+        if path not in self._checked:
+            self._checked[path] = _fault(path)
+        return text, path, self._checked[path]
+
+
+def _fault(path: Path) -> str:
+    """Return the reason why an image cannot be decoded; "" if it can."""
+    try:
+        open_texture(path)
+    except DatasetError as error:
+        return error.message
+    return ""
 
 
 def _stated(shader: Any, name: str) -> Any:

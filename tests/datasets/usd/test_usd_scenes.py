@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gltf_files import BOXES
+from PIL import Image
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
@@ -215,27 +216,43 @@ def test_joints_without_bodies_or_limits_are_noted(tmp_path):
     assert noted == {"/rail", "/far", "/bare"}
 
 
-def test_a_missing_texture_is_one_fallback(tmp_path):
-    image = """def Material "oak" {
-token outputs:surface.connect = </oak/s.outputs:surface>
-def Shader "s" {
-uniform token info:id = "UsdPreviewSurface"
-color3f inputs:diffuseColor.connect = </oak/t.outputs:rgb>
-token outputs:surface
-}
-def Shader "t" {
-uniform token info:id = "UsdUVTexture"
-asset inputs:file = @./none.png@
-float3 outputs:rgb
-}
-}
-"""
+def textured(*inputs: str, files: tuple[str, ...] = ("none.png",)) -> str:
+    """Return two triangles of a material whose inputs are fed by the images of these names, in turn."""
+    feeds = "".join(f"color3f inputs:{key}.connect = </oak/t{i}.outputs:rgb>\n" for i, key in enumerate(inputs))
+    shader = f'def Shader "s" {{\nuniform token info:id = "UsdPreviewSurface"\n{feeds}token outputs:surface\n}}\n'
+    for i, name in enumerate(files):
+        shader += f'def Shader "t{i}" {{\nuniform token info:id = "UsdUVTexture"\n'
+        shader += f"asset inputs:file = @./{name}@\nfloat3 outputs:rgb\n}}\n"
     mesh = NO_POINTS.replace("(0,0,0)", "(0,0,0),(1,0,0),(0,1,0)").replace(
         '"a"', '"a" (prepend apiSchemas = ["MaterialBindingAPI"])'
     )
-    body = image + mesh.replace("{\n", "{\nrel material:binding = </oak>\n", 1)
-    _, reader = points(write(tmp_path / "a.usda", body))
+    mesh = mesh.replace("{\n", "{\nrel material:binding = </oak>\n", 1)
+    look = f'def Material "oak" {{\ntoken outputs:surface.connect = </oak/s.outputs:surface>\n{shader}}}\n'
+    return look + mesh + "\n" + mesh.replace('"a"', '"b"', 1)
+
+
+def test_a_missing_texture_is_one_fallback(tmp_path):
+    _, reader = points(write(tmp_path / "a.usda", textured("diffuseColor")))
     assert [fallback.name for fallback in reader.fallbacks] == ["./none.png"]
+
+
+def test_a_broken_image_of_emission_is_a_fallback_and_does_not_glow(tmp_path):
+    Image.fromarray(np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)).save(tmp_path / "whole.png")
+    data = (tmp_path / "whole.png").read_bytes()
+    (tmp_path / "cut.png").write_bytes(data[: len(data) // 2])
+    files = ("whole.png", "cut.png")
+    reader = PrimReader(open_scene(write(tmp_path / "a.usda", textured("diffuseColor", "emissiveColor", files=files))))
+    (material,) = {placed.mesh.materials[0] for placed in reader.read()}
+    assert material.texture == tmp_path / "whole.png"
+    assert material.maps is None
+    (fallback,) = reader.fallbacks
+    assert (fallback.name, fallback.replacement) == ("./cut.png", "no emission")
+
+
+def test_lost_images_that_only_exports_use_are_notes(tmp_path):
+    _, reader = points(write(tmp_path / "a.usda", textured("normal", "occlusion", files=("none.png", "map.exr"))))
+    assert reader.fallbacks == []
+    assert list(reader.notes) == ["/oak/t0", "/oak/t1"]
 
 
 @pytest.mark.parametrize(
