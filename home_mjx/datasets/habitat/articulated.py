@@ -10,7 +10,7 @@ from home_mjx.datasets.gltf.decode.scene import Matrix
 from home_mjx.datasets.gltf.objects import join_meshes, move_mesh
 from home_mjx.datasets.gltf.scene_lights import to_vector
 from home_mjx.datasets.habitat.assets import AssetStore
-from home_mjx.datasets.habitat.plain_assets import GREY, plain_mesh
+from home_mjx.datasets.habitat.plain.plain_assets import GREY, plain_mesh
 from home_mjx.datasets.habitat.templates import path_below
 from home_mjx.datasets.habitat.urdf import HINGES, UrdfJoint, UrdfLink, UrdfModel, UrdfShape
 from home_mjx.datasets.shapes import Triangles, capsule_triangles, cylinder_triangles, sphere_triangles

@@ -13,7 +13,13 @@ from home_mjx.datasets.gltf.decode.materials import MaterialReader
 from home_mjx.datasets.gltf.decode.primitives import MeshReader
 from home_mjx.datasets.gltf.decode.scene import Matrix, PlacedMesh, SceneNode, place_meshes
 from home_mjx.datasets.gltf.objects import join_meshes, move_mesh
-from home_mjx.datasets.habitat.plain_assets import GREY, PLAIN_SUFFIXES, missing_parts, plain_mesh, read_plain_asset
+from home_mjx.datasets.habitat.plain.plain_assets import (
+    GREY,
+    PLAIN_SUFFIXES,
+    missing_parts,
+    plain_mesh,
+    read_plain_asset,
+)
 from home_mjx.datasets.shapes import (
     capsule_triangles,
     cone_triangles,

@@ -23,7 +23,7 @@ from home_mjx.datasets.gltf.scene_rooms import FoundRooms, scene_rooms
 from home_mjx.datasets.habitat.assets import GLTF_SUFFIXES, AssetStore
 from home_mjx.datasets.habitat.lights import NO_LIGHTS, read_lights
 from home_mjx.datasets.habitat.objects import ObjectBuilder, kept_objects
-from home_mjx.datasets.habitat.plain_assets import OBJ, image_paths, library_paths
+from home_mjx.datasets.habitat.plain.plain_assets import OBJ, image_paths, library_paths
 from home_mjx.datasets.habitat.scans import ScanLabels, read_scan_labels
 from home_mjx.datasets.habitat.semantics import OBJECT_TABLE, SemanticDescriptor, read_descriptor, read_object_table
 from home_mjx.datasets.habitat.source import HabitatSource

@@ -1,8 +1,9 @@
 """Assets without nodes: OBJ files with their materials, and files of STL, PLY and COLLADA (DAE)."""
 
 import io
-import re
-from collections.abc import Iterable
+import logging
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,9 @@ from home_mjx.core.color import decode_srgb, encode_srgb
 from home_mjx.core.files import read_bytes, resolve_below
 from home_mjx.datasets.gltf.decode.primitives import round_colors
 from home_mjx.datasets.gltf.scene_lights import to_vector
+from home_mjx.datasets.habitat.plain.collada import collada_frame
+from home_mjx.datasets.habitat.plain.ply import read_ply
+from home_mjx.datasets.habitat.plain.stl import FETCH, read_stl
 from home_mjx.datasets.shapes import Triangles
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
 from home_mjx.datasets.suncg.formats.mtl import read_mtl
@@ -25,10 +29,6 @@ from home_mjx.schema.house import Fallback, Material, Mesh
 
 OBJ = ".obj"
 PLAIN_SUFFIXES = (OBJ, ".stl", ".ply", ".dae")
-FETCH = "Fetch or export it again."
-UP_AXIS = re.compile(rb"<up_axis>\s*([XYZ])_UP")
-UNIT = re.compile(rb"<unit\b[^>]*\bmeter\s*=\s*[\"']([0-9.]{1,20}(?:[eE][+-]?[0-9]{1,2})?)[\"']")
-ENTITY = re.compile(rb"<!ENTITY|<!DOCTYPE", re.IGNORECASE)
 GREY = Material("grey", (0.6, 0.6, 0.6), None, 1.0)
 MAX_LOADED_BYTES = 1 << 28  # [bytes]
 
@@ -101,52 +101,70 @@ def image_paths(libraries: Iterable[Path]) -> list[Path]:
 
 
 def _loaded_mesh(path: Path) -> Mesh:
-    """Return the mesh of an STL, PLY or DAE file as trimesh reads it."""
-    parts = _load_parts(path)
-    triangles = np.concatenate([np.asarray(part.triangles, float).reshape(-1, 3, 3) for part in parts])
+    """Return the mesh of an STL, PLY or DAE file."""
+    data = read_bytes(path, max_bytes=MAX_LOADED_BYTES)
+    triangles, linear = _read_triangles(path, data)
     if not len(triangles):
         raise DatasetError("file has no triangles", file=path, hint=FETCH)
     if not (abs(triangles) <= MAX_COORDINATE).all():
         raise DatasetError("coordinates are not finite, or beyond 1,000 km", file=path, hint="Export it again.")
-    colors = [_face_colors(part) for part in parts]
-    if all(color is None for color in colors):
+    if linear is None:
         return plain_mesh(path, triangles, GREY)
-    grey = decode_srgb(np.array(GREY.diffuse))
-    rows = zip(parts, colors, strict=True)
-    linear = np.concatenate([np.tile(grey, (len(p.faces), 1)) if c is None else c for p, c in rows])
     slot, shades = round_colors(linear)
     names = (to_vector(np.round(encode_srgb(np.clip(shade, 0, 1)), 6)) for shade in shades)
     mesh = plain_mesh(path, triangles, GREY)
     return replace(mesh, slot=slot, materials=tuple(Material("color", shade, None, 1.0) for shade in names))
 
 
-def _load_parts(path: Path) -> list[Any]:
-    """Return the meshes of a file as objects of trimesh, in metres and y up where the file tells its axes."""
+def _read_triangles(path: Path, data: bytes) -> tuple[Triangles, Float[np.ndarray, "t 3"] | None]:
+    """Return the triangles of an STL, PLY or DAE file, and their linear colours, if it states any."""
+    kind = path.suffix.lower()
+    if kind == ".stl":
+        return read_stl(path, data), None
+    return read_ply(path, data) if kind == ".ply" else _load_collada(path, data)
+
+
+def _load_collada(path: Path, data: bytes) -> tuple[Triangles, Float[np.ndarray, "t 3"] | None]:
+    """Return the triangles of a DAE file as trimesh reads it, in metres and y up, and their linear colours."""
+    parts = _load_parts(path, data)
+    if not parts:
+        return np.zeros((0, 3, 3)), None
+    triangles = np.concatenate([np.asarray(part.triangles, float).reshape(-1, 3, 3) for part in parts])
+    colors = [_face_colors(part) for part in parts]
+    if all(color is None for color in colors):
+        return triangles, None
+    grey = decode_srgb(np.array(GREY.diffuse))
+    rows = zip(parts, colors, strict=True)
+    return triangles, np.concatenate([np.tile(grey, (len(p.faces), 1)) if c is None else c for p, c in rows])
+
+
+def _load_parts(path: Path, data: bytes) -> list[Any]:
+    """Return the meshes of a DAE file as objects of trimesh, in metres and y up."""
     import trimesh
 
-    kind, data = path.suffix.lower()[1:], read_bytes(path, max_bytes=MAX_LOADED_BYTES)
-    if kind == "dae" and ENTITY.search(data):
-        raise DatasetError("file declares entities", file=path, hint="Export it again.")
+    frame = collada_frame(path, data)
     try:
-        scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
-        if kind == "dae":
-            scene.apply_transform(_dae_frame(data))
+        with _without_log():
+            scene = trimesh.load_scene(io.BytesIO(data), file_type="dae", process=False)
+        if scene.geometry:
+            scene.apply_transform(frame)
         return [part for part in scene.dump() if isinstance(part, trimesh.Trimesh) and len(part.faces)]
     except ImportError:
         raise DatasetError("DAE files need pycollada", file=path, hint=install_hint("dae")) from None
     except Exception as error:  # trimesh raises errors of any type
-        reason = printable(str(error)[:100])
-        raise DatasetError(f"not a file of {kind.upper()}: {reason}", file=path, hint=FETCH) from None
+        raise DatasetError(f"not a file of DAE: {printable(str(error)[:100])}", file=path, hint=FETCH) from None
 
 
-def _dae_frame(data: bytes) -> Float[np.ndarray, "4 4"]:
-    """Return the transform of a COLLADA document to metres and y up."""
-    axis, unit = UP_AXIS.search(data), UNIT.search(data)
-    matrix = np.eye(4)
-    if axis is not None and axis[1] != b"Y":
-        matrix[:3, :3] = {b"Z": [[1, 0, 0], [0, 0, 1], [0, -1, 0]], b"X": [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}[axis[1]]
-    matrix[:3] *= float(unit[1]) if unit is not None else 1.0
-    return matrix
+@contextmanager
+def _without_log() -> Iterator[None]:
+    """Silence trimesh, which logs the traceback of each image that it does not load."""
+    log = logging.getLogger("trimesh")
+    level = log.level
+    log.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        log.setLevel(level)
 
 
 def _face_colors(part: Any) -> Float[np.ndarray, "f 3"] | None:

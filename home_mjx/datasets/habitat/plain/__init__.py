@@ -1,0 +1,1 @@
+"""Assets without nodes, such as of OBJ and COLLADA: their readers and bounds."""
