@@ -92,7 +92,7 @@ class UsdDataset(SceneDataset):
         if not placed:
             raise DatasetError("scene shows nothing: no prim has triangles", file=path, hint="Export its meshes.")
         missing = [note for note in scene.notes.values() if "missing" in note]
-        if strict and (reader.fallbacks or missing):
+        if strict and (reader.materials.fallbacks or missing):
             raise MissingFileError("scene lacks textures or layers", file=path, hint="Fetch them.")
         objects, architecture, lost = attach_joints(*split_objects(placed, stated.objects), reader.joints)
         triangles, split = collect_triangles(architecture), self.options.rooms == "auto"
@@ -102,11 +102,13 @@ class UsdDataset(SceneDataset):
         notes: dict[str, str] = {}
         lights = plausible_lights(read_lights(reader.lights, notes), floor_area(levels), notes)
         levels = add_lights(path, levels, parts.models, lights)
-        fallbacks = (*reader.fallbacks, *rooms.fallbacks)
+        fallbacks = (*reader.materials.fallbacks, *rooms.fallbacks)
         self.warn_fallbacks(house_id, fallbacks)
         fixed = "joint lacks bodies or limits, moves no part of an object, or one that another joint moves: fixed"
         unkept = (Problem(joint.path, fixed) for joint in lost)
-        listed = (Problem(element, note) for element, note in {**scene.notes, **reader.notes, **notes}.items())
+        listed = (
+            Problem(element, note) for element, note in {**scene.notes, **reader.materials.notes, **notes}.items()
+        )
         problems = (*listed, *rooms.problems, *unkept)
         return House(house_id, "usd@1.0", path, levels, parts.models, problems[:MAX_NOTES], fallbacks=fallbacks)
 

@@ -14,6 +14,7 @@ from home_mjx.datasets.gltf.joints import MIN_RANGE, SceneJoint, with_parts
 from home_mjx.datasets.gltf.objects import FoundObject, MeshObject, join_meshes, move_mesh
 from home_mjx.datasets.habitat.articulated import hinge_strip, move_joint, wall_frame
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
+from home_mjx.datasets.usd.layers import at_start
 from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.schema.house import JointKind
 
@@ -74,7 +75,7 @@ def _body(prim: Any, name: str) -> str:
 def _value(prim: Any, name: str, default: Any) -> Any:
     """Return the value of an attribute; the default if it has none."""
     found = prim.GetAttribute(name)
-    value = found.Get() if found else None
+    value = at_start(found) if found else None
     return default if value is None else value
 
 

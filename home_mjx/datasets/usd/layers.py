@@ -150,3 +150,13 @@ def _broken(path: Path, error: RuntimeError) -> DatasetError:
     """Return the error for a layer that USD refuses."""
     reason = printable(" ".join(str(error).split())[-200:])
     return DatasetError(f"not a USD layer: {reason}", file=path, hint="Fetch or export it again.")
+
+
+def start() -> Any:
+    """Return the time at which scenes are read: that of the first sample, or no time where values have none."""
+    return pxr("Usd").TimeCode.EarliestTime()
+
+
+def at_start(attribute: Any) -> Any:
+    """Return the value of an attribute at the start of its animation; None if it has none."""
+    return attribute.Get(start())

@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from home_mjx.core.color import encode_srgb
 from home_mjx.datasets.gltf.scene_lights import SceneLight, to_vector
-from home_mjx.datasets.usd.layers import pxr
+from home_mjx.datasets.usd.layers import at_start, pxr
 from home_mjx.schema.house import Light
 from home_mjx.schema.lighting import LUMENS_PER_WATT
 
@@ -43,7 +43,7 @@ def _power(prim: Any, matrix: Matrix) -> float:
     """Return the power of a light [W]; 0 unless it is positive and finite."""
     exposure = np.clip(_number(prim, "exposure", 0.0), -MAX_EXPOSURE, MAX_EXPOSURE)
     nits = _number(prim, "intensity", 1.0) * 2.0**exposure * float(_color(prim).max())
-    flag = prim.GetAttribute("inputs:normalize").Get()
+    flag = at_start(prim.GetAttribute("inputs:normalize"))
     power = np.pi * nits * (1.0 if flag else _area(prim, matrix)) / LUMENS_PER_WATT
     return float(min(power, MAX_POWER)) if np.isfinite(power) and power > 0 else 0.0
 
@@ -72,9 +72,9 @@ def _light(prim: Any, matrix: Matrix, power: float) -> Light:
 
 def _color(prim: Any) -> Float[np.ndarray, "3"]:
     """Return the linear colour of a light, from its temperature if it enables that."""
-    value = prim.GetAttribute("inputs:color").Get()
+    value = at_start(prim.GetAttribute("inputs:color"))
     color = np.clip(np.nan_to_num(np.array(value if value is not None else (1, 1, 1), float)), 0, None)
-    if prim.GetAttribute("inputs:enableColorTemperature").Get():
+    if at_start(prim.GetAttribute("inputs:enableColorTemperature")):
         kelvin = float(np.clip(_number(prim, "colorTemperature", 6500.0), 1000, 10000))
         color = color * np.array(pxr("UsdLux").BlackbodyTemperatureAsRgb(kelvin), float)
     return color
@@ -82,5 +82,5 @@ def _color(prim: Any) -> Float[np.ndarray, "3"]:
 
 def _number(prim: Any, name: str, default: float) -> float:
     """Return a number of a light; the default if it is absent or not finite."""
-    value = prim.GetAttribute(f"inputs:{name}").Get()
+    value = at_start(prim.GetAttribute(f"inputs:{name}"))
     return float(value) if value is not None and np.isfinite(value) else default

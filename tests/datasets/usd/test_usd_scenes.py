@@ -233,7 +233,7 @@ def textured(*inputs: str, files: tuple[str, ...] = ("none.png",)) -> str:
 
 def test_a_missing_texture_is_one_fallback(tmp_path):
     _, reader = points(write(tmp_path / "a.usda", textured("diffuseColor")))
-    assert [fallback.name for fallback in reader.fallbacks] == ["./none.png"]
+    assert [fallback.name for fallback in reader.materials.fallbacks] == ["./none.png"]
 
 
 def test_a_broken_image_of_emission_is_a_fallback_and_does_not_glow(tmp_path):
@@ -245,14 +245,14 @@ def test_a_broken_image_of_emission_is_a_fallback_and_does_not_glow(tmp_path):
     (material,) = {placed.mesh.materials[0] for placed in reader.read()}
     assert material.texture == tmp_path / "whole.png"
     assert material.maps is None
-    (fallback,) = reader.fallbacks
+    (fallback,) = reader.materials.fallbacks
     assert (fallback.name, fallback.replacement) == ("./cut.png", "no emission")
 
 
 def test_lost_images_that_only_exports_use_are_notes(tmp_path):
     _, reader = points(write(tmp_path / "a.usda", textured("normal", "occlusion", files=("none.png", "map.exr"))))
-    assert reader.fallbacks == []
-    assert list(reader.notes) == ["/oak/t0", "/oak/t1"]
+    assert reader.materials.fallbacks == []
+    assert list(reader.materials.notes) == ["/oak/t0", "/oak/t1"]
 
 
 @pytest.mark.parametrize(
@@ -324,3 +324,66 @@ def DomeLight "sky" {}
     aim = panel[1].transform[:3, :3] @ np.array(panel[0].direction)
     np.testing.assert_allclose(aim / np.linalg.norm(aim), [0, -1, 0], atol=1e-6)
     assert any("DomeLight" in p.message for p in house.problems)
+
+
+def test_animated_scenes_are_read_at_their_first_sample(tmp_path):
+    body = 'def Cube "a" {\ndouble size.timeSamples = { 5: 4, 9: 8 }\n'
+    body += "double3 xformOp:translate.timeSamples = { 5: (1, 0, 0), 9: (7, 0, 0) }\n"
+    body += 'token visibility.timeSamples = { 5: "inherited", 9: "invisible" }\n'
+    found, _ = points(write(tmp_path / "a.usda", body + 'uniform token[] xformOpOrder = ["xformOp:translate"]\n}\n'))
+    assert [found.min(axis=0).tolist(), found.max(axis=0).tolist()] == [[-1, -2, -2], [3, 2, 2]]
+
+
+def test_inputs_of_materials_feed_shaders_and_images_are_beside_the_layer_that_names_them(tmp_path):
+    (tmp_path / "parts").mkdir()
+    Image.new("RGB", (2, 2), (9, 9, 9)).save(tmp_path / "parts" / "wood.png")
+    part = textured("diffuseColor", files=("wood.png",)).replace(
+        'def Material "oak" {', 'def Material "oak" {\nasset inputs:image = @./wood.png@\nfloat inputs:metal = 0.5'
+    )
+    part = part.replace("asset inputs:file = @./wood.png@", "asset inputs:file.connect = </oak.inputs:image>")
+    part = part.replace("color3f inputs", "float inputs:metallic.connect = </oak.inputs:metal>\ncolor3f inputs", 1)
+    part = part.replace("</oak", "</all/oak")
+    write(
+        tmp_path / "parts" / "part.usda", f'def Xform "all" {{\n{part}\n}}\n', 'defaultPrim = "all"; metersPerUnit = 1'
+    )
+    body = 'def "box" (prepend references = @./parts/part.usda@) {}\n'
+    reader = PrimReader(open_scene(write(tmp_path / "a.usda", body)))
+    (material,) = {placed.mesh.materials[0] for placed in reader.read()}
+    assert material.texture == tmp_path / "parts" / "wood.png"
+    assert material.maps.metallic == 0.5
+    assert reader.materials.fallbacks == []
+
+
+POINT_INSTANCER = """def Xform "shelf" {
+double3 xformOp:translate = (10, 0, 0)
+uniform token[] xformOpOrder = ["xformOp:translate"]
+def PointInstancer "books" {
+rel prototypes = [</shelf/books/kinds/thin>, </shelf/books/kinds/thick>]
+int[] protoIndices = [0, 1, 1, 0]
+point3f[] positions = [(0, 0, 0), (0, 5, 0), (0, 9, 0), (0, 0, 7)]
+quath[] orientations = [(1, 0, 0, 0), (0.7071, 0, 0, 0.7071), (1, 0, 0, 0), (1, 0, 0, 0)]
+float3[] scales = [(1, 1, 1), (2, 1, 1), (1, 1, 1), (1, 1, 1)]
+int64[] invisibleIds = [2]
+def Scope "kinds" {
+def Cube "thin" {
+double size = 1
+}
+def Cube "thick" {
+double size = 2
+double3 xformOp:translate = (1, 0, 0)
+uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+}
+}
+}
+"""
+
+
+def test_point_instancers_show_the_prototypes_of_their_visible_instances_alone(tmp_path):
+    placed = list(PrimReader(open_scene(write(tmp_path / "a.usda", POINT_INSTANCER))).read())
+    middles = [one.mesh.vertices.mean(axis=0) @ one.matrix[:3, :3].T + one.matrix[:3, 3] for one in placed]
+    np.testing.assert_allclose(middles, [[10, 0, 0], [10, 7, 0], [10, 0, 7]], atol=2e-3)
+    assert len({one.chain[-2].element for one in placed}) == 3
+    broken = POINT_INSTANCER.replace("[0, 1, 1, 0]", "[0, 1, 2, 0]")
+    with pytest.raises(DatasetError, match="do not fit their positions"):
+        list(PrimReader(open_scene(write(tmp_path / "b.usda", broken))).read())

@@ -1,0 +1,139 @@
+"""Materials of USD prims: `UsdPreviewSurface` with its images, else the display colour."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from home_mjx.core.color import encode_srgb
+from home_mjx.core.files import is_file
+from home_mjx.core.images import open_texture
+from home_mjx.datasets.suncg.formats.json_value import printable
+from home_mjx.datasets.usd.layers import UsdScene, at_start, below, pxr
+from home_mjx.errors import DatasetError
+from home_mjx.schema.house import Fallback, Material
+from home_mjx.schema.lighting import SurfaceMaps
+
+MAX_EMISSION = 1000.0  # maximum emission, of a white display
+MAP_INPUTS = ("emissiveColor", "normal", "occlusion")  # inputs of `UsdPreviewSurface` that images may feed
+GREY = Material("default", (0.6, 0.6, 0.6), None, 1.0)
+
+
+@dataclass
+class UsdMaterials:
+    """Reader of the materials of a scene, each read once.
+
+    Attributes:
+        scene: The scene.
+        fallbacks: Textures that materials do without.
+        notes: Shaders of images that only exports use, and that are lost.
+    """
+
+    scene: UsdScene
+    fallbacks: list[Fallback] = field(default_factory=list)
+    notes: dict[str, str] = field(default_factory=dict)
+    _read: dict[str, Material] = field(default_factory=dict)
+    _faults: dict[Path, str] = field(default_factory=dict)
+
+    def material(self, prim: Any) -> Material:
+        """Return the diffuse colour, opacity and texture of a prim's `UsdPreviewSurface`, else its display colour."""
+        bound = pxr("UsdShade").MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        shader = bound.ComputeSurfaceSource()[0] if bound else None
+        if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
+            color = prim.GetAttribute("primvars:displayColor")
+            shown = at_start(color) if color else None
+            return GREY if not shown else Material("display", _color(shown[0]), None, 1.0)
+        key = str(bound.GetPath())
+        if key not in self._read:
+            self._read[key] = self._preview(shader, printable(bound.GetPrim().GetName()[:100]))
+        return self._read[key]
+
+    def _preview(self, shader: Any, name: str) -> Material:
+        """Return the material of a `UsdPreviewSurface`."""
+        (color, image), (alpha, _) = _input(shader, "diffuseColor"), _input(shader, "opacity")
+        path = self._texture(image, name) if image else None
+        white = (1.0, 1.0, 1.0) if image else GREY.diffuse
+        opaque = float(np.clip(alpha, 0, 1)) if alpha is not None else 1.0
+        paint = _color(color) if color is not None else white
+        return Material(name, paint, path, opaque, maps=self._maps(shader, name))
+
+    def _maps(self, shader: Any, name: str) -> SurfaceMaps | None:
+        """Return the emission, metallic part and images of a `UsdPreviewSurface`; None without any."""
+        sources = ((key, _input(shader, key)[1]) for key in MAP_INPUTS)
+        images = [self._map_image(key, source, name) if source else None for key, source in sources]
+        emitted, metallic, roughness = (_input(shader, key)[0] for key in ("emissiveColor", "metallic", "roughness"))
+        light = np.clip(np.nan_to_num(np.array(emitted if emitted is not None else [0, 0, 0], float)), 0, MAX_EMISSION)
+        light = np.ones(3) if images[0] is not None else light
+        if not (any(images) or light.any() or metallic):
+            return None
+        return SurfaceMaps(
+            emission=(float(light[0]), float(light[1]), float(light[2])),
+            metallic=float(np.clip(metallic or 0.0, 0, 1)),
+            roughness=float(np.clip(0.5 if roughness is None else roughness, 0, 1)),
+            images=(images[0], images[1], None, images[2]),
+        )
+
+    def _map_image(self, key: str, prim: Any, name: str) -> Path | None:
+        """Return the image of a map; None, with a note if only exports use it, else a fallback, if it is lost."""
+        if key == "emissiveColor":
+            return self._texture(prim, name, "no emission")
+        _, path, reason = self._image(prim)
+        if reason:
+            self.notes[str(prim.GetPath())] = f"{key} of `{name}` is not kept: {reason}"
+        return None if reason else path
+
+    def _texture(self, prim: Any, name: str, replacement: str = "the material's colour") -> Path | None:
+        """Return the image of a `UsdUVTexture`; None, with a fallback, if it is missing or broken."""
+        text, path, reason = self._image(prim)
+        if reason:
+            self.fallbacks.append(Fallback("texture", text[:100] or name, name, replacement, reason))
+        return None if reason else path
+
+    def _image(self, prim: Any) -> tuple[str, Path | None, str]:
+        """Return the name of the image of a `UsdUVTexture`, its path, and the reason why it is lost, else ""."""
+        source = _source(pxr("UsdShade").Shader(prim), "file")
+        value = at_start(source) if source else None
+        text = str(getattr(value, "path", ""))
+        if not text:
+            return text, None, "colour is not of an image"
+        file = source.GetPropertyStack()[0].layer.realPath  # paths are relative to the layer that states them
+        path = below(self.scene.root, Path(file), text)
+        if not is_file(path) or path.suffix.lower() not in (".png", ".jpg", ".jpeg"):
+            return text, None, "image is missing, or neither PNG nor JPEG"
+        if path not in self._faults:
+            self._faults[path] = _fault(path)
+        return text, path, self._faults[path]
+
+
+def _fault(path: Path) -> str:
+    """Return the reason why an image cannot be decoded; "" if it can."""
+    try:
+        open_texture(path)
+    except DatasetError as error:
+        return error.message
+    return ""
+
+
+def _source(shader: Any, name: str) -> Any:
+    """Return the attribute that has the value of an input, through inputs of materials and graphs; None without."""
+    value = shader.GetInput(name)
+    found = value.GetValueProducingAttributes() if value else []
+    return found[0] if found else None
+
+
+def _input(shader: Any, name: str) -> tuple[Any, Any]:
+    """Return the value of an input, or else the prim whose output feeds it; None for either if absent."""
+    source = _source(shader, name)
+    if source is None:
+        return None, None
+    if pxr("UsdShade").Output.IsOutput(source):
+        return None, source.GetPrim()
+    return at_start(source), None
+
+
+def _color(linear: Any) -> tuple[float, float, float]:
+    """Return a linear colour as sRGB."""
+    values = np.clip(np.nan_to_num(np.array(linear, float)), 0, 1)
+    red, green, blue = np.round(encode_srgb(values), 6).tolist()
+    return red, green, blue
