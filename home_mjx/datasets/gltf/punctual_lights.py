@@ -92,9 +92,9 @@ def _cones(spot: JsonValue) -> tuple[float, float]:
     inner = low.number() if low.has_value else 0.0
     if not 0 < outer <= np.pi / 2 + 1e-6:
         raise high.error(f"expected an angle above 0 and up to pi/2, got {outer:g}")
-    if not 0 <= inner < outer:
-        raise low.error(f"expected an angle from 0 to below that of the outer cone, got {inner:g}")
-    return inner, min(outer, np.pi / 2)
+    if not 0 <= inner <= outer:  # some exporters write equal angles for a sharp edge
+        raise low.error(f"expected an angle from 0 to that of the outer cone, got {inner:g}")
+    return min(inner, np.pi / 2), min(outer, np.pi / 2)
 
 
 def _exponent(cosine: float, share: float) -> float:

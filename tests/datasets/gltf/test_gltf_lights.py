@@ -73,7 +73,7 @@ def test_lights_of_no_plausible_power_are_scaled_and_directional_ones_are_noted(
     [
         ({"type": "area"}, "expected point, spot or directional"),
         ({"type": "spot", "spot": {"outerConeAngle": 2.0}}, "up to pi/2"),
-        ({"type": "spot", "spot": {"innerConeAngle": 0.9, "outerConeAngle": 0.5}}, "below that of the outer cone"),
+        ({"type": "spot", "spot": {"innerConeAngle": 0.9, "outerConeAngle": 0.5}}, "to that of the outer cone"),
     ],
 )
 def test_broken_lights_are_located(tmp_path, light, message):
@@ -98,3 +98,10 @@ def test_both_ends_of_a_line_move_to_the_frame_of_the_object_nearest_to_its_midd
     np.testing.assert_allclose(moved, ends, atol=1e-9)
     with pytest.raises(DatasetError, match="more than 1000 lights"):
         add_lights(house.path, house.levels, house.models, [SceneLight("tube", line)] * (MAX_LIGHTS + 1))
+
+
+def test_a_spot_whose_cones_are_equal_is_uniform(tmp_path):
+    spot = {"innerConeAngle": 0.8, "outerConeAngle": 0.8}
+    ((_, light),) = carried(lit(tmp_path, {"type": "spot", "intensity": 1e5, "spot": spot}))
+    assert light.power == pytest.approx(2 * np.pi * (1 - np.cos(0.8)) * 1e5 / LUMENS_PER_WATT)
+    assert (light.dropoff, light.cutoff) == (0, 0.8)
