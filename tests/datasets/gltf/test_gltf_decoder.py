@@ -58,6 +58,41 @@ def test_points_and_lines_are_noted(read):
     assert reader.notes == {"meshes[0].primitives[0]": "points and lines are not shown"}
 
 
+def morphed(weights) -> GltfFile:
+    """Return a triangle whose two targets raise and shift it, with weights of its mesh."""
+    file = GltfFile()
+    mesh = file.mesh(SQUARE[:3])
+    targets = [{"POSITION": file.accessor([move] * 3)} for move in ([0, 0, 2], [4, 0, 0])]
+    file.json["meshes"][mesh].update(weights=weights)
+    file.json["meshes"][mesh]["primitives"][0]["targets"] = targets
+    file.node(mesh=mesh)
+    return file
+
+
+@pytest.mark.parametrize(("weights", "move"), [([0.5, 0], [0, 0, 1]), ([-1, 0.25], [1, 0, -2]), ([0, 0], [0, 0, 0])])
+def test_morph_targets_have_the_weights_of_their_mesh(read, weights, move):
+    placed, reader = read(morphed(weights))
+    np.testing.assert_allclose(triangles_of(placed)[0], np.array(SQUARE[:3]) + move)
+    assert reader.notes == {}
+    file = morphed(weights)
+    file.json["nodes"][0]["weights"] = [1, 1]
+    assert list(read(file)[1].notes) == ["nodes[0]"]
+
+
+def test_weights_must_fit_their_targets(read):
+    with pytest.raises(DatasetError, match=r"3 weights, its primitive 2 targets.*meshes\[0\]"):
+        read(morphed([1, 1, 1]))
+
+
+def test_primitives_without_positions_are_skipped(read):
+    file = GltfFile()
+    file.node(mesh=file.mesh(SQUARE[:3]))
+    file.json["meshes"][0]["primitives"].append({"attributes": {}})
+    placed, reader = read(file)
+    assert len(triangles_of(placed)) == 1
+    assert list(reader.notes) == ["meshes[0].primitives[1]"]
+
+
 def test_strides_offsets_and_normalized_integers(read):
     """Positions in signed bytes with a stride, as KHR_mesh_quantization has them, beside 16-bit coordinates."""
     file = GltfFile()
@@ -291,6 +326,7 @@ CHANGES = {
     "expected a mode": lambda f: f.json["meshes"][0]["primitives"][0].update(mode=9),
     "coordinates up to": lambda f: f.data.__setitem__(slice(0, 4), np.float32(1e9).tobytes()),
     "got version": lambda f: f.json["asset"].update(version="1.0"),
+    "needs a reader of glTF `2.1`": lambda f: f.json["asset"].update(version="2.1", minVersion="2.1"),
     "requires the extension `KHR_texture_basisu`": lambda f: f.json.update(extensionsRequired=["KHR_texture_basisu"]),
     "`EXT_meshopt_compression` is not supported": lambda f: (
         f.json["bufferViews"][0].update(extensions={"EXT_meshopt_compression": {}}),

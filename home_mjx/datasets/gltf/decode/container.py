@@ -213,9 +213,12 @@ def read_document(path: Path, tolerated: frozenset[str] = frozenset()) -> GltfDo
     data = read_bytes(path, max_bytes=MAX_FILE_BYTES)
     text, chunk = _split_glb(path, data) if data[:4] == GLB_MAGIC else (data, None)
     document = GltfDocument(path, _parse(path, text), chunk)
-    version = document.root.member("asset").member("version")
+    asset = document.root.member("asset")
+    version, minimum = asset.member("version"), asset.member("minVersion")
     if version.text().split(".")[0] != "2":
         raise version.error(f"expected glTF 2, got version `{version.text()[:20]}`", "Export it as glTF 2.0.")
+    if minimum.has_value and minimum.text() != "2.0":
+        raise minimum.error(f"file needs a reader of glTF `{minimum.text()[:20]}`", "Export it as glTF 2.0.")
     for required in document.items("extensionsRequired"):
         if required.text() not in SUPPORTED_EXTENSIONS | IGNORED_EXTENSIONS | tolerated:
             message = f"file requires the extension `{required.text()[:60]}`, which is not supported"

@@ -26,6 +26,7 @@ WIDTHS = {
     "JOINTS": (4,),
     "WEIGHTS": (4,),
 }  # of rows of attributes; others: 3
+MAX_TARGETS = 1_000  # maximum number of morph targets of a mesh
 MAX_SETS = 4  # maximum number of sets of joints and weights
 USED = ("POSITION", "NORMAL", "TEXCOORD_", "COLOR_0", "JOINTS_", "WEIGHTS_")  # starts of names of attributes
 COLOR_STEPS = (16, 8, 4, 2)  # levels per channel to which vertex colours are rounded
@@ -65,18 +66,23 @@ class MeshReader:
         """
         value, number = self.document.item("meshes", index), index.integer()
         if number not in self._read:
-            parts = [part for p in value.member("primitives").entries() if (part := self._primitive(p)) is not None]
-            if value.member("weights").has_value:
-                self.notes[value.element] = "morph targets are not applied"
+            weights = _weights(value)
+            primitives = value.member("primitives").entries()
+            parts = [part for p in primitives if (part := self._primitive(p, weights)) is not None]
             self._read[number] = _join(self.document, parts) if parts else None
             bound = [part.binding for part in parts if part.binding is not None]
             if bound and len(bound) == len(parts):
                 self.bindings[number] = _join_bindings(bound)
         return self._read[number]
 
-    def _primitive(self, value: JsonValue) -> "_Part | None":
+    def _primitive(self, value: JsonValue, weights: list[float]) -> "_Part | None":
         """Return the triangles of a primitive; None, with a note, if there are none."""
+        if _is_empty(value):
+            self.notes[value.element] = "primitive without positions is not shown"
+            return None
         attributes, index = self._vertices(value)
+        if any(weights):
+            attributes = self._morphed(value, attributes, weights)
         corners = self._triangles(value, index, len(attributes["POSITION"]))
         if corners is None:
             return None
@@ -103,6 +109,24 @@ class MeshReader:
         self._check(value, attributes)
         return attributes, index
 
+    def _morphed(self, value: JsonValue, attributes: Attributes, weights: list[float]) -> Attributes:
+        """Return attributes of vertices with the positions and normals of morph targets added, by their weights."""
+        targets = value.member("targets")
+        listed = targets.entries() if targets.has_value else []
+        if len(listed) != len(weights) or len(listed) > MAX_TARGETS:
+            message = f"mesh has {len(weights)} weights, its primitive {len(listed)} targets; at most {MAX_TARGETS}"
+            raise value.error(message)
+        moved = dict(attributes)
+        for target, weight in zip(listed, weights, strict=True):
+            for key in ("POSITION", "NORMAL"):
+                if weight and key in moved and target.member(key).has_value:
+                    rows = read_accessor(self.document, target.member(key))
+                    if rows.shape != moved[key].shape:
+                        raise target.error(f"{key} has the shape {rows.shape}, that of the mesh {moved[key].shape}")
+                    moved[key] = moved[key] + weight * rows
+        self._check(value, moved)
+        return moved
+
     def _check(self, value: JsonValue, attributes: Attributes) -> None:
         """Raise `DatasetError` unless attributes have positions of three coordinates and one length."""
         position = attributes.get("POSITION")
@@ -127,6 +151,19 @@ class MeshReader:
             self.notes[value.element] = "points and lines are not shown" if mode < TRIANGLES else "no triangle"
             return None
         return split_triangles(index, mode)
+
+
+def _weights(value: JsonValue) -> list[float]:
+    """Return the weights of morph targets of a mesh; [] without any."""
+    weights = value.member("weights")
+    return [weight.number() for weight in weights.entries()] if weights.has_value else []
+
+
+def _is_empty(value: JsonValue) -> bool:
+    """Return whether a primitive has no positions, which are not in compressed data either, so that it is skipped."""
+    packed = value.member("extensions")
+    is_packed = packed.has_value and packed.member(DRACO).has_value
+    return not is_packed and "POSITION" not in _keys(value.member("attributes"))
 
 
 def split_triangles(index: Int[np.ndarray, " i"], mode: int) -> Int[np.ndarray, "t 3"]:

@@ -122,6 +122,8 @@ def _placed(
     if not index.has_value:
         return
     mesh, skin = meshes.mesh(index), value.member("skin")
+    if value.member("weights").has_value:
+        meshes.notes[value.element] = "morph targets have the weights of the mesh, not those of the node"
     if mesh is not None and len(mesh.faces) and skin.has_value:
         yield _posed(document, meshes, value, chain, mesh)
     elif mesh is not None and len(mesh.faces):
