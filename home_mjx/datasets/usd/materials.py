@@ -10,13 +10,14 @@ from home_mjx.core.color import encode_srgb
 from home_mjx.core.files import is_file
 from home_mjx.core.images import open_texture
 from home_mjx.datasets.suncg.formats.json_value import printable
-from home_mjx.datasets.usd.layers import UsdScene, at_start, below, pxr
+from home_mjx.datasets.usd.layers import UsdScene, at_start, below, pxr, start
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Fallback, Material
 from home_mjx.schema.lighting import SurfaceMaps
 
 MAX_EMISSION = 1000.0  # maximum emission, of a white display
 MAP_INPUTS = ("emissiveColor", "normal", "occlusion")  # inputs of `UsdPreviewSurface` that images may feed
+PURPOSES = ("preview", "full")  # of bindings; USD takes those of all purposes where it finds none
 GREY = Material("default", (0.6, 0.6, 0.6), None, 1.0)
 
 
@@ -38,11 +39,15 @@ class UsdMaterials:
 
     def material(self, prim: Any) -> Material:
         """Return the diffuse colour, opacity and texture of a prim's `UsdPreviewSurface`, else its display colour."""
-        bound = pxr("UsdShade").MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        binding = pxr("UsdShade").MaterialBindingAPI(prim)
+        found = (binding.ComputeBoundMaterial(purpose)[0] for purpose in PURPOSES)
+        bound: Any = next((material for material in found if material), None)
         shader = bound.ComputeSurfaceSource()[0] if bound else None
         if not shader or shader.GetIdAttr().Get() != "UsdPreviewSurface":
-            color = prim.GetAttribute("primvars:displayColor")
-            shown = at_start(color) if color else None
+            if bound:
+                self.notes[str(bound.GetPath())] = "shader is no UsdPreviewSurface: display colours replace it"
+            color = pxr("UsdGeom").PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+            shown = color.Get(start()) if color else None
             return GREY if not shown else Material("display", _color(shown[0]), None, 1.0)
         key = str(bound.GetPath())
         if key not in self._read:

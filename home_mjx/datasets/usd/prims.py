@@ -20,6 +20,7 @@ MAX_PRIMS = 100_000  # maximum number of visited prims
 MAX_DEPTH = 200  # maximum number of nested prims
 MAX_CORNERS = 30_000_000  # maximum number of corners of faces of a mesh
 AXES = {"X": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]), "Y": Z_UP.T, "Z": np.eye(3)}  # from z
+PLANES = {"X": (2, 1), "Y": (0, 2), "Z": (0, 1)}  # axes of the width and length of a plane with this normal
 
 
 @dataclass
@@ -152,6 +153,8 @@ class PrimReader:
             return self._polygons(prim)
         solid = self._solid(prim)
         if solid is None:
+            if prim.IsA(geometry.Gprim):
+                self.materials.notes[str(prim.GetPath())] = f"{prim.GetTypeName()} is not shown"
             return None
         slot = np.zeros(len(solid), int)
         return self._joined(solid, np.zeros((len(solid), 3, 2)), slot, (self.materials.material(prim),))
@@ -163,12 +166,24 @@ class PrimReader:
             return box_triangles(np.zeros(3), np.full(3, self._number(prim, "size") / 2))
         if prim.IsA(geometry.Sphere):
             return sphere_triangles(self._number(prim, "radius"))
+        if prim.IsA(geometry.Plane):
+            return self._plane(prim)
         shapes = ((geometry.Cylinder, cylinder_triangles), (geometry.Cone, cone_triangles))
         for kind, shape in (*shapes, (geometry.Capsule, capsule_triangles)):
             if prim.IsA(kind):
                 found = shape(self._number(prim, "radius"), self._number(prim, "height") / 2)
                 return found @ AXES.get(str(at_start(prim.GetAttribute("axis"))), np.eye(3)).T
         return None
+
+    def _plane(self, prim: Any) -> Float[np.ndarray, "2 3 3"]:
+        """Return a plane around the origin; its width is along x, on the axis X along z, its length along the third."""
+        width, length = (self._number(prim, name) / 2 for name in ("width", "length"))
+        axis = str(at_start(prim.GetAttribute("axis")))
+        across, along = PLANES.get(axis, PLANES["Z"])
+        first, second = np.eye(3)[across] * width, np.eye(3)[along] * length
+        first, second = (first, second) if axis == "Z" else (second, first)  # wound around the axis
+        corners = np.stack([-first - second, first - second, first + second, second - first])
+        return corners[[[0, 1, 2], [0, 2, 3]]]
 
     def _number(self, prim: Any, name: str) -> float:
         """Return a positive number of a prim."""
@@ -196,6 +211,8 @@ class PrimReader:
         if str(at_start(prim.GetAttribute("orientation"))) == "leftHanded":
             corner = corner[:, [0, 2, 1]]
         owner = np.repeat(np.arange(len(counts)), np.maximum(counts - 2, 0))
+        is_whole = ~np.isin(owner, np.array(at_start(prim.GetAttribute("holeIndices")) or [], int))
+        corner, owner = corner[is_whole], owner[is_whole]
         slot, materials = self._slots(prim, len(counts))
         return self._joined(points[index[corner]], self._coordinates(prim, index, corner), slot[owner], materials)
 
@@ -213,7 +230,9 @@ class PrimReader:
     def _coordinates(self, prim: Any, index: Int[np.ndarray, " c"], corner: Int[np.ndarray, "t 3"]) -> np.ndarray:
         """Return the texture coordinates of the corners of triangles; 0 without any."""
         geometry = pxr("UsdGeom")
-        primvar = geometry.PrimvarsAPI(prim).FindPrimvarWithInheritance("st")
+        interface = geometry.PrimvarsAPI(prim)
+        others = (p for p in interface.FindPrimvarsWithInheritance() if str(p.GetTypeName()) == "texCoord2f[]")
+        primvar: Any = interface.FindPrimvarWithInheritance("st") or next(others, None)
         found = primvar.ComputeFlattened(start()) if primvar and primvar.HasValue() else None
         values = np.array(found, float).reshape(-1, 2) if found is not None else np.zeros((0, 2))
         rows = {"faceVarying": corner, "vertex": index[corner], "varying": index[corner]}

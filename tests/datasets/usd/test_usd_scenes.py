@@ -387,3 +387,42 @@ def test_point_instancers_show_the_prototypes_of_their_visible_instances_alone(t
     broken = POINT_INSTANCER.replace("[0, 1, 1, 0]", "[0, 1, 2, 0]")
     with pytest.raises(DatasetError, match="do not fit their positions"):
         list(PrimReader(open_scene(write(tmp_path / "b.usda", broken))).read())
+
+
+@pytest.mark.parametrize("axis", "XYZ")
+def test_planes_have_the_extent_that_usd_computes_and_face_along_their_axis(tmp_path, axis):
+    from pxr import Usd, UsdGeom
+
+    body = f'def Plane "a" {{\ndouble width = 2\ndouble length = 4\nuniform token axis = "{axis}"\n}}\n'
+    scene = open_scene(write(tmp_path / "a.usda", body))
+    (placed,) = PrimReader(scene).read()
+    plane = UsdGeom.Plane(scene.stage.GetPrimAtPath("/a"))
+    extent = UsdGeom.Boundable.ComputeExtentFromPlugins(plane, Usd.TimeCode.Default())
+    vertices = placed.mesh.vertices
+    np.testing.assert_allclose([vertices.min(axis=0), vertices.max(axis=0)], extent)
+    a, b, c = vertices[placed.mesh.faces].transpose(1, 0, 2)
+    np.testing.assert_allclose(np.cross(b - a, c - a), [8.0 * np.eye(3)["XYZ".index(axis)]] * 2)
+
+
+def test_holes_other_geometry_and_other_shaders_are_left_out_or_noted(tmp_path):
+    body = """def Material "mdl" {
+}
+def Xform "x" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+rel material:binding:full = </mdl>
+color3f[] primvars:displayColor = [(0, 1, 0)]
+def Mesh "a" {
+point3f[] points = [(0,0,0),(1,0,0),(1,1,0),(0,1,0),(2,0,0)]
+int[] faceVertexCounts = [4, 3]
+int[] faceVertexIndices = [0,1,2,3,1,4,2]
+int[] holeIndices = [0]
+texCoord2f[] primvars:UVMap = [(0,0),(1,0),(1,1),(0,1),(0.5,0.25)] (interpolation = "vertex")
+}
+}
+def BasisCurves "hair" {}
+"""
+    reader = PrimReader(open_scene(write(tmp_path / "a.usda", body)))
+    (placed,) = reader.read()
+    assert placed.mesh.vertices.tolist() == [[1, 0, 0], [2, 0, 0], [1, 1, 0]]
+    assert placed.mesh.uv.tolist() == [[[1, 0], [0.5, 0.25], [1, 1]]]
+    assert placed.mesh.materials[0].diffuse == (0, 1, 0)
+    assert set(reader.materials.notes) == {"/mdl", "/hair"}
