@@ -1,14 +1,16 @@
 """Materials of USD prims: `UsdPreviewSurface` with its images, else the display colour."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from jaxtyping import Int
 
 from home_mjx.core.color import encode_srgb
 from home_mjx.core.files import is_file
 from home_mjx.core.images import open_texture
+from home_mjx.datasets.gltf.decode.primitives import round_colors
 from home_mjx.datasets.suncg.formats.json_value import printable
 from home_mjx.datasets.usd.layers import UsdScene, at_start, below, pxr, start
 from home_mjx.errors import DatasetError
@@ -18,6 +20,7 @@ from home_mjx.schema.lighting import SurfaceMaps
 MAX_EMISSION = 1000.0  # maximum emission, of a white display
 MAP_INPUTS = ("emissiveColor", "normal", "occlusion")  # inputs of `UsdPreviewSurface` that images may feed
 PURPOSES = ("preview", "full")  # of bindings; USD takes those of all purposes where it finds none
+DISPLAY = "display"  # name of materials that are a display colour
 GREY = Material("default", (0.6, 0.6, 0.6), None, 1.0)
 
 
@@ -48,7 +51,7 @@ class UsdMaterials:
                 self.notes[str(bound.GetPath())] = "shader is no UsdPreviewSurface: display colours replace it"
             color = pxr("UsdGeom").PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
             shown = color.Get(start()) if color else None
-            return GREY if not shown else Material("display", _color(shown[0]), None, 1.0)
+            return GREY if not shown else Material(DISPLAY, _color(shown[0]), None, 1.0)
         key = str(bound.GetPath())
         if key not in self._read:
             self._read[key] = self._preview(shader, printable(bound.GetPrim().GetName()[:100]))
@@ -109,6 +112,38 @@ class UsdMaterials:
         if path not in self._faults:
             self._faults[path] = _fault(path)
         return text, path, self._faults[path]
+
+
+def split_display_colors(
+    prim: Any,
+    slot: Int[np.ndarray, " t"],
+    materials: tuple[Material, ...],
+    owner: Int[np.ndarray, " t"],
+    corner: Int[np.ndarray, "t 3"],
+    index: Int[np.ndarray, " c"],
+) -> tuple[Int[np.ndarray, " t"], tuple[Material, ...]]:
+    """Return slots and materials of triangles, with more of them where the mesh has several display colours.
+
+    Args:
+        prim: The mesh.
+        slot: Slots of its triangles; 0 is that of the mesh, others are of its subsets.
+        materials: Materials of the slots.
+        owner: Faces of the triangles.
+        corner: Corners of the triangles, among those of all faces.
+        index: Points of all corners.
+    """
+    primvar = pxr("UsdGeom").PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+    found = primvar.ComputeFlattened(start()) if materials[0].name == DISPLAY and primvar else None
+    values = np.array(found if found is not None else [], float).reshape(-1, 3)
+    rows = {"uniform": owner[:, None], "faceVarying": corner, "vertex": index[corner], "varying": index[corner]}
+    chosen = rows.get(str(primvar.GetInterpolation())) if len(values) > 1 else None
+    own = slot == 0
+    if chosen is None or not own.any() or chosen.max() >= len(values):
+        return slot, materials
+    part, shades = round_colors(np.nan_to_num(values[chosen[own]].mean(axis=1)))
+    split = slot - 1 + len(shades)
+    split[own] = part
+    return split, (*(replace(materials[0], diffuse=_color(shade)) for shade in shades), *materials[1:])
 
 
 def _fault(path: Path) -> str:

@@ -12,7 +12,7 @@ from home_mjx.datasets.shapes import capsule_triangles, cone_triangles, cylinder
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location, printable
 from home_mjx.datasets.usd.joints import FIXED, KINDS, UsdJoint, read_joint, unit_of
 from home_mjx.datasets.usd.layers import UsdScene, at_start, layer_unit, pxr, start
-from home_mjx.datasets.usd.materials import UsdMaterials
+from home_mjx.datasets.usd.materials import UsdMaterials, split_display_colors
 from home_mjx.geometry.meshes import Z_UP, box_triangles
 from home_mjx.schema.house import Material, Mesh
 
@@ -214,7 +214,8 @@ class PrimReader:
         is_whole = ~np.isin(owner, np.array(at_start(prim.GetAttribute("holeIndices")) or [], int))
         corner, owner = corner[is_whole], owner[is_whole]
         slot, materials = self._slots(prim, len(counts))
-        return self._joined(points[index[corner]], self._coordinates(prim, index, corner), slot[owner], materials)
+        slot, materials = split_display_colors(prim, slot[owner], materials, owner, corner, index)
+        return self._joined(points[index[corner]], self._coordinates(prim, index, corner), slot, materials)
 
     def _slots(self, prim: Any, count: int) -> tuple[Int[np.ndarray, " f"], tuple[Material, ...]]:
         """Return the slot of each face of a mesh, and its materials: its own, then those of its subsets."""

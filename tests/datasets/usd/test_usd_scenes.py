@@ -426,3 +426,32 @@ def BasisCurves "hair" {}
     assert placed.mesh.uv.tolist() == [[[1, 0], [0.5, 0.25], [1, 1]]]
     assert placed.mesh.materials[0].diffuse == (0, 1, 0)
     assert set(reader.materials.notes) == {"/mdl", "/hair"}
+
+
+@pytest.mark.parametrize(
+    ("interpolation", "colors"),
+    [
+        ("uniform", "(1,0,0),(0,0,1),(9,9,9)"),
+        ("vertex", "(1,0,0),(1,0,0),(1,0,0),(1,0,0),(0,0,1),(0,0,1),(0,0,1)"),
+        ("faceVarying", "(1,0,0),(1,0,0),(1,0,0),(1,0,0),(0,0,1),(0,0,1),(0,0,1),(9,9,9),(9,9,9),(9,9,9)"),
+    ],
+)
+def test_display_colours_of_faces_vertices_and_corners_are_slots(tmp_path, interpolation, colors):
+    """A red quad, a blue triangle, and a triangle with a material of its own."""
+    body = f"""{LOOK}def Mesh "a" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+point3f[] points = [(0,0,0),(1,0,0),(1,1,0),(0,1,0),(2,0,0),(3,0,0),(2,1,0)]
+int[] faceVertexCounts = [4, 3, 3]
+int[] faceVertexIndices = [0,1,2,3,4,5,6,4,6,5]
+color3f[] primvars:displayColor = [{colors}] (interpolation = "{interpolation}")
+def GeomSubset "s" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+uniform token elementType = "face"
+uniform token familyName = "materialBind"
+int[] indices = [2]
+rel material:binding = </oak>
+}}
+}}
+"""
+    (placed,) = PrimReader(open_scene(write(tmp_path / "a.usda", body))).read()
+    shown = [placed.mesh.materials[slot] for slot in placed.mesh.slot]
+    assert [material.name for material in shown] == ["display"] * 3 + ["oak"]
+    assert [material.diffuse for material in shown[:3]] == [(1, 0, 0), (1, 0, 0), (0, 0, 1)]
