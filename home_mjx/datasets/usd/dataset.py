@@ -14,7 +14,7 @@ from home_mjx.datasets.gltf.objects import split_objects
 from home_mjx.datasets.gltf.scene_dataset import MAX_NOTES, RootedOptions, SceneDataset, parse_options, scene_id
 from home_mjx.datasets.gltf.scene_lights import add_lights, floor_area, plausible_lights
 from home_mjx.datasets.gltf.scene_rooms import scene_rooms
-from home_mjx.datasets.usd.joints import attach_joints
+from home_mjx.datasets.usd.joints import attach_joints, unit_of
 from home_mjx.datasets.usd.layers import UsdScene, open_scene
 from home_mjx.datasets.usd.lights import read_lights
 from home_mjx.datasets.usd.prims import PrimReader
@@ -100,7 +100,7 @@ class UsdDataset(SceneDataset):
         parts = HouseParts(path, rooms.rooms)
         levels = parts.levels(rooms.triangles, self.wanted(objects, options))
         notes: dict[str, str] = {}
-        lights = plausible_lights(read_lights(reader.lights, notes), floor_area(levels), notes)
+        lights = plausible_lights(read_lights(reader.lights, unit_of(scene.frame), notes), floor_area(levels), notes)
         levels = add_lights(path, levels, parts.models, lights)
         fallbacks = (*reader.materials.fallbacks, *rooms.fallbacks)
         self.warn_fallbacks(house_id, fallbacks)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from home_mjx.datasets.gltf.joints import MIN_RANGE, SceneJoint, with_parts
 from home_mjx.datasets.gltf.objects import FoundObject, MeshObject, join_meshes, move_mesh
 from home_mjx.datasets.habitat.articulated import hinge_strip, move_joint, wall_frame
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, printable
-from home_mjx.datasets.usd.layers import at_start
+from home_mjx.datasets.usd.layers import at_start, located_errors
 from home_mjx.geometry.rotations import quat_matrix
 from home_mjx.schema.house import JointKind
 
@@ -68,7 +69,8 @@ def read_joint(prim: Any, places: Mapping[str, Matrix], unit: float) -> UsdJoint
 
 def _body(prim: Any, name: str) -> str:
     """Return the path of the body that a relationship names; "" without one."""
-    targets = prim.GetRelationship(name).GetTargets()
+    with located_errors(Path(prim.GetStage().GetRootLayer().realPath), str(prim.GetPath())):
+        targets = prim.GetRelationship(name).GetTargets()
     return str(targets[0]) if targets else ""
 
 

@@ -2,6 +2,7 @@
 
 import importlib
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -148,8 +149,12 @@ def below(root: Path, file: Path, text: str) -> Path:
 
 def _broken(path: Path, error: RuntimeError) -> DatasetError:
     """Return the error for a layer that USD refuses."""
-    reason = printable(" ".join(str(error).split())[-200:])
-    return DatasetError(f"not a USD layer: {reason}", file=path, hint="Fetch or export it again.")
+    return DatasetError(f"not a USD layer: {_reason(error)}", file=path, hint="Fetch or export it again.")
+
+
+def _reason(error: RuntimeError) -> str:
+    """Return the end of the message of USD's library."""
+    return printable(" ".join(str(error).split())[-200:])
 
 
 def start() -> Any:
@@ -158,5 +163,46 @@ def start() -> Any:
 
 
 def at_start(attribute: Any) -> Any:
-    """Return the value of an attribute at the start of its animation; None if it has none."""
-    return attribute.Get(start())
+    """Return the value of an attribute at the start of its animation; None if it has none.
+
+    Raises:
+        DatasetError: The value has another type than the schema declares.
+    """
+    value, expected = attribute.Get(start()), type(attribute.GetTypeName().defaultValue)
+    is_number = expected is float and isinstance(value, int)
+    if value is not None and not is_number and not isinstance(value, expected):
+        raise attribute_place(attribute).error(f"expected a value of the type {attribute.GetTypeName()}")
+    return value
+
+
+def attribute_place(attribute: Any) -> Location:
+    """Return the location of an attribute."""
+    return Location(Path(attribute.GetStage().GetRootLayer().realPath), str(attribute.GetPath()))
+
+
+def as_rows(attribute: Any, value: Any, width: int) -> Float[np.ndarray, "n w"]:
+    """Return a value of an attribute as rows of numbers; no rows if it is None.
+
+    Args:
+        attribute: The attribute, for messages.
+        value: A vector or a list of vectors, of `width` numbers or more, of which the first are taken.
+        width: Length of the rows.
+
+    Raises:
+        DatasetError: The value has another shape, or other entries than numbers.
+    """
+    if value is None:
+        return np.zeros((0, width))
+    found = np.asarray(value)
+    if found.dtype.kind not in "fiu" or found.ndim not in (1, 2) or found.shape[-1] < width:
+        raise attribute_place(attribute).error(f"expected vectors of {width} numbers")
+    return found.reshape(-1, found.shape[-1])[:, :width].astype(float)
+
+
+@contextmanager
+def located_errors(path: Path, element: str) -> Iterator[None]:
+    """Raise errors of USD's library as `DatasetError` at a prim."""
+    try:
+        yield
+    except pxr("Tf").ErrorException as error:
+        raise Location(path, element).error(f"USD refuses the prim: {_reason(error)}") from None

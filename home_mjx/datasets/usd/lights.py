@@ -14,24 +14,27 @@ from home_mjx.schema.lighting import LUMENS_PER_WATT
 
 LAMPS = ("SphereLight", "DiskLight", "RectLight", "CylinderLight")
 MAX_EXPOSURE = 64.0
+MAX_COLOR = 1e6  # maximum linear colour, that of broken files
 MAX_POWER = 1e9  # [W]
-HALF_TURN = np.pi / 2  # [rad], cutoff of surfaces, which shine to their front
+FRONT_ANGLE = np.pi / 2  # [rad], cutoff of surfaces, which shine to their front
 
 Matrix = Float[np.ndarray, "4 4"]
 
 
-def read_lights(prims: Sequence[tuple[Any, Matrix]], notes: dict[str, str]) -> list[SceneLight]:
+def read_lights(prims: Sequence[tuple[Any, Matrix]], unit: float, notes: dict[str, str]) -> list[SceneLight]:
     """Return the lights of prims with their places in the house.
 
-    A light has the power of its surface, whose luminance in nits is intensity times two to the exposure.
+    A light has the power of its surface, whose luminance in nits is intensity times two to the exposure, divided by
+    the area in units of the scene if it is normalized.
 
     Args:
         prims: Prims with `LightAPI`, and house from prim.
+        unit: Metres per unit of the scene.
         notes: Receives the lights that are not kept: domes, distant, and dark ones.
     """
     found = []
     for prim, matrix in prims:
-        power = _power(prim, matrix) if prim.GetTypeName() in LAMPS else 0.0
+        power = _power(prim, matrix, unit) if prim.GetTypeName() in LAMPS else 0.0
         if power > 0:
             found.append(SceneLight(str(prim.GetPath()), _light(prim, matrix, power)))
         else:
@@ -39,12 +42,12 @@ def read_lights(prims: Sequence[tuple[Any, Matrix]], notes: dict[str, str]) -> l
     return found
 
 
-def _power(prim: Any, matrix: Matrix) -> float:
+def _power(prim: Any, matrix: Matrix, unit: float) -> float:
     """Return the power of a light [W]; 0 unless it is positive and finite."""
     exposure = np.clip(_number(prim, "exposure", 0.0), -MAX_EXPOSURE, MAX_EXPOSURE)
     nits = _number(prim, "intensity", 1.0) * 2.0**exposure * float(_color(prim).max())
     flag = at_start(prim.GetAttribute("inputs:normalize"))
-    power = np.pi * nits * (1.0 if flag else _area(prim, matrix)) / LUMENS_PER_WATT
+    power = np.pi * nits * (unit**2 if flag else _area(prim, matrix)) / LUMENS_PER_WATT
     return float(min(power, MAX_POWER)) if np.isfinite(power) and power > 0 else 0.0
 
 
@@ -67,13 +70,13 @@ def _light(prim: Any, matrix: Matrix, power: float) -> Light:
         half = matrix[:3, 0] * _number(prim, "length", 1.0) / 2
         return Light("line", power, shade, to_vector(place - half), end=to_vector(place + half))
     aim = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
-    return Light("spot", power, shade, to_vector(place), to_vector(aim), HALF_TURN, dropoff=1.0)
+    return Light("spot", power, shade, to_vector(place), to_vector(aim), FRONT_ANGLE, dropoff=1.0)
 
 
 def _color(prim: Any) -> Float[np.ndarray, "3"]:
     """Return the linear colour of a light, from its temperature if it enables that."""
     value = at_start(prim.GetAttribute("inputs:color"))
-    color = np.clip(np.nan_to_num(np.array(value if value is not None else (1, 1, 1), float)), 0, None)
+    color = np.clip(np.nan_to_num(np.array(value if value is not None else (1, 1, 1), float)), 0, MAX_COLOR)
     if at_start(prim.GetAttribute("inputs:enableColorTemperature")):
         kelvin = float(np.clip(_number(prim, "colorTemperature", 6500.0), 1000, 10000))
         color = color * np.array(pxr("UsdLux").BlackbodyTemperatureAsRgb(kelvin), float)

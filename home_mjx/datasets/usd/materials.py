@@ -5,20 +5,20 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from home_mjx.core.color import encode_srgb
 from home_mjx.core.files import is_file
 from home_mjx.core.images import open_texture
 from home_mjx.datasets.gltf.decode.primitives import round_colors
 from home_mjx.datasets.suncg.formats.json_value import printable
-from home_mjx.datasets.usd.layers import UsdScene, at_start, below, pxr, start
+from home_mjx.datasets.usd.layers import UsdScene, as_rows, at_start, below, pxr, start
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import Fallback, Material
 from home_mjx.schema.lighting import SurfaceMaps
 
 MAX_EMISSION = 1000.0  # maximum emission, of a white display
-MAP_INPUTS = ("emissiveColor", "normal", "occlusion")  # inputs of `UsdPreviewSurface` that images may feed
+MAP_INPUTS = {"emissiveColor": 3, "normal": 3, "occlusion": 1}  # inputs that images may feed, and their lengths
 PURPOSES = ("preview", "full")  # of bindings; USD takes those of all purposes where it finds none
 DISPLAY = "display"  # name of materials that are a display colour
 GREY = Material("default", (0.6, 0.6, 0.6), None, 1.0)
@@ -50,8 +50,8 @@ class UsdMaterials:
             if bound:
                 self.notes[str(bound.GetPath())] = "shader is no UsdPreviewSurface: display colours replace it"
             color = pxr("UsdGeom").PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-            shown = color.Get(start()) if color else None
-            return GREY if not shown else Material(DISPLAY, _color(shown[0]), None, 1.0)
+            shown = as_rows(color.GetAttr(), at_start(color.GetAttr()), 3) if color else np.zeros((0, 3))
+            return Material(DISPLAY, _color(shown[0]), None, 1.0) if len(shown) else GREY
         key = str(bound.GetPath())
         if key not in self._read:
             self._read[key] = self._preview(shader, printable(bound.GetPrim().GetName()[:100]))
@@ -59,26 +59,25 @@ class UsdMaterials:
 
     def _preview(self, shader: Any, name: str) -> Material:
         """Return the material of a `UsdPreviewSurface`."""
-        (color, image), (alpha, _) = _input(shader, "diffuseColor"), _input(shader, "opacity")
+        color, image = _input(shader, "diffuseColor", 3)
         path = self._texture(image, name) if image else None
         white = (1.0, 1.0, 1.0) if image else GREY.diffuse
-        opaque = float(np.clip(alpha, 0, 1)) if alpha is not None else 1.0
         paint = _color(color) if color is not None else white
-        return Material(name, paint, path, opaque, maps=self._maps(shader, name))
+        return Material(name, paint, path, _share(shader, "opacity", 1.0), maps=self._maps(shader, name))
 
     def _maps(self, shader: Any, name: str) -> SurfaceMaps | None:
         """Return the emission, metallic part and images of a `UsdPreviewSurface`; None without any."""
-        sources = ((key, _input(shader, key)[1]) for key in MAP_INPUTS)
+        sources = ((key, _input(shader, key, width)[1]) for key, width in MAP_INPUTS.items())
         images = [self._map_image(key, source, name) if source else None for key, source in sources]
-        emitted, metallic, roughness = (_input(shader, key)[0] for key in ("emissiveColor", "metallic", "roughness"))
-        light = np.clip(np.nan_to_num(np.array(emitted if emitted is not None else [0, 0, 0], float)), 0, MAX_EMISSION)
+        emitted, metallic = _input(shader, "emissiveColor", 3)[0], _share(shader, "metallic", 0.0)
+        light = np.clip(np.nan_to_num(emitted if emitted is not None else np.zeros(3)), 0, MAX_EMISSION)
         light = np.ones(3) if images[0] is not None else light
         if not (any(images) or light.any() or metallic):
             return None
         return SurfaceMaps(
             emission=(float(light[0]), float(light[1]), float(light[2])),
-            metallic=float(np.clip(metallic or 0.0, 0, 1)),
-            roughness=float(np.clip(0.5 if roughness is None else roughness, 0, 1)),
+            metallic=metallic,
+            roughness=_share(shader, "roughness", 0.5),
             images=(images[0], images[1], None, images[2]),
         )
 
@@ -134,7 +133,7 @@ def split_display_colors(
     """
     primvar = pxr("UsdGeom").PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
     found = primvar.ComputeFlattened(start()) if materials[0].name == DISPLAY and primvar else None
-    values = np.array(found if found is not None else [], float).reshape(-1, 3)
+    values = as_rows(primvar.GetAttr(), found, 3) if primvar else np.zeros((0, 3))
     rows = {"uniform": owner[:, None], "faceVarying": corner, "vertex": index[corner], "varying": index[corner]}
     chosen = rows.get(str(primvar.GetInterpolation())) if len(values) > 1 else None
     own = slot == 0
@@ -162,14 +161,22 @@ def _source(shader: Any, name: str) -> Any:
     return found[0] if found else None
 
 
-def _input(shader: Any, name: str) -> tuple[Any, Any]:
-    """Return the value of an input, or else the prim whose output feeds it; None for either if absent."""
+def _input(shader: Any, name: str, width: int) -> tuple[Float[np.ndarray, " w"] | None, Any]:
+    """Return the numbers of an input, or else the prim whose output feeds it; None for either if absent."""
     source = _source(shader, name)
     if source is None:
         return None, None
     if pxr("UsdShade").Output.IsOutput(source):
         return None, source.GetPrim()
-    return at_start(source), None
+    value = at_start(source)
+    rows = as_rows(source, None if value is None else np.atleast_1d(value), width)
+    return rows[0] if len(rows) else None, None
+
+
+def _share(shader: Any, name: str, default: float) -> float:
+    """Return the number of an input, from 0 to 1; the default if it is absent, or if an image feeds it."""
+    value = _input(shader, name, 1)[0]
+    return float(np.clip(np.nan_to_num(default if value is None else value[0]), 0, 1))
 
 
 def _color(linear: Any) -> tuple[float, float, float]:

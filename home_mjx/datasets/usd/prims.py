@@ -11,7 +11,7 @@ from home_mjx.datasets.gltf.decode.scene import PlacedMesh, SceneNode
 from home_mjx.datasets.shapes import capsule_triangles, cone_triangles, cylinder_triangles, sphere_triangles
 from home_mjx.datasets.suncg.formats.json_value import MAX_COORDINATE, Location, printable
 from home_mjx.datasets.usd.joints import FIXED, KINDS, UsdJoint, read_joint, unit_of
-from home_mjx.datasets.usd.layers import UsdScene, at_start, layer_unit, pxr, start
+from home_mjx.datasets.usd.layers import UsdScene, as_rows, at_start, layer_unit, located_errors, pxr, start
 from home_mjx.datasets.usd.materials import UsdMaterials, split_display_colors
 from home_mjx.geometry.meshes import Z_UP, box_triangles
 from home_mjx.schema.house import Material, Mesh
@@ -19,6 +19,7 @@ from home_mjx.schema.house import Material, Mesh
 MAX_PRIMS = 100_000  # maximum number of visited prims
 MAX_DEPTH = 200  # maximum number of nested prims
 MAX_CORNERS = 30_000_000  # maximum number of corners of faces of a mesh
+MAX_SHOWN = 30_000_000  # maximum number of triangles, those of each instance counted
 AXES = {"X": np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]]), "Y": Z_UP.T, "Z": np.eye(3)}  # from z
 PLANES = {"X": (2, 1), "Y": (0, 2), "Z": (0, 1)}  # axes of the width and length of a plane with this normal
 
@@ -39,6 +40,7 @@ class PrimReader:
     places: dict[str, Float[np.ndarray, "4 4"]] = field(default_factory=dict)
     lights: list[tuple[Any, Float[np.ndarray, "4 4"]]] = field(default_factory=list)
     _joints: list[Any] = field(default_factory=list)
+    _meshes: dict[str, Mesh | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.materials = UsdMaterials(self.scene)
@@ -58,7 +60,7 @@ class PrimReader:
         """
         root, self.places[""] = self.scene.stage.GetPseudoRoot(), self.scene.frame
         unit = layer_unit(self.scene.stage.GetRootLayer())
-        stack = [(root, self.scene.frame, (), unit)]
+        stack, shown = [(root, self.scene.frame, (), unit)], 0
         for _ in range(MAX_PRIMS):
             if not stack:
                 return
@@ -78,6 +80,9 @@ class PrimReader:
                 self.lights.append((prim, matrix))
             mesh = self._mesh(prim) if has_volume else None
             if mesh is not None and len(mesh.faces):
+                shown += len(mesh.faces)
+                if shown > MAX_SHOWN:
+                    raise self._place(root).error(f"scene shows more than {MAX_SHOWN} triangles", "Remove instances.")
                 yield PlacedMesh(mesh, node.name, chain[1:], node.element)
             stack += [(*below, own_unit) for below in self._below(prim, matrix, chain)]
         raise self._place(root).error(f"scene has more than {MAX_PRIMS} prims")
@@ -97,10 +102,9 @@ class PrimReader:
         self, instancer: Any, matrix: Float[np.ndarray, "4 4"], chain: tuple[SceneNode, ...]
     ) -> Iterator[tuple[Any, Float[np.ndarray, "4 4"], tuple[SceneNode, ...]]]:
         """Yield the prototype of each visible instance of a point instancer."""
-        paths, rows = (
-            instancer.GetPrototypesRel().GetForwardedTargets(),
-            at_start(instancer.GetProtoIndicesAttr()) or [],
-        )
+        with located_errors(self.scene.path, str(instancer.GetPath())):
+            paths = instancer.GetPrototypesRel().GetForwardedTargets()
+        rows = at_start(instancer.GetProtoIndicesAttr()) or []
         prims = [self.scene.stage.GetPrimAtPath(path) for path in paths]
         time, geometry, place = start(), pxr("UsdGeom").PointInstancer, self._place(instancer.GetPrim())
         mask = instancer.ComputeMaskAtTime(time) or [True] * len(rows)
@@ -136,7 +140,8 @@ class PrimReader:
         matrix = above
         if prim.IsA(geometry.Xformable):
             shape = geometry.Xformable(prim)
-            local = np.array(shape.GetLocalTransformation(start()), float).T
+            with located_errors(self.scene.path, str(prim.GetPath())):
+                local = np.array(shape.GetLocalTransformation(start()), float).T
             if not (abs(local) <= MAX_COORDINATE).all():
                 raise self._place(prim).error("transform is not finite")
             matrix = (self.scene.frame if shape.GetResetXformStack() else above) @ local
@@ -147,6 +152,14 @@ class PrimReader:
         return matrix, own
 
     def _mesh(self, prim: Any) -> Mesh | None:
+        """Return the mesh of a prim, read once for all instances; None for other kinds of prims."""
+        key = str(prim.GetPath())
+        if key not in self._meshes:
+            with located_errors(self.scene.path, key):
+                self._meshes[key] = self._read_mesh(prim)
+        return self._meshes[key]
+
+    def _read_mesh(self, prim: Any) -> Mesh | None:
         """Return the mesh of a prim; None for other kinds of prims."""
         geometry = pxr("UsdGeom")
         if prim.IsA(geometry.Mesh):
@@ -187,10 +200,10 @@ class PrimReader:
 
     def _number(self, prim: Any, name: str) -> float:
         """Return a positive number of a prim."""
-        value = float(at_start(prim.GetAttribute(name)))
-        if not 0 < value <= MAX_COORDINATE:
+        value = at_start(prim.GetAttribute(name))
+        if value is None or not 0 < value <= MAX_COORDINATE:
             raise self._place(prim).error(f"`{name}` is not a positive, finite number")
-        return value
+        return float(value)
 
     def _polygons(self, prim: Any) -> Mesh | None:
         """Return a polygon mesh as triangles, the cage of subdivision surfaces; None without faces."""
@@ -235,7 +248,7 @@ class PrimReader:
         others = (p for p in interface.FindPrimvarsWithInheritance() if str(p.GetTypeName()) == "texCoord2f[]")
         primvar: Any = interface.FindPrimvarWithInheritance("st") or next(others, None)
         found = primvar.ComputeFlattened(start()) if primvar and primvar.HasValue() else None
-        values = np.array(found, float).reshape(-1, 2) if found is not None else np.zeros((0, 2))
+        values = as_rows(primvar.GetAttr(), found, 2) if primvar else np.zeros((0, 2))
         rows = {"faceVarying": corner, "vertex": index[corner], "varying": index[corner]}
         chosen = rows.get(str(primvar.GetInterpolation())) if len(values) else None
         if chosen is None or chosen.max(initial=-1) >= len(values) or not np.isfinite(values).all():

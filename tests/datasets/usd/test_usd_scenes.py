@@ -11,7 +11,9 @@ from PIL import Image
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from home_mjx.datasets import open_dataset
+from home_mjx.datasets.usd import prims
 from home_mjx.datasets.usd.layers import open_scene
+from home_mjx.datasets.usd.lights import read_lights
 from home_mjx.datasets.usd.prims import PrimReader
 from home_mjx.errors import DatasetError
 from home_mjx.schema.house import House
@@ -31,6 +33,11 @@ color3f inputs:diffuseColor = (1, 0.25, 0)
 float inputs:opacity = 0.5
 token outputs:surface
 }
+}
+"""
+
+BOUND_SPHERE = """def Sphere "a" (prepend apiSchemas = ["MaterialBindingAPI"]) {
+rel material:binding = </oak>
 }
 """
 
@@ -455,3 +462,61 @@ rel material:binding = </oak>
     shown = [placed.mesh.materials[slot] for slot in placed.mesh.slot]
     assert [material.name for material in shown] == ["display"] * 3 + ["oak"]
     assert [material.diffuse for material in shown[:3]] == [(1, 0, 0), (1, 0, 0), (0, 0, 1)]
+
+
+@pytest.mark.parametrize(
+    ("text", "element"),
+    [
+        ('def Sphere "a" {\nstring radius = "x"\n}', "/a.radius"),
+        ('def Sphere "a" {\ndouble radius = nan\n}', "/a"),
+        (
+            'def Sphere "a" {\nstring xformOp:translate = "x"\nuniform token[] xformOpOrder = ["xformOp:translate"]\n}',
+            "/a",
+        ),
+        ('def Sphere "a" {\ncolor3f primvars:displayColor = (1, 0, 0)\n}', "/a.primvars:displayColor"),
+        (
+            BOUND_SPHERE + LOOK.replace("color3f inputs:diffuseColor = (1, 0.25, 0)", "float inputs:diffuseColor = 1"),
+            "/oak/s",
+        ),
+        (
+            BOUND_SPHERE + LOOK.replace("float inputs:opacity = 0.5", 'string inputs:opacity = "x"'),
+            "/oak/s.inputs:opacity",
+        ),
+    ],
+)
+def test_values_of_other_types_than_the_schema_are_located(tmp_path, text, element):
+    with pytest.raises(DatasetError) as caught:
+        list(PrimReader(open_scene(write(tmp_path / "a.usda", text))).read())
+    assert str(caught.value.element).startswith(element)
+
+
+def test_texture_coordinates_of_three_numbers_lose_the_third(tmp_path):
+    mesh = NO_POINTS.replace("[(0,0,0)]", "[(0,0,0),(1,0,0),(0,1,0)]").removesuffix("}")
+    mesh += 'texCoord3f[] primvars:st = [(0,0,9),(1,0,9),(0,1,9)] (interpolation = "vertex")\n}'
+    (placed,) = PrimReader(open_scene(write(tmp_path / "a.usda", mesh))).read()
+    assert placed.mesh.uv[0].tolist() == [[0, 0], [1, 0], [0, 1]]
+
+
+def test_triangles_of_instances_are_counted_and_prototypes_read_once(tmp_path, monkeypatch):
+    text = 'def Cube "c" {\n}\ndef PointInstancer "p" {\nrel prototypes = [</c>]\nint[] protoIndices = [0, 0, 0]\n'
+    text += "point3f[] positions = [(0,0,0),(3,0,0),(6,0,0)]\n}"
+    path = write(tmp_path / "a.usda", text)
+    placed = list(PrimReader(open_scene(path)).read())
+    assert (len(placed), len({id(one.mesh) for one in placed})) == (4, 1)
+    monkeypatch.setattr(prims, "MAX_SHOWN", 47)
+    with pytest.raises(DatasetError, match="more than 47 triangles"):
+        list(PrimReader(open_scene(path)).read())
+
+
+def test_normalized_lights_are_divided_by_the_area_in_units_of_the_scene(tmp_path):
+    text = (
+        'def SphereLight "a" {\nfloat inputs:radius = 20\nfloat inputs:intensity = 6830\nbool inputs:normalize = %d\n}'
+    )
+    powers = []
+    for flag in (1, 0):
+        reader = PrimReader(open_scene(write(tmp_path / f"{flag}.usda", text % flag, "metersPerUnit = 0.01")))
+        list(reader.read())
+        (light,) = read_lights(reader.lights, 0.01, {})
+        powers.append(light.light.power)
+    assert powers[1] / powers[0] == pytest.approx(4 * np.pi * 20**2)
+    assert powers[1] == pytest.approx(np.pi * 10 * 4 * np.pi * 0.2**2)
