@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from gltf_files import CUBE, GltfFile, read_scene, triangles_of
 
+from home_mjx.datasets.gltf.decode import primitives
 from home_mjx.errors import DatasetError, MissingFileError
 
 SAMPLE = Path(__file__).parents[4] / "shared" / "data" / "gltf_sample"
@@ -429,3 +430,26 @@ def test_draco_is_decoded_or_refused_by_name(tmp_path):
         found = triangles_of(read_scene(path, tmp_path)[0])
         assert len(found) == 12
         assert np.allclose(abs(found), 0.5, atol=1e-6)
+
+
+def test_morph_targets_of_opposite_infinities_are_refused(tmp_path):
+    file = GltfFile()
+    far = [file.accessor(np.full((3, 3), sign * 1e30)) for sign in (1, -1)]
+    file.node(mesh=file.mesh(np.eye(3), targets=[{"POSITION": row} for row in far]))
+    file.json["meshes"][0]["weights"] = [1e300, 1e300]
+    with pytest.raises(DatasetError, match="beyond all limits"), np.errstate(all="ignore"):
+        read_scene(file.write(tmp_path / "a.glb"), tmp_path)
+
+
+def test_rows_of_accessors_are_bounded_and_shared_ones_are_read_once(tmp_path, monkeypatch):
+    monkeypatch.setattr(primitives, "MAX_ROWS", 12)
+    file = GltfFile()
+    shared, index = file.accessor(np.eye(3)), file.accessor([0, 1, 2], "uint16")
+    part = {"attributes": {"POSITION": shared}, "indices": index}
+    file.add("meshes", primitives=[part] * 20)
+    file.node(mesh=0)
+    (placed,), _ = read_scene(file.write(tmp_path / "a.glb"), tmp_path)
+    assert len(placed.mesh.faces) == 20
+    file.json["meshes"][0] |= {"primitives": [part | {"targets": [{"POSITION": shared}] * 3}], "weights": [1, 1, 1]}
+    with pytest.raises(DatasetError, match="more than 12 rows"):
+        read_scene(file.write(tmp_path / "b.glb"), tmp_path)

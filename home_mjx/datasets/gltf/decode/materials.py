@@ -198,7 +198,7 @@ def _metallic(value: JsonValue) -> _Shade:
     base, metallic = np.array([red, green, blue]), _factor(value, "metallicFactor", 1.0)
     roughness = _factor(value, "roughnessFactor", 1.0)
     if value.member("metallicRoughnessTexture").has_value:
-        metallic = 0.0  # factors multiply the texture, which is not kept, and are usually 1
+        metallic = 0.0  # factors multiply the texture, which the renderer does not use, and are usually 1
     specular = DIELECTRIC * (1 - metallic) + base * metallic
     # Metals without a diffuse part would be black in the package's renderer, which reflects lights alone.
     return _Shade(base, alpha, _color(specular), _shininess(roughness), texture)

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Shaped
 
 from home_mjx.datasets.gltf.decode.accessors import read_accessor
 from home_mjx.datasets.gltf.decode.container import GltfDocument
@@ -26,6 +26,8 @@ WIDTHS = {
     "JOINTS": (4,),
     "WEIGHTS": (4,),
 }  # of rows of attributes; others: 3
+MAX_ROWS = 1 << 27  # maximum number of rows of accessors that are read, and of morph targets that are added
+KEPT_ACCESSORS = 8  # number of the last accessors that are kept, since primitives share them
 MAX_TARGETS = 1_000  # maximum number of morph targets of a mesh
 MAX_SETS = 4  # maximum number of sets of joints and weights
 USED = ("POSITION", "NORMAL", "TEXCOORD_", "COLOR_0", "JOINTS_", "WEIGHTS_")  # starts of names of attributes
@@ -51,7 +53,9 @@ class MeshReader:
     notes: dict[str, str] = field(default_factory=dict)
     bindings: dict[int, Binding] = field(default_factory=dict)
     _read: dict[int, Mesh | None] = field(default_factory=dict)
+    _accessors: dict[int, np.ndarray] = field(default_factory=dict)
     _total: int = 0
+    _rows: int = 0
 
     @cached_property
     def skins(self) -> SkinReader:
@@ -89,11 +93,20 @@ class MeshReader:
         self._total += len(corners)
         if self._total > MAX_TRIANGLES:
             raise value.error(f"meshes have more than {MAX_TRIANGLES} triangles", "Simplify them.")
-        a, b, c = attributes["POSITION"][corners].transpose(1, 0, 2)
+        a, b, c = self._corners(value, attributes["POSITION"], corners)
         flat = (np.cross(b - a, c - a) == 0).all(axis=1)
         if flat.any():
             self.notes[value.element] = f"{int(flat.sum())} triangles without area are left out"
         return _part(self.materials.material(value.member("material")), attributes, corners[~flat])
+
+    def _corners(
+        self, value: JsonValue, position: Float[np.ndarray, "v 3"], corners: Int[np.ndarray, "t 3"]
+    ) -> Float[np.ndarray, "3 t 3"]:
+        """Return the positions of the corners of triangles; raise unless they are below `MAX_COORDINATE`."""
+        found = position[corners].transpose(1, 0, 2)
+        if not (abs(found) <= MAX_COORDINATE).all():
+            raise value.error(f"expected coordinates up to {MAX_COORDINATE:g}, got {abs(found).max():g}")
+        return found
 
     def _vertices(self, value: JsonValue) -> tuple[Attributes, Int[np.ndarray, " i"] | None]:
         """Return the attributes of a primitive's vertices, and its indices; None: vertices are in order."""
@@ -104,10 +117,27 @@ class MeshReader:
         else:
             named, listed = value.member("attributes"), value.member("indices")
             used = [k for k in _keys(named) if k.startswith(USED)]
-            attributes = {key: read_accessor(self.document, named.member(key)) for key in used}
-            index = read_accessor(self.document, listed)[:, 0] if listed.has_value else None
+            attributes = {key: self._elements(named.member(key)) for key in used}
+            index = self._elements(listed)[:, 0] if listed.has_value else None
         self._check(value, attributes)
         return attributes, index
+
+    def _elements(self, index: JsonValue) -> Shaped[np.ndarray, "n c"]:
+        """Return an accessor's elements, which must not be changed."""
+        number = index.integer()
+        if number not in self._accessors:
+            rows = read_accessor(self.document, index)
+            self._count_rows(index, len(rows))
+            if len(self._accessors) >= KEPT_ACCESSORS:
+                self._accessors.pop(next(iter(self._accessors)))
+            self._accessors[number] = rows
+        return self._accessors[number]
+
+    def _count_rows(self, value: JsonValue, count: int) -> None:
+        """Count rows that are read or added; raise the value's error beyond `MAX_ROWS`."""
+        self._rows += count
+        if self._rows > MAX_ROWS:
+            raise value.error(f"meshes read more than {MAX_ROWS} rows of accessors", "Use fewer or smaller accessors.")
 
     def _morphed(self, value: JsonValue, attributes: Attributes, weights: list[float]) -> Attributes:
         """Return attributes of vertices with the positions and normals of morph targets added, by their weights."""
@@ -120,11 +150,13 @@ class MeshReader:
         for target, weight in zip(listed, weights, strict=True):
             for key in ("POSITION", "NORMAL"):
                 if weight and key in moved and target.member(key).has_value:
-                    rows = read_accessor(self.document, target.member(key))
+                    rows = self._elements(target.member(key))
+                    self._count_rows(target, len(rows))
                     if rows.shape != moved[key].shape:
                         raise target.error(f"{key} has the shape {rows.shape}, that of the mesh {moved[key].shape}")
                     moved[key] = moved[key] + weight * rows
-        self._check(value, moved)
+        if not all(np.isfinite(moved[key]).all() for key in ("POSITION", "NORMAL") if key in moved):
+            raise value.error("morph targets move vertices beyond all limits")
         return moved
 
     def _check(self, value: JsonValue, attributes: Attributes) -> None:
@@ -132,8 +164,6 @@ class MeshReader:
         position = attributes.get("POSITION")
         if position is None or position.shape[1] != 3:
             raise value.error("primitive has no POSITION of three coordinates")
-        if abs(position).max(initial=0) > MAX_COORDINATE:
-            raise value.error(f"expected coordinates up to {MAX_COORDINATE:g}, got {abs(position).max():g}")
         for name, rows in attributes.items():
             width = next((w for start, w in WIDTHS.items() if name.startswith(start)), (3,))
             if len(rows) != len(position) or rows.shape[1] not in width:
@@ -196,8 +226,8 @@ class _Part:
 def _part(found: TexturedMaterial, attributes: Attributes, corners: Int[np.ndarray, "t 3"]) -> _Part:
     """Return the triangles of a primitive with its material, one slot per vertex colour."""
     uv = attributes.get(f"TEXCOORD_{found.uv_set}")
-    uv = np.zeros((len(attributes["POSITION"]), 2)) if uv is None else uv
-    uv = np.c_[uv, np.ones(len(uv))] @ found.uv_matrix[:2].T
+    uv = np.zeros((*corners.shape, 2)) if uv is None else uv[corners]
+    uv = uv @ found.uv_matrix[:2, :2].T + found.uv_matrix[:2, 2]
     uv = uv * [1, -1] + [0, 1]  # the records have v = 0 below
     slot, materials = np.zeros(len(corners), int), (found.material,)
     if "COLOR_0" in attributes and len(corners):
@@ -205,7 +235,7 @@ def _part(found: TexturedMaterial, attributes: Attributes, corners: Int[np.ndarr
         materials = tuple(tinted(found.material, color) for color in colors)
     normal = attributes["NORMAL"][corners] if "NORMAL" in attributes else None
     return _Part(
-        attributes["POSITION"][corners], uv[corners], normal, slot, materials, _binding(attributes, corners.reshape(-1))
+        attributes["POSITION"][corners], uv, normal, slot, materials, _binding(attributes, corners.reshape(-1))
     )
 
 
@@ -278,7 +308,8 @@ def _unpack_draco(document: GltfDocument, packed: JsonValue) -> tuple[Attributes
     try:
         mesh = draco.decode(bytes(document.view(packed.member("bufferView"))[0]))
         named = packed.member("attributes")
-        found = {k: mesh.get_attribute_by_unique_id(named.member(k).integer())["data"] for k in _keys(named)}
+        used = [key for key in _keys(named) if key.startswith(USED)]
+        found = {k: mesh.get_attribute_by_unique_id(named.member(k).integer())["data"] for k in used}
         return {k: rows if k.startswith("JOINTS") else _as_float(rows) for k, rows in found.items()}, np.asarray(
             mesh.faces, np.int64
         ).reshape(-1)
