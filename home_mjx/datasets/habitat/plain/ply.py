@@ -2,6 +2,7 @@
 
 import re
 import struct
+from array import array
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -100,6 +101,21 @@ class _Text:
     values: Float[np.ndarray, " n"]
     position: int = 0
 
+    def step(self, kind: str) -> int:
+        """Return by how much a value moves the position."""
+        return 1
+
+    def length(self, kind: str, position: int) -> int:
+        """Return the length of a list that a position has; raise `ValueError` if it is negative or beyond the end."""
+        if position >= len(self.values) or not 0 <= self.values[position] <= len(self.values):
+            raise ValueError("no length")
+        return int(self.values[position])
+
+    def gather(self, kind: str, start: Int[np.ndarray, " r"], length: Int[np.ndarray, " r"]) -> np.ndarray:
+        """Return the values of lists, one after the other."""
+        found = self.values[_places(start, length, 1)]
+        return found if kind in REALS else found.astype(int)
+
     def scalar(self, kind: str) -> float:
         """Return the next value."""
         self.position += 1
@@ -127,6 +143,23 @@ class _Bytes:
     data: bytes
     order: str
     position: int
+
+    def step(self, kind: str) -> int:
+        """Return by how much a value moves the position [bytes]."""
+        return struct.calcsize(self.order + kind)
+
+    def length(self, kind: str, position: int) -> int:
+        """Return the length of a list that a position has; raise `ValueError` if it is negative or beyond the end."""
+        found = self.data[position] if kind == "B" else struct.unpack_from(self.order + kind, self.data, position)[0]
+        if not 0 <= found <= len(self.data):
+            raise ValueError("no length")
+        return int(found)
+
+    def gather(self, kind: str, start: Int[np.ndarray, " r"], length: Int[np.ndarray, " r"]) -> np.ndarray:
+        """Return the values of lists, one after the other."""
+        step, raw = self.step(kind), np.frombuffer(self.data, np.uint8)
+        places = _places(start, length, step)
+        return np.stack([raw[places + i] for i in range(step)], axis=1).reshape(-1).view(self.order + kind)
 
     def scalar(self, kind: str) -> float:
         """Return the next value."""
@@ -191,19 +224,29 @@ def _first_row(source: _Text | _Bytes, element: _Element) -> list[_Property]:
 
 
 def _read_rows(source: _Text | _Bytes, element: _Element) -> Columns:
-    """Return the columns of an element whose lists have different lengths."""
-    found: dict[str, list] = {one.name: [] for one in element.properties}
-    found |= {f"{one.name}.length": [] for one in element.properties if one.count}
+    """Return the columns of an element whose lists have different lengths, which are found one by one."""
+    steps = [
+        (one.count, source.step(one.count) if one.count else 0, source.step(one.kind)) for one in element.properties
+    ]
+    starts, lengths, position = array("q"), array("q"), source.position
     for _ in range(element.count):
-        for one in element.properties:
-            if one.count:
-                values = source.array(one.kind, int(source.scalar(one.count)))
-                found[f"{one.name}.length"].append(len(values))
-                found[one.name].append(values)
-            else:
-                found[one.name].append(source.scalar(one.kind))
-    lists = {one.name for one in element.properties if one.count}
-    return {k: np.concatenate([np.zeros(0), *rows]) if k in lists else np.array(rows) for k, rows in found.items()}
+        for count, head, step in steps:
+            length = source.length(count, position) if count else 1
+            position += head
+            starts.append(position)
+            lengths.append(length)
+            position += length * step
+    source.position = position
+    start, length = (np.frombuffer(rows, np.int64).reshape(-1, len(steps)).T for rows in (starts, lengths))
+    columns = zip(element.properties, start, length, strict=True)
+    found = {one.name: source.gather(one.kind, at, own) for one, at, own in columns}
+    return found | {f"{one.name}.length": own for one, own in zip(element.properties, length, strict=True) if one.count}
+
+
+def _places(start: Int[np.ndarray, " r"], length: Int[np.ndarray, " r"], step: int) -> Int[np.ndarray, " n"]:
+    """Return the positions of the values of lists, one after the other."""
+    first = np.cumsum(length) - length
+    return np.repeat(start - first * step, length) + np.arange(int(length.sum())) * step
 
 
 def _triangles(
