@@ -124,6 +124,11 @@ WHOLE = DAE.format(up="Y", unit="").encode()
         ("a.dae", WHOLE.replace(b'"1.0"', b'"1.0" encoding="UTF-7"'), "in UTF-8"),
         ("a.dae", WHOLE[:-20], "not an XML document"),
         ("a.dae", b"<svg/>", "expected a COLLADA document"),
+        (
+            "a.dae",
+            b"<COLLADA>" + b"<geometry>" * 300 + b"</geometry>" * 300 + b"</COLLADA>",
+            "more than 200 levels deep",
+        ),
         ("a.dae", nodes(30), "instances show more than"),
         ("a.dae", nodes(2).replace(b'url="#n2"', b'url="#n0"'), "its own ancestor"),
         ("a.dae", WHOLE.replace(b'url="#g"', b'url="other.dae#g"'), r"instance of `other.dae#g`.*<instance_geometry>"),

@@ -18,6 +18,7 @@ ENTITY = re.compile(rb"<!ENTITY|<!DOCTYPE", re.IGNORECASE)
 ENCODING = re.compile(rb"<\?xml[^<>]{0,200}?\bencoding\s*=\s*[\"']([^\"'<>]{1,40})[\"']")
 ENCODINGS = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")
 MAX_TAGS = 1 << 21  # maximum number of "<", which bounds the memory of elements
+MAX_DEPTH = 200  # maximum number of nested elements, each of which is searched for all below it
 MAX_NODES = 100_000  # maximum number of nodes, without their instances
 NODE_COST = 1_000  # [characters], time of an instance of a node, as that of so much text of indices
 MAX_SHOWN = 1 << 28  # [characters], maximum text of indices that a scene shows, that of each instance counted
@@ -46,7 +47,7 @@ def collada_frame(path: Path, data: bytes) -> Float[np.ndarray, "4 4"]:
 
 
 def _parse(path: Path, data: bytes) -> Element:
-    """Return the root of a document whose text is bounded and has no entities, in whatever encoding."""
+    """Return the root of a document whose text and depth are bounded, and which has no entities."""
     text = data.removeprefix(b"\xef\xbb\xbf").lstrip()
     encoding = ENCODING.match(text)
     if text[:1] != b"<" or b"\0" in text or (encoding is not None and encoding[1].lower() not in ENCODINGS):
@@ -61,6 +62,11 @@ def _parse(path: Path, data: bytes) -> Element:
         raise Location(path).error(f"not an XML document: {error}", EXPORT) from None
     if _tag(root) != "COLLADA":
         raise _error(path, root, "expected a COLLADA document")
+    level = [root]
+    for _ in range(MAX_DEPTH):
+        level = [child for element in level for child in element]
+    if level:
+        raise _error(path, level[0], f"elements are more than {MAX_DEPTH} levels deep")
     return root
 
 
