@@ -33,6 +33,15 @@ def door_angles(
     return jnp.clip(angle, physics.door_low[house], physics.door_high[house])
 
 
+def opening_fractions(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Float[Array, " h"]:
+    """Return how far each leaf of a house (index, not clipped) is open: 0 closed, 1 wide open; not clipped.
+
+    It is the distance from the closed coordinate re that of wide open. `door_angle` is as for `passable_portals`.
+    """
+    closed, wide = bank.physics.door_closed[house], bank.physics.door_fully_open[house]
+    return jnp.abs(door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)
+
+
 def passable_portals(bank: HouseBank, house: Int[Array, ""], door_angle: Float[Array, " h"]) -> Bool[Array, " p"]:
     """Return which portals an agent can pass: without a door, or with a leaf open wider than the agent's diameter.
 

@@ -126,6 +126,18 @@ class Task:
         """
         return snapshot.switch_on
 
+    def start_bodies(
+        self, snapshot: Snapshot, columns: dict[str, Array] | None
+    ) -> tuple[Bool[Array, " k"], Float[Array, "k 3"], Float[Array, "k 4"]] | None:
+        """Return the movable bodies that begin at other poses, before `init`; by default None: none does.
+
+        Only called in banks with compartments. `columns` are as for `init`.
+
+        Returns:
+            A mask, positions [m] and orientations (wxyz), of which the masked ones are used.
+        """
+        return None
+
     def control_agents(self, snapshot: Snapshot, state: Any) -> tuple[Bool[Array, " a"], Array] | None:
         """Return actions of the agents that the task controls in the next step; they override the caller's.
 

@@ -35,7 +35,7 @@ from home_mjx.tasks.env.actions import (
 from home_mjx.tasks.env.checks import check_metrics, check_observations, check_state, check_task, check_task_options
 from home_mjx.tasks.env.env import Env
 from home_mjx.tasks.env.hand_actions import decode_hand_commands
-from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, physics_template, weights_flag
+from home_mjx.tasks.env.reset import build_snapshot, init_physics_and_world, physics_template, put_bodies, weights_flag
 from home_mjx.tasks.env.toggle_actions import toggle_switches
 from home_mjx.tasks.sensors.selection import resolve_sensor_names, select_sensors, state_owners
 from home_mjx.tasks.suite.point_nav import PointNav
@@ -239,6 +239,9 @@ class HouseholdEnv:
         columns, snapshot = None if row is None else row.columns, build_snapshot(self.config, params, data, world)
         if world.switch_on is not None:
             world = world.replace(switch_on=self.task.start_switches(snapshot, columns))
+            snapshot = build_snapshot(self.config, params, data, world)
+        if not params.bank.compartments.is_empty:
+            data = put_bodies(self.config, params.bank, data, self.task.start_bodies(snapshot, columns))
             snapshot = build_snapshot(self.config, params, data, world)
         task, no = self.task.init(snapshot, goal_key, columns), jnp.zeros((), bool)
         sounds, unheard = play_switched(snapshot, self.task.sounds(snapshot, task))

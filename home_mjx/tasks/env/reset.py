@@ -122,8 +122,27 @@ def _store(config: EnvConfig, bank: HouseBank, house: Int[Array, ""], data: Phys
     template = physics_template(config, bank.spec)
     angle, poses = physics.door_angle(template, data), physics.body_pose(template, data)
     pos, quat = store_bodies(bank, house, angle, poses, config.stored_bodies, key)
+    return _set_poses(template, data, pos, quat)
+
+
+def _set_poses(
+    template: physics.Template, data: PhysicsState, pos: Float[Array, "k 3"], quat: Float[Array, "k 4"]
+) -> PhysicsState:
+    """Return the state with all movable bodies at these positions [m] and orientations (wxyz)."""
     rows = jnp.concatenate([pos, quat], axis=-1).reshape(-1)
     return data.replace(qpos=data.qpos.at[template.layout.body_qpos].set(rows))
+
+
+def put_bodies(
+    config: EnvConfig, bank: HouseBank, data: PhysicsState, poses: tuple[Array, Array, Array] | None
+) -> PhysicsState:
+    """Return the state with the movable bodies of `Task.start_bodies` at their poses; None: as it is."""
+    if poses is None:
+        return data
+    template, (mask, pos, quat) = physics_template(config, bank.spec), poses
+    now = physics.body_pose(template, data)
+    pos, quat = (jnp.where(mask[:, None], a, b) for a, b in zip((pos, quat), now, strict=True))
+    return _set_poses(template, data, pos, quat)
 
 
 def prepare_light(

@@ -38,17 +38,26 @@ def attribute_text(word: Attribute, value: int) -> str:
     return to_word(vocabularies()[SEMANTIC_COLUMN[word]][value])
 
 
-def noun_phrase(meant: dict[Attribute, int], article: str = "the", is_on: bool | None = None) -> str:
+def noun_phrase(
+    meant: dict[Attribute, int],
+    article: str = "the",
+    is_on: bool | None = None,
+    is_open: bool | None = None,
+    container: str = "",
+) -> str:
     """Return a noun phrase for objects with these attribute values; "thing" without a category.
 
     The fine category is the noun if there is one, else the coarse one. Attributes other than size, colour, material and
-    type of room are left out. With a state, `is_on`, it ends in "that is on" or "that is off".
+    type of room are left out. With a state, `is_on`, it ends in "that is on" or "that is off"; with `is_open` in "that
+    is open" or "that is shut". `container` is the noun phrase of the furniture that they are inside of; "": none.
 
     Example:
         >>> noun_phrase({Attribute.COARSE: 11, Attribute.SIZE: 3, Attribute.ROOM_TYPE: 1})
         'the large chair in the kitchen'
         >>> noun_phrase({}, is_on=True)
         'the thing that is on'
+        >>> noun_phrase({}, container=noun_phrase({Attribute.ROOM_TYPE: 1}, is_open=False))
+        'the thing inside the thing in the kitchen that is shut'
     """
     noun = next((word for word in (Attribute.FINE, Attribute.COARSE) if word in meant), None)
     parts = [article, *(attribute_text(word, meant[word]) for word in ADJECTIVE_ORDER if word in meant)]
@@ -57,6 +66,10 @@ def noun_phrase(meant: dict[Attribute, int], article: str = "the", is_on: bool |
         parts += ["in", "the", attribute_text(Attribute.ROOM_TYPE, meant[Attribute.ROOM_TYPE])]
     if is_on is not None:
         parts += ["that", "is", "on" if is_on else "off"]
+    if is_open is not None:
+        parts += ["that", "is", "open" if is_open else "shut"]
+    if container:
+        parts += ["inside", container]
     return " ".join(parts)
 
 

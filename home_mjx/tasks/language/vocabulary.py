@@ -21,7 +21,7 @@ FUNCTION_WORDS = (
 )
 NUMBERS = tuple(str(number) for number in range(11))
 # After all others, so that existing tokens do not change.
-LATER_WORDS = ("does", "have", "one", "ask", "tell", "number", "turn", "switch", "off", "that")
+LATER_WORDS = ("does", "have", "one", "ask", "tell", "number", "turn", "switch", "off", "that", "inside", "shut")
 NAME_COLUMNS = (Semantic.COARSE, Semantic.FINE, Semantic.COLOR, Semantic.MATERIAL, Semantic.SIZE, Semantic.ROOM_TYPE)
 
 

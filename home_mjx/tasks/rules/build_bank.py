@@ -18,6 +18,7 @@ from home_mjx.tasks.base.state import Episodes
 from home_mjx.tasks.rules.cell_graph import EndCells
 from home_mjx.tasks.rules.declaration import columns_of, pack
 from home_mjx.tasks.rules.enums import NO_WORD, Attribute, Feature, Purpose, TargetKind
+from home_mjx.tasks.rules.front_ends import front_ends
 from home_mjx.tasks.rules.house_view import HouseView, house_views
 from home_mjx.tasks.rules.packing import pack_program, pack_sounds, pack_speech
 from home_mjx.tasks.rules.program import Selector, TaskProgram, TaskStage, check_success
@@ -332,9 +333,11 @@ def add_fields(bank: HouseBank, view: HouseView, columns: list[dict]) -> UInt16[
             if kind in (TargetKind.NOTHING, TargetKind.AGENT):
                 continue
             use = view, column, d, instance[which[at]]
-            end = view.end_cells(
-                kind, instance[which[at], d], room[which[at], d], column["place"][d], *_approach_purpose(*use)
-            )
+            end = front_ends(*use)
+            if end is None:
+                end = view.end_cells(
+                    kind, instance[which[at], d], room[which[at], d], column["place"][d], *_approach_purpose(*use)
+                )
             end = _keep_close_ends(column, d, end)
             key = end[0].tobytes() + end[1].tobytes()
             if len(end[0]) and key not in known:

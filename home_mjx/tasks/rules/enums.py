@@ -61,6 +61,7 @@ class Feature(NamedIntEnum):
     CLEAR = 12  # 1: the line of sight to the nearest i is free, whatever the agent's heading
     SAID = 13  # token of the word that the agent said in the last step; -1 if none
     SWITCHED_ON = 14  # 1: an i is on; 0 with nothing to switch
+    CONTAINED = 15  # compartment of the furniture j that an i is in, by its index in the house; -1 none
 
 
 class Purpose(NamedIntEnum):

@@ -6,8 +6,9 @@ from jaxtyping import Array, Bool, Float, Int, UInt16
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import transform_bounds
-from home_mjx.navigation import geodesic_distance, room_at_feet
+from home_mjx.navigation import geodesic_distance, opening_fractions, room_at_feet
 from home_mjx.tasks.base.snapshot import Snapshot
+from home_mjx.tasks.rules.containment import compartments_of_targets
 from home_mjx.tasks.rules.enums import Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.program import TaskProgram
 from home_mjx.tasks.rules.resolve import ResolvedTargets
@@ -70,8 +71,12 @@ def compute_features(
         Feature.CLEAR: jnp.any(free, axis=-1)[:, :, None],
         Feature.SAID: snapshot.spoken_token[:, None, None],
     }
-    if snapshot.switch_on is not None:  # the last feature: without states the table ends before it
+    # The last two features: without states, and without compartments, the table ends before them.
+    has_compartments = not snapshot.bank.compartments.is_empty
+    if snapshot.switch_on is not None or has_compartments:
         rows[Feature.SWITCHED_ON] = is_switched_on(snapshot, targets)[None, :, None]
+    if has_compartments:
+        rows[Feature.CONTAINED] = compartments_of_targets(snapshot, targets)[None]
     shape = agents, descriptors, descriptors
     values = jnp.stack([jnp.broadcast_to(rows[feature].astype(jnp.float32), shape) for feature in rows])
     return FeatureValues(values=values, nearest_box=nearest, sight_points=points, is_sight_free=free)
@@ -254,10 +259,9 @@ def is_switched_on(snapshot: Snapshot, targets: ResolvedTargets) -> Bool[Array, 
 def door_openings(snapshot: Snapshot, targets: ResolvedTargets) -> Float[Array, " d"]:
     """Return the widest opening of each descriptor's doors, as a fraction: 0 closed or no door, 1 wide open.
 
-    It is the distance from the closed angle, or shift, re that of wide open; it is not clipped.
+    Doors of furniture are its fronts. See `opening_fractions`.
     """
     physics, house = snapshot.bank.physics, snapshot.house
-    closed, wide = physics.door_closed[house], physics.door_fully_open[house]
-    part = jnp.abs(snapshot.door_angle - closed) / jnp.maximum(jnp.abs(wide - closed), 1e-6)
+    part = opening_fractions(snapshot.bank, house, snapshot.door_angle)
     meant = targets.instance[:, jnp.maximum(physics.door_instance[house], 0)] & physics.door_valid[house][None]
     return jnp.max(jnp.where(meant, part[None], 0.0), axis=-1, initial=0.0)

@@ -10,13 +10,14 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
-from home_mjx.core.transforms import transform_bounds
+from home_mjx.core.transforms import quat_matrix, transform_bounds
 from home_mjx.physics.hand_control import CARRY_CLEARANCE, CARRY_HEIGHT_BELOW_EYES
 from home_mjx.physics.kinematic.footprints import Footprints
 from home_mjx.schema.categories import COARSE, room_types_in
 from home_mjx.schema.semantic import Semantic
 from home_mjx.tasks.rules.cell_graph import CellGraph, EndCells
 from home_mjx.tasks.rules.enums import Purpose, TargetKind
+from home_mjx.tasks.sensors.front_reach import can_open_from, can_take_out_from, is_openable
 from home_mjx.tasks.sensors.reachability import (
     can_pick_from,
     can_place_from,
@@ -31,6 +32,7 @@ NUM_CELLS = 64  # number of cells tested per instance, nearest first
 CELLS_PER_BATCH = 1024  # number of cells per batch of clearance queries
 CARRY_HEIGHT_TOLERANCE = 0.02  # [m] tolerance of the heights by which obstacles of carried objects are chosen
 MIN_OBSTACLES = 256  # minimum number of boxes of a clearance query, with padding
+FRONT_STRIDE = 2  # stride of the cells before a front that are tested
 CELL_STRIDE = 4  # stride of the cells within hand reach that are tested
 MAX_EXTRA_DISTANCE = 0.3  # [m] paths to an object may end this much farther from it than the nearest cell
 MAX_HEIGHT_ABOVE_TOP_FLOOR = 2.0  # [m] height above the highest floor; objects entirely above it are out of reach
@@ -80,6 +82,8 @@ class HouseView:
         self._beside: dict[int, EndCells] = {}
         self._at_hand: dict[tuple[int, float], EndCells] = {}
         self._taken: dict[int, EndCells] = {}
+        self._opened: dict[int, EndCells] = {}
+        self._stored: dict[tuple[int, int], EndCells] = {}
 
     @cached_property
     def graph(self) -> CellGraph:
@@ -125,7 +129,62 @@ class HouseView:
     def _fronts(self) -> Int[np.ndarray, " f"]:
         """Instances of fronts of furniture."""
         rows = np.asarray(self.bank.fronts.leaf[self.house])
-        return np.asarray(self.bank.physics.door_instance[self.house])[rows[rows >= 0]]
+        return self._leaf_instance[rows[rows >= 0]]
+
+    def fronts_of(self, thing: HouseObject) -> list[int]:
+        """Return rows of the fronts of an object, along the bank's doors, that agents open: see `is_openable`."""
+        rows = np.asarray(self.bank.fronts.leaf[self.house])[self._openable]
+        owner = self.bank.geometry.instance_object[self.house][self._leaf_instance[rows]]
+        return rows[owner == thing.object_id].tolist()
+
+    @cached_property
+    def _openable(self) -> Bool[np.ndarray, " fronts"]:
+        """Mask of the bank's fronts that agents open."""
+        return np.asarray(is_openable(self._device, self.house))
+
+    @cached_property
+    def _leaf_instance(self) -> Int[np.ndarray, " doors"]:
+        """Instance of each door leaf of the house."""
+        return np.asarray(self.bank.physics.door_instance[self.house])
+
+    def compartments_of(self, thing: HouseObject) -> list[int]:
+        """Return the compartments behind `fronts_of` an object, by their indices in the house."""
+        return np.flatnonzero(np.isin(self.bank.compartments.door[self.house], self.fronts_of(thing))).tolist()
+
+    def compartment_box(self, compartment: int) -> Float[np.ndarray, "2 3"]:
+        """Return the world bounds of a compartment behind a shut front [m]."""
+        boxes = self.bank.compartments
+        pos, size, quat = (np.asarray(x[self.house, compartment]) for x in (boxes.pos, boxes.size, boxes.quat))
+        half = np.abs(np.asarray(quat_matrix(quat, np))) @ size
+        return np.stack([pos - half, pos + half])
+
+    def open_cells(self, leaf: int) -> EndCells:
+        """Return cells from which a hand opens a shut front (row of the bank's doors), clear of its motion."""
+        if leaf not in self._opened:
+            box = self._boxes[self._leaf_instance[leaf]]
+            cells, away = self.graph.nearest_cells(box[0], box[1], FRONT_STRIDE * NUM_CELLS)
+            cells, away = (x[away <= MAX_HAND_REACH][::FRONT_STRIDE] for x in (cells, away))
+            eyes = jnp.asarray(self._padded_eyes(cells), jnp.float32)
+            fits = can_open_from(self._device, self._number, eyes, jnp.int32(leaf), jnp.float32(MAX_HAND_REACH))
+            good = np.asarray(fits)[: len(cells)]
+            self._opened[leaf] = cells[good], away[good]
+        return self._opened[leaf]
+
+    def stored_cells(self, instance: int, compartment: int) -> EndCells:
+        """Return those of `open_cells` from which a hand takes an instance out of a compartment, and carries it away.
+
+        Empty if it is visible there while the front is shut.
+        """
+        key = instance, compartment
+        if key not in self._stored:
+            ends = self.open_cells(int(self.bank.compartments.door[self.house, compartment]))
+            body = int(self.bank.geometry.instance_body[self.house, instance])
+            eyes = jnp.asarray(self._padded_eyes(ends[0]), jnp.float32)
+            what = jnp.int32(body), jnp.int32(compartment), jnp.float32(MAX_HAND_REACH)
+            good = np.asarray(can_take_out_from(self._device, self._number, eyes, *what))[: len(ends[0])]
+            middle = self.compartment_box(compartment).mean(axis=0)
+            self._stored[key] = self._carry_cells(instance, middle, (ends[0][good], ends[1][good]))
+        return self._stored[key]
 
     @cached_property
     def rooms_by_type(self) -> dict[int, tuple[int, ...]]:
@@ -199,14 +258,18 @@ class HouseView:
         connected set of cells where it fits is within `MAX_TURN_DISTANCE`.
         """
         if instance not in self._taken:
-            cells, away = self.touch_cells(instance)
-            obstacles = self._carry_obstacles(instance)
-            wide = self._carry_gaps(instance, obstacles, self.graph.place) > self.plan_radius(instance)
-            out = self.graph.has_turning_room(cells, wide)
-            cells, away = cells[out], away[out]
-            turns = self._has_turning_room(instance, obstacles, cells)
-            self._taken[instance] = cells[turns], away[turns]
+            middle = self._boxes[instance].mean(axis=0)
+            self._taken[instance] = self._carry_cells(instance, middle, self.touch_cells(instance))
         return self._taken[instance]
+
+    def _carry_cells(self, instance: int, middle: Float[np.ndarray, "3"], ends: EndCells) -> EndCells:
+        """Return those of some end cells from which an instance that is taken at `middle` [m] can be carried away."""
+        (cells, away), obstacles = ends, self._carry_obstacles(instance)
+        wide = self._carry_gaps(instance, obstacles, self.graph.place) > self.plan_radius(instance)
+        out = self.graph.has_turning_room(cells, wide)
+        cells, away = cells[out], away[out]
+        turns = self._has_turning_room(instance, middle, obstacles, cells)
+        return cells[turns], away[turns]
 
     def touch_cells(self, instance: int) -> EndCells:
         """Return cells from which a hand reaches an instance; a sample as in `take_cells`, so others may exist."""
@@ -221,11 +284,14 @@ class HouseView:
         return self._cells_at_hand((instance, -1.0), there)
 
     def _has_turning_room(
-        self, instance: int, obstacles: Footprints, cells: Int[np.ndarray, " n"]
+        self, instance: int, middle: Float[np.ndarray, "3"], obstacles: Footprints, cells: Int[np.ndarray, " n"]
     ) -> Bool[np.ndarray, " n"]:
-        """Return in which cells an agent that holds an instance can make a half turn, to the left or to the right."""
+        """Return in which cells an agent that holds an instance can make a half turn, to the left or to the right.
+
+        The turn begins towards `middle` [m], from where it is taken.
+        """
         place, radius = self.graph.place[cells], self.plan_radius(instance)
-        begin = np.arctan2(*(self._boxes[instance].mean(axis=0) - place)[:, 1::-1].T)
+        begin = np.arctan2(*(middle - place)[:, 1::-1].T)
         yaw = begin[:, None] + np.linspace(-np.pi, np.pi, 2 * NUM_HEADINGS + 1)
         ahead = self.bank.spec.agent_radius + CARRY_CLEARANCE + radius + CARRY_GAP
         way = np.stack([np.cos(yaw), np.sin(yaw), np.zeros_like(yaw)], axis=-1)

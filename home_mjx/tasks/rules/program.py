@@ -15,7 +15,7 @@ from home_mjx.errors import ConfigError
 from home_mjx.tasks.rules.enums import ANY, FAILURE, NUM_CONDITIONS, SUCCESS, Attribute, Feature, TargetKind
 
 NO_PLACE = (np.inf, np.inf, np.inf)
-SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON)
+SECOND_DESCRIPTOR_FEATURES = (Feature.BESIDE, Feature.ON, Feature.CONTAINED)
 FIRST_DESCRIPTOR_FEATURES = (
     *(Feature.DISTANCE, Feature.STRAIGHT, Feature.SEEN, Feature.HELD, Feature.INSIDE, Feature.OPEN, Feature.CLEAR),
     Feature.SWITCHED_ON,

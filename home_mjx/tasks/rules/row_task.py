@@ -18,6 +18,7 @@ from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import ArraySpec, Specs
 from home_mjx.tasks.base.task import Task, path_scores
 from home_mjx.tasks.rules.build_bank import TaskGenerator, TaskRow, build_task_bank
+from home_mjx.tasks.rules.containment import start_compartments, start_poses
 from home_mjx.tasks.rules.declaration import extract
 from home_mjx.tasks.rules.enums import ANY, FAILURE, NO_WORD, NUM_TOKENS, SUCCESS, Attribute, Feature
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, sound_positions, switch_targets
@@ -209,6 +210,16 @@ class RowTask(Task):
         asked = (program.feature == Feature.SWITCHED_ON)[:, None] & meant[jnp.maximum(program.first, 0)]
         off, on = (jnp.any(asked & which[:, None], axis=0) for which in (program.minimum > 0, program.minimum <= 0))
         return (snapshot.switch_on & ~off) | on
+
+    def start_bodies(
+        self, snapshot: Snapshot, columns: dict[str, Array] | None
+    ) -> tuple[Bool[Array, " k"], Float[Array, "k 3"], Float[Array, "k 4"]] | None:
+        """Return the bodies that begin in a compartment, and those that leave it for them; see `start_poses`."""
+        if columns is None or not snapshot.bank.spec.num_bodies:
+            return None
+        program = extract(TaskProgram, columns)
+        meant = resolve_targets(snapshot.bank, snapshot.house, program.descriptor)
+        return start_poses(snapshot, start_compartments(snapshot, program, meant))
 
     def update(self, snapshot: Snapshot, state: RowState) -> RowState:
         """Take the first transition whose conditions hold; update features, path lengths, collisions and speech.

@@ -171,6 +171,7 @@ def feature_ranges(config: EnvConfig | None = None) -> Float[np.ndarray, "featur
     found[Feature.TRUE] = 1.0
     found[[Feature.DISTANCE, Feature.STRAIGHT, Feature.BESIDE], 1] = UNREACHABLE_DISTANCE
     found[Feature.TIME, 1] = INF
+    found[Feature.CONTAINED] = -1, INF
     found[Feature.SAID] = -1, len(all_words()) - 1
     if config is not None:
         found[Feature.HELD, 1] = config.hands

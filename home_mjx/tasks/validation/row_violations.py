@@ -13,12 +13,16 @@ from home_mjx.tasks.rules.enums import NUM_CONDITIONS, NUM_STAGES, SUCCESS, Attr
 from home_mjx.tasks.rules.program import FIRST_DESCRIPTOR_FEATURES, SECOND_DESCRIPTOR_FEATURES
 from home_mjx.tasks.sounds.sound_events import VOICE_CLIP_NUMBER
 from home_mjx.tasks.validation.column_ranges import DESCRIPTOR_COLUMN, Range
+from home_mjx.tasks.validation.stored_targets import first_without_compartment
 
 LENGTH_TOLERANCE = 0.1  # [m] tolerance of a file's path length, plus `RELATIVE_LENGTH_TOLERANCE`: a cell's edge
 RELATIVE_LENGTH_TOLERANCE = 0.01
 MAX_START_HEIGHT = 4.0  # [m] maximum height of a start above the highest floor
 MAX_START_DEPTH = 1.0  # [m] maximum depth of a start below the lowest floor
 SOUND_KINDS = (TargetKind.OBJECT, TargetKind.PLACE, TargetKind.AGENT)
+COMPARTMENT_HINT = (
+    "Give houses compiled with the `max_fronts` that the tasks were made for; `compartments_of` lists them."
+)
 NEIGHBOR_OFFSETS = [(row, column) for row in (-1, 0, 1) for column in (-1, 0, 1)]
 Columns = Mapping[str, np.ndarray]
 
@@ -67,6 +71,7 @@ def find_violation(
     )
     if found is None and "require" in columns:
         found = next(_program_violations(columns, features, hints), None) or _find_too_long(columns, max_steps)
+        found = found or _find_lost_compartment(columns, bank)
     return found
 
 
@@ -140,6 +145,12 @@ def wrong_length(given: float, length: float) -> tuple[str, str]:
     """Return message and hint about a file's `given` path length [m], where `length` is right."""
     message = f"`length` is {given:g} m, but the shortest path from start to goal is {length:.2f} m"
     return message, f"Write {length:.2f}; or use the houses that the file was made for, compiled alike."
+
+
+def _find_lost_compartment(columns: Columns, bank: HouseBank) -> Violation | None:
+    """Return the first row with a condition about a compartment that its house lacks; None without one."""
+    lost = first_without_compartment(columns, bank)
+    return None if lost is None else Violation(lost[0], "stages", lost[1], COMPARTMENT_HINT)
 
 
 def _find_too_long(columns: Columns, most_steps: float) -> Violation | None:

@@ -29,12 +29,14 @@ from home_mjx.tasks.validation.column_ranges import (
     index_range,
 )
 from home_mjx.tasks.validation.row_violations import (
+    COMPARTMENT_HINT,
     Violation,
     blocked_start,
     find_violation,
     is_same_length,
     is_standable,
 )
+from home_mjx.tasks.validation.stored_targets import stored_target_fault
 
 RESOLVED_KINDS = (TargetKind.OBJECT, TargetKind.ROOM)
 OTHER_HOUSES_HINT = (
@@ -158,6 +160,9 @@ def find_infeasible(
             return Violation(
                 number, name, "the house has no such object or room", "`HouseView.objects` lists its objects."
             )
+        fault = stored_target_fault(bank, view.house, row, np.asarray(targets.instance[number]))
+        if fault is not None:
+            return Violation(number, "stages", fault, COMPARTMENT_HINT)
         if not is_feasible(row, nearest):
             message = "no path leads to a target of the task, or none close enough to it"
             return Violation(number, "selectors", message, "Choose another goal, or a greater `maximum` of `distance`.")

@@ -1,98 +1,27 @@
 """Drawers of a chest: from their joints to trays that carry things, in all implementations of the physics."""
 
-from dataclasses import replace
-from pathlib import Path
-
 import jax
 import jax.numpy as jnp
 import mujoco
 import numpy as np
 import pytest
+from chest import CUP, SHORT_TRAVEL, TRAVEL, home
 from numpy.testing import assert_allclose
 
 from home_mjx import HouseBank, physics
-from home_mjx.datasets.outlines import RoomOutline, outline_house
 from home_mjx.errors import ConfigError
-from home_mjx.geometry.meshes import box_triangles
 from home_mjx.navigation import compartment_at, door_angles
 from home_mjx.physics import PhysicsConfig, Template
 from home_mjx.physics.hand_control import HandCommands, apply_hand_commands, update_hands
 from home_mjx.raycast_render import cast, make_scene
 from home_mjx.scene_compile.mjcf.export import to_mjcf
 from home_mjx.scene_compile.objects.fronts import ArticulationOptions
-from home_mjx.scene_compile.objects.leaves import CLEARANCE
 from home_mjx.scene_compile.pipeline.compile import CompileOptions, compile_house
 from home_mjx.schema.agent import AgentBody
-from home_mjx.schema.house import Joint, Material, Mesh, Metadata, ModelInfo, ObjectNode
 from home_mjx.tasks import EnvConfig, HouseholdEnv
 from home_mjx.tasks.env.reset import physics_template
 
 HOUSE = jnp.int32(0)
-WIDTH, HEIGHT, DEPTH, TRAVEL = 0.8, 0.8, 0.45, 0.36  # [m], of the chest; of its drawers
-SHORT_TRAVEL = 0.1  # [m], of the drawer before which a pillar stands
-YAW = np.deg2rad(90.0)
-CHEST, CUP = np.array([2.5, 0.0, 2.0]), 0.06  # [m], middle of its back on the floor, Y up; edge of the cup
-PLACES = 1.5, 0.5  # [m], across the room: of the chest, and of another one with a pillar before it
-
-
-def mesh(name, boxes):
-    """Boxes, minimum and maximum each, as one mesh."""
-    triangles = np.concatenate([box_triangles((a + b) / 2, (b - a) / 2) for a, b in np.array(boxes, float)])
-    faces = np.arange(3 * len(triangles)).reshape(-1, 3)
-    flat = np.zeros(len(faces), int)
-    return Mesh(
-        Path(name), triangles.reshape(-1, 3), faces, np.zeros((len(faces), 3, 2)), flat, flat - 1, (Material("m"),)
-    )
-
-
-def chest():
-    """A closed body, front towards +z, with three drawers; behind the lowest, which is too low, nothing fits."""
-    w = WIDTH / 2
-    fronts = [
-        [(-w + 0.01, low, DEPTH), (w - 0.01, high, DEPTH + 0.02)]
-        for low, high in ((0.43, 0.79), (0.11, 0.42), (0.02, 0.1))
-    ]
-    boxes = [[(-w, 0, 0), (w, HEIGHT, DEPTH)], *fronts]
-    joints = tuple(
-        Joint("chest", f"drawer_{i}", "slide", (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 0.0, TRAVEL, ((12 * i, 12 * i + 11),))
-        for i in (1, 2, 3)
-    )
-    return mesh("chest", boxes), joints
-
-
-def node(index, model, joints=(), at=(0.0, 0.0, 0.0), yaw=0.0):
-    pose = np.eye(4)
-    pose[:3, :3] = [[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]]
-    pose[:3, 3] = at
-    return ObjectNode(f"0_{index}", index, f"levels[0].nodes[{index}]", None, model, model, pose, joints=joints)
-
-
-def home():
-    """A room with the chest against a wall, a cup on it, and the same chest with a pillar before it."""
-    plain = outline_house("drawers", (RoomOutline("Bedroom", [(0, 0), (5, 0), (5, 4), (0, 4)]),))
-    body, joints = chest()
-    models = {
-        "chest": body,
-        "cup": mesh("cup", [[(-CUP / 2, 0, -CUP / 2), (CUP / 2, CUP, CUP / 2)]]),
-        "column": mesh("column", [[(-0.1, 0, -0.1), (0.1, 2, 0.1)]]),
-    }
-    first = len(plain.levels[0].rooms)
-    away = DEPTH + 0.02 + 0.1 + CLEARANCE + SHORT_TRAVEL + 0.005
-    objects = (
-        node(first, "chest", joints, (0.15, 0.0, 2.8), YAW),
-        node(first + 1, "cup", (), (0.4, HEIGHT, 2.8)),
-        node(first + 2, "chest", joints, (0.15, 0.0, 1.0), YAW),
-        node(first + 3, "column", (), (0.15 + away, 0.0, 1.0)),
-    )
-    (level,) = plain.levels
-    infos = [
-        ModelInfo("chest", "dresser", "dresser"),
-        ModelInfo("cup", "cup", "kitchenware"),
-        ModelInfo("column", "column", "column"),
-    ]
-    return replace(plain, models=models, levels=(replace(level, objects=objects),)), Metadata(
-        {i.model_id: i for i in infos}
-    )
 
 
 @pytest.fixture(scope="module")
