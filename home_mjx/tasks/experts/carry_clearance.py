@@ -26,13 +26,16 @@ def has_hands(snapshot: Snapshot) -> bool:
     return snapshot.config.hands and snapshot.bank.spec.num_bodies > 0
 
 
-def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float[Array, "a 3"]) -> Float[Array, " a"]:
-    """Return each object's distance from the nearest initial position of a selected movable instance [m]; 0 if none.
+def displacements(
+    snapshot: Snapshot, start: Float[Array, "k 3"], selected: Bool[Array, " i"], middle: Float[Array, "a 3"]
+) -> Float[Array, " a"]:
+    """Return each object's distance from the nearest start of a selected movable instance [m]; 0 if none.
 
     It is also 0 without `has_hands`.
 
     Args:
         snapshot: The environment.
+        start: Position of each movable body at the start, see `start_positions` [m].
         selected: Mask of instances.
         middle: Present centre of the object that each agent targets [m].
     """
@@ -41,7 +44,7 @@ def displacements(snapshot: Snapshot, selected: Bool[Array, " i"], middle: Float
     physics, house = snapshot.bank.physics, snapshot.house
     instance = physics.body_instance[house]
     counts = (instance >= 0) & selected[jnp.clip(instance, 0, selected.shape[0] - 1)]
-    away = jnp.linalg.norm(middle[:, None] - physics.body_pos[house][None], axis=-1)
+    away = jnp.linalg.norm(middle[:, None] - start[None], axis=-1)
     return jnp.where(jnp.any(counts), jnp.min(jnp.where(counts[None], away, jnp.inf), axis=1), 0.0)
 
 

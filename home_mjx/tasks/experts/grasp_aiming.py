@@ -8,20 +8,24 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
 from home_mjx.core.transforms import wrap_angle
+from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import TOGGLE
 from home_mjx.tasks.env.actions import PITCH_TOLERANCE, action_names
-from home_mjx.tasks.env.hand_actions import cast_past_hand, held_object_ids, is_in_reach
+from home_mjx.tasks.env.hand_actions import NUM_AIM_ANGLES, cast_past_hand, held_object_ids, is_in_reach
+from home_mjx.tasks.experts.front_plans import plan_front
 from home_mjx.tasks.rules.enums import Feature
 from home_mjx.tasks.rules.program import leads_on
 from home_mjx.tasks.rules.row_task import RowState
 from home_mjx.tasks.sensors.cameras import eye_position
+from home_mjx.tasks.sensors.front_reach import front_box
 from home_mjx.tasks.sensors.reachability import MIN_VISIBLE_POINTS, RAY_TOLERANCE, free_spots, pick_points, plan_radius
 
 MAX_AIM_ERROR = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
 STEPS_PER_AIM = 24  # [steps] with one choice of aim point
 RETREAT_PERIOD = 96  # [steps]; in its last `STEPS_PER_AIM` steps an agent moves away, because its attempts have failed
+RAY_WEIGHT = 10.0  # weight of the angle between an aim point and the nearest ray of a hand, relative to other errors
 AIM_VARIATION = 0.3  # [rad], amplitude of the variation of aim points between attempts
 GOLDEN_ANGLE = 2.4  # [rad], angle between successive directions of moving away
 
@@ -32,6 +36,7 @@ class GraspPlan(Pytree):
     pick: Bool[Array, " a"]  # pick up the object that the guide selects
     place: Bool[Array, " a"]  # put the held object on the one that the guide selects
     drop: Bool[Array, " a"]  # drop an object that the guide does not select
+    open: Bool[Array, " a"]  # open a front: of the guide, or of what is around the object that it selects
     toggle: Float[Array, " a"]  # 1: switch the object that the guide selects on, -1: off, 0: neither
     can_aim: Bool[Array, " a"]  # the target can be aimed at from here
     turn: Float[Array, " a"]  # [rad], to the left, until the target is at the view centre
@@ -51,12 +56,26 @@ def plan_grasp(
     holds = snapshot.held >= 0
     helped = MAX_AIM_ERROR + 0.5 * math.radians(snapshot.config.max_aim_angle)
     tried = (snapshot.step - state.stage_start) // STEPS_PER_AIM
-    turn, tilt, ready = _best_aim(snapshot, *_pick_candidates(snapshot, state, guide, box), tried, helped)
+    turn, tilt, ready = _best_aim(
+        snapshot, *_pick_candidates(snapshot, state.targets.instance[guide], box), tried, helped
+    )
     for_put = _best_aim(snapshot, *_place_candidates(snapshot, state, guide, box), tried, helped)
     puts = put & holds
     turn, tilt, ready = (jnp.where(puts, b, a) for a, b in zip((turn, tilt, ready), for_put, strict=True))
-    drop = take & holds
-    return GraspPlan(pick=take & ~holds, place=puts, drop=drop, toggle=toggle, can_aim=ready, turn=turn, tilt=tilt)
+    leaf, opens = plan_front(snapshot, state, values, guide, take & ~holds)
+    if not snapshot.bank.fronts.is_empty:
+        for_front = _best_aim(snapshot, *_front_candidates(snapshot, leaf), tried, MAX_AIM_ERROR)
+        turn, tilt, ready = (jnp.where(opens, b, a) for a, b in zip((turn, tilt, ready), for_front, strict=True))
+    return GraspPlan(
+        pick=take & ~holds & ~opens,
+        place=puts & ~opens,
+        drop=take & holds,
+        open=opens,
+        toggle=toggle,
+        can_aim=ready,
+        turn=turn,
+        tilt=tilt,
+    )
 
 
 def plan_retreat(
@@ -156,23 +175,32 @@ def _pending_toggle(
 
 
 def _pick_candidates(
-    snapshot: Snapshot, state: RowState, guide: Int[Array, ""], box: Float[Array, "a 2 3"]
+    snapshot: Snapshot, meant: Bool[Array, " i"], box: Float[Array, "a 2 3"]
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
-    """Return points at which to grasp the guide's nearest object [m], and which are visible and in reach.
+    """Return points at which to grasp an object [m], and which are visible and in reach.
 
-    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these. `box` has the object's bounds.
+    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these. `box` has the object's bounds, `meant` its
+    instances.
     """
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
     points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
     way = points - eyes[:, None]
     way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
     hit = cast_past_hand(config, snapshot, eyes, way)
-    meant = state.targets.instance[guide]
     own = (hit.instance >= 0) & (hit.instance < meant.shape[0])
     own = own & meant[jnp.clip(hit.instance, 0, meant.shape[0] - 1)]
     seen = jnp.where(own[..., None], eyes[:, None] + way * jnp.where(own, hit.t, 0.0)[..., None], points)
     fits = own & is_in_reach(config, snapshot, seen)
     return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= MIN_VISIBLE_POINTS)
+
+
+def _front_candidates(snapshot: Snapshot, leaf: Int[Array, ""]) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
+    """Return points at which to open a front (a row of the doors) [m], and which are visible and in reach."""
+    physics, house = snapshot.bank.physics, snapshot.house
+    leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
+    box = front_box(leaves, leaf, snapshot.door_angle[leaf])
+    meant = jnp.arange(snapshot.bank.spec.num_instances) == physics.door_instance[house, leaf]
+    return _pick_candidates(snapshot, meant, jnp.broadcast_to(box, (snapshot.pose.yaw.shape[0], 2, 3)))
 
 
 def _place_candidates(
@@ -217,11 +245,26 @@ def _best_aim(
     number = jnp.arange(points.shape[1], dtype=jnp.float32)
     varied = jnp.sin(number * tried.astype(jnp.float32))
     cost = miss + jnp.float32(AIM_VARIATION) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
+    if not snapshot.bank.compartments.is_empty:  # of a small object in a compartment only few points may be visible
+        cost = cost + jnp.float32(RAY_WEIGHT) * ray_misses(config, turn - done[0], tilt - done[1])
     near_enough = miss <= jnp.float32(most)
     rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))
     best = jnp.argmin(cost + rank, axis=-1)
     agents = jnp.arange(points.shape[0])
     return done[0][agents, best], done[1][agents, best], jnp.any(fits & near_enough, axis=-1)
+
+
+def ray_misses(config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"]) -> Float[Array, "a p"]:
+    """Return the angle between points and the nearest ray of `aim_directions` [rad], by turn and tilt from the centre.
+
+    Hands test only these rays: between them they miss objects of less than `max_aim_angle` / 4.
+    """
+    angle = math.radians(config.max_aim_angle)
+    if not angle:
+        return jnp.hypot(turn, tilt)
+    step = jnp.float32(2 * angle / (NUM_AIM_ANGLES - 1))
+    nearest = (jnp.clip(jnp.round(x / step) * step, -angle, angle) for x in (turn, tilt))
+    return jnp.hypot(*(x - ray for x, ray in zip((turn, tilt), nearest, strict=True)))
 
 
 def _round_to_steps(

@@ -25,6 +25,7 @@ from home_mjx.tasks.experts.door_avoidance import is_facing_shut_leaf, plan_open
 from home_mjx.tasks.experts.field_descent import circle_distance, descend_field
 from home_mjx.tasks.experts.grasp_aiming import add_door_commands, add_hand_commands, is_aimed, plan_grasp, plan_retreat
 from home_mjx.tasks.experts.speech import insert_words
+from home_mjx.tasks.rules.containment import start_positions
 from home_mjx.tasks.rules.enums import Attribute, Feature, TargetKind
 from home_mjx.tasks.rules.features import FeatureValues, compute_features, is_in_target_room
 from home_mjx.tasks.rules.program import leads_on, needs_only
@@ -85,9 +86,10 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
     stop = stop & (there | should_stop(state, later.at[Feature.DISTANCE].add(spare)))
     grip = plan_grasp(snapshot, state, values, box[:, guide])
     toggles = grip.toggle != 0
-    works = (grip.pick | grip.place | toggles) & ~stop
+    works = (grip.pick | grip.place | grip.open | toggles) & ~stop
     meant = state.targets.instance[guide]
-    dropped = displacements(snapshot, meant, box[:, guide].mean(axis=1)) > MIN_DROPPED_DISPLACEMENT
+    begin = start_positions(snapshot, program, state.targets)
+    dropped = displacements(snapshot, begin, meant, box[:, guide].mean(axis=1)) > MIN_DROPPED_DISPLACEMENT
     goes, before, where = plan_retreat(snapshot, state, dropped)
     busy, right, face = plan_opening(snapshot)
     busy = busy & ~goes & (before % 2 == 0)  # skipped in every second round, because it may not help
@@ -95,7 +97,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
     way = jnp.where(stuck, where, way)
     # Rows lead to positions from which objects can be carried away: pick up there, even if reachable before.
     settles = grip.place | toggles | dropped | snapshot.in_contact | (before >= MAX_RETREATS) | jnp.bool_(teaches)
-    stands = works & (there | (grip.can_aim & settles)) & ~goes
+    stands = works & (there | (grip.can_aim & settles & ~grip.open)) & ~goes
     error, tilt, near = plan_view(snapshot, state, looked.replace(values=farther), way, there & ~works)
     heading = jnp.where(goes & (there | snapshot.in_contact), where, way)
     walks = wrap_angle(heading - snapshot.pose.yaw)
@@ -109,11 +111,13 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
     if teaches and config.discrete is not None:
         error = jnp.where(near | busy, error, without_small_turns(config, snapshot.action, error))
     actions = to_actions(config, error, tilt, near, stop, looks_first=teaches)
-    actions = add_hand_commands(config, actions, grip, stands & is_aimed(config, grip))
+    aimed = stands & is_aimed(config, grip)
+    actions = add_hand_commands(config, actions, grip, aimed)
     faces = jnp.where(
         busy, right & (jnp.abs(error) < MAX_DOOR_HEADING_ERROR), is_facing_shut_leaf(snapshot, snapshot.pose.yaw)
     )
-    actions = add_door_commands(config, actions, faces & ~stands & ~stop & (snapshot.step % OPEN_PERIOD == 0))
+    opens = faces & ~stands & ~stop & (snapshot.step % OPEN_PERIOD == 0)
+    actions = add_door_commands(config, actions, opens | (aimed & grip.open))
     return insert_words(snapshot, state, values, actions)
 
 
@@ -244,7 +248,9 @@ def heading_to_target(
     )  # any position beyond its threshold counts
     within = jnp.where(is_room, jnp.inf, 0.0)
     middle = box.mean(axis=1)
-    away, apart = displacements(snapshot, state.targets.instance[guide], middle), pick_distance(snapshot, middle)
+    begin = start_positions(snapshot, state.program, state.targets)
+    away = displacements(snapshot, begin, state.targets.instance[guide], middle)
+    apart = pick_distance(snapshot, middle)
 
     def ahead(agent: Int[Array, ""]) -> tuple[Float[Array, "2"], Bool[Array, ""]]:
         """Return one agent's waypoint (x, y) [m], and whether its path ends."""

@@ -10,7 +10,10 @@ from handmade import Furniture, shoebox
 
 import home_mjx
 from home_mjx import HouseBank
+from home_mjx.tasks import EnvConfig
+from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.env.hand_actions import aim_directions, decode_hand_commands
+from home_mjx.tasks.experts.grasp_aiming import ray_misses
 
 CRATE = Furniture((0.7, 0.0), size=(0.2, 0.2, 1.7), mass=5.0)
 HEAVY = Furniture((1.2, 0.0), size=(0.3, 3.0, 1.7), mass=50.0)  # a wall of a thing behind it
@@ -66,3 +69,15 @@ def test_rays_are_ordered_from_the_middle(bank):
     away = np.degrees(np.arccos(np.clip(rays @ rays[0], -1, 1)))
     assert (np.diff(away) > -0.3).all()
     assert 9.9 < away.max() < 14.3
+
+
+@pytest.mark.parametrize("angle", [0.0, 10.0])
+def test_experts_know_how_far_a_point_is_from_the_rays_of_a_hand(angle, rng):
+    """By a search of all rays, also for points beyond the outermost ones."""
+    config = EnvConfig(hands=True, max_aim_angle=angle)
+    pose = AgentPose(pos=jnp.zeros((1, 3)), yaw=jnp.zeros(1), pitch=jnp.zeros(1))
+    x, y, z = np.asarray(aim_directions(config, pose), np.float64)[0].T
+    turn, tilt = rng.uniform(-0.25, 0.25, (2, 1, 200))
+    all_rays = np.hypot(turn[0, :, None] - np.arctan2(y, x), tilt[0, :, None] - np.arcsin(z))
+    found = ray_misses(config, jnp.asarray(turn, jnp.float32), jnp.asarray(tilt, jnp.float32))
+    np.testing.assert_allclose(found[0], all_rays.min(axis=1), atol=1e-5)
