@@ -7,6 +7,7 @@ from home_mjx.tasks.questions.vqa import VQA
 from home_mjx.tasks.scripted_agents.exploration import Exploration
 from home_mjx.tasks.scripted_agents.pied_piper import PiedPiper
 from home_mjx.tasks.suite.audio_nav import AudioNav
+from home_mjx.tasks.suite.containers import FetchFromContainer
 from home_mjx.tasks.suite.instruction_following import InstructionFollowing
 from home_mjx.tasks.suite.navigation import HouseTasks, NavigationTask, ObjectNav, PointGoals, RoomNav
 from home_mjx.tasks.suite.point_nav import PointNav
@@ -20,6 +21,7 @@ __all__ = [
     "Dialogue",
     "Exploration",
     "Fetch",
+    "FetchFromContainer",
     "HouseQA",
     "HouseTasks",
     "InstructionFollowing",

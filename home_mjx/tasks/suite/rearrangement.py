@@ -102,7 +102,7 @@ class Fetch(ManipulationTask):
         None if no object to carry, or no object as destination, can be identified; the latter for all `destinations`.
         None, too, if no object has a destination: those on the same spot or in the same type of room are none.
         """
-        told = self._describe_portables(view, random)
+        told = self._choose_objects(view, random)
         goals = [thing for thing in view.objects if thing.coarse not in EXCLUDED_CATEGORIES]
         named = identify_objects(view.objects, goals, random)
         if not named:
@@ -118,7 +118,11 @@ class Fetch(ManipulationTask):
                 elif place == "room":
                     yield from self._to_room(view, thing, words, random)
                 else:
-                    yield self._to_start(view, words, random)
+                    yield self._to_start(view, thing, words, random)
+
+    def _choose_objects(self, view: HouseView, random: np.random.Generator) -> Sequence[tuple[PortableObject, Words]]:
+        """Return the objects to bring, each with words that identify it."""
+        return self._describe_portables(view, random)
 
     def _has_destination(self, view: HouseView, thing: PortableObject, goals: Sequence[HouseObject]) -> bool:
         """Return whether any of `destinations` is possible for an object; `goals` are the objects to bring it to."""
@@ -141,7 +145,7 @@ class Fetch(ManipulationTask):
         """Yield the row to bring an object to another one; none if they are within twice `success_distance` already."""
         if self._is_apart(thing, goal[0]):
             near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
-            yield self._row(words, Selector.objects_with(goal[1]), near, f"to {noun_phrase(goal[1])}")
+            yield self._row(thing, words, Selector.objects_with(goal[1]), near, f"to {noun_phrase(goal[1])}")
 
     def _to_room(
         self, view: HouseView, thing: PortableObject, words: Words, random: np.random.Generator
@@ -152,17 +156,29 @@ class Fetch(ManipulationTask):
             kind = others[int(random.integers(len(others)))]
             inside = Condition(Feature.INSIDE, 1, minimum=1)
             yield self._row(
-                words, Selector.rooms(room_type=kind), inside, f"to the {attribute_text(Attribute.ROOM_TYPE, kind)}"
+                thing,
+                words,
+                Selector.rooms(room_type=kind),
+                inside,
+                f"to the {attribute_text(Attribute.ROOM_TYPE, kind)}",
             )
 
-    def _to_start(self, view: HouseView, words: Words, random: np.random.Generator) -> TaskRow:
+    def _to_start(self, view: HouseView, thing: PortableObject, words: Words, random: np.random.Generator) -> TaskRow:
         """Return the row to bring an object to its random start pose."""
         free = view.graph.place[~view.graph.at_leaf]
         start = free[int(random.integers(len(free)))].tolist()
         near = Condition(Feature.DISTANCE, 1, maximum=self.success_distance)
-        return self._row(words, Selector.point(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
+        return self._row(thing, words, Selector.point(start), near, "here", (start, random.uniform(-np.pi, np.pi)))
 
-    def _row(self, words: Words, goal: Selector, there: Condition, where: str, pose: Pose | None = None) -> TaskRow:
+    def _row(
+        self,
+        thing: PortableObject,
+        words: Words,
+        goal: Selector,
+        there: Condition,
+        where: str,
+        pose: Pose | None = None,
+    ) -> TaskRow:
         """Return the row with two stages: hold the object, then hold it where the condition `there` is met.
 
         Half of `success_reward` is paid for each; dropping the object takes the first half back and begins anew. With
@@ -172,11 +188,28 @@ class Fetch(ManipulationTask):
         said, wrong = ((STOP_CONDITION,), (Transition(FAILURE, (STOP_CONDITION,)),)) if self.stop else ((), ())
         back = Transition(0, forbid=(held,), reward=-half)  # dropping the object costs the first reward
         first = TaskStage((Transition(1, (held,), reward=half), *wrong), guide=0)
-        second = TaskStage((Transition(SUCCESS, (held, there, *said), reward=half), *wrong, back), guide=1)
-        tokens = tokenize(f"bring {noun_phrase(words)} {where}")
+        done = Transition(SUCCESS, (held, there, *said), self._forbid(thing), reward=half)
+        second = TaskStage((done, *wrong, back), guide=1)
+        tokens = tokenize(f"bring {self._say(thing, words)} {where}")
         return TaskRow(
-            [Selector.objects_with(words), goal], [first, second], tokens=tokens, later_goals=(1,), start_pose=pose
+            [Selector.objects_with(words), goal, *self._others(thing)],
+            [first, second],
+            tokens=tokens,
+            later_goals=(1,),
+            start_pose=pose,
         )
+
+    def _say(self, thing: PortableObject, words: Words) -> str:
+        """Return the noun phrase of an object."""
+        return noun_phrase(words)
+
+    def _others(self, thing: PortableObject) -> Sequence[Selector]:
+        """Return the descriptors after those of the object and its destination."""
+        return ()
+
+    def _forbid(self, thing: PortableObject) -> tuple[Condition, ...]:
+        """Return conditions that must not hold on success."""
+        return ()
 
 
 @dataclass(frozen=True)
