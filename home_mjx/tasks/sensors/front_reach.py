@@ -6,7 +6,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
-from home_mjx.navigation.compartments import stored_pose
+from home_mjx.navigation.compartments import compartment_at, stored_pose
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
@@ -74,7 +74,8 @@ def can_take_out_from(
 
     The body stands there as `stored_pose` says. It must be hidden while the front is shut. Agents do not stop exactly
     at a position, so the hand must reach it from all of `EYE_OFFSETS` around. Hands pull bodies straight: from an angle
-    above `MAX_PULL_ANGLE` to the normal of a hinged front they would pull it against the side wall.
+    above `MAX_PULL_ANGLE` to the normal of a hinged front they would pull it against the side wall. The middle of
+    its mesh, which may be a few centimetres from that of its box, must be in the compartment and in no other one.
     """
     physics, leaf = bank.physics, bank.compartments.door[house, compartment]
     instance = physics.body_instance[house, body]
@@ -90,7 +91,9 @@ def can_take_out_from(
     reached = jax.vmap(jax.vmap(lambda eye: _sees(wide, eye, instance, boxes[1], reach)))(around)
     ahead = _pull_angles(bank, house, eyes, boxes[1].mean(axis=0), leaf) < jnp.float32(MAX_PULL_ANGLE)
     slides = jnp.any(physics.door_slide[house, leaf] != 0)
-    return jnp.all(reached, axis=1) & (ahead | slides) & ~jax.vmap(shows)(eyes)
+    angle = bank.fronts.open_doors(physics, house).at[leaf].set(ends[0])
+    within = compartment_at(bank, house, angle, boxes[0].mean(axis=0)[None])[0] == compartment
+    return within & jnp.all(reached, axis=1) & (ahead | slides) & ~jax.vmap(shows)(eyes)
 
 
 def _pull_angles(
