@@ -41,6 +41,8 @@ from home_mjx.core.compile_cache import use_compile_cache
 from home_mjx.core.profiling import device_name
 from home_mjx.datasets.splits import split_of
 from home_mjx.houses import load_bank
+from home_mjx.scene_compile.objects.fronts import ArticulationOptions
+from home_mjx.scene_compile.pipeline.compile import CompileOptions
 from home_mjx.tasks import add_expert
 from home_mjx.tasks.env.actions import spoken_tokens
 from home_mjx.training import Policy, evaluate, expert_policy, random_policy, summarize
@@ -91,6 +93,7 @@ CASES = (
     Case("Fetch-v0", "wander", ("return",)),
     Case("Rearrange-v0", "wander", ("return",)),
     Case("Toggle-v0", "wander", ("return",)),
+    Case("FetchFromContainer-v0", "wander", ("return",)),
 )
 
 
@@ -106,9 +109,12 @@ def main() -> None:
     if not args.only_docs:
         use_compile_cache()
         with tempfile.TemporaryDirectory() as root:
-            bank = unseen(Path(root), "val", args.num_houses)
+            banks: dict[int, HouseBank] = {}
             for case in (case for case in CASES if not args.id or case.id in args.id):
-                tell(args.out, played(case, bank, args))
+                fronts = home_mjx.registry.find_spec(case.id).options.get("max_fronts", 0)
+                if fronts not in banks:
+                    banks[fronts] = unseen(Path(root) / str(fronts), "val", args.num_houses, fronts)
+                tell(args.out, played(case, banks[fronts], args))
         return
     lines = [json.loads(line) for line in args.out.read_text(encoding="utf-8").splitlines()]
     for page in (PAGE, *sorted(PAGE.with_name("tasks").glob("*.md"))):
@@ -116,10 +122,11 @@ def main() -> None:
         page.write_text(MADE.sub(lambda found: filled(found, lines), text), encoding="utf-8")
 
 
-def unseen(root: Path, split: str, num: int) -> HouseBank:
+def unseen(root: Path, split: str, num: int, max_fronts: int = 0) -> HouseBank:
     """Return a bank of generated houses of a split, with seeds that nobody tuned on."""
     seeds = islice((seed for seed in count(FIRST_SEED) if split_of(HOME_VARIANT.house_id(seed)) == split), num)
-    return load_bank(root, ids=generate_dataset(root, list(seeds)))
+    options = CompileOptions(articulation=ArticulationOptions(max_fronts))
+    return load_bank(root, ids=generate_dataset(root, list(seeds)), options=options)
 
 
 def played(case: Case, bank: HouseBank, args: argparse.Namespace) -> list[dict[str, Any]]:

@@ -260,3 +260,8 @@ register(
     "home_mjx.tasks.suite:Toggle",
     {"actions": "discrete", "stop": True, "switches": "random", **_HANDS},
 )
+register(
+    "FetchFromContainer-v0",
+    "home_mjx.tasks.suite:FetchFromContainer",
+    {"actions": "discrete", "stop": True, "max_fronts": 24, **_HANDS},
+)

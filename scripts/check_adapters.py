@@ -8,6 +8,7 @@ keep their earlier lines. `make checkers` runs everything.
 """
 
 import argparse
+import functools
 import importlib
 import json
 import os
@@ -51,13 +52,15 @@ def run(args: argparse.Namespace) -> int:
     checkers = known_checkers()
     import home_mjx
     from home_mjx.core.compile_cache import use_compile_cache
+    from home_mjx.registry import find_spec
 
     use_compile_cache()
     there = [name for name in checkers.CHECKERS if checkers.is_installed(name)]
-    bank, failed = small_bank(), 0
+    failed = 0
     with args.out.open("a", encoding="utf-8") as out:
         for adapter in args.adapter or there:
             for env_id in args.id or home_mjx.list_envs():
+                bank = small_bank(find_spec(env_id).options.get("max_fronts", 0))
                 found = judged(checkers.CHECKERS[adapter], env_id, bank)
                 failed += found["outcome"] == "failed"
                 line = json.dumps({"id": env_id, "adapter": adapter, **found})
@@ -72,13 +75,17 @@ def known_checkers() -> Any:
     return importlib.import_module("checkers")
 
 
-def small_bank() -> Any:
-    """Return a bank of two generated houses."""
+@functools.cache
+def small_bank(max_fronts: int) -> Any:
+    """Return a bank of two generated houses, with up to `max_fronts` fronts that open in each."""
     from home_mjx.houses import load_bank
+    from home_mjx.scene_compile.objects.fronts import ArticulationOptions
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
     from home_procgen import generate_dataset
 
+    options = CompileOptions(articulation=ArticulationOptions(max_fronts))
     with tempfile.TemporaryDirectory() as root:
-        return load_bank(root, ids=generate_dataset(Path(root), range(2)))
+        return load_bank(root, ids=generate_dataset(Path(root), range(2)), options=options)
 
 
 def judged(check: Any, env_id: str, bank: Any) -> dict[str, Any]:

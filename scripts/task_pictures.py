@@ -49,7 +49,7 @@ class Shown:
 ROWS_SHOWN = {
     "RoomNav-v0": 19, "ObjectNav-v0": 14, "PointNav-v0": 19, "VQA-v0": 14, "HouseQA-v0": 14, "Communication-v0": 14,
     "AudioNav-v0": 14, "Dialogue-v0": 7, "InstructionFollowing-v0": 3, "Fetch-v0": 7, "Rearrange-v0": 14,
-    "Toggle-v0": 19,
+    "Toggle-v0": 19, "FetchFromContainer-v0": 7,
 }  # fmt: skip
 SHOWN = {env_id: Shown(ROWS_SHOWN.get(env_id, 0)) for env_id in home_mjx.list_envs()} | {
     "PiedPiper-v0": Shown(14, part=0.7),

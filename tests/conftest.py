@@ -113,16 +113,24 @@ def generated_bank(tmp_path_factory: pytest.TempPathFactory):
 
 
 @pytest.fixture(scope="session")
+def articulated_bank(tmp_path_factory: pytest.TempPathFactory):
+    """The same houses with furniture that opens."""
+    return _generated(tmp_path_factory, range(2), max_fronts=24)
+
+
+@pytest.fixture(scope="session")
 def other_bank(tmp_path_factory: pytest.TempPathFactory):
     """Another bank of the same capacities: the houses in the other order."""
     return _generated(tmp_path_factory, range(1, -1, -1))
 
 
-def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range):
+def _generated(tmp_path_factory: pytest.TempPathFactory, seeds: range, max_fronts: int = 0):
     from generated import generate_flats
 
     from home_mjx.audio_jax.late_reverb.bake.field_cache import COARSE_BAKE
     from home_mjx.houses import load_bank
+    from home_mjx.scene_compile.objects.fronts import ArticulationOptions
+    from home_mjx.scene_compile.pipeline.compile import CompileOptions
 
-    root = tmp_path_factory.mktemp("generated")
-    return load_bank(root, ids=generate_flats(root, seeds), bakes=(COARSE_BAKE,))
+    root, options = tmp_path_factory.mktemp("generated"), CompileOptions(articulation=ArticulationOptions(max_fronts))
+    return load_bank(root, ids=generate_flats(root, seeds), bakes=(COARSE_BAKE,), options=options)

@@ -153,7 +153,7 @@ MANY = "PiedPiper-v0"  # three agents, two of which the task leads
 
 
 @pytest.mark.parametrize("every_way", [False, pytest.param(True, marks=pytest.mark.slow)])
-def test_every_environment_keeps_one_tree(generated_bank, every_way):
+def test_every_environment_keeps_one_tree(generated_bank, articulated_bank, every_way):
     """Shapes, dtypes and structure are the same out of every function, for every id that there is.
 
     What is seen and heard takes the same way in all of them, and so do resets and steps that observe, which are those
@@ -164,7 +164,8 @@ def test_every_environment_keeps_one_tree(generated_bank, every_way):
         whole = every_way or env_id == MANY
         task = load_entry_point(find_spec(env_id).entry_point)
         few = {"num_tasks": 2} if hasattr(task, "num_tasks") else {}
-        env = home_mjx.make(env_id, generated_bank, **small, **few, **{} if whole else {"impl": "kinematic"})
+        bank = articulated_bank if "max_fronts" in find_spec(env_id).options else generated_bank
+        env = home_mjx.make(env_id, bank, **small, **few, **{} if whole else {"impl": "kinematic"})
         if not whole:
             cheap = tuple(name for name in env.config.sensors if name not in COSTLY)
             core = home_mjx.HouseholdEnv(dataclasses.replace(env.config, sensors=cheap), env.task)
