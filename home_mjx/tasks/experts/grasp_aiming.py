@@ -7,14 +7,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
 from home_mjx.core.pytree import Pytree
-from home_mjx.core.transforms import wrap_angle
 from home_mjx.physics.base.doors import DoorLeaves
 from home_mjx.tasks.base.config import EnvConfig
 from home_mjx.tasks.base.snapshot import Snapshot
 from home_mjx.tasks.base.specs import TOGGLE
-from home_mjx.tasks.env.actions import PITCH_TOLERANCE, action_names
-from home_mjx.tasks.env.hand_actions import NUM_AIM_ANGLES, cast_past_hand, held_object_ids, is_in_reach
+from home_mjx.tasks.env.actions import action_names
+from home_mjx.tasks.env.hand_actions import cast_past_hand, held_object_ids, is_in_reach
 from home_mjx.tasks.experts.front_plans import plan_front
+from home_mjx.tasks.experts.hand_rays import nearest_hand_rays, round_to_steps, view_angles
 from home_mjx.tasks.rules.enums import Feature
 from home_mjx.tasks.rules.program import leads_on
 from home_mjx.tasks.rules.row_task import RowState
@@ -25,7 +25,6 @@ from home_mjx.tasks.sensors.reachability import MIN_VISIBLE_POINTS, RAY_TOLERANC
 MAX_AIM_ERROR = 0.04  # [rad], maximum angle from the view centre at which hands reach their target
 STEPS_PER_AIM = 24  # [steps] with one choice of aim point
 RETREAT_PERIOD = 96  # [steps]; in its last `STEPS_PER_AIM` steps an agent moves away, because its attempts have failed
-RAY_WEIGHT = 10.0  # weight of the angle between an aim point and the nearest ray of a hand, relative to other errors
 AIM_VARIATION = 0.3  # [rad], amplitude of the variation of aim points between attempts
 GOLDEN_ANGLE = 2.4  # [rad], angle between successive directions of moving away
 
@@ -54,10 +53,11 @@ def plan_grasp(
     take, put = _pending_commands(state, values, guide)
     toggle = _pending_toggle(snapshot, state, values, guide)
     holds = snapshot.held >= 0
-    helped = MAX_AIM_ERROR + 0.5 * math.radians(snapshot.config.max_aim_angle)
+    spread = math.radians(snapshot.config.max_aim_angle)
+    helped = MAX_AIM_ERROR + 0.5 * spread
     tried = (snapshot.step - state.stage_start) // STEPS_PER_AIM
     turn, tilt, ready = _best_aim(
-        snapshot, *_pick_candidates(snapshot, state.targets.instance[guide], box), tried, helped
+        snapshot, *_pick_candidates(snapshot, state.targets.instance[guide], box, spread), tried, helped
     )
     for_put = _best_aim(snapshot, *_place_candidates(snapshot, state, guide, box), tried, helped)
     puts = put & holds
@@ -175,23 +175,32 @@ def _pending_toggle(
 
 
 def _pick_candidates(
-    snapshot: Snapshot, meant: Bool[Array, " i"], box: Float[Array, "a 2 3"]
+    snapshot: Snapshot, meant: Bool[Array, " i"], box: Float[Array, "a 2 3"], spread: float
 ) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
     """Return points at which to grasp an object [m], and which are visible and in reach.
 
-    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these. `box` has the object's bounds, `meant` its
-    instances.
+    The mask is all False with fewer than `MIN_VISIBLE_POINTS` of these. In banks with compartments, the points are
+    those that `nearest_hand_rays` meet, and one is enough: little of an object in furniture may be visible, and between
+    these rays a hand may meet another front than the one that is meant.
+
+    Args:
+        snapshot: The environment.
+        meant: Instances of the object.
+        box: Bounds of the object that each agent targets [m].
+        spread: See `nearest_hand_rays` [rad].
     """
     config, eyes = snapshot.config, eye_position(snapshot.config, snapshot.pose)
     points = jax.vmap(pick_points)(eyes, jnp.where(jnp.isfinite(box), box, 0.0))
     way = points - eyes[:, None]
-    way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
+    way, least = way / jnp.linalg.norm(way, axis=-1, keepdims=True), MIN_VISIBLE_POINTS
+    if not snapshot.bank.compartments.is_empty:
+        way, least = nearest_hand_rays(config, snapshot.pose, points, spread), 1
     hit = cast_past_hand(config, snapshot, eyes, way)
     own = (hit.instance >= 0) & (hit.instance < meant.shape[0])
     own = own & meant[jnp.clip(hit.instance, 0, meant.shape[0] - 1)]
     seen = jnp.where(own[..., None], eyes[:, None] + way * jnp.where(own, hit.t, 0.0)[..., None], points)
     fits = own & is_in_reach(config, snapshot, seen)
-    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= MIN_VISIBLE_POINTS)
+    return seen, fits & (jnp.sum(fits, axis=-1, keepdims=True) >= least)
 
 
 def _front_candidates(snapshot: Snapshot, leaf: Int[Array, ""]) -> tuple[Float[Array, "a p 3"], Bool[Array, "a p"]]:
@@ -200,7 +209,7 @@ def _front_candidates(snapshot: Snapshot, leaf: Int[Array, ""]) -> tuple[Float[A
     leaves = jax.tree.map(lambda x: x[house], DoorLeaves.from_physics(physics))
     box = front_box(leaves, leaf, snapshot.door_angle[leaf])
     meant = jnp.arange(snapshot.bank.spec.num_instances) == physics.door_instance[house, leaf]
-    return _pick_candidates(snapshot, meant, jnp.broadcast_to(box, (snapshot.pose.yaw.shape[0], 2, 3)))
+    return _pick_candidates(snapshot, meant, jnp.broadcast_to(box, (snapshot.pose.yaw.shape[0], 2, 3)), 0.0)
 
 
 def _place_candidates(
@@ -235,48 +244,15 @@ def _best_aim(
     the choice. Discrete actions turn and tilt by whole steps: usable points with a small remaining error are preferred.
     """
     config, pose = snapshot.config, snapshot.pose
-    offset = points - eye_position(config, pose)[:, None]
-    away = jnp.linalg.norm(offset[..., :2], axis=-1)
-    turn = jnp.arctan2(offset[..., 1], offset[..., 0]) - pose.yaw[:, None]
-    turn = wrap_angle(turn)
-    tilt = jnp.arctan2(offset[..., 2], jnp.maximum(away, 1e-3)) - pose.pitch[:, None]
-    done = _round_to_steps(config, turn, tilt, pose.pitch)
+    away = jnp.linalg.norm((points - eye_position(config, pose)[:, None])[..., :2], axis=-1)
+    turn, tilt = view_angles(config, pose, points)
+    done = round_to_steps(config, turn, tilt, pose.pitch)
     miss = jnp.hypot(turn - done[0], tilt - done[1])
     number = jnp.arange(points.shape[1], dtype=jnp.float32)
     varied = jnp.sin(number * tried.astype(jnp.float32))
     cost = miss + jnp.float32(AIM_VARIATION) * varied + 0.01 * jnp.abs(turn) + 0.03 * away
-    if not snapshot.bank.compartments.is_empty:  # of a small object in a compartment only few points may be visible
-        cost = cost + jnp.float32(RAY_WEIGHT) * ray_misses(config, turn - done[0], tilt - done[1])
     near_enough = miss <= jnp.float32(most)
     rank = jnp.where(fits & near_enough, 0.0, jnp.where(fits, 10.0, 20.0))
     best = jnp.argmin(cost + rank, axis=-1)
     agents = jnp.arange(points.shape[0])
     return done[0][agents, best], done[1][agents, best], jnp.any(fits & near_enough, axis=-1)
-
-
-def ray_misses(config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"]) -> Float[Array, "a p"]:
-    """Return the angle between points and the nearest ray of `aim_directions` [rad], by turn and tilt from the centre.
-
-    Hands test only these rays: between them they miss objects of less than `max_aim_angle` / 4.
-    """
-    angle = math.radians(config.max_aim_angle)
-    if not angle:
-        return jnp.hypot(turn, tilt)
-    step = jnp.float32(2 * angle / (NUM_AIM_ANGLES - 1))
-    nearest = (jnp.clip(jnp.round(x / step) * step, -angle, angle) for x in (turn, tilt))
-    return jnp.hypot(*(x - ray for x, ray in zip((turn, tilt), nearest, strict=True)))
-
-
-def _round_to_steps(
-    config: EnvConfig, turn: Float[Array, "a p"], tilt: Float[Array, "a p"], pitch: Float[Array, " a"]
-) -> tuple[Float[Array, "a p"], Float[Array, "a p"]]:
-    """Round turns and tilts (relative to now) to the nearest ones that actions can produce within `max_pitch` [rad].
-
-    Discrete ones are whole numbers of steps. Continuous turns stay, and tilts are only clipped.
-    """
-    most, pitch = jnp.float32(config.max_pitch + PITCH_TOLERANCE), pitch[:, None]
-    if config.discrete is None:
-        return turn, jnp.clip(pitch + tilt, -most, most) - pitch
-    step, rise = (jnp.float32(math.radians(x)) for x in (config.discrete.turn_angle, config.discrete.tilt_angle or 0))
-    up, down = jnp.floor((most - pitch) / rise), -jnp.floor((most + pitch) / rise)
-    return jnp.round(turn / step) * step, jnp.clip(jnp.round(tilt / rise), down, up) * rise

@@ -36,7 +36,7 @@ from home_mjx.tasks.sensors.visibility import EYE_OFFSETS, is_unobstructed
 MAX_TARGET_LAG = 0.2  # [m], maximum distance that a moving target gains until `stop` takes effect
 DISTANCE_MARGIN = 0.1  # [m], by which agents with hands go closer than required, because carried objects push
 CONTACT_DISTANCE_MARGIN = 0.05  # [m], the same in contact, where a carried object may keep the agent away
-MAX_RETREATS = 2  # rounds of `plan_retreat` after which objects are picked up from any position
+MAX_RETREATS = 2  # rounds of `plan_retreat` after which hands act from any position
 OPEN_PERIOD = 6  # [steps] between attempts to open a door; in between the agent moves clear or through
 MIN_TURN_STEPS = 1.5  # [steps], smallest turn that a teacher begins while it walks
 IDLE_TURN = 1.0  # [rad], turn of a waiting agent, because no action is idle
@@ -96,8 +96,9 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
     stuck = goes & ~works & (snapshot.held >= 0) & (snapshot.in_contact | (before > 0))  # by its carried object
     way = jnp.where(stuck, where, way)
     # Rows lead to positions from which objects can be carried away: pick up there, even if reachable before.
-    settles = grip.place | toggles | dropped | snapshot.in_contact | (before >= MAX_RETREATS) | jnp.bool_(teaches)
-    stands = works & (there | (grip.can_aim & settles & ~grip.open)) & ~goes
+    settles = grip.place | toggles | dropped | snapshot.in_contact | jnp.bool_(teaches)
+    settles = (settles & ~grip.open) | (before >= MAX_RETREATS)
+    stands = works & (there | (grip.can_aim & settles)) & ~goes
     error, tilt, near = plan_view(snapshot, state, looked.replace(values=farther), way, there & ~works)
     heading = jnp.where(goes & (there | snapshot.in_contact), where, way)
     walks = wrap_angle(heading - snapshot.pose.yaw)
@@ -117,7 +118,7 @@ def expert_action(snapshot: Snapshot, state: RowState | HasExpert, teaches: bool
         busy, right & (jnp.abs(error) < MAX_DOOR_HEADING_ERROR), is_facing_shut_leaf(snapshot, snapshot.pose.yaw)
     )
     opens = faces & ~stands & ~stop & (snapshot.step % OPEN_PERIOD == 0)
-    actions = add_door_commands(config, actions, opens | (aimed & grip.open))
+    actions = add_door_commands(config, actions, opens | (aimed & grip.open & grip.can_aim))
     return insert_words(snapshot, state, values, actions)
 
 

@@ -17,6 +17,7 @@ from home_mjx.tasks.sensors.visibility import EYE_OFFSETS, is_unobstructed, look
 NUM_OPENINGS = 8  # number of openings of a front at which agents must be clear of it
 MIN_TURN, MIN_SLIDE = 1.0, 0.15  # minimum range of a front that agents open: [rad], [m] of drawers
 MAX_PULL_ANGLE = 0.8  # [rad], maximum angle to the normal of a front at which a hand pulls something out
+MIN_APPARENT_ANGLE = 0.044  # [rad], minimum height and width of what is taken out: hands test rays 2.5° apart
 FRONT_CLEARANCE = 0.1  # [m], minimum gap between an agent and a front that it opens
 
 
@@ -73,9 +74,10 @@ def can_take_out_from(
     """Return at which eye positions [m] a hand can take a body out of a compartment with an open front.
 
     The body stands there as `stored_pose` says. It must be hidden while the front is shut. Agents do not stop exactly
-    at a position, so the hand must reach it from all of `EYE_OFFSETS` around. Hands pull bodies straight: from an angle
-    above `MAX_PULL_ANGLE` to the normal of a hinged front they would pull it against the side wall. The middle of
-    its mesh, which may be a few centimetres from that of its box, must be in the compartment and in no other one.
+    at a position, so the hand must reach it from all of `EYE_OFFSETS` around, and its `apparent_size` must be at least
+    `MIN_APPARENT_ANGLE`. Hands pull bodies straight: from an angle above `MAX_PULL_ANGLE` to the normal of a hinged
+    front they would pull it against the side wall. The middle of its mesh, which may be a few centimetres from that of
+    its box, must be in the compartment and in no other one.
     """
     physics, leaf = bank.physics, bank.compartments.door[house, compartment]
     instance = physics.body_instance[house, body]
@@ -87,13 +89,27 @@ def can_take_out_from(
         """Return whether an eye sees the body although the front is shut."""
         return jnp.any(is_unobstructed(shut, eye, boxes[0], look_points(eye, boxes[0]), jnp.full((), -1, jnp.int32)))
 
-    around = eyes[:, None] + jnp.asarray(EYE_OFFSETS, jnp.float32)
-    reached = jax.vmap(jax.vmap(lambda eye: _sees(wide, eye, instance, boxes[1], reach)))(around)
+    def takes(eye: Float[Array, "3"]) -> Bool[Array, ""]:
+        """Return whether a hand takes the body through the open front."""
+        large = jnp.min(apparent_size(eye, boxes[1])) >= jnp.float32(MIN_APPARENT_ANGLE)
+        return large & _sees(wide, eye, instance, boxes[1], reach)
+
+    reached = jax.vmap(jax.vmap(takes))(eyes[:, None] + jnp.asarray(EYE_OFFSETS, jnp.float32))
     ahead = _pull_angles(bank, house, eyes, boxes[1].mean(axis=0), leaf) < jnp.float32(MAX_PULL_ANGLE)
     slides = jnp.any(physics.door_slide[house, leaf] != 0)
     angle = bank.fronts.open_doors(physics, house).at[leaf].set(ends[0])
     within = compartment_at(bank, house, angle, boxes[0].mean(axis=0)[None])[0] == compartment
     return within & jnp.all(reached, axis=1) & (ahead | slides) & ~jax.vmap(shows)(eyes)
+
+
+def apparent_size(eye: Float[Array, "3"], box: Float[Array, "2 3"]) -> Float[Array, "2"]:
+    """Return the width and the height of a box with these bounds [m] in the view of an eye outside of it [rad]."""
+    corner = jnp.stack([x.reshape(-1) for x in jnp.meshgrid(*box.T, indexing="ij")], axis=-1) - eye
+    middle = box.mean(axis=0)[:2] - eye[:2]
+    along, across = corner[:, :2] @ middle, corner[:, 1] * middle[0] - corner[:, 0] * middle[1]
+    turn = jnp.arctan2(across, along)
+    tilt = jnp.arctan2(corner[:, 2], jnp.linalg.norm(corner[:, :2], axis=-1))
+    return jnp.stack([jnp.ptp(turn), jnp.ptp(tilt)])
 
 
 def _pull_angles(

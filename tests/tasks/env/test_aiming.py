@@ -1,6 +1,7 @@
 """What hands mean: exactly the middle of the view, or what is nearest to it."""
 
 import functools
+import math
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,8 @@ from home_mjx import HouseBank
 from home_mjx.tasks import EnvConfig
 from home_mjx.tasks.base.snapshot import AgentPose
 from home_mjx.tasks.env.hand_actions import aim_directions, decode_hand_commands
-from home_mjx.tasks.experts.grasp_aiming import ray_misses
+from home_mjx.tasks.experts.hand_rays import nearest_hand_rays, round_to_steps, view_angles
+from home_mjx.tasks.sensors.cameras import eye_position
 
 CRATE = Furniture((0.7, 0.0), size=(0.2, 0.2, 1.7), mass=5.0)
 HEAVY = Furniture((1.2, 0.0), size=(0.3, 3.0, 1.7), mass=50.0)  # a wall of a thing behind it
@@ -72,12 +74,19 @@ def test_rays_are_ordered_from_the_middle(bank):
 
 
 @pytest.mark.parametrize("angle", [0.0, 10.0])
-def test_experts_know_how_far_a_point_is_from_the_rays_of_a_hand(angle, rng):
-    """By a search of all rays, also for points beyond the outermost ones."""
-    config = EnvConfig(hands=True, max_aim_angle=angle)
-    pose = AgentPose(pos=jnp.zeros((1, 3)), yaw=jnp.zeros(1), pitch=jnp.zeros(1))
-    x, y, z = np.asarray(aim_directions(config, pose), np.float64)[0].T
-    turn, tilt = rng.uniform(-0.25, 0.25, (2, 1, 200))
-    all_rays = np.hypot(turn[0, :, None] - np.arctan2(y, x), tilt[0, :, None] - np.arcsin(z))
-    found = ray_misses(config, jnp.asarray(turn, jnp.float32), jnp.asarray(tilt, jnp.float32))
-    np.testing.assert_allclose(found[0], all_rays.min(axis=1), atol=1e-5)
+@pytest.mark.parametrize("actions", ["discrete", "continuous"])
+def test_experts_know_the_rays_of_hands_after_a_turn(angle, actions, rng):
+    """By a search of all rays of the view that is turned: the rays returned are among these, and nearest to points."""
+    config = EnvConfig(hands=True, max_aim_angle=angle, actions=actions)
+    pose = AgentPose(pos=jnp.zeros((1, 3)), yaw=jnp.ones(1), pitch=jnp.zeros(1))
+    points = eye_position(config, pose) + jnp.asarray(rng.normal(size=(40, 3)) * (1, 1, 0.3), jnp.float32)
+    found = np.asarray(nearest_hand_rays(config, pose, points[None], math.radians(angle)))[0]
+    turns = round_to_steps(config, *view_angles(config, pose, points[None]), pose.pitch)
+    for at, (turn, tilt) in enumerate(zip(*(np.asarray(x)[0] for x in turns), strict=True)):
+        view = AgentPose(pos=pose.pos, yaw=pose.yaw + turn, pitch=pose.pitch + tilt)
+        rays = np.asarray(aim_directions(config, view), np.float64)[0]
+        way = np.asarray(points[at] - eye_position(config, pose)[0], np.float64)
+        x, y, z = np.concatenate([rays, way[None] / np.linalg.norm(way)]).T
+        angles = np.stack([np.unwrap(np.arctan2(y, x)), np.arcsin(z)])
+        nearest = np.argmin(np.hypot(*(angles[:, :-1] - angles[:, -1:])))
+        np.testing.assert_allclose(found[at], rays[nearest], atol=2e-5)

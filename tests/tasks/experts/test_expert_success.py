@@ -12,7 +12,7 @@ from home_mjx.tasks import add_expert
 from home_mjx.training.evaluation import evaluate, expert_policy
 
 LEAST = 0.99  # share of episodes that succeed
-LEAST_OF_CONTAINERS = 0.9
+LEAST_OF_CONTAINERS = 0.95  # of FetchFromContainer: of 24 episodes one may fail
 EPISODES = 24
 HOUSES = range(61_000, 61_004)
 CASES = {
