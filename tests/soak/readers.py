@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from asset_readers import DAE, PLY, STL, binary_ply, binary_stl, parts, plain, usd
 from mutations import Mutation, of_archive, of_bytes, of_json, of_json_lines, of_png, of_text
 from scene_readers import (
     colors_file,
@@ -455,6 +456,12 @@ TARGETS = {
     "hm3d": Target(colors_file, TEXT),
     "front": Target(front, JSON),
     "gltf-scene": Target(scene_file("gltf", "flat.glb", glb), (of_bytes,), quick=False),
+    "gltf-parts": Target(parts, JSON, quick=False),
+    "usd-scene": Target(usd, TEXT, quick=False),
+    "ply": Target(plain("a.ply", PLY.encode()), TEXT),
+    "binary-ply": Target(plain("a.ply", binary_ply("little"), binary_ply("big")), (of_bytes,)),
+    "stl": Target(plain("a.stl", STL.encode(), binary_stl()), TEXT),
+    "dae": Target(plain("a.dae", DAE.encode(), package="collada"), TEXT, quick=False),
     "mjcf-scene": Target(scene_file("mjcf", "flat.xml", mjcf), TEXT, quick=False),
     "procthor-house": Target(scene_file("procthor", "house.json", procthor), JSON, quick=False),
     "habitat-episodes": Target(habitat_episodes, JSON),

@@ -153,8 +153,12 @@ def _broken(path: Path, error: RuntimeError) -> DatasetError:
 
 
 def _reason(error: RuntimeError) -> str:
-    """Return the end of the message of USD's library."""
-    return printable(" ".join(str(error).split())[-200:])
+    """Return the end of the message of USD's library, which cannot be shown if it quotes bytes that are no text."""
+    try:
+        text = str(error)
+    except UnicodeDecodeError:
+        text = "text is not UTF-8"
+    return printable(" ".join(text.split())[-200:])
 
 
 def start() -> Any:

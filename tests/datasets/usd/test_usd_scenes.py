@@ -520,3 +520,10 @@ def test_normalized_lights_are_divided_by_the_area_in_units_of_the_scene(tmp_pat
         powers.append(light.light.power)
     assert powers[1] / powers[0] == pytest.approx(4 * np.pi * 20**2)
     assert powers[1] == pytest.approx(np.pi * 10 * 4 * np.pi * 0.2**2)
+
+
+def test_bytes_that_are_no_text_are_located(tmp_path):
+    path = tmp_path / "a.usda"
+    path.write_bytes(b'#usda 1.0\ndef \x9c "a" {}\n')
+    with pytest.raises(DatasetError, match="not UTF-8"):
+        open_scene(path)
