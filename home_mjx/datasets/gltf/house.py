@@ -18,6 +18,7 @@ from home_mjx.datasets.gltf.layout.triangle_set import (
     split_by_outlines,
 )
 from home_mjx.datasets.gltf.layout.walls import find_walls, mask_of
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.polygons import polygon_area
 from home_mjx.geometry.slabs import simplify, triangulate
 from home_mjx.schema.house import Joint, Level, Mesh, ObjectNode, RoomNode
@@ -30,6 +31,7 @@ PIECE_SIZE = 1.0  # [m], edge of the cells into which static geometry is cut; it
 FAR_PIECE_SIZE = 8.0  # [m], the same for geometry that agents cannot reach, which is not cut
 PLOT_MARGIN = 2.5  # [m], around all rooms, within which agents may be; a fence is at 2 m
 MAX_PIECES = 2_000  # maximum number of pieces of a house; more would need larger cells
+GROWTH = 1.3  # ratio of the sizes of cells that are tried
 MAX_CUT_TRIANGLES = 300_000  # maximum number of triangles after cutting, see `_cutting_cost`
 LONG_EDGE = 8.0  # [m], minimum extent of triangles that count by their extents, since they may be slivers
 REACH = (-0.5, 2.2)  # [m] around floors: heights at which agents touch things
@@ -148,12 +150,13 @@ class HouseParts:
         triangles, size = concat_triangles(parts), np.where(kind > 0, FAR_PIECE_SIZE, PIECE_SIZE)
         while True:
             cells = np.concatenate([np.floor(triangles.middle / size), kind], axis=1).astype(int)
-            found, number = np.unique(cells, axis=0, return_inverse=True)
+            found, number = unique_cells(cells)
             if len(found) <= MAX_PIECES:
                 break
-            size = size * 1.3
-        order = np.argsort(number.reshape(-1), kind="stable")
-        cuts = np.flatnonzero(np.diff(number.reshape(-1)[order])) + 1
+            # Cells of twice the size are about an eighth as many, or more: no size that suffices is passed.
+            size = size * GROWTH ** max(1, int(np.log(len(found) / MAX_PIECES) / np.log(GROWTH) / 3))
+        order = np.argsort(number, kind="stable")
+        cuts = np.flatnonzero(np.diff(number[order])) + 1
         return [triangles[rows] for rows in np.split(order, cuts)] if len(order) else []
 
     def _reachable(self, triangles: TriangleSet, floors: Sequence[float]) -> Bool[np.ndarray, " t"]:

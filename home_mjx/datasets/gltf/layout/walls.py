@@ -9,6 +9,7 @@ from jaxtyping import Bool, Float, Int
 from home_mjx.datasets.gltf.layout.free_map import wall_direction
 from home_mjx.datasets.gltf.layout.storey_search import UPRIGHT_SLOPE
 from home_mjx.datasets.gltf.layout.triangle_set import TriangleSet
+from home_mjx.geometry.cells import unique_cells
 from home_mjx.geometry.polygons import is_inside_polygon
 
 ANGLE_STEP = np.deg2rad(5.0)  # normals within about this angle are of one plane
@@ -119,10 +120,10 @@ def _wall_faces(
     along = np.einsum("tci,ti->tc", plan, normal[:, ::-1] * [-1, 1])
     room = _room_in_front(middle[rows][:, [0, 2]] + PROBE_DISTANCE * normal, rooms)
     key = np.stack([turn, np.floor(offset / OFFSET_STEP + 0.5).astype(int), room], axis=1)
-    _, group = np.unique(key, axis=0, return_inverse=True)
-    order = np.argsort(group.reshape(-1), kind="stable")
+    _, group = unique_cells(key)
+    order = np.argsort(group, kind="stable")
     found = []
-    for part in np.split(order, np.flatnonzero(np.diff(group.reshape(-1)[order])) + 1) if len(order) else []:
+    for part in np.split(order, np.flatnonzero(np.diff(group[order])) + 1) if len(order) else []:
         for piece in _connected(part, along):
             if len(piece) <= MAX_WALL_TRIANGLES and _is_large(triangles, rows[piece]):
                 ends = float(along[piece].min()), float(along[piece].max())
