@@ -83,6 +83,10 @@ class FrontBuilder:
         levels = parts.levels(triangles, objects)
         if self.house.num_invalid:
             self.problems.append(Problem("furniture", f"{self.house.num_invalid} pieces are not marked as valid"))
+        known = self.house.meshes.keys() | self.house.pieces.keys()
+        lost = sum(child.ref not in known for room in self.house.rooms for child in room.children)
+        if lost:
+            self.problems.append(Problem("scene.room", f"{lost} instances name no mesh or valid piece: left out"))
         problems, fallbacks = tuple(self.problems[:MAX_NOTES]), tuple(self.fallbacks)
         return House(house_id, "3D-FRONT", self.path, levels, parts.models, problems, fallbacks=fallbacks)
 

@@ -10,6 +10,7 @@ from home_mjx.datasets.habitat.templates import HabitatTemplate
 from home_mjx.datasets.suncg.formats.json_value import JsonValue
 from home_mjx.schema.house import Light
 
+MAX_STRENGTH = 1e9  # maximum intensity; the sum of larger ones may overflow
 NO_LIGHTS = ("", "no_lights", "default")  # names of setups that have no files
 
 
@@ -40,7 +41,7 @@ def _bright(setup: HabitatTemplate, notes: dict[str, str]) -> Iterator[tuple[Jso
             lights.setdefault(name, stated.member(name))
     for value in lights.values():
         kind, model, intensity = (value.member(key) for key in ("type", "position_model", "intensity"))
-        strength = (intensity.number() if intensity.has_value else 1.0) * factor
+        strength = min((intensity.number() if intensity.has_value else 1.0) * factor, MAX_STRENGTH)
         if kind.has_value and kind.text().lower() != "point":
             notes[value.element] = f"light of the type `{kind.text()[:20]}` is not kept"
         elif model.has_value and model.text().lower() != "global":

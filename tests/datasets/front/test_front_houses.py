@@ -85,7 +85,14 @@ def test_rooms_come_from_floors_and_furniture_is_scaled_turned_and_moved(tmp_pat
     assert [low, high] == [pytest.approx([0.8, 0, 1.5], abs=1e-6), pytest.approx([1.2, 0.9, 2.5], abs=1e-6)]
     assert [fallback.name for fallback in house.fallbacks] == ["abc", "abc"]  # the second is larger than the house
     notes = " ".join(problem.message for problem in house.problems)
-    for part in ("not positive", "larger than the house", "1 pieces are not marked", "no floor", "`Door` are left out"):
+    for part in (
+        "not positive",
+        "larger than the house",
+        "1 pieces are not marked",
+        "no floor",
+        "`Door` are left out",
+        "1 instances name no",
+    ):
         assert part in notes
 
 

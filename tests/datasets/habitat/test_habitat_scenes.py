@@ -72,6 +72,17 @@ def test_a_scene_has_its_regions_objects_lights_and_joints(root):
         read(root, strict=True)
 
 
+def test_lights_whose_sum_overflows_have_finite_powers(root):
+    write_dataset(root)
+    lamp = {"type": "point", "position": [2, 2.3, 2], "intensity": 1e308}
+    write(
+        root / "configs" / "day.lighting_config.json", {"lights": {"a": lamp, "b": lamp}, "positive_intensity_scale": 9}
+    )
+    levels = read(root / CONFIG).levels
+    powers = [light.power for level in levels for node in level.objects for light in node.lights]
+    assert powers == pytest.approx([48, 48])
+
+
 def test_a_scene_compiles_and_agents_walk_through_its_doorway(root):
     dataset = open_dataset(write_dataset(root))
     house = compile_house(dataset.load_house("flat_0"), dataset.metadata)
