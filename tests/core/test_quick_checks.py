@@ -77,7 +77,7 @@ def test_shapes_that_are_checked_in_their_turn_end():
     assert [given(Space()), Space().shape, given(Space())] == [(3,)] * 3
 
 
-def test_items_words_classes_and_tracers_are_told_apart():
+def test_items_words_and_classes_are_told_apart_but_not_arrays_and_tracers_of_jax():
     @checks
     def all_of(items: tuple[int, ...] | dict[str, float], sort: type[Exception] = ValueError) -> str:
         return "ok"
@@ -94,6 +94,12 @@ def test_items_words_classes_and_tracers_are_told_apart():
         return jnp.linalg.norm(x)
 
     jax.jit(norm)(jnp.ones(3))
+    ways = quick_checks._functions[norm.__wrapped__.__code__].ways
+    norm(jnp.ones(3))
+    jax.vmap(norm)(jnp.ones((2, 3)))
+    assert len(ways) == 1
+    with pytest.raises(TypeCheckError):
+        norm(np.ones(3, np.float32))
     with pytest.raises(TypeCheckError):
         jax.jit(norm)(jnp.ones((3, 1)))
     with pytest.raises(TypeCheckError):

@@ -10,6 +10,7 @@ import enum
 import functools
 import inspect
 import random
+import sys
 import threading
 import types
 from collections.abc import Callable, Collection, Iterator
@@ -21,7 +22,7 @@ MOST = 1000  # ways of a function that are known; later ones are checked at each
 LONG = 32  # items of a list that are all looked into
 CLOSE = ("Literal", "PyTree", "Annotated", "ForwardRef", "TypedDict")  # in hints that tell more than types and shapes
 ARRAYS = ("numpy", "jax", "jaxlib")  # packages
-PLAIN, ARRAY, ITEMS, NAMED, WORD, MANY, SORT, UNKNOWN = range(8)
+PLAIN, ARRAY, TRACED, ITEMS, NAMED, WORD, MANY, SORT, UNKNOWN = range(9)
 NOTHING = (None, Any, "None", "Any")  # hints that say nothing of what is handed over
 
 _jaxtyped = jaxtyping.jaxtyped
@@ -143,6 +144,8 @@ def kind(value: Any, close: bool) -> Any:
         sort = _sorts[own] = _sort(own)
     if sort == PLAIN:
         return own
+    if sort == TRACED:
+        return sort, value.shape, value.dtype
     if sort == ARRAY:
         return own, value.shape, value.dtype
     if sort == WORD:
@@ -174,13 +177,22 @@ def _is_close(hint: Any) -> bool:
     return isinstance(hint, str) or any(name in repr(hint) for name in CLOSE)
 
 
+def _is_of_jax(own: type) -> bool:
+    """Arrays and all kinds of tracers, which no hint tells apart."""
+    if not own.__module__.startswith("jax"):
+        return False
+    jax = sys.modules["jax"]
+    return issubclass(own, (jax.Array, jax.core.Tracer))
+
+
 def _sort(own: type) -> int:
     if issubclass(own, type):
         return SORT  # hints tell classes apart
     if issubclass(own, enum.Enum):
         return WORD
     if own.__module__.partition(".")[0] in ARRAYS and hasattr(own, "shape") and hasattr(own, "dtype"):
-        return ARRAY  # of a class of ours, shapes may be properties that are checked in their turn
+        # Of a class of ours, shapes may be properties that are checked in their turn.
+        return TRACED if _is_of_jax(own) else ARRAY
     if own is dict:
         return NAMED
     if issubclass(own, tuple | list):
