@@ -1,10 +1,12 @@
 """A flat with baked light, cameras in it, and its light by a shader."""
 
 import functools
+import types
 
 import jax
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
 from home_mjx.bank.bank import HouseBank
 from home_mjx.houses import HouseSet
@@ -14,9 +16,11 @@ from home_mjx.raycast_render.cameras.camera import Camera, Lens
 from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.appearance import AppearanceOverrides
 from home_mjx.raycast_render.scene.scene import make_scene
+from home_mjx.raycast_render.shaders import lit
 from home_mjx.raycast_render.shaders.base import prepare_shaders
 
 LENS = Lens(32, 24)
+OFF = types.SimpleNamespace(KERNEL=types.SimpleNamespace(is_usable=lambda platform: False))
 
 
 @functools.cache
@@ -83,3 +87,12 @@ VARIED = AppearanceOverrides(
     tint=jnp.float32(0.4),
     swap=jnp.float32(0.5),
 )
+
+
+@functools.cache
+def composed_radiance(shader, varied, make_bank=lit_bank):
+    """Light of a shader by operations of JAX, with the look `VARIED` or without one: once for all kernels."""
+    bank = make_bank()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lit, "native", OFF)
+        return radiance(bank, places(bank), shader, VARIED if varied else None)[0]

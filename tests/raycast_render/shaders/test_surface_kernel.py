@@ -1,12 +1,10 @@
 """The kernel of surface light against the same computation by operations of JAX, in a flat with baked light."""
 
-import types
-
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from lit_flat import VARIED, lit_bank, places, radiance
+from lit_flat import OFF, VARIED, composed_radiance, lit_bank, places, radiance
 
 from home_mjx.raycast_render import LitShader
 from home_mjx.raycast_render.cameras.camera import Camera, Lens
@@ -14,8 +12,6 @@ from home_mjx.raycast_render.images.render import render
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.shaders import lit
 from home_mjx.raycast_render.shaders.baked import BakedShader
-
-OFF = types.SimpleNamespace(KERNEL=types.SimpleNamespace(is_usable=lambda platform: False))
 
 
 @pytest.fixture(scope="module")
@@ -31,11 +27,10 @@ def cameras(bank):
 
 
 @pytest.mark.parametrize(("shader", "look"), [(BakedShader(), None), (LitShader(num_lights=1), VARIED)])
-def test_the_kernel_computes_the_light_of_the_shaders(bank, cameras, shader, look, monkeypatch):
+def test_the_kernel_computes_the_light_of_the_shaders(bank, cameras, shader, look):
     """Floats differ in the last digits; a texel, a mip level or a shadow's edge, in few pixels."""
     fused, objects = radiance(bank, cameras, shader, look)
-    monkeypatch.setattr(lit, "native", OFF)
-    composed, _ = radiance(bank, cameras, shader, look)
+    composed = composed_radiance(shader, look is VARIED)
     assert (objects >= 0).mean() > 0.1
     assert composed.std() > 0.05
     apart = np.abs(fused - composed).max(-1) > 1e-3 * (0.1 + composed.max(-1))
