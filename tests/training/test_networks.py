@@ -261,31 +261,36 @@ def test_memory_is_forgotten_exactly_where_episodes_begin(rng: np.random.Generat
     assert np.all(np.abs(fresh[:, [0, 2]] - value[2:, [0, 2]]) > 1e-4)
 
 
-def test_features_of_any_size_leave_the_memory_open(rng: np.random.Generator):
+@pytest.fixture(scope="module")
+def reader():
+    """An agent that observes everything, a network for it, and its program."""
+    agent = RecurrentAgent.from_specs(SPECS, DRIVE, SMALL)
+    return agent, agent.init_net(jax.random.key(0)), jax.jit(agent.unroll)
+
+
+def test_features_of_any_size_leave_the_memory_open(rng: np.random.Generator, reader):
     """Of agents with many images features grew to 35 in fifty steps, and seven in eight numbers of memory were at 1."""
     obs, begins = observations(rng, 1, 6), jnp.ones((1, 6), bool)
-    agent = RecurrentAgent.from_specs(SPECS, MOVES, SMALL)
-    net = agent.init_net(jax.random.key(0))
+    agent, given, read = reader
+    net = jax.tree.map(lambda x: x, given)
     last = max(
         (name for name in net["params"]["Encoder_0"] if name.startswith("Dense")), key=lambda name: int(name[6:])
     )
     net["params"]["Encoder_0"][last]["kernel"] *= 10.0  # so that they are well above what the norm adds against zero
     large = jax.tree.map(lambda x: x, net)
     large["params"]["Encoder_0"][last]["kernel"] *= 1000.0
-    read = jax.jit(agent.unroll)
     found = read(net, agent.initial_memory(6), obs, begins)
     for own, other in zip(read(large, agent.initial_memory(6), obs, begins), found, strict=True):
         np.testing.assert_allclose(own, other, rtol=1e-3, atol=1e-4)
     assert np.std(found[0], axis=0).mean() > 0.01
 
 
-def test_every_observation_is_read(rng: np.random.Generator):
-    agent = RecurrentAgent.from_specs(SPECS, DRIVE, SMALL)
-    net, obs = agent.init_net(jax.random.key(0)), observations(rng, 1, 2)
-    begins, memory, read = jnp.ones((1, 2), bool), agent.initial_memory(2), jax.jit(agent.unroll)
+def test_every_observation_is_read(rng: np.random.Generator, reader):
+    agent, net, read = reader
+    obs, begins, memory = observations(rng, 1, 6), jnp.ones((1, 6), bool), agent.initial_memory(6)
     value = read(net, memory, obs, begins)[2]
     for name, x in obs.items():
-        other = observations(np.random.default_rng(1), 1, 2)[name].at[0, 1].set(x[0, 1])
+        other = observations(np.random.default_rng(1), 1, 6)[name].at[0, 1].set(x[0, 1])
         changed = read(net, memory, obs | {name: other}, begins)[2]
         assert abs(changed - value)[0, 0] > 1e-5, name
         assert changed[0, 1] == value[0, 1], name

@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import json
+import shutil
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
@@ -68,13 +69,22 @@ class Counter(PPO):
         return state.replace(net={"count": count}, updates=updates), metrics
 
 
-@pytest.fixture(autouse=True)
-def counting(monkeypatch: pytest.MonkeyPatch, generated_bank):
+@pytest.fixture(scope="module", autouse=True)
+def counting(generated_bank):
     """Runs that count, and write after each update."""
     env = home_mjx.make("PointNav-v0", generated_bank)
-    monkeypatch.setattr(run, "make_env", lambda spec, progress: env)
-    monkeypatch.setattr(run, "LEARNERS", dict.fromkeys(run.LEARNERS, Counter))
-    monkeypatch.setattr(run, "MIN_CHECKPOINT_INTERVAL", 0.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run, "make_env", lambda spec, progress: env)
+        patch.setattr(run, "LEARNERS", dict.fromkeys(run.LEARNERS, Counter))
+        patch.setattr(run, "MIN_CHECKPOINT_INTERVAL", 0.0)
+        yield
+
+
+@pytest.fixture(scope="module")
+def whole(counting, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a run that ended by itself; nobody changes it."""
+    train(folder := tmp_path_factory.mktemp("whole"))
+    return folder
 
 
 def train(out: Path, config: RunConfig = CONFIG, **options: object) -> PPO:
@@ -129,12 +139,10 @@ def test_a_run_takes_its_turn_once_all_is_compiled(tmp_path: Path):
 
 
 @pytest.mark.parametrize("size", [100, 700, 2000])
-def test_a_full_disk_ends_the_run_with_its_reason_and_it_can_go_on(tmp_path: Path, size: int):
+def test_a_full_disk_ends_the_run_with_its_reason_and_it_can_go_on(whole: Path, tmp_path: Path, size: int):
     """tensorboardX's writer died of it in a thread of its own, and the run waited for that thread for ever."""
-    whole, out = tmp_path / "whole", tmp_path / "full"
-    whole.mkdir()
+    out = tmp_path / "full"
     out.mkdir()
-    train(whole)
     assert (whole / "metrics.jsonl").stat().st_size > max(700, size) / 2
     with full_disk(size):
         error = raised_in_time(lambda: train(out))
@@ -210,8 +218,8 @@ def test_a_training_that_diverges_keeps_what_was_good(tmp_path: Path, monkeypatc
     [np.int32(-5), np.int32(10**9), np.array("a"), np.zeros(3, np.int32), np.float32(np.nan), np.array(True)],
     ids=str,
 )
-def test_a_checkpoint_of_odd_updates_is_refused(tmp_path: Path, updates: np.ndarray):
-    train(tmp_path)
+def test_a_checkpoint_of_odd_updates_is_refused(whole: Path, tmp_path: Path, updates: np.ndarray):
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     path = tmp_path / "checkpoint.npz"
     with np.load(path) as file:
         arrays = dict(file)
@@ -243,16 +251,16 @@ def test_metrics_that_are_no_text_are_refused(tmp_path: Path):
         train(tmp_path)
 
 
-def test_a_finished_run_goes_on_to_nothing(tmp_path: Path):
-    train(tmp_path)
+def test_a_finished_run_goes_on_to_nothing(whole: Path, tmp_path: Path):
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     before = {name: (tmp_path / name).read_bytes() for name in ("checkpoint.npz", "metrics.jsonl", "agent.npz")}
     train(tmp_path, resume=True)
     assert {name: (tmp_path / name).read_bytes() for name in before} == before
     assert [json.loads(line)["steps"] for line in before["metrics.jsonl"].splitlines()] == list(range(64, 641, 64))
 
 
-def test_a_state_of_other_parts_is_not_gone_on_with(tmp_path: Path):
-    train(tmp_path)
+def test_a_state_of_other_parts_is_not_gone_on_with(whole: Path, tmp_path: Path):
+    shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     state = Counter(None, SMALL, jax.devices()).init(None, None)
     save_checkpoint(tmp_path / "checkpoint.npz", state.replace(net={"count": jnp.zeros(5)}, updates=3), CONFIG)
     with pytest.raises(DatasetError, match="expected float32"):

@@ -39,7 +39,7 @@ def truth(soup, holes, origin, direction, mask):
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("mask", [1, 2, 3, 4, 7])
+@pytest.mark.parametrize("mask", [3, 4, *(pytest.param(m, marks=pytest.mark.slow) for m in (1, 2, 7))])
 def test_hits_equal_brute_force(case, backend, mask):
     soup, holes, scene, origin, direction = case
     t, doubtful, hole = truth(soup, holes, origin, direction, mask)

@@ -74,8 +74,16 @@ def test_lamps_are_as_bright_as_their_room_says(bank):
     ("look", "options"),
     [
         (AppearanceOverrides(SEED, daylight=jnp.float32(0.25)), {"sun": LIT.sun / 4, "sky": LIT.sky / 4}),
-        (AppearanceOverrides(SEED, exposure=jnp.float32(3.0)), {"exposure": LIT.exposure * 3}),
-        (AppearanceOverrides(SEED, sun_azimuth=jnp.float32(1.0)), {"sun_azimuth": float(np.rad2deg(1.0))}),
+        pytest.param(
+            AppearanceOverrides(SEED, exposure=jnp.float32(3.0)),
+            {"exposure": LIT.exposure * 3},
+            marks=pytest.mark.slow,
+        ),
+        pytest.param(
+            AppearanceOverrides(SEED, sun_azimuth=jnp.float32(1.0)),
+            {"sun_azimuth": float(np.rad2deg(1.0))},
+            marks=pytest.mark.slow,
+        ),
         (AppearanceOverrides(SEED, sun_elevation=jnp.float32(0.7)), {"sun_elevation": float(np.rad2deg(0.7))}),
     ],
     ids=["daylight", "exposure", "azimuth", "elevation"],
