@@ -104,7 +104,7 @@ def test_sound_after_swaps_is_that_of_a_plain_bank(root, tmp_path, monkeypatch):
 
 
 def test_shapes_and_memory_stay(root):
-    with HouseStream(root, IDS, num_slots=NUM_SLOTS, capacity_factor=2.0, bakes=["late_reverb"]) as stream:
+    with HouseStream(root, IDS, num_slots=NUM_SLOTS, capacity_factor=2.0, bakes=[FEW]) as stream:
         old = stream.bank
         run_until(stream, 2)
         assert old.bakes["late_reverb"].level.is_deleted()

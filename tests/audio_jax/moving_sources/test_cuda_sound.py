@@ -128,8 +128,13 @@ def check_late_sound(rng, sources, config):
     np.testing.assert_allclose(got, wanted, rtol=0, atol=2e-5 * np.std(wanted))
 
 
-@pytest.mark.parametrize("seconds", [0.0, 0.15, 0.4])
-@pytest.mark.parametrize(("sources", "receiver"), [(1, "binaural"), (2, "array"), (1, "ambisonics"), (1, "omni")])
+@pytest.mark.parametrize(
+    ("sources", "receiver", "seconds"),
+    [(1, "binaural", 0.0), (1, "binaural", 0.4), (2, "array", 0.15), (1, "ambisonics", 0.15), (1, "omni", 0.15),
+     pytest.param(1, "binaural", 0.15, marks=pytest.mark.slow),
+     *(pytest.param(*case, seconds, marks=pytest.mark.slow)
+       for case in [(2, "array"), (1, "ambisonics"), (1, "omni")] for seconds in (0.0, 0.4))],
+)  # fmt: skip
 def test_late_sound_is_heard_as_by_xla(here, rng, seconds, sources, receiver):
     """With no echoes of the second part, two and four, an odd number of channels, late and early onsets."""
     check_late_sound(rng, sources, moving(receiver, seconds))

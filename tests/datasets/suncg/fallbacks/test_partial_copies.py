@@ -270,13 +270,13 @@ def as_if_real(tmp_path_factory) -> tuple[Path, str]:
     return root, house_id
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=pytest.mark.slow) for s in range(2, 8))])
 def test_random_subsets_of_a_generated_house(as_if_real, tmp_path, seed):
     check_partial(as_if_real[0], tmp_path / "partial", as_if_real[1], seed)
 
 
 @pytest.mark.real
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(s, marks=pytest.mark.slow) for s in range(2, 6))])
 def test_random_subsets_of_the_real_house(suncg_root, tmp_path, seed):
     check_partial(suncg_root, tmp_path / "partial", open_dataset(suncg_root).house_ids[0], seed)
 
