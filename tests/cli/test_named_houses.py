@@ -29,7 +29,7 @@ def specs(monkeypatch: pytest.MonkeyPatch) -> list:
     return found
 
 
-@pytest.mark.parametrize("place", ["HOUSE", "--dataset"])
+@pytest.mark.parametrize("place", ["HOUSE", pytest.param("--dataset", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     "command",
     [["inspect", "--json"], ["inspect", "--semantics"], ["inspect", "--validate"], ["compile", "--mjcf", "OUT"]],

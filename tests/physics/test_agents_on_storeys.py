@@ -17,7 +17,7 @@ from home_mjx.physics import PhysicsConfig, Template, agent_pose
 from home_mjx.scene_compile.pipeline.compile import compile_house
 
 HALF, STEPS = 0.8, 30
-IMPLEMENTATIONS = ["fused", "jax", "c", "kinematic"]
+IMPLEMENTATIONS = ["fused", pytest.param("jax", marks=pytest.mark.slow), "c", "kinematic"]
 
 
 def stepper(template, bank):

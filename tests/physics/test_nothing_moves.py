@@ -60,7 +60,9 @@ def test_axes_are_empty_only_where_they_may_be():
     assert HouseBank.from_compiled([BARE]).physics.body_pos.shape == (1, 0, 3)
 
 
-@pytest.mark.parametrize("impl", ["fused", pytest.param("jax", marks=pytest.mark.slow), "kinematic"])
+@pytest.mark.parametrize(
+    "impl", ["fused", *(pytest.param(impl, marks=pytest.mark.slow) for impl in ("jax", "kinematic"))]
+)
 def test_agents_walk_and_see_without_padding_as_with_it(impl):
     alone, seen = walk(HouseBank.from_compiled([BARE]), impl)
     assert np.ptp(alone[:, :2], axis=0).max() > 0.2

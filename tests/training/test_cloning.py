@@ -95,9 +95,9 @@ def test_advice_beside_rewards_falls_to_nothing(generated_bank, monkeypatch: pyt
     """The gradient is that of PPO's loss plus the advice's times a weight that falls from the start."""
     env = home_mjx.make("PointNav-v0", generated_bank, sensors=("goal",), impl="kinematic", actions="discrete")
     advised = AdvisedPPO(env.core, dataclasses.replace(SMALL, advice_cost=0.25), ONE)
-    state = advised.init(env.params, jax.random.key(0))
+    state = jax.eval_shape(advised.init, env.params, jax.random.key(0))
     assert "expert" in state.actor.env.obs
-    _, metrics = advised.update(env.params, state)
+    _, metrics = jax.eval_shape(advised.update, env.params, state)
     assert {"loss/clone", "loss/agreement", "loss/policy", "loss/entropy"} <= set(metrics)
     monkeypatch.setattr(advised, "apply_net", lambda net, batch: (None, None, jnp.float32(0.0), {}))
     monkeypatch.setattr(advised, "clipped_loss", lambda *read: (jnp.float32(2.0), {}))

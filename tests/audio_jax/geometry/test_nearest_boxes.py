@@ -72,7 +72,7 @@ def test_they_are_those_of_the_shortest_paths(problem, rng, choose):
         assert length[nearest[env]].max() < np.sort(length)[7] + 0.15
 
 
-@pytest.mark.parametrize("count", [1, 24, 340])
+@pytest.mark.parametrize("count", [1, 24, pytest.param(340, marks=pytest.mark.slow)])
 def test_the_kernel_chooses_what_xla_does(problem, tmp_path, monkeypatch, count):
     """Up to rounding: boxes on the straight line have equal lengths."""
     program = block_program([module.SOURCE], {}, "nearest_boxes", ARGUMENTS)

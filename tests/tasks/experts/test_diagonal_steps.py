@@ -118,8 +118,15 @@ def homes(request) -> HouseBank:
     return load_bank(request.param)
 
 
-@pytest.mark.parametrize("impl", ["kinematic", "fused"])
-@pytest.mark.parametrize("actions", ["continuous", "discrete"])
+@pytest.mark.parametrize(
+    ("impl", "actions"),
+    [
+        ("kinematic", "continuous"),
+        ("fused", "discrete"),
+        pytest.param("kinematic", "discrete", marks=pytest.mark.slow),
+        pytest.param("fused", "continuous", marks=pytest.mark.slow),
+    ],
+)
 def test_agents_pass_between_two_corners(pinched, rng, impl, actions):
     """From both sides, over the diagonal between the blocks: without it the way is more than a metre longer."""
     paths = crossings(pinched, 0, rng, NUM_EPISODES, 1.0)

@@ -36,7 +36,9 @@ class TurningRadio(PointNav):
         )
 
 
-@pytest.mark.parametrize("noises", [None, ContactSoundConfig(num_transients=1, num_sustained=1)])
+@pytest.mark.parametrize(
+    "noises", [None, pytest.param(ContactSoundConfig(num_transients=1, num_sustained=1), marks=pytest.mark.slow)]
+)
 def test_a_radio_that_turns_away_is_heard_by_its_pattern(noises):
     """A cardioid: 1 ahead, 0.5 to the side, nothing behind, which is told."""
     core = HouseholdEnv(make_config(num_sources=2, contact_sounds=noises, **BARE), TurningRadio())

@@ -15,7 +15,12 @@ FEW = {"late": "traced", "num_rays": 8, "num_bounces": 3, "impl": "kinematic", "
 
 
 @pytest.mark.parametrize(
-    "options", [{"sensors": ("audio",)}, {"sensors": ("log_mel",), "motion": True}, {"sensors": ("ear_levels",)}]
+    "options",
+    [
+        {"sensors": ("audio",)},
+        {"sensors": ("log_mel",), "motion": True},
+        pytest.param({"sensors": ("ear_levels",)}, marks=pytest.mark.slow),
+    ],
 )
 def test_a_source_that_no_agent_hears_is_told(options):
     """Walls let nothing through; a source outside is heard by an agent beside it; silence is no source."""
