@@ -18,7 +18,7 @@ from home_mjx.errors import ConfigError
 TEAMS = [(2, "discrete"), (1, "continuous"), (3, "discrete"), (1, "discrete"), (2, "continuous"), (3, "continuous")]
 
 
-@pytest.mark.parametrize(("env_id", "num_agents", "actions"), cases(*TEAMS, fast=2))
+@pytest.mark.parametrize(("env_id", "num_agents", "actions"), cases(*TEAMS))
 def test_pettingzoo_accepts(env_id, num_agents, actions, generated_bank):
     check_pettingzoo(env_id, generated_bank, num_agents=num_agents, actions=actions, impl="fused")
 

@@ -9,10 +9,10 @@ import home_mjx
 CHEAP = {"sensors": ("state",), "episode_length": 5}
 
 
-def cases(*combinations, fast=1):
-    """Parameters: PointNav with every combination, all but the first ones slow. Other ids: `test_checkers.py`."""
+def cases(*combinations):
+    """Parameters: PointNav with every combination, all but the first one slow. Other ids: `test_checkers.py`."""
     return [
-        pytest.param("PointNav-v0", *values, marks=[pytest.mark.slow] * (number >= fast))
+        pytest.param("PointNav-v0", *values, marks=[pytest.mark.slow] * (number > 0))
         for number, values in enumerate(combinations)
     ]
 

@@ -77,7 +77,7 @@ def some_ends(rng, bank, house):
     return here, there, source, listener
 
 
-@pytest.mark.parametrize("max_crossings", [1, 2, 4, 16])
+@pytest.mark.parametrize("max_crossings", [1, 16, *(pytest.param(n, marks=pytest.mark.slow) for n in (2, 4))])
 def test_it_meets_what_single_casts_meet(bank, max_crossings):
     config, rng = (
         AudioConfig(receiver=Omni(), early=EarlyPaths(max_crossings=max_crossings)),

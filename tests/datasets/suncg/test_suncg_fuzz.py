@@ -22,7 +22,7 @@ from fuzz_corpus import (
 from fuzz_strategies import broken_bytes, broken_json, broken_text
 from hypothesis import HealthCheck, given, settings
 
-QUICK = settings(max_examples=12, suppress_health_check=list(HealthCheck))
+QUICK = settings(max_examples=8, suppress_health_check=list(HealthCheck))
 LONG = settings(QUICK, max_examples=int(os.environ.get("HOME_MJX_FUZZ_CASES", "500")))  # for each target
 SLOWEST = 5.0  # [s] of processor time, for one case
 MOST = 400 << 10  # [KiB] by which memory may grow over all cases

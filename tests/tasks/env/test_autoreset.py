@@ -162,7 +162,7 @@ def test_wrong_use_is_refused(core, params):
         env.step(state, jnp.zeros((2, 4)))
 
 
-@pytest.mark.parametrize("impl", ["fused", "kinematic"])
+@pytest.mark.parametrize("impl", ["fused", pytest.param("kinematic", marks=pytest.mark.slow)])
 def test_a_new_episode_begins_with_empty_hands_and_everything_in_its_place(impl):
     """Three agents carry a crate when the episode of the second ends: the others notice nothing."""
     crate = Furniture((0.6, 0.0), size=(0.3, 0.3, 1.7), mass=5.0)

@@ -204,7 +204,10 @@ def test_instructions_are_words_of_the_vocabulary(env):
     assert all(tokenize(text) == tuple(t for t in row if t) for text, row in zip(texts, tokens.tolist(), strict=True))
 
 
-@pytest.mark.parametrize("env_id", ["RoomNav-v0", "ObjectNav-v0", "InstructionFollowing-v0"])
+@pytest.mark.parametrize(
+    "env_id",
+    ["InstructionFollowing-v0", *(pytest.param(f"{n}-v0", marks=pytest.mark.slow) for n in ("RoomNav", "ObjectNav"))],
+)
 def test_ids(env_id, bank):
     sensors = ("state", "goal_words", "instruction")
     env = home_mjx.make(env_id, bank, sensors=sensors, num_tasks=2, impl="kinematic")
