@@ -101,7 +101,6 @@ def test_one_environment_and_nested_batches_are_the_same(world, rng):
     assert_array_equal(jax.jit(step)(house[5], jax.tree.map(lambda x: x[5], state), action[5]), flat[5])
 
 
-@pytest.mark.slow  # those of finite differences have a fast test
 def test_gradients_are_those_of_the_step_in_jax():
     """Of the door that the agent opens, and of its own place along a wall."""
     bank = make_bank(
