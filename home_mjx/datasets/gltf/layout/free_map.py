@@ -52,24 +52,26 @@ def map_storey(triangles: TriangleSet, storey: float) -> FreeMap | None:
     low, cell = _grid(near, yaw)
     spacing = _spacing(near, SAMPLE_SPACING * cell)
     cell = max(cell, spacing / SAMPLE_SPACING)
-    flat = near[abs(near.slope) > 0.7]
-    points = _plan_points(flat, storey, FLOOR_BAND, yaw, spacing)
+    is_flat = abs(near.slope) > 0.7
+    flat, steep = (_sample(near[rows], yaw, spacing) for rows in (is_flat, ~is_flat))
+    points = flat.within(storey, FLOOR_BAND)
     if not len(points):
         return None
     size = np.ceil((points.max(axis=0) - low) / cell).astype(int) + 2 * MARGIN
     low = low - MARGIN * cell
 
-    def cells(part: TriangleSet, band: tuple[float, float]) -> Bool[np.ndarray, "ny nx"]:
+    def cells(band: tuple[float, float], *parts: _Samples) -> Bool[np.ndarray, "ny nx"]:
         """Return the cells with surface at heights `band` above the storey's floor."""
         found = np.zeros((size[1], size[0]), bool)
-        index = np.floor((_plan_points(part, storey, band, yaw, spacing) - low) / cell).astype(int)
-        x, y = index[((index >= 0) & (index < size)).all(axis=1)].T
-        found[y, x] = True
+        for part in parts:
+            index = np.floor((part.within(storey, band) - low) / cell).astype(int)
+            x, y = index[((index >= 0) & (index < size)).all(axis=1)].T
+            found[y, x] = True
         return found
 
-    things = cells(near, FURNITURE_BAND)
-    walls = cells(near, WALL_BAND) | (things & cells(near, LINTEL_BAND))
-    return FreeMap(yaw, low, cell, (cells(flat, FLOOR_BAND) | things) & ~walls)
+    things = cells(FURNITURE_BAND, flat, steep)
+    walls = cells(WALL_BAND, flat, steep) | (things & cells(LINTEL_BAND, flat, steep))
+    return FreeMap(yaw, low, cell, (cells(FLOOR_BAND, flat) | things) & ~walls)
 
 
 def wall_direction(triangles: TriangleSet) -> float:
@@ -105,14 +107,20 @@ def _spacing(triangles: TriangleSet, spacing: float) -> float:
     return spacing
 
 
-def _plan_points(
-    triangles: TriangleSet, storey: float, band: tuple[float, float], yaw: float, spacing: float
-) -> Float[np.ndarray, "p 2"]:
-    """Return points on triangles at heights `band` above a storey's floor, in the plan."""
-    low, high = storey + band[0], storey + band[1]
-    near = triangles.corners[triangles.within(low, high)]
-    if not len(near):
-        return np.zeros((0, 2))
-    points = sample_surface(near, spacing)
-    points = points[(points[:, 1] >= low) & (points[:, 1] <= high)]
-    return to_plan(points, yaw)
+@dataclass(frozen=True)
+class _Samples:
+    """Points on triangles: their heights [m], and their places in the plan."""
+
+    height: Float[np.ndarray, " p"]
+    plan: Float[np.ndarray, "p 2"]
+
+    def within(self, storey: float, band: tuple[float, float]) -> Float[np.ndarray, "p 2"]:
+        """Return the places of the points at heights `band` above a storey's floor."""
+        low, high = storey + band[0], storey + band[1]
+        return self.plan[(self.height >= low) & (self.height <= high)]
+
+
+def _sample(triangles: TriangleSet, yaw: float, spacing: float) -> _Samples:
+    """Return points on triangles."""
+    points = sample_surface(triangles.corners, spacing) if len(triangles) else np.zeros((0, 3))
+    return _Samples(points[:, 1], to_plan(points, yaw))
