@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from home_mjx.geometry.cells import unique_cells
 from home_mjx.schema.compiled import BVH, Instances, Model
@@ -17,6 +17,7 @@ _QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2
 FACE_NORMALS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]], float)
 MIN_CREASE_COSINE = np.cos(np.deg2rad(40.0))  # cosine of the crease angle; sharper edges are not smoothed
 WELD_DISTANCE = 1e-4  # [m], corners in the same grid cell of this size are merged
+MAX_PAIRS = 1 << 20  # number of pairs of faces that are compared at a time
 MAX_CORNER_FACES = 64  # maximum faces around a smoothed corner; more indicate foliage, not a surface
 INSTANCE_BOX_MARGIN = 1e-4  # [m], margin of boxes; rays intersect instances in local frames, with other rounding errors
 
@@ -170,14 +171,24 @@ def crease_normals(triangles: Float[np.ndarray, "t 3 3"]) -> Float[np.ndarray, "
     length = np.linalg.norm(area, axis=1, keepdims=True)
     flat = np.divide(area, length, out=np.zeros_like(area), where=length > 0)
     corner, other = _neighbours(triangles)
-    face = corner // 3
-    joined = np.einsum("ni,ni->n", flat[face], flat[other]) > MIN_CREASE_COSINE
+    joined = _are_smooth(flat, corner // 3, other)
     total = np.zeros((len(triangles) * 3, 3))
     for axis in range(3):
         total[:, axis] = np.bincount(corner[joined], area[other[joined], axis], len(total))
     size = np.linalg.norm(total, axis=1, keepdims=True)
     smooth = np.divide(total, size, out=np.repeat(flat, 3, axis=0), where=size > 1e-12)
     return smooth.reshape(-1, 3, 3)
+
+
+def _are_smooth(
+    normal: Float[np.ndarray, "t 3"], face: Int[np.ndarray, " n"], other: Int[np.ndarray, " n"]
+) -> Bool[np.ndarray, " n"]:
+    """Return whether pairs of faces differ by less than the crease angle; some pairs at a time, to save memory."""
+    found = np.zeros(len(face), bool)
+    for start in range(0, len(face), MAX_PAIRS):
+        rows = slice(start, start + MAX_PAIRS)
+        found[rows] = np.einsum("ni,ni->n", normal[face[rows]], normal[other[rows]]) > MIN_CREASE_COSINE
+    return found
 
 
 def _neighbours(triangles: Float[np.ndarray, "t 3 3"]) -> tuple[Int[np.ndarray, " n"], Int[np.ndarray, " n"]]:

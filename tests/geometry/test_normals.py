@@ -6,6 +6,7 @@ import trimesh
 
 from home_mjx.datasets.suncg.formats.obj import read_obj
 from home_mjx.datasets.suncg.formats.texture_paths import TextureLookup
+from home_mjx.geometry import meshes
 from home_mjx.geometry.meshes import box_triangles, crease_normals
 from home_mjx.scene_compile.objects.placed_objects import library_model
 
@@ -52,6 +53,13 @@ def test_triangles_without_area_have_no_normal_and_spoil_none():
     normals = crease_normals(flat_one)
     assert (normals[0] == 0).all()
     np.testing.assert_array_equal(normals[1], [[0, 0, 1]] * 3)
+
+
+def test_normals_do_not_depend_on_how_many_pairs_are_compared_at_a_time(monkeypatch):
+    triangles = trimesh.creation.cylinder(1, 2, sections=24).triangles
+    whole = crease_normals(triangles)
+    monkeypatch.setattr(meshes, "MAX_PAIRS", 7)
+    np.testing.assert_array_equal(crease_normals(triangles), whole)
 
 
 def test_no_triangles():
