@@ -46,7 +46,7 @@ def _power(prim: Any, matrix: Matrix, unit: float) -> float:
     """Return the power of a light [W]; 0 unless it is positive and finite."""
     exposure = np.clip(_number(prim, "exposure", 0.0), -MAX_EXPOSURE, MAX_EXPOSURE)
     nits = _number(prim, "intensity", 1.0) * 2.0**exposure * float(_color(prim).max())
-    flag = at_start(prim.GetAttribute("inputs:normalize"))
+    flag = at_start(_attribute(prim, "normalize"))
     power = np.pi * nits * (unit**2 if flag else _area(prim, matrix)) / LUMENS_PER_WATT
     return float(min(power, MAX_POWER)) if np.isfinite(power) and power > 0 else 0.0
 
@@ -75,9 +75,9 @@ def _light(prim: Any, matrix: Matrix, power: float) -> Light:
 
 def _color(prim: Any) -> Float[np.ndarray, "3"]:
     """Return the linear colour of a light, from its temperature if it enables that."""
-    value = at_start(prim.GetAttribute("inputs:color"))
+    value = at_start(_attribute(prim, "color"))
     color = np.clip(np.nan_to_num(np.array(value if value is not None else (1, 1, 1), float)), 0, MAX_COLOR)
-    if at_start(prim.GetAttribute("inputs:enableColorTemperature")):
+    if at_start(_attribute(prim, "enableColorTemperature")):
         kelvin = float(np.clip(_number(prim, "colorTemperature", 6500.0), 1000, 10000))
         color = color * np.array(pxr("UsdLux").BlackbodyTemperatureAsRgb(kelvin), float)
     return color
@@ -85,5 +85,12 @@ def _color(prim: Any) -> Float[np.ndarray, "3"]:
 
 def _number(prim: Any, name: str, default: float) -> float:
     """Return a number of a light; the default if it is absent or not finite."""
-    value = at_start(prim.GetAttribute(f"inputs:{name}"))
+    value = at_start(_attribute(prim, name))
     return float(value) if value is not None and np.isfinite(value) else default
+
+
+def _attribute(prim: Any, name: str) -> Any:
+    """Return an attribute of a light; that without `inputs:`, as before USD 21.02, if only it has a value."""
+    found, old = prim.GetAttribute(f"inputs:{name}"), prim.GetAttribute(name)
+    is_stated = old and old.HasAuthoredValue() and not found.HasAuthoredValue()
+    return old if is_stated and old.GetTypeName() == found.GetTypeName() else found

@@ -527,3 +527,16 @@ def test_bytes_that_are_no_text_are_located(tmp_path):
     path.write_bytes(b'#usda 1.0\ndef \x9c "a" {}\n')
     with pytest.raises(DatasetError, match="not UTF-8"):
         open_scene(path)
+
+
+def test_lights_from_before_inputs_had_a_prefix_have_the_same_power(tmp_path):
+    new = 'def RectLight "a" {\nfloat inputs:width = 2\nfloat inputs:intensity = 50\n'
+    new += "color3f inputs:color = (1, 0.5, 0)\n}"
+    powers = []
+    for name, text in (("new", new), ("old", new.replace("inputs:", ""))):
+        reader = PrimReader(open_scene(write(tmp_path / f"{name}.usda", text)))
+        list(reader.read())
+        (light,) = read_lights(reader.lights, 1.0, {})
+        powers.append((light.light.power, light.light.color))
+    assert powers[0] == powers[1]
+    assert powers[0][0] == pytest.approx(np.pi * 50 * 2 / 683)
