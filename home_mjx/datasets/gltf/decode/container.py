@@ -244,7 +244,9 @@ def _split_glb(path: Path, data: bytes) -> tuple[bytes, bytes | None]:
 
 def _parse(path: Path, data: bytes) -> JsonValue:
     """Parse the JSON part of a document."""
-    length = len(data) if len(data) <= MAX_JSON_BYTES else len(DATA_TEXT.sub(b"", data))
+    length = len(data)
+    if length > MAX_JSON_BYTES:
+        length -= sum(found.end() - found.start() for found in DATA_TEXT.finditer(data))
     if length > MAX_JSON_BYTES:
         raise DatasetError(
             f"JSON part has {length} bytes without embedded files, at most {MAX_JSON_BYTES} are read", file=path
