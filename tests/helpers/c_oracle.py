@@ -242,14 +242,15 @@ def _compiled():
         (pos, quat, half), (valid, size, mass, inertia, surface), table, door, ramps = house
         load_agents(work, _at(table))
         bodies = ints(valid.ctypes.data), _at(size), _at(mass), _at(inertia), _at(surface)
-        load_house(work, (_at(pos), _at(quat), _at(half)), bodies, _at(door))
+        load_house(work, (_at(pos), _at(half)), bodies, _at(door))
         before = _at(state[0]), _at(state[1]), _at(state[2])
         after = _at(out[0]), _at(out[1]), _at(out[2])
         action, held, grip, goal = control
         driven = _at(action), ints(held.ctypes.data), _at(grip), _at(goal)
         touched, lost, push, other = report
         said = ints(touched.ctypes.data), ints(lost.ctypes.data), _at(push), ints(other.ctypes.data)
-        step_env(work, numbers, (0.0, _at(ramps.reshape(-1)), len(ramps)), before, driven, after, said)
+        ground = 0.0, _at(ramps.reshape(-1)), len(ramps), _at(quat)
+        step_env(work, numbers, ground, before, driven, after, said)
         count, steps = work.counts[NUM_CONTACTS], work.counts[NEWTON_STEPS]
         free_workspace(work)
         return count, steps

@@ -159,7 +159,7 @@ def _step_chunk(frame, chunk):
         )
         held = int_row(frame, HELD, env)
         control = float_row(frame, ACTION, env), held, float_row(frame, GRIP, env), float_row(frame, GOAL, env)
-        ground = floor[own], float_row(frame, RAMP, own), ramps
+        ground = floor[own], float_row(frame, RAMP, own), ramps, float_row(frame, COLLIDER_QUAT, own)
         step_env(work, given, ground, before, control, after, report)
     free_workspace(work)
 
@@ -168,11 +168,7 @@ def _step_chunk(frame, chunk):
 @no_type_check
 def _load_house(frame, work, house):
     """Load row `house` of the shared operands into the workspace, see `step.load_house`; the index is not checked."""
-    static = (
-        float_row(frame, COLLIDER_POS, house),
-        float_row(frame, COLLIDER_QUAT, house),
-        float_row(frame, COLLIDER_HALF, house),
-    )
+    static = float_row(frame, COLLIDER_POS, house), float_row(frame, COLLIDER_HALF, house)
     valid = int_row(frame, BODY_VALID, house)
     bodies = (
         valid,

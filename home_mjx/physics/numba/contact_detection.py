@@ -10,9 +10,11 @@ from home_mjx.physics.base.doors import DOOR_COLUMNS, TRAY_BOXES, TRAY_ROWS
 from home_mjx.physics.base.state import FLOOR, STATIC
 from home_mjx.physics.numba.box_box import box_box
 from home_mjx.physics.numba.capsule import capsule_box, capsule_capsule
+from home_mjx.physics.numba.integration import write_rotation
 from home_mjx.physics.numba.params import AGENT_COLUMNS, JOINT_LIMIT, MAX_NEAR_BOXES, SLEEPING_BODY
-from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
+from home_mjx.physics.numba.workspace import NUM_CLOSE, NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 
+SPHERE_TOLERANCE = 1e-6  # [m], enlarges bounding spheres beyond errors of rounding
 NEAR_DISTANCE = 0.1  # [m], maximum distance of listed static boxes, and displacement after which the list is rebuilt
 
 DOOR_LOW_COLUMN = 11  # column of a door's minimum coordinate; the maximum follows
@@ -22,21 +24,26 @@ compiled = compile_inner()
 
 @compiled
 @no_type_check
-def find_contacts(work, numbers, floor):
+def find_contacts(work, numbers, floor, static_quat):
     """Write an environment's contacts, with its floor at `floor` [m], to `work`; set `wakes` of touched sleepers.
 
+    `static_quat` (c, 4) has the unit quaternions wxyz of the static boxes.
     `first` is an awake body; of two awake ones, that of lower index. Doors touch agents, bodies and their joint limits
     only. Beyond `most_points`, contacts are dropped and `POINT_OVERFLOW` is set; flags are never cleared here. Poses,
-    also of sleepers, must be up to date.
+    also of sleepers, and the list `close` must be up to date.
     """
     work.counts[NUM_CONTACTS] = 0
-    for m in range(work.num_dynamic):
+    for i in range(work.counts[NUM_CLOSE]):
+        m = work.close[i]
         if work.awake[m]:
             if m < work.num_free:
-                _add_house_contacts(work, numbers, m, floor)
+                _add_house_contacts(work, numbers, m, floor, static_quat)
             else:
                 _add_limit_contacts(work, m)
-            for other in range(work.num_free if m >= work.num_free else work.num_dynamic):
+            for j in range(work.counts[NUM_CLOSE]):
+                other = work.close[j]
+                if other >= work.num_free and m >= work.num_free:
+                    break
                 if work.awake[other] and other < m:
                     _add_body_contacts(work, other, m)
                 elif work.exists[other] and not work.awake[other]:
@@ -45,12 +52,12 @@ def find_contacts(work, numbers, floor):
 
 @compiled
 @no_type_check
-def _add_house_contacts(work, numbers, m, floor):
+def _add_house_contacts(work, numbers, m, floor, static_quat):
     """Add contacts of agent or body `m` with the floor at height `floor` [m] and with nearby static boxes.
 
     Their list is updated before, see `_update_near_boxes`.
     """
-    _update_near_boxes(work, m)
+    _update_near_boxes(work, m, static_quat)
     if m < work.num_agents:
         _add_agent_floor_contact(work, m, floor)
     else:
@@ -92,19 +99,22 @@ def invalidate_near_boxes(work):
 
 @compiled
 @no_type_check
-def _update_near_boxes(work, m):
+def _update_near_boxes(work, m, static_quat):
     """List static boxes within `NEAR_DISTANCE` of body `m`, by `are_boxes_apart`, if it moved that far or has no list.
 
     Of more than `MAX_NEAR_BOXES`, it lists the first by index, not the nearest, and sets `STATIC_OVERFLOW`. Missing
-    boxes (negative half extents) are skipped.
+    boxes are skipped. A box is turned by `static_quat` when a body is near for the first time: few ever are.
     """
     if work.num_near[m] >= 0 and _max_displacement(work, m) < NEAR_DISTANCE:
         return
     count = 0
     reach = work.radius[m] + NEAR_DISTANCE
     for c in range(work.num_static):
-        if work.static_half[3 * c] < 0:
+        if work.static_radius[c] < 0 or not _is_sphere_near(work, m, c, reach):
             continue
+        if not work.turned[c]:
+            write_rotation(offset_pointer(static_quat, 4 * c), offset_pointer(work.static_rot, 9 * c))
+            work.turned[c] = 1
         square = 0.0
         for k in range(3):
             along = 0.0
@@ -126,6 +136,21 @@ def _update_near_boxes(work, m):
         work.near_from[12 * m + k] = work.pos[3 * m + k]
         for j in range(3):
             work.near_from[12 * m + 3 + 3 * k + j] = work.rot[9 * m + 3 * k + j]
+
+
+@compiled
+@no_type_check
+def _is_sphere_near(work, m, c, reach):
+    """Return whether the bounding sphere of static box `c` is less than `reach` [m] from the centre of body `m`.
+
+    Boxes closer than `reach` are never left out: the sphere counts as 1 µm larger than it is.
+    """
+    square = 0.0
+    for k in range(3):
+        step = work.pos[3 * m + k] - work.static_pos[3 * c + k]
+        square += step * step
+    far = work.static_radius[c] + reach + SPHERE_TOLERANCE
+    return square < far * far
 
 
 @compiled

@@ -14,14 +14,16 @@ from home_mjx.core.native.memory import offset_pointer
 from home_mjx.physics.base.servo import NOT_DRIVEN
 from home_mjx.physics.base.state import MIN_AWAKE_ACCELERATION
 from home_mjx.physics.numba.contact_detection import (
+    SPHERE_TOLERANCE,
     are_boxes_apart,
     do_spheres_overlap,
     num_parts,
     part_center,
     part_half,
 )
-from home_mjx.physics.numba.workspace import num_contact_dofs
+from home_mjx.physics.numba.workspace import NUM_CLOSE, num_contact_dofs
 
+CLOSE_DISTANCE = 0.3  # [m], gap of bounding spheres beyond which bodies are not close
 WAKE_DISTANCE = 0.01  # [m], distance within which agents and moving bodies wake others, at zero speed
 
 compiled = compile_inner()
@@ -68,8 +70,10 @@ def _is_at_rest(work, m):
 def _wake(work, m):
     """Mark body or door `m` as awake and not calm, and clear its `wakes`.
 
-    Overwrite its vertical acceleration, or its joint's, by a tiny value, so that its state does not read as asleep.
+    Overwrite its vertical acceleration, or its joint's, by a tiny value, so that its state does not read as asleep. The
+    list of `update_close_bodies` is then outdated.
     """
+    work.counts[NUM_CLOSE] = -1
     work.awake[m], work.calm[m], work.wakes[m] = 1, 0, 0
     work.acc[6 * m + (2 if m < work.num_free else 0)] = -MIN_AWAKE_ACCELERATION
 
@@ -94,21 +98,78 @@ def wake_near_bodies(work, numbers):
 
     They are within `WAKE_DISTANCE` plus at least twice the way of its fastest point in a step. Agents wake bodies also
     while they stand still. Doors do not wake doors. Bodies that are woken here wake no others before the next call.
-    Poses of sleepers must be up to date, see `update_poses`.
+    Poses of sleepers must be up to date, see `update_poses`. The list `close` is up to date afterwards.
     """
-    for m in range(work.num_dynamic):
+    update_close_bodies(work, numbers)
+    for i in range(work.counts[NUM_CLOSE]):
+        m = work.close[i]
         if work.awake[m] and (m < work.num_agents or not work.calm[m]):
-            speed = offset_pointer(work.vel, 6 * m)
-            if m < work.num_free:
-                fast = _length(speed, 0) + _length(speed, 3) * work.radius[m]
-            else:
-                fast = 2 * abs(speed[0]) * work.radius[m]
-            reach = WAKE_DISTANCE + 2 * numbers.sim_dt * fast
-            for other in range(work.num_agents, work.num_dynamic):
+            reach = _wake_reach(work, numbers, m)
+            for j in range(work.counts[NUM_CLOSE]):
+                other = work.close[j]
                 sleeps = work.exists[other] and not work.awake[other] and (m < work.num_free or other < work.num_free)
                 if sleeps and _is_near(work, m, other, reach):
                     work.wakes[other] = 1
     wake_touched_bodies(work)
+    update_close_bodies(work, numbers)
+
+
+@compiled
+@no_type_check
+def _wake_reach(work, numbers, m):
+    """Return the distance within which awake body `m` wakes others [m]."""
+    speed = offset_pointer(work.vel, 6 * m)
+    if m < work.num_free:
+        fast = _length(speed, 0) + _length(speed, 3) * work.radius[m]
+    else:
+        fast = 2 * abs(speed[0]) * work.radius[m]
+    return WAKE_DISTANCE + 2 * numbers.sim_dt * fast
+
+
+@compiled
+@no_type_check
+def update_close_bodies(work, numbers):
+    """List in `close`, in ascending order, the awake bodies and those that they might wake or touch, if outdated.
+
+    Bounding spheres of others are at least `CLOSE_DISTANCE` and `_wake_reach` away from those of all awake bodies. The
+    list is outdated after a body has woken (`counts[NUM_CLOSE]` is -1), and when the way of one since then and its
+    present `_wake_reach` exceed `CLOSE_DISTANCE`. Parked bodies and doors are not listed. Poses of sleepers must be up
+    to date.
+    """
+    if work.counts[NUM_CLOSE] >= 0 and not _is_far_from_list(work, numbers):
+        return
+    for m in range(work.num_dynamic):
+        work.is_close[m] = work.awake[m]
+    for m in range(work.num_dynamic):
+        if work.awake[m]:
+            for k in range(3):
+                work.close_from[3 * m + k] = work.pos[3 * m + k]
+            reach = CLOSE_DISTANCE + _wake_reach(work, numbers, m)
+            for other in range(work.num_agents, work.num_dynamic):
+                if work.exists[other] and not work.is_close[other]:
+                    work.is_close[other] = 1 if do_spheres_overlap(work, m, other, reach) else 0
+    count = 0
+    for m in range(work.num_dynamic):
+        if work.is_close[m]:
+            work.close[count] = m
+            count += 1
+    work.counts[NUM_CLOSE] = count
+
+
+@compiled
+@no_type_check
+def _is_far_from_list(work, numbers):
+    """Return whether an awake body may wake or touch a body that `close` lacks; NaN counts as far."""
+    for i in range(work.counts[NUM_CLOSE]):
+        m = work.close[i]
+        if work.awake[m]:
+            square = 0.0
+            for k in range(3):
+                step = work.pos[3 * m + k] - work.close_from[3 * m + k]
+                square += step * step
+            if not square**0.5 + _wake_reach(work, numbers, m) < CLOSE_DISTANCE - SPHERE_TOLERANCE:
+                return True
+    return False
 
 
 @compiled

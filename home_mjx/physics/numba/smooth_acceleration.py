@@ -16,7 +16,7 @@ compiled = compile_inner()
 @compiled
 @no_type_check
 def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
-    """Compute `smooth`, the accelerations without contact, of all dynamic bodies, also of sleeping and parked ones.
+    """Compute `smooth`, the accelerations without contact, of all dynamic bodies that are awake.
 
     `control` is actions (a, 3), movable bodies held by the agents (a; -1 none; not checked), grips (a, 7) and goals of
     the doors (h). `ramp` has `num_ramps` rows of `bank.physics.ramp`. `rot` must be up to date. If several agents hold
@@ -27,12 +27,14 @@ def compute_smooth_accelerations(work, numbers, control, ramp, num_ramps):
         _drive_agent(work, numbers, a, offset_pointer(action, 3 * a))
         _hold_on_ramp(work, numbers, a, ramp, num_ramps)
     for m in range(work.num_agents, work.num_free):
-        _accelerate_free_body(work, numbers, m)
+        if work.awake[m]:
+            _accelerate_free_body(work, numbers, m)
     for a in range(work.num_agents):
         if held[a] >= 0:
             _pull_held_body(work, numbers, a, work.num_agents + held[a], offset_pointer(grip, 7 * a))
     for m in range(work.num_free, work.num_dynamic):
-        _drive_door(work, numbers, m, goal[m - work.num_free])
+        if work.awake[m]:
+            _drive_door(work, numbers, m, goal[m - work.num_free])
 
 
 @compiled

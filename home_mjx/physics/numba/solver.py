@@ -69,7 +69,8 @@ def _find_islands(work):
             a, b = _root(work, work.first[n]), _root(work, work.second[n])
             work.island[max(a, b)] = min(a, b)
     for m in range(work.num_dynamic):
-        work.island[m] = _root(work, m)
+        if work.awake[m]:
+            work.island[m] = _root(work, m)
 
 
 @compiled

@@ -10,12 +10,12 @@ from home_mjx.physics.base.doors import DOOR_COLUMNS, TRAY_ROWS
 from home_mjx.physics.base.state import FLOOR, MIN_SUPPORT_NORMAL, STATIC
 from home_mjx.physics.numba.constraint import contact_velocity, edge_value, make_rows, num_rows
 from home_mjx.physics.numba.contact_detection import find_contacts, invalidate_near_boxes, num_parts, tray_box
-from home_mjx.physics.numba.integration import integrate, update_poses, write_rotation
+from home_mjx.physics.numba.integration import integrate, update_poses
 from home_mjx.physics.numba.params import AGENT_COLUMNS, JOINT_LIMIT, SLEEPING_BODY, SURFACE_COLUMNS
 from home_mjx.physics.numba.sleep import mark_moving, mark_sleeping, put_to_sleep, wake_near_bodies, wake_touched_bodies
 from home_mjx.physics.numba.smooth_acceleration import compute_smooth_accelerations
 from home_mjx.physics.numba.solver import solve
-from home_mjx.physics.numba.workspace import NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
+from home_mjx.physics.numba.workspace import NUM_CLOSE, NUM_CONTACTS, POINT_OVERFLOW, STATIC_OVERFLOW
 
 compiled = compile_inner()
 
@@ -25,19 +25,19 @@ compiled = compile_inner()
 def load_house(work, static, bodies, door):
     """Copy a house's static boxes, bodies and doors to `work`; negative half extents mark missing boxes and doors.
 
-    `static` is position, unit quaternion and half extents of the static boxes; `bodies` validity, half extents, mass,
+    `static` is position and half extents of the static boxes; `bodies` validity, half extents, mass,
     inertia and `reference_surfaces` of the movable bodies; `door` has rows of `door_table`, then of `tray_table`.
-    Rotations, bounding radii and inverse masses are derived; rotations of missing boxes are not written. Factors of
-    `scale_bodies` are undone.
+    Bounding radii and inverse masses are derived; rotations of static boxes are derived when a body is near, see
+    `contact_detection`. Factors of `scale_bodies` are undone.
     """
-    collider_pos, collider_quat, collider_half = static
+    collider_pos, collider_half = static
     body_valid, body_size, body_mass, body_inertia, body_surface = bodies
-    for i in range(3 * work.num_static):
-        work.static_pos[i] = collider_pos[i]
-        work.static_half[i] = collider_half[i]
     for c in range(work.num_static):
-        if collider_half[3 * c] >= 0:
-            write_rotation(offset_pointer(collider_quat, 4 * c), offset_pointer(work.static_rot, 9 * c))
+        square = 0.0
+        for k in range(3):
+            work.static_pos[3 * c + k], work.static_half[3 * c + k] = collider_pos[3 * c + k], collider_half[3 * c + k]
+            square += work.static_half[3 * c + k] * work.static_half[3 * c + k]
+        work.turned[c], work.static_radius[c] = 0, sqrt(square) if collider_half[3 * c] >= 0 else -1.0
     for m in range(work.num_agents, work.num_free):
         b = m - work.num_agents
         work.exists[m] = 1 if body_valid[b] else 0
@@ -131,7 +131,8 @@ def step_env(work, numbers, ground, state, control, result, report):
     Args:
         work: Arrays, see `workspace.Workspace`.
         numbers: See `params.StepParams`.
-        ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), and their number.
+        ground: Height of the floor [m], ramps (r, RAMP_COLUMNS), their number, and unit quaternions wxyz of the static
+            boxes (c, 4).
         state: qpos, qvel and the last accelerations, flat as in the template.
         control: Actions (a, 3), clipped to [-1, 1]; held bodies (a), indices of movable bodies, -1 none; grips (a, 7);
             goals of the doors (h).
@@ -141,19 +142,20 @@ def step_env(work, numbers, ground, state, control, result, report):
             strongest contact [m] (m, 4), 0 without any; the partner in that contact (m), a code of `base.state`.
             A body gets no impulse while it sleeps.
     """
-    floor, ramp, num_ramps = ground
+    floor, ramp, num_ramps, static_quat = ground
     qpos, qvel, qacc = state
     touched, lost, push, other = report
     _load(work, qpos, qvel, qacc)
     invalidate_near_boxes(work)
     work.counts[STATIC_OVERFLOW] = work.counts[POINT_OVERFLOW] = 0
     _clear_report(work, touched, push, other)
+    work.counts[NUM_CLOSE] = -1
     mark_sleeping(work, numbers, control[1], control[3])
     for substep in range(int(numbers.substeps)):
         update_poses(work, substep == 0)
         wake_near_bodies(work, numbers)
         compute_smooth_accelerations(work, numbers, control, ramp, num_ramps)
-        find_contacts(work, numbers, floor)
+        find_contacts(work, numbers, floor, static_quat)
         make_rows(work, numbers)
         solve(work, numbers)
         integrate(work, numbers)

@@ -24,7 +24,7 @@ from home_mjx.physics.numba.params import (
     SURFACE_COLUMNS,
 )
 
-NUM_CONTACTS, STATIC_OVERFLOW, POINT_OVERFLOW, NEWTON_STEPS = range(4)  # indices in `counts`
+NUM_CONTACTS, STATIC_OVERFLOW, POINT_OVERFLOW, NEWTON_STEPS, NUM_CLOSE = range(5)  # indices in `counts`
 
 Pointer = Any  # to float64 or int64
 floats, ints = pointer_to(types.float64), pointer_to(types.int64)
@@ -63,11 +63,16 @@ class Workspace(NamedTuple):
     surface: Pointer  # (m, SURFACE_COLUMNS) see `params.reference_surfaces`; unused except for bodies
     push: Pointer  # (m, 2) contact impulses in a control step: sum, and maximum of one contact in a physics step
     static_pos: Pointer  # (c, 3)
-    static_rot: Pointer  # (c, 3, 3)
+    static_rot: Pointer  # (c, 3, 3), see `turned`
     static_half: Pointer  # (c, 3)
+    static_radius: Pointer  # (c) of the bounding sphere; negative: no box
+    turned: Pointer  # (c) 1: `static_rot` is up to date
     near: Pointer  # (m, MAX_NEAR_BOXES) static boxes near a body
     num_near: Pointer  # (m) number of them; -1 if the list is invalid
     near_from: Pointer  # (m, 12) pose of the body when they were listed
+    close: Pointer  # (m) bodies that are awake, or near one that is, see `sleep.update_close_bodies`
+    is_close: Pointer  # (m) 1: is in this list
+    close_from: Pointer  # (m, 3) centres of awake bodies when it was made
     first: Pointer  # (n) first body of a contact
     second: Pointer  # (n) second body, or a code of `base.state`
     place: Pointer  # (n, 4) position and distance of a contact
@@ -89,7 +94,7 @@ class Workspace(NamedTuple):
     points: Pointer  # (MAX_PAIR_POINTS, 4) contact points of the current pair
     normals: Pointer  # (2, 3) their normals
     center: Pointer  # (3) centre of the current box of a tray
-    counts: Pointer  # (4) number of contacts, overflow flags, Newton steps; see the names above
+    counts: Pointer  # (5) number of contacts, overflow flags, Newton steps, length of `close`; see the names above
 
 
 @compile_inner()
@@ -148,9 +153,14 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static, num_trays):
     static_pos, at = floats(at), at + WORD * (3 * c)
     static_rot, at = floats(at), at + WORD * (9 * c)
     static_half, at = floats(at), at + WORD * (3 * c)
+    static_radius, at = floats(at), at + WORD * c
+    turned, at = ints(at), at + WORD * c
     near, at = ints(at), at + WORD * (MAX_NEAR_BOXES * m)
     num_near, at = ints(at), at + WORD * m
     near_from, at = floats(at), at + WORD * (12 * m)
+    close, at = ints(at), at + WORD * m
+    is_close, at = ints(at), at + WORD * m
+    close_from, at = floats(at), at + WORD * (3 * m)
     first, at = ints(at), at + WORD * n
     second, at = ints(at), at + WORD * n
     place, at = floats(at), at + WORD * (4 * n)
@@ -172,12 +182,13 @@ def _lay_out(at, num_agents, num_bodies, num_doors, num_static, num_trays):
     points, at = floats(at), at + WORD * (4 * MAX_PAIR_POINTS)
     normals, at = floats(at), at + WORD * 6
     center, at = floats(at), at + WORD * 3
-    counts, at = ints(at), at + WORD * 4
+    counts, at = ints(at), at + WORD * 5
     work = Workspace(
-        num_agents, num_agents + num_bodies, m, c, num_trays, n, pos, quat, rot, vel, acc, smooth, half, mass, awake,
-        exists, calm, wakes, inverse, radius, agent, door, surface, push, static_pos, static_rot, static_half, near,
-        num_near, near_from, first, second, place, frame, friction, jacobian, weight, target, active, residual, slope,
-        island, offset, members, rows, hessian, gradient, search, points, normals, center, counts,
+        num_agents, num_agents + num_bodies, m, c, num_trays, n, pos, quat, rot, vel, acc, smooth, half, mass,
+        awake, exists, calm, wakes, inverse, radius, agent, door, surface, push, static_pos, static_rot,
+        static_half, static_radius, turned, near, num_near, near_from, close, is_close, close_from, first,
+        second, place, frame, friction, jacobian, weight, target, active, residual, slope, island, offset,
+        members, rows, hessian, gradient, search, points, normals, center, counts,
     )  # fmt: skip
     return work, at
 
