@@ -59,12 +59,9 @@ def pytest_configure() -> None:
 
     Last, since what is imported before jaxtyping's own hook is not checked.
     """
-    import shared_context
-
     from home_mjx.core.compile_cache import use_compile_cache
 
     use_compile_cache()
-    shared_context.install()
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

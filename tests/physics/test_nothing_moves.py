@@ -54,7 +54,17 @@ def test_axes_are_empty_only_where_they_may_be():
     empty = {name for name, count in capacity_of([BARE]).items() if not count}
     assert (
         empty
-        == {"bodies", "arrangements", "hinged_leaves", "slides", "fronts", "compartments", "tray_boxes", "switches"}
+        == {
+            "bodies",
+            "arrangements",
+            "hinged_leaves",
+            "slides",
+            "fronts",
+            "compartments",
+            "tray_boxes",
+            "switches",
+            "glowing",
+        }
         == {name for name, axis in AXES.items() if axis.optional}
     )
     assert HouseBank.from_compiled([BARE]).physics.body_pos.shape == (1, 0, 3)
