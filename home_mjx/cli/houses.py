@@ -174,7 +174,6 @@ def load_compiled_house(args: argparse.Namespace) -> "CompiledHouse":
 
     Errors are those of `selected_house`, and `DatasetError` if the house is unknown or broken.
     """
-    from home_mjx.houses.house_set import HouseSet
+    from home_mjx.houses.house_cache import load_compiled
 
-    dataset, house_id = selected_house(args)
-    return HouseSet(dataset, (house_id,), options=compile_options(args)).load()[0]
+    return load_compiled(*selected_house(args), options=compile_options(args))
