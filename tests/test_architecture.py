@@ -46,7 +46,7 @@ WITHOUT_JAX = ("schema", "geometry", "datasets", "scene_compile")
 CLOSURES = {
     "home_mjx": 1_500,
     "home_mjx.bank": 6_000,
-    "home_mjx.raycast_render": 12_200,
+    "home_mjx.raycast_render": 12_400,
     "home_mjx.physics": 16_000,
     "home_mjx.audio_jax": 22_800,
     "home_mjx.tasks": 46_400,
