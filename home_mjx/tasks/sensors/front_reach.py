@@ -8,10 +8,9 @@ from home_mjx.bank.bank import HouseBank
 from home_mjx.core.transforms import quat_matrix
 from home_mjx.navigation.compartments import compartment_at, stored_pose
 from home_mjx.physics.base.doors import DoorLeaves
-from home_mjx.raycast_render.casting.cast import cast
 from home_mjx.raycast_render.scene.scene import make_scene
 from home_mjx.raycast_render.scene.types import Scene
-from home_mjx.tasks.sensors.reachability import MIN_VISIBLE_POINTS, is_reachable, pick_points
+from home_mjx.tasks.sensors.reachability import is_in_hand_reach
 from home_mjx.tasks.sensors.visibility import EYE_OFFSETS, is_unobstructed, look_points
 
 NUM_OPENINGS = 8  # number of openings of a front at which agents must be clear of it
@@ -58,7 +57,7 @@ def can_open_from(
     box = front_box(leaves, leaf, closed)
     way = jnp.linspace(0.0, 1.0, NUM_OPENINGS, dtype=jnp.float32) * (wide - closed) + closed
     apart = jnp.min(jax.vmap(lambda at: _leaf_gaps(leaves, leaf, at, eyes))(way), axis=0)
-    reached = jax.vmap(lambda eye: _sees(scene, eye, instance, box, reach))(eyes)
+    reached = jax.vmap(lambda eye: is_in_hand_reach(scene, eye, instance, box, reach))(eyes)
     return reached & (apart > jnp.float32(bank.spec.agent_radius + FRONT_CLEARANCE))
 
 
@@ -92,7 +91,7 @@ def can_take_out_from(
     def takes(eye: Float[Array, "3"]) -> Bool[Array, ""]:
         """Return whether a hand takes the body through the open front."""
         large = jnp.min(apparent_size(eye, boxes[1])) >= jnp.float32(MIN_APPARENT_ANGLE)
-        return large & _sees(wide, eye, instance, boxes[1], reach)
+        return large & is_in_hand_reach(wide, eye, instance, boxes[1], reach)
 
     reached = jax.vmap(jax.vmap(takes))(eyes[:, None] + jnp.asarray(EYE_OFFSETS, jnp.float32))
     ahead = _pull_angles(bank, house, eyes, boxes[1].mean(axis=0), leaf) < jnp.float32(MAX_PULL_ANGLE)
@@ -145,17 +144,6 @@ def _scene(
         pos, quat = pos.at[stored[0]].set(there), quat.at[stored[0]].set(turned)
     nobody = jnp.zeros((0, 3), jnp.float32), jnp.zeros((0, 4), jnp.float32)
     return make_scene(bank, house, pos, quat, *nobody, door_angle=angle)
-
-
-def _sees(
-    scene: Scene, eye: Float[Array, "3"], instance: Int[Array, ""], box: Float[Array, "2 3"], reach: Float[Array, ""]
-) -> Bool[Array, ""]:
-    """Return whether enough `pick_points` of an instance with these bounds [m] are visible and within reach [m]."""
-    way = pick_points(eye, box) - eye
-    way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
-    hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
-    own = (hit.instance == instance) & is_reachable(eye, eye + way * hit.t[:, None], reach)
-    return jnp.sum(own) >= MIN_VISIBLE_POINTS
 
 
 def _leaf_gaps(

@@ -66,6 +66,20 @@ def is_reachable(eye: Float[Array, "3"], points: Float[Array, "p 3"], reach: Dis
     return jnp.all(jnp.isfinite(offset), axis=-1) & (away <= jnp.float32(reach)) & (offset[:, 2] < 0.1) & ~steep
 
 
+def is_in_hand_reach(
+    scene: Scene, eye: Float[Array, "3"], instance: Int[Array, ""], box: Float[Array, "2 3"], reach: Distance
+) -> Bool[Array, ""]:
+    """Return whether at least `MIN_VISIBLE_POINTS` of the `pick_points` of an instance are visible and within reach.
+
+    The bounds of the instance are `box` [m]; `reach` is in [m].
+    """
+    way = pick_points(eye, box) - eye
+    way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
+    hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
+    own = (hit.instance == instance) & is_reachable(eye, eye + way * hit.t[:, None], reach)
+    return jnp.sum(own) >= MIN_VISIBLE_POINTS
+
+
 def free_spots(
     scene: Scene,
     box: Float[Array, "2 3"],
@@ -173,16 +187,7 @@ def can_pick_from(
     At least `MIN_VISIBLE_POINTS` of its `pick_points` must be visible and within `reach` [m].
     """
     scene = make_open_scene(bank, house)
-
-    def one(eye: Float[Array, "3"]) -> Bool[Array, ""]:
-        """Return the result of one eye."""
-        way = pick_points(eye, box) - eye
-        way = way / jnp.linalg.norm(way, axis=-1, keepdims=True)
-        hit = cast(scene, jnp.broadcast_to(eye, way.shape), way)
-        own = (hit.instance == instance) & is_reachable(eye, eye + way * hit.t[:, None], reach)
-        return jnp.sum(own) >= MIN_VISIBLE_POINTS
-
-    return jax.vmap(one)(eyes)
+    return jax.vmap(lambda eye: is_in_hand_reach(scene, eye, instance, box, reach))(eyes)
 
 
 @jax.jit
